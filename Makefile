@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# The one entry point. `make` lists the targets.
+
+PYTHON := .venv/bin/python
+export PATH := $(CURDIR)/.venv/bin:$(PATH):$(HOME)/.cargo/bin
+CARGO := cargo --locked --manifest-path virtual-brick/Cargo.toml
+
+.DEFAULT_GOAL := help
+.PHONY: help
+help: ## List the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+.PHONY: setup
+setup: ## Install what is missing and build what every command needs
+	@tools/setup
+
+.PHONY: demo
+demo: setup ## The paper's vehicle, from motor constants to turning wheels: out/vehicle/report.html
+	@.venv/bin/ravenbrick demo examples/vehicle
+
+.PHONY: test
+test: setup style test-rust test-python ## Run all tests
+
+.PHONY: style
+style: ## Check style, borders between the parts, and generated tables
+	@$(PYTHON) -m tools.tidy
+	@$(PYTHON) -m tools.tables --check
+	@$(PYTHON) -m ruff check --quiet host tools runtime drivers examples virtual-brick/bindings
+	@$(PYTHON) -m mypy --no-error-summary --config-file host/pyproject.toml host/src
+
+.PHONY: test-rust
+test-rust: ## Tests of the virtual brick's crates
+	@$(CARGO) test --quiet --workspace --exclude virtual-brick-python
+
+.PHONY: test-python
+test-python: ## Tests of run-time, drivers, control, tools and the whole drive
+	@$(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests runtime/tests \
+		drivers/tests examples
+
+.PHONY: conformance
+conformance: setup ## Full campaigns against outside truth; writes conformance/results.{json,md}
+	@$(PYTHON) -m conformance.run
+
+.PHONY: bench
+bench: setup ## Ratios measured side by side; writes benchmarks/results.{json,md}
+	@$(PYTHON) -m benchmarks.run
+
+.PHONY: clean
+clean: ## Remove everything that was built (keeps .venv)
+	rm -rf build out virtual-brick/target

@@ -1,0 +1,18 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=bash disable=SC2034
+# What the project needs from outside. Python packages are pinned in tools/requirements.txt,
+# Rust crates in virtual-brick/Cargo.lock.
+DEBIAN_PACKAGES=(
+    gnat-12-arm-linux-gnueabi
+    gcc-arm-none-eabi
+    gprbuild
+    python3-venv
+    gcc
+    libc6-dev
+    make
+    git
+)
+RUST_MINIMUM=1.85.0
+RUST_PACKAGES=(rustc-web cargo-web)
+PYTHON=/usr/bin/python3

@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Write the Markdown tables of `conformance/` and `benchmarks/` from their results files.
+
+`python -m tools.tables` writes them; `--check` fails when a table is not what its file says.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+__all__ = ["AREAS", "benchmark_table", "conformance_table", "merge_rows"]
+
+ROOT = Path(__file__).resolve().parent.parent
+AREAS = (
+    "cpu",
+    "peripherals",
+    "firmware",
+    "plant",
+    "runtime",
+    "drivers",
+    "control",
+    "timing",
+    "tools",
+    "course",
+)
+Row = dict[str, Any]
+
+
+def _check_keys(rows: list[Row], keys: set[str], name: str) -> None:
+    for number, row in enumerate(rows):
+        if set(row) != keys:
+            raise SystemExit(f"{name}: row {number} has the keys {sorted(row)}, not {sorted(keys)}")
+
+
+def _row(cells: list[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def conformance_table(rows: list[Row]) -> str:
+    """Table of suites: cases, passed, excluded with reasons."""
+    _check_keys(rows, {"area", "suite", "case_count", "passed", "excluded"}, "conformance")
+    lines = ["# Conformance", "", "Generated from `results.json` by `make conformance`.", ""]
+    lines += [_row(["Area", "Suite", "Cases", "Passed", "Excluded"]), "|---|---|---:|---:|---|"]
+    for row in sorted(rows, key=lambda r: (AREAS.index(r["area"]), r["suite"])):
+        excluded = "; ".join(f"{e['count']}: {e['reason']}" for e in row["excluded"]) or "none"
+        counts = [str(row["case_count"]), str(row["passed"])]
+        lines.append(_row([row["area"], row["suite"], *counts, excluded]))
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float | int | None) -> str:
+    if value is None:
+        return ""
+    return str(value) if isinstance(value, int) else f"{value:.4g}"
+
+
+def benchmark_table(rows: list[Row]) -> str:
+    """Table of figures beside their peers; a ratio is ours divided by the peer's."""
+    _check_keys(rows, {"figure", "value", "unit", "peer", "peer_value", "ratio"}, "benchmarks")
+    lines = ["# Benchmarks", "", "Generated from `results.json` by `make bench`.", ""]
+    lines += [_row(["Figure", "Value", "Unit", "Peer", "Peer's value", "Ratio"])]
+    lines += ["|---|---:|---|---|---:|---:|"]
+    for row in rows:
+        figures = [_number(row["peer_value"]), _number(row["ratio"])]
+        head = [row["figure"], _number(row["value"]), row["unit"], row["peer"] or ""]
+        lines.append(_row(head + figures))
+    return "\n".join(lines) + "\n"
+
+
+def merge_rows(path: Path, rows: list[Row], key: tuple[str, ...]) -> None:
+    """Replace in the results file the rows with the same key, add the others."""
+    old: list[Row] = json.loads(path.read_text()) if path.exists() else []
+    merged = {tuple(row[k] for k in key): row for row in old + rows}
+    path.write_text(json.dumps(list(merged.values()), indent=1, sort_keys=True) + "\n")
+
+
+TABLES = (
+    (ROOT / "conformance" / "results.json", conformance_table),
+    (ROOT / "benchmarks" / "results.json", benchmark_table),
+)
+
+
+def main(arguments: list[str]) -> int:
+    """Write the tables, or with `--check` compare them."""
+    stale = 0
+    for source, render in TABLES:
+        target = source.with_suffix(".md")
+        text = render(json.loads(source.read_text()))
+        if "--check" not in arguments:
+            target.write_text(text)
+        elif not target.exists() or target.read_text() != text:
+            name = target.relative_to(ROOT)
+            print(f"{name}: differs from its results.json; run 'python -m tools.tables'")
+            stale = 1
+    return stale
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,200 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Style and borders as a test: `python -m tools.tidy` prints what is wrong and where.
+
+Each rule is one function from the tracked files to complaints. ARCHITECTURE.md names the rule
+that enforces each invariant.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+FILE_LINES = 700
+FUNCTION_LINES = 70
+COLUMNS = 100
+BLOB_BYTES = 2_500_000
+SOURCE = {".rs", ".py", ".pyi", ".ads", ".adb", ".gpr", ".cgpr", ".S", ".s", ".ld", ".c", ".h"}
+SOURCE |= {".sh", ".mk"}
+COLUMN_FREE = {".md", ".json", ".toml", ".lock"}
+BANNED = (
+    (r"\bTODO\b|\bFIXME\b|\bXXX\b", "an open end: finish it or write it into an issue"),
+    (r"\.\./shared|/work/(?:main|shared|plan|target)", "a path that a user's clone does not have"),
+    (r"\bset point\b|\bsetpoint voltage\b", "say 'set-point'"),
+    (r"\bruntime library\b", "say 'run-time'"),
+)
+Complaint = tuple[Path, int, str]
+
+
+def tracked_files() -> list[Path]:
+    """Files git knows, as they are in the working tree."""
+    command = ["git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others"]
+    output = subprocess.run(
+        [*command, "--exclude-standard"], capture_output=True, check=True, text=True
+    ).stdout
+    return [ROOT / name for name in output.split("\0") if name and (ROOT / name).is_file()]
+
+
+def is_source(path: Path) -> bool:
+    """Hand-written source: generated C is checked by regeneration instead."""
+    script = path.suffix == "" and path.read_bytes()[:2] == b"#!"
+    named = path.name in {"Makefile"}
+    return (path.suffix in SOURCE or script or named) and "generated" not in path.parts
+
+
+def header(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """Two SPDX lines at the head of each source file."""
+    head = "\n".join(lines[:4])
+    for line in ("SPDX-FileCopyrightText: 2026 Ravenbrick", "SPDX-License-Identifier: Apache-2.0"):
+        if line not in head:
+            yield path, 1, f"the head lacks '{line}'"
+
+
+def lengths(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """Limits of lines and columns."""
+    if len(lines) > FILE_LINES:
+        yield path, len(lines), f"{len(lines)} lines; at most {FILE_LINES}"
+    for number, line in enumerate(lines, 1):
+        if len(line) > COLUMNS and "://" not in line:
+            yield path, number, f"{len(line)} columns; at most {COLUMNS}"
+        if line.rstrip("\r\n") != line.rstrip():
+            yield path, number, "blanks at the end of the line"
+
+
+def banned_words(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """Words and paths that may not occur."""
+    if path.resolve() == Path(__file__).resolve():
+        return
+    for number, line in enumerate(lines, 1):
+        for pattern, reason in BANNED:
+            if re.search(pattern, line):
+                yield path, number, reason
+
+
+def python_functions(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """Length of Python functions."""
+    if path.suffix != ".py":
+        return
+    for node in ast.walk(ast.parse("\n".join(lines))):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            length = (node.end_lineno or node.lineno) - node.lineno + 1
+            if length > FUNCTION_LINES:
+                yield path, node.lineno, f"{node.name}: {length} lines; at most {FUNCTION_LINES}"
+
+
+def _indented_functions(
+    path: Path, lines: list[str], start: str, ends: tuple[str, ...]
+) -> Iterator[Complaint]:
+    opened: list[tuple[str, int]] = []
+    for number, line in enumerate(lines, 1):
+        match = re.match(start, line)
+        if match and not line.rstrip().endswith(";"):
+            opened.append((match.group(1), number))
+        elif opened and any(line.startswith(opened[-1][0] + end) for end in ends):
+            _, first = opened.pop()
+            if number - first + 1 > FUNCTION_LINES:
+                yield path, first, f"{number - first + 1} lines; at most {FUNCTION_LINES}"
+
+
+def rust_functions(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """Length of Rust functions, by rustfmt's indentation."""
+    if path.suffix == ".rs":
+        yield from _indented_functions(
+            path, lines, r"( *)(?:pub(?:\([a-z]+\))? )?(?:const )?fn ", ("}",)
+        )
+
+
+def machine_code(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """Machine code insertions and assembly only in runtime/arm7tdmi (and start-up)."""
+    relative = path.relative_to(ROOT)
+    if path.suffix in {".ads", ".adb"} and relative.parts[:2] != ("runtime", "arm7tdmi"):
+        for number, line in enumerate(lines, 1):
+            if "Machine_Code" in line:
+                yield path, number, "machine code belongs in runtime/arm7tdmi"
+    if path.suffix in {".S", ".s"} and relative.parts[0] not in {"runtime", "conformance"}:
+        yield path, 1, "assembly belongs in runtime/arm7tdmi"
+
+
+def run_time_knows_no_driver(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """Invariant 2: nothing in runtime/ names a package of drivers/."""
+    if path.relative_to(ROOT).parts[0] == "runtime" and path.suffix in {".ads", ".adb"}:
+        for number, line in enumerate(lines, 1):
+            if re.match(r"\s*with NXT\b", line):
+                yield path, number, "the run-time knows nothing of the drivers"
+
+
+CRATE_BORDERS = {
+    "arm7tdmi": set(),
+    "plant": set(),
+    "trace": set(),
+    "at91sam7s": {"arm7tdmi"},
+    "nxt": {"at91sam7s", "plant"},
+    "virtual-brick": {"arm7tdmi", "at91sam7s", "nxt", "plant", "trace"},
+}
+
+
+def crate_borders() -> Iterator[Complaint]:
+    """Invariant 1: which crate may depend on which."""
+    for crate, allowed in CRATE_BORDERS.items():
+        manifest = ROOT / "virtual-brick" / "crates" / crate / "Cargo.toml"
+        dependencies = tomllib.loads(manifest.read_text()).get("dependencies", {})
+        for name in sorted(set(dependencies) & set(CRATE_BORDERS) - allowed):
+            yield manifest, 1, f"the crate {crate} must not know {name}"
+
+
+def no_unsafe(path: Path, lines: list[str]) -> Iterator[Complaint]:
+    """No `unsafe` in the workspace."""
+    if path.suffix == ".rs":
+        for number, line in enumerate(lines, 1):
+            if re.search(r"\bunsafe (?:fn|impl|\{)", line):
+                yield path, number, "unsafe code"
+
+
+def blobs(path: Path) -> Iterator[Complaint]:
+    """No large file by accident."""
+    size = path.stat().st_size
+    if size > BLOB_BYTES:
+        yield path, 1, f"{size} bytes; at most {BLOB_BYTES}"
+
+
+LINE_RULES = (
+    header,
+    lengths,
+    python_functions,
+    rust_functions,
+    machine_code,
+    run_time_knows_no_driver,
+    no_unsafe,
+)
+
+
+def complaints() -> Iterator[Complaint]:
+    """All complaints, in the order of the files."""
+    yield from crate_borders()
+    for path in sorted(tracked_files()):
+        yield from blobs(path)
+        if path.suffix in SOURCE | COLUMN_FREE or is_source(path):
+            yield from banned_words(path, path.read_text().split("\n"))
+        if is_source(path):
+            lines = path.read_text().split("\n")
+            for rule in LINE_RULES:
+                yield from rule(path, lines)
+
+
+def main() -> int:
+    """Print the complaints; 1 when there is one."""
+    found = list(complaints())
+    for path, line, text in found:
+        print(f"{path.relative_to(ROOT)}:{line}: {text}")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
