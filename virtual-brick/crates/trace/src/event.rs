@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Events: what happened, to whom, when; stored in columns.
+
+use crate::error::TraceError;
+
+/// Subject of [`EventKind::ThreadRunning`] when no thread runs.
+pub const IDLE: u32 = u32::MAX;
+
+/// Length of one event packed by [`Events::pack`].
+pub const PACKED_EVENT_LENGTH: usize = 24;
+
+/// What happened. The numbers are part of the packed format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum EventKind {
+    /// The kernel selected a thread: subject is its index, or [`IDLE`].
+    ThreadRunning = 1,
+    /// A thread's state changed: value is the new state.
+    ThreadState = 2,
+    /// A job was released: value is its nominal release in cycles.
+    Release = 3,
+    /// A job ended: value is its nominal release in cycles.
+    Completion = 4,
+    /// The core took an interrupt: subject is its source.
+    InterruptEntered = 5,
+    /// The interrupt handler ended.
+    InterruptLeft = 6,
+    /// The picture changed: value is a digest of the picture, low 63 bits.
+    DisplayChanged = 7,
+    /// A motor command took effect: subject is the motor, value is duty in percent | brake << 8.
+    MotorCommand = 8,
+    /// An input was applied: subject is the index of its name, value the bits of the number.
+    Input = 9,
+    /// The processor clock stopped until the next interrupt.
+    ProcessorStopped = 10,
+    /// The processor clock runs again.
+    ProcessorResumed = 11,
+    /// The supply was switched off.
+    PowerOff = 12,
+}
+
+impl EventKind {
+    /// Every kind, in the order of the numbers.
+    pub const ALL: [Self; 12] = [
+        Self::ThreadRunning,
+        Self::ThreadState,
+        Self::Release,
+        Self::Completion,
+        Self::InterruptEntered,
+        Self::InterruptLeft,
+        Self::DisplayChanged,
+        Self::MotorCommand,
+        Self::Input,
+        Self::ProcessorStopped,
+        Self::ProcessorResumed,
+        Self::PowerOff,
+    ];
+
+    /// The number in the packed format.
+    #[must_use]
+    pub const fn number(self) -> u32 {
+        self as u32
+    }
+
+    /// The name used outside: lower case, words joined by underscores.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ThreadRunning => "thread_running",
+            Self::ThreadState => "thread_state",
+            Self::Release => "release",
+            Self::Completion => "completion",
+            Self::InterruptEntered => "interrupt_entered",
+            Self::InterruptLeft => "interrupt_left",
+            Self::DisplayChanged => "display_changed",
+            Self::MotorCommand => "motor_command",
+            Self::Input => "input",
+            Self::ProcessorStopped => "processor_stopped",
+            Self::ProcessorResumed => "processor_resumed",
+            Self::PowerOff => "power_off",
+        }
+    }
+}
+
+/// One event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// When, in cycles of the master clock.
+    pub at_cycles: u64,
+    /// What.
+    pub kind: EventKind,
+    /// To whom; meaning by kind.
+    pub subject: u32,
+    /// How much; meaning by kind.
+    pub value: i64,
+}
+
+impl Event {
+    /// The packed form: u64 cycles, u32 kind, u32 subject, i64 value, little endian.
+    #[must_use]
+    pub fn packed(&self) -> [u8; PACKED_EVENT_LENGTH] {
+        let mut bytes = [0; PACKED_EVENT_LENGTH];
+        bytes[0..8].copy_from_slice(&self.at_cycles.to_le_bytes());
+        bytes[8..12].copy_from_slice(&self.kind.number().to_le_bytes());
+        bytes[12..16].copy_from_slice(&self.subject.to_le_bytes());
+        bytes[16..24].copy_from_slice(&self.value.to_le_bytes());
+        bytes
+    }
+}
+
+/// Events in the order of time; equal instants keep the order of recording.
+#[derive(Clone, Debug, Default)]
+pub struct Events {
+    at_cycles: Vec<u64>,
+    kinds: Vec<EventKind>,
+    subjects: Vec<u32>,
+    values: Vec<i64>,
+}
+
+impl Events {
+    pub(crate) fn push(&mut self, event: Event, limit: usize) -> Result<(), TraceError> {
+        if self.len() >= limit {
+            return Err(TraceError::TooManyEvents { limit });
+        }
+        if let Some(&previous_cycles) = self.at_cycles.last() {
+            if event.at_cycles < previous_cycles {
+                let at_cycles = event.at_cycles;
+                return Err(TraceError::OutOfOrder {
+                    previous_cycles,
+                    at_cycles,
+                });
+            }
+        }
+        self.at_cycles.push(event.at_cycles);
+        self.kinds.push(event.kind);
+        self.subjects.push(event.subject);
+        self.values.push(event.value);
+        Ok(())
+    }
+
+    /// Number of events.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.at_cycles.len()
+    }
+
+    /// No event was recorded.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.at_cycles.is_empty()
+    }
+
+    /// The events from the first to the last.
+    pub fn iter(&self) -> impl Iterator<Item = Event> + '_ {
+        let columns = self
+            .at_cycles
+            .iter()
+            .zip(&self.kinds)
+            .zip(&self.subjects)
+            .zip(&self.values);
+        columns.map(|(((&at_cycles, &kind), &subject), &value)| Event {
+            at_cycles,
+            kind,
+            subject,
+            value,
+        })
+    }
+
+    /// All events packed one after the other, [`PACKED_EVENT_LENGTH`] bytes each.
+    #[must_use]
+    pub fn pack(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(self.len() * PACKED_EVENT_LENGTH);
+        self.iter()
+            .for_each(|event| bytes.extend_from_slice(&event.packed()));
+        bytes
+    }
+}

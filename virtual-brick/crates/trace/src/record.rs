@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The record of one run.
+
+use crate::error::TraceError;
+use crate::event::{Event, Events};
+use crate::names::Names;
+use crate::signals::Signals;
+
+/// How much a trace may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Events; one takes 21 bytes.
+    pub events: usize,
+    /// Sampled values over all signals; one takes 8 bytes.
+    pub signal_values: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            events: 20_000_000,
+            signal_values: 50_000_000,
+        }
+    }
+}
+
+/// Events, signals and names of one run.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    limits: Limits,
+    events: Events,
+    signals: Signals,
+    names: Names,
+}
+
+impl Trace {
+    /// An empty record.
+    #[must_use]
+    pub fn new(limits: Limits) -> Self {
+        Self {
+            limits,
+            ..Self::default()
+        }
+    }
+
+    /// Append an event.
+    ///
+    /// # Errors
+    /// The limit is reached, or the event lies before the last one.
+    pub fn record(&mut self, event: Event) -> Result<(), TraceError> {
+        self.events.push(event, self.limits.events)
+    }
+
+    /// Declare a signal; its samples start with the next row. Returns its position in a row.
+    /// A name that is declared already keeps its position.
+    pub fn declare_signal(&mut self, name: &str) -> usize {
+        self.signals.declare(name)
+    }
+
+    /// Append one row: a value for each declared signal, in the order of declaration.
+    ///
+    /// # Errors
+    /// The limit is reached, the row lies before the last one or has a wrong length.
+    pub fn sample(&mut self, at_cycles: u64, values: &[f64]) -> Result<(), TraceError> {
+        self.signals
+            .sample(at_cycles, values, self.limits.signal_values)
+    }
+
+    /// The events.
+    #[must_use]
+    pub fn events(&self) -> &Events {
+        &self.events
+    }
+
+    /// The signals.
+    #[must_use]
+    pub fn signals(&self) -> &Signals {
+        &self.signals
+    }
+
+    /// The names of subjects.
+    #[must_use]
+    pub fn names(&self) -> &Names {
+        &self.names
+    }
+
+    /// The names of subjects, to add to.
+    pub fn names_mut(&mut self) -> &mut Names {
+        &mut self.names
+    }
+}
