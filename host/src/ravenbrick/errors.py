@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What can go wrong in the user's hands: one sentence each, and an exit code.
+
+The texts say what was expected and what to do. The command line prints the sentence without a
+traceback and ends with `exit_code`.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from pathlib import Path
+
+__all__ = [
+    "BuildError",
+    "CriteriaError",
+    "DesignError",
+    "ExitCode",
+    "ImageFileError",
+    "ProjectFileError",
+    "RavenbrickError",
+    "RunFaultError",
+    "ScenarioError",
+    "ToolMissingError",
+    "UsageError",
+]
+
+
+class ExitCode(IntEnum):
+    """Exit codes of every command; `meaning` is the documented sentence."""
+
+    meaning: str
+
+    def __new__(cls, value: int, meaning: str) -> ExitCode:
+        """Attach the documented sentence to the code."""
+        member = int.__new__(cls, value)
+        member._value_ = value
+        member.meaning = meaning
+        return member
+
+    OK = 0, "Done."
+    INTERNAL = 1, "A defect of Ravenbrick itself: please report it with the printed text."
+    USAGE = 2, "The command line is wrong: unknown command, option, folder or argument."
+    PROJECT_FILE = 3, "robot.toml or a scenario file is wrong; file, line and field are named."
+    TOOL_MISSING = 4, "A tool or module is missing; run 'make setup' in the repository."
+    BUILD_FAILED = 5, "The compiler, binder or linker reported an error."
+    BAD_IMAGE = 6, "The image is missing, truncated, not for the brick, or too large."
+    RUN_FAULT = 7, "The program stopped with a fault or halted on the brick."
+    CRITERIA_NOT_MET = 8, "The run finished, but a pass criterion of the scenario is not met."
+    SCENARIO_UNREACHABLE = 9, "The scenario cannot happen: file missing, or an instant never comes."
+    DESIGN_FAILED = 10, "design.py failed or left no design behind."
+    INTERRUPTED = 130, "Interrupted from the keyboard."
+
+
+class RavenbrickError(Exception):
+    """An error with a sentence for the user.
+
+    `detail` holds further lines, such as the end of a compiler's output.
+    """
+
+    exit_code = ExitCode.INTERNAL
+
+    def __init__(self, sentence: str, *, detail: str = "") -> None:
+        super().__init__(sentence)
+        self.sentence = sentence
+        self.detail = detail
+
+
+class UsageError(RavenbrickError):
+    """A wrong argument on the command line."""
+
+    exit_code = ExitCode.USAGE
+
+
+class ProjectFileError(RavenbrickError):
+    """A project file is wrong at `line` (1-based) in `field` (dotted path)."""
+
+    exit_code = ExitCode.PROJECT_FILE
+
+    def __init__(self, path: Path, line: int, field: str, problem: str) -> None:
+        place = f"{path}:{line}: " + (f"{field}: " if field else "")
+        super().__init__(place + problem)
+        self.path = path
+        self.line = line
+        self.field = field
+
+
+class ToolMissingError(RavenbrickError):
+    """A program or module that the command needs is not installed."""
+
+    exit_code = ExitCode.TOOL_MISSING
+
+
+class BuildError(RavenbrickError):
+    """The image could not be built."""
+
+    exit_code = ExitCode.BUILD_FAILED
+
+
+class ImageFileError(RavenbrickError):
+    """The image cannot be loaded."""
+
+    exit_code = ExitCode.BAD_IMAGE
+
+
+class RunFaultError(RavenbrickError):
+    """The program did not survive its run."""
+
+    exit_code = ExitCode.RUN_FAULT
+
+
+class CriteriaError(RavenbrickError):
+    """A pass criterion is not met."""
+
+    exit_code = ExitCode.CRITERIA_NOT_MET
+
+
+class ScenarioError(RavenbrickError):
+    """The scenario can never take place as written."""
+
+    exit_code = ExitCode.SCENARIO_UNREACHABLE
+
+
+class DesignError(RavenbrickError):
+    """The controller's design failed."""
+
+    exit_code = ExitCode.DESIGN_FAILED

@@ -1,0 +1,20 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The published JSON schemas of the project files."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from importlib import resources
+from typing import Any
+
+__all__ = ["schema"]
+
+
+@cache
+def schema(name: str) -> dict[str, Any]:
+    """The schema `name` (`robot` or `scenario`)."""
+    text = resources.files(__name__).joinpath(f"{name}.schema.json").read_text("utf-8")
+    loaded: dict[str, Any] = json.loads(text)
+    return loaded
