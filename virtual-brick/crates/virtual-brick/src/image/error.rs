@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Why an image was refused, as sentences for the reader.
+
+use std::fmt;
+
+/// An image that cannot be used, or a name that it does not have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ImageError {
+    /// The file ends before its headers or contents do.
+    Truncated {
+        /// Bytes in the file.
+        length: usize,
+        /// What is missing.
+        missing: &'static str,
+    },
+    /// The file does not start with the ELF magic number.
+    NotElf,
+    /// The file is ELF for another machine or of another kind.
+    WrongMachine {
+        /// What was found.
+        found: String,
+    },
+    /// The headers contradict each other.
+    Malformed {
+        /// What the reader met.
+        detail: String,
+    },
+    /// No segment has contents to load.
+    Empty,
+    /// A segment lies outside the memory that the brick has for programs.
+    SegmentOutside {
+        /// First address of the segment.
+        address: u32,
+        /// Bytes in memory.
+        length: u32,
+    },
+    /// A segment runs over the end of its memory.
+    TooLarge {
+        /// `RAM` or `flash`.
+        memory: &'static str,
+        /// Bytes that memory offers to programs.
+        capacity: u32,
+        /// Bytes over the end.
+        over: u64,
+    },
+    /// The entry lies in no segment.
+    EntryOutside {
+        /// The entry address.
+        entry: u32,
+    },
+    /// The image has no such symbol.
+    UnknownSymbol {
+        /// Name asked for.
+        name: String,
+        /// Symbols whose names contain it.
+        similar: Vec<String>,
+    },
+    /// A component was asked of an object that has none of this name.
+    UnknownComponent {
+        /// Name asked for.
+        path: String,
+        /// What is known about it.
+        detail: String,
+    },
+}
+
+impl ImageError {
+    pub(crate) fn malformed(error: impl fmt::Display) -> Self {
+        Self::Malformed {
+            detail: error.to_string(),
+        }
+    }
+}
+
+impl fmt::Display for ImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Truncated { length, missing } => write!(
+                f,
+                "the image is truncated: {length} bytes, {missing} missing; build it again"
+            ),
+            Self::NotElf => write!(
+                f,
+                "the image is not an ELF file (no magic number 7F 45 4C 46 at its start)"
+            ),
+            Self::WrongMachine { found } => write!(
+                f,
+                "the image is not an executable for 32-bit little-endian ARM: it is {found}"
+            ),
+            Self::Malformed { detail } => write!(f, "the image is not a valid ELF file: {detail}"),
+            Self::Empty => write!(f, "the image has no segment with contents to load"),
+            Self::SegmentOutside { address, length } => write!(
+                f,
+                "a segment of {length} bytes at {address:#010X} lies outside the memory for \
+                 programs: RAM 0x00202000 to 0x0020FFFF, flash 0x00100000 to 0x0013FFFF; \
+                 link with one of the brick's linker scripts"
+            ),
+            Self::TooLarge {
+                memory,
+                capacity,
+                over,
+            } => write!(
+                f,
+                "the image is {over} bytes too large for the {capacity} bytes of {memory}"
+            ),
+            Self::EntryOutside { entry } => write!(
+                f,
+                "the entry {entry:#010X} lies in no loaded segment; give the linker the entry \
+                 symbol"
+            ),
+            Self::UnknownSymbol { name, similar } if similar.is_empty() => {
+                write!(f, "the image has no symbol `{name}`")
+            }
+            Self::UnknownSymbol { name, similar } => write!(
+                f,
+                "the image has no symbol `{name}`; similar: {}",
+                similar.join(", ")
+            ),
+            Self::UnknownComponent { path, detail } => {
+                write!(f, "the image has no object `{path}`: {detail}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ImageError {}

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Reading configurations: defaults, and errors that name the field.
+#![allow(clippy::unwrap_used)]
+
+use virtual_brick::{BatteryKind, Body, Configuration, Sensor};
+
+const VEHICLE: &str = include_str!("support/vehicle.json");
+
+fn problem(json: &str) -> (String, String) {
+    let error = Configuration::from_json(json).unwrap_err();
+    assert!(error.to_string().starts_with("configuration"));
+    (error.path, error.problem)
+}
+
+#[test]
+fn a_whole_vehicle_is_read() {
+    let configuration = Configuration::from_json(VEHICLE).unwrap();
+    assert_eq!(configuration.seed, 1);
+    assert_eq!(configuration.battery.kind, BatteryKind::LiIon);
+    assert_eq!(configuration.motors[0].unwrap().hand.unwrap().rate, 4.0);
+    assert_eq!(configuration.motors[1].unwrap().hand, None);
+    assert_eq!(
+        configuration.sensors,
+        [Some(Sensor::Touch), None, None, None]
+    );
+    let drive = match configuration.body {
+        Body::DifferentialDrive(drive) => Some(drive),
+        Body::Bench => None,
+    };
+    assert_eq!(
+        drive.map(|drive| (drive.left, drive.right, drive.track)),
+        Some((1, 2, 0.115))
+    );
+}
+
+#[test]
+fn what_is_absent_is_not_plugged_in() {
+    let json = r#"{"battery": {"kind": "aa", "voltage": 9.0}}"#;
+    let configuration = Configuration::from_json(json).unwrap();
+    assert_eq!(configuration.motors, [None; 3]);
+    assert_eq!(configuration.sensors, [None; 4]);
+    assert_eq!(configuration.body, Body::Bench);
+    assert_eq!(configuration.signal_period_cycles, 48_055);
+}
+
+#[test]
+fn errors_name_the_path_of_the_field() {
+    for (from, to, path) in [
+        (
+            r#""inertia": 0.000842"#,
+            r#""inertia": "big""#,
+            "motors.A.parameters.inertia",
+        ),
+        (
+            r#""inertia": 0.000842"#,
+            r#""inertia": 0.0"#,
+            "motors.A.parameters.inertia",
+        ),
+        (r#""resistance": 6.8562, "#, "", "motors.A.parameters"),
+        (
+            r#""hand_rate": 4.0"#,
+            r#""hand_rat": 4.0"#,
+            "motors.A.hand_rat",
+        ),
+        (r#", "hand_rate": 4.0"#, "", "motors.A.hand_rate"),
+        (r#""track": 0.115"#, r#""track": -1.0"#, "body.track"),
+        (r#""track": 0.115, "#, "", "body.track"),
+        (r#""left": "B""#, r#""left": "C""#, "body.right"),
+        (r#""left": "B""#, r#""left": "A""#, "body.left"),
+        (r#""kind": "touch""#, r#""kind": "sonar""#, "sensors.1.kind"),
+        (
+            r#""voltage": 8.0"#,
+            r#""voltage": 1e999"#,
+            "battery.voltage",
+        ),
+    ] {
+        let json = VEHICLE.replacen(from, to, 1);
+        assert_ne!(json, VEHICLE, "{from}");
+        assert_eq!(problem(&json).0, path, "{to}");
+    }
+}
+
+#[test]
+fn an_unknown_field_is_refused_with_the_known_ones() {
+    let (path, text) = problem(r#"{"battery": {"kind": "aa", "voltage": 9.0}, "wheels": 2}"#);
+    assert_eq!(path, "wheels");
+    assert!(text.contains("unknown field `wheels`"), "{text}");
+}
+
+#[test]
+fn a_bench_has_no_vehicle_fields() {
+    let json = r#"{"battery": {"kind": "aa", "voltage": 9.0},
+        "body": {"kind": "bench", "mass": 1.0}}"#;
+    assert_eq!(problem(json).0, "body.mass");
+}
+
+#[test]
+fn text_after_the_configuration_is_refused() {
+    let (path, text) = problem(r#"{"battery": {"kind": "aa", "voltage": 9.0}} more"#);
+    assert_eq!(path, ".");
+    assert!(text.contains("trailing"), "{text}");
+}
+
+#[test]
+fn text_that_is_not_json_is_refused_with_line_and_column() {
+    assert!(problem("{").1.contains("line 1"));
+}

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Types of objects from debug information that the project's cross compiler writes.
+//! Needs `arm-none-eabi-gcc`, which the set-up of the project installs.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::path::Path;
+use std::process::Command;
+
+use virtual_brick::{Image, ScalarKind};
+
+const SOURCE: &str = "
+typedef float real32_T;
+typedef struct { real32_T correctedvoltage; struct { short count; } inner; } Outputs;
+typedef enum { idle, driving } mode_t;
+Outputs functional_Y;
+volatile const unsigned char flag = 1;
+static int hidden = 2;
+mode_t mode;
+double wide;
+int *pointer;
+int tasks__limit;
+void _start(void) { pointer = &hidden; mode = driving; wide = 1.5; tasks__limit = 3; for (;;) ; }
+";
+
+fn compile() -> Image {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (source, elf) = (folder.join("types.c"), folder.join("types.elf"));
+    std::fs::write(&source, SOURCE).unwrap();
+    let status = Command::new("arm-none-eabi-gcc")
+        .args([
+            "-mcpu=arm7tdmi",
+            "-g",
+            "-O1",
+            "-nostdlib",
+            "-fno-common",
+            "-Wl,-Ttext=0x202000",
+        ])
+        .arg(&source)
+        .arg("-o")
+        .arg(&elf)
+        .status()
+        .expect("arm-none-eabi-gcc starts; run the project's set-up");
+    assert!(status.success());
+    Image::parse(&std::fs::read(&elf).unwrap()).unwrap()
+}
+
+#[test]
+fn types_of_global_objects_come_from_the_debug_information() {
+    let image = compile();
+    for (path, kind) in [
+        ("functional_Y.correctedvoltage", ScalarKind::F32),
+        ("functional_Y.inner.count", ScalarKind::I16),
+        ("flag", ScalarKind::U8),
+        ("hidden", ScalarKind::I32),
+        ("mode", ScalarKind::U8),
+        ("wide", ScalarKind::F64),
+        ("pointer", ScalarKind::U32),
+        ("Tasks.Limit", ScalarKind::I32),
+    ] {
+        let variable = image.variable(path).unwrap();
+        assert_eq!(variable.kind, Some(kind), "{path}");
+        assert_eq!(variable.size, kind.size(), "{path}");
+    }
+    let outputs = image.symbols().get("functional_Y").unwrap().address;
+    assert_eq!(
+        image.variable("functional_Y.inner.count").unwrap().address,
+        outputs + 4
+    );
+    assert_eq!(image.variable("functional_Y").unwrap().kind, None);
+}
+
+#[test]
+fn a_missing_component_is_named() {
+    let message = compile()
+        .variable("functional_Y.speed")
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("no component `speed`"), "{message}");
+}
