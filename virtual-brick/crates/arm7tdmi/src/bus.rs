@@ -39,13 +39,7 @@ pub trait Bus {
     /// Read data, zero-extended.
     fn read(&mut self, address: u32, width: Width, cycle: Cycle) -> Result<u32, Abort>;
     /// Write the low `width` bits of `value`.
-    fn write(
-        &mut self,
-        address: u32,
-        width: Width,
-        value: u32,
-        cycle: Cycle,
-    ) -> Result<(), Abort>;
+    fn write(&mut self, address: u32, width: Width, value: u32, cycle: Cycle) -> Result<(), Abort>;
     /// Let `count` internal cycles pass; never stretched.
     fn internal(&mut self, count: u32);
     /// Level of nIRQ (true: asserted) as the core's synchroniser shows it at this boundary.

@@ -1,5 +1,31 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! ARM7TDMI core: registers, decoding, execution, cycle counts. Knows only a bus.
+//! ARM7TDMI core (ARMv4T): registers, decoding, execution and bus cycles. Knows only a bus.
+//!
+//! The core is an interpreter that performs each bus cycle of the real core in its order, so the
+//! bus counts time and an instruction costs what the memory it touches makes it cost. With a
+//! memory that answers in one cycle the totals are those of the instruction cycle tables of the
+//! ARM7TDMI data sheet (ARM DDI 0029E, chapter 10).
+//!
+//! [`Cpu`] is plain data: it can be cloned, compared and inspected at any instruction boundary.
 
+mod alu;
+mod arm;
+mod arm_transfer;
+mod block_transfer;
 pub mod bus;
+mod cpu;
+mod exceptions;
+mod multiply;
+mod pipeline;
+mod registers;
+mod status;
+mod thumb;
+mod thumb_transfer;
+mod timing;
+
+pub use bus::{Abort, Bus, Cycle, Width};
+pub use cpu::{Cpu, Step};
+pub use exceptions::Exception;
+pub use registers::{psr, Mode};
+pub use timing::TimingProfile;

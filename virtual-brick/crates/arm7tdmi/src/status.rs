@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Condition codes, and the instructions that move status registers: MRS, MSR, exception return.
+
+use crate::bus::Bus;
+use crate::cpu::{Cpu, Step};
+use crate::pipeline::MASKS_DELAYED;
+use crate::registers::{psr, Mode};
+
+/// Bit `flags` (NZCV as a number) of entry `condition` tells whether the condition passes.
+const CONDITIONS: [u16; 16] = condition_table();
+
+const fn passes(condition: usize, flags: usize) -> bool {
+    let (n, z) = (flags & 8 != 0, flags & 4 != 0);
+    let (c, v) = (flags & 2 != 0, flags & 1 != 0);
+    match condition {
+        0x0 => z,
+        0x1 => !z,
+        0x2 => c,
+        0x3 => !c,
+        0x4 => n,
+        0x5 => !n,
+        0x6 => v,
+        0x7 => !v,
+        0x8 => c && !z,
+        0x9 => !c || z,
+        0xA => n == v,
+        0xB => n != v,
+        0xC => !z && n == v,
+        0xD => z || n != v,
+        0xE => true,
+        _ => false,
+    }
+}
+
+const fn condition_table() -> [u16; 16] {
+    let mut table = [0; 16];
+    let mut condition = 0;
+    while condition < 16 {
+        let mut flags = 0;
+        while flags < 16 {
+            if passes(condition, flags) {
+                table[condition] |= 1 << flags;
+            }
+            flags += 1;
+        }
+        condition += 1;
+    }
+    table
+}
+
+impl Cpu {
+    /// Does `condition` (0 to 15) hold for the current flags?
+    #[inline(always)]
+    pub(crate) fn condition_passes(&self, condition: u32) -> bool {
+        let flags = self.registers.status() >> 28;
+        (CONDITIONS[(condition & 15) as usize] >> flags) & 1 != 0
+    }
+
+    #[inline(always)]
+    pub(crate) fn carry(&self) -> bool {
+        self.registers.status() & psr::C != 0
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_nz(&mut self, result: u32) {
+        let kept = self.registers.status() & !(psr::N | psr::Z);
+        self.registers.set_flags(kept | nz(result));
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_nzc(&mut self, result: u32, carry: bool) {
+        let kept = self.registers.status() & !(psr::N | psr::Z | psr::C);
+        let carry = u32::from(carry) << 29;
+        self.registers.set_flags(kept | nz(result) | carry);
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_nzcv(&mut self, sum: crate::alu::Sum) {
+        let kept = self.registers.status() & 0x0FFF_FFFF;
+        let carry_overflow = (u32::from(sum.carry) << 29) | (u32::from(sum.overflow) << 28);
+        self.registers
+            .set_flags(kept | nz(sum.value) | carry_overflow);
+    }
+
+    /// Exception return: CPSR := SPSR. Modes without SPSR keep their CPSR.
+    pub(crate) fn restore_status(&mut self) {
+        if let Some(saved) = self.registers.saved_status() {
+            self.registers.set_status(saved);
+        }
+    }
+
+    /// Writes the fields of CPSR or SPSR that `opcode` selects (DDI 0029E, section 4.6).
+    fn write_status(&mut self, opcode: u32, value: u32) {
+        let mut mask = psr::IMPLEMENTED & field_mask((opcode >> 16) & 15);
+        if opcode & (1 << 22) != 0 {
+            if let Some(saved) = self.registers.saved_status() {
+                let written = (saved & !mask) | (value & mask);
+                self.registers.set_saved_status(written);
+            }
+            return;
+        }
+        let old = self.registers.status();
+        mask &= !psr::T;
+        if self.mode() == Some(Mode::User) {
+            mask &= 0xF000_0000;
+        }
+        let new = (old & !mask) | (value & mask);
+        self.registers.set_status(new);
+        if self.profile.mask_change_delayed && (old ^ new) & (psr::I | psr::F) != 0 {
+            self.pipeline.attention |= MASKS_DELAYED;
+            self.pipeline.delayed_masks = old & (psr::I | psr::F);
+        }
+    }
+}
+
+#[inline(always)]
+const fn nz(result: u32) -> u32 {
+    (result & psr::N) | (((result == 0) as u32) << 30)
+}
+
+/// Bytes of the status register that the four mask bits of MSR select.
+const fn field_mask(fields: u32) -> u32 {
+    let mut mask = 0;
+    let mut field = 0;
+    while field < 4 {
+        if fields & (1 << field) != 0 {
+            mask |= 0xFF << (8 * field);
+        }
+        field += 1;
+    }
+    mask
+}
+
+/// MRS Rd, CPSR or SPSR. Without an SPSR the CPSR is read.
+pub(crate) fn mrs<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    let current = cpu.registers.status();
+    let value = if opcode & (1 << 22) == 0 {
+        current
+    } else {
+        cpu.registers.saved_status().unwrap_or(current)
+    };
+    cpu.advance_arm();
+    cpu.write_result(bus, opcode >> 12, value)
+}
+
+/// MSR from a register.
+pub(crate) fn msr_register<B: Bus>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let value = cpu.registers.get(opcode);
+    cpu.advance_arm();
+    cpu.write_status(opcode, value);
+    Step::Instruction
+}
+
+/// MSR of a rotated constant.
+pub(crate) fn msr_constant<B: Bus>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let value = (opcode & 0xFF).rotate_right((opcode >> 7) & 0x1E);
+    cpu.advance_arm();
+    cpu.write_status(opcode, value);
+    Step::Instruction
+}
