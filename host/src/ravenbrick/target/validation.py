@@ -51,11 +51,15 @@ def _unknown(error: jsonschema.ValidationError, path: KeyPath) -> Iterator[Compl
 
 
 def _wrong_name(error: jsonschema.ValidationError, path: KeyPath) -> Iterator[Complaint]:
-    yield (*path, error.instance), f"unknown name; expected one of {_choices(error.validator_value)}"
+    name, known = error.instance, error.validator_value
+    if set(known) <= {*"ABC1234"}:
+        yield (*path, name), f"unknown port '{name}'; {_PORTS}"
+    else:
+        yield (*path, name), f"unknown name; expected one of {_choices(known)}"
 
 
 def _wrong_choice(error: jsonschema.ValidationError, path: KeyPath) -> Iterator[Complaint]:
-    if error.parent is not None and error.parent.validator == "propertyNames":
+    if list(error.absolute_schema_path)[-2:-1] == ["propertyNames"]:
         yield from _wrong_name(error, path)
         return
     expected = _choices(error.validator_value)
@@ -105,16 +109,8 @@ def _complaints(document: LocatedToml, name: str) -> Iterator[Complaint]:
     validator = jsonschema.Draft202012Validator(schema(name))
     for error in validator.iter_errors(document.values):
         path: KeyPath = tuple(error.absolute_path)
-        if error.validator == "enum" and path == () and _names_a_port(error):
-            port = error.instance
-            yield ("ports", port), f"unknown port '{port}'; {_PORTS}"
-            continue
         translate = _TRANSLATORS.get(error.validator)
         yield from translate(error, path) if translate else iter([(path, error.message)])
-
-
-def _names_a_port(error: jsonschema.ValidationError) -> bool:
-    return "1" in error.validator_value and "A" in error.validator_value
 
 
 def validate(document: LocatedToml, name: str) -> None:

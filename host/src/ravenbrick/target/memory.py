@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How an image uses the brick's memory: from ELF, link map and, after a run, the stacks."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.errors import ImageFileError
+from ravenbrick.target.elf_image import REGIONS, ElfImage
+from ravenbrick.target.robot import Robot
+from ravenbrick.trace.recording import Thread
+
+__all__ = ["MemoryReport", "TaskStack", "memory_report", "with_stacks"]
+
+_PLACED = re.compile(r"^ (\.\S+)\s+0x([0-9a-f]+)\s+0x([0-9a-f]+) (\S.*)$", re.MULTILINE)
+_KINDS = (
+    ("text", (".text", ".rodata", ".glue_7", ".glue_7t", ".vectors", ".init")),
+    ("data", (".data",)),
+    ("bss", (".bss", "COMMON")),
+)
+
+
+@dataclass(frozen=True)
+class TaskStack:
+    """A task's stack: what robot.toml says, what the image has, what a run used (None: no run)."""
+
+    name: str
+    declared_bytes: int | None
+    storage_size_bytes: int | None
+    used_bytes: int | None
+
+
+@dataclass(frozen=True)
+class MemoryReport:
+    """Sizes in bytes; `parts` maps each part of the program to its text, data and bss."""
+
+    image: str
+    kind: str
+    text: int
+    data: int
+    bss: int
+    used: int
+    available: int
+    tasks: tuple[TaskStack, ...]
+    parts: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    def write(self, path: Path) -> None:
+        """Write the report as JSON."""
+        path.write_text(json.dumps(self.as_json(), indent=1) + "\n")
+
+    def as_json(self) -> dict[str, Any]:
+        """The report with plain types."""
+        return asdict(self)
+
+
+def _part(file: str) -> str:
+    """The part of the program that an object file belongs to."""
+    for name in ("runtime", "drivers", "generated"):
+        if re.search(rf"(^|[/_]){name}[/_]|lib{name}", file):
+            return {"runtime": "run-time", "generated": "generated C"}.get(name, name)
+    return "compiler's library" if "libgcc" in file else "application"
+
+
+def _section_kind(name: str) -> str | None:
+    for kind, prefixes in _KINDS:
+        if any(name == prefix or name.startswith(f"{prefix}.") for prefix in prefixes):
+            return kind
+    return None
+
+
+def _parts(map_file: Path) -> dict[str, dict[str, int]]:
+    text = map_file.read_text("utf-8", "replace")
+    _head, _marker, body = text.partition("Linker script and memory map")
+    joined = re.sub(r"^( \.\S+)\n\s+(?=0x)", r"\1 ", body, flags=re.MULTILINE)
+    sizes: defaultdict[str, dict[str, int]] = defaultdict(lambda: dict.fromkeys(
+        ("text", "data", "bss"), 0
+    ))
+    for name, address, size, file in _PLACED.findall(joined):
+        kind = _section_kind(name)
+        if kind and int(address, 16):
+            sizes[_part(file)][kind] += int(size, 16)
+    return {name: sizes[name] for name in sorted(sizes)}
+
+
+def memory_report(image: ElfImage, robot: Robot) -> MemoryReport:
+    """Report of an image; raises `ImageFileError` when it does not fit."""
+    text, data, bss = (image.size_of(kind) for kind in ("text", "data", "bss"))
+    region = REGIONS[image.kind]
+    used = text + data + (bss if image.kind == "ram" else 0)
+    if used > region.size:
+        raise ImageFileError(
+            f"{image.path}: takes {used} bytes, the {region.name} has {region.size}; shorten "
+            "stacks or code, or build a flash image with '--image flash'"
+        )
+    map_file = image.path.with_suffix(".map")
+    return MemoryReport(
+        image=image.path.name,
+        kind=image.kind,
+        text=text,
+        data=data,
+        bss=bss,
+        used=used,
+        available=region.size,
+        tasks=tuple(TaskStack(t.name, t.stack_bytes, None, None) for t in robot.tasks),
+        parts=_parts(map_file) if map_file.is_file() else {},
+    )
+
+
+def with_stacks(report: MemoryReport, threads: Sequence[Thread]) -> MemoryReport:
+    """The report with each task's Storage_Size and high-water mark as a run found them."""
+    declared = {task.name.lower(): task.declared_bytes for task in report.tasks}
+    earlier = {task.name.lower(): task.used_bytes or 0 for task in report.tasks}
+    seen = [
+        TaskStack(
+            thread.name,
+            declared.get(thread.name.lower()),
+            thread.stack_bytes,
+            max(thread.stack_used_bytes, earlier.get(thread.name.lower(), 0)),
+        )
+        for thread in threads
+    ]
+    names = {thread.name.lower() for thread in threads}
+    unseen = [task for task in report.tasks if task.name.lower() not in names]
+    return replace(report, tasks=(*seen, *unseen))

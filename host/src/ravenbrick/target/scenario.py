@@ -1,0 +1,254 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One run of a robot, typed, and how it is read and checked against the robot."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.errors import ScenarioError
+from ravenbrick.target.located_toml import KeyPath, LocatedToml, dotted, read_toml
+from ravenbrick.target.robot import Robot
+from ravenbrick.target.validation import validate
+
+__all__ = [
+    "Criterion",
+    "Input",
+    "Scenario",
+    "StepWindow",
+    "StraightDrive",
+    "read_scenario",
+    "scenario_path",
+]
+
+BUTTONS = ("left", "right", "orange", "grey")
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input of the brick's surroundings at an instant of the run."""
+
+    at_ms: int
+    name: str
+    value: float
+    note: str
+
+
+@dataclass(frozen=True)
+class StraightDrive:
+    """From where on, and over which path length (m), the vehicle drives straight."""
+
+    from_ms: int
+    distance: float
+
+
+@dataclass(frozen=True)
+class StepWindow:
+    """The window in which the set-point steps, and the motors to measure."""
+
+    from_ms: int
+    until_ms: int
+    motors: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A bound on a measure."""
+
+    measure: str
+    minimum: float | None
+    maximum: float | None
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One run; `deviations` maps port and motor parameter to the value used instead."""
+
+    document: LocatedToml
+    name: str
+    description: str
+    seed: int
+    duration_ms: int
+    on_bench: bool
+    signal_period_us: int
+    pictures_ms: tuple[int, ...]
+    deviations: Mapping[str, Mapping[str, float]]
+    inputs: tuple[Input, ...]
+    straight: StraightDrive | None
+    step: StepWindow | None
+    criteria: tuple[Criterion, ...]
+
+    def unreachable(self, key_path: KeyPath, problem: str) -> ScenarioError:
+        """An error that names file, line and field of what can never happen."""
+        line = self.document.line_of(key_path)
+        return ScenarioError(f"{self.document.path}:{line}: {dotted(key_path)}: {problem}")
+
+
+def scenario_path(directory: Path, name: str) -> Path:
+    """File of the scenario `name` of a project: a path that exists, or a name below scenarios/."""
+    if Path(name).is_file():
+        return Path(name)
+    return directory / "scenarios" / (name if name.endswith(".toml") else f"{name}.toml")
+
+
+def _motor_input(robot: Robot, port: str, quantity: str) -> str | None:
+    motor = robot.motor_ports.get(port)
+    if motor is None:
+        return f"nothing is plugged into motor port {port}; see [ports] in robot.toml"
+    if quantity == "hand_angle" and not motor.held_by_hand:
+        return f"the motor on port {port} is not held by a hand; set held_by_hand in robot.toml"
+    return None
+
+
+def _touch_input(robot: Robot, port: str) -> str | None:
+    sensor = robot.sensor_ports.get(port)
+    if sensor is None or sensor.device != "touch":
+        return f"there is no touch sensor on sensor port {port}; see [ports] in robot.toml"
+    return None
+
+
+def _button_input(_robot: Robot, button: str) -> str | None:
+    if button in BUTTONS:
+        return None
+    return f"unknown button '{button}'; the brick has {', '.join(BUTTONS)}"
+
+
+_INPUTS: tuple[tuple[str, Callable[..., str | None]], ...] = (
+    (r"touch\.(\w+)", _touch_input),
+    (r"button\.(\w+)", _button_input),
+    (r"motor\.(\w+)\.(hand_angle|load_torque)", _motor_input),
+    (r"battery\.(voltage)", lambda _robot, _name: None),
+)
+
+
+def _input_problem(robot: Robot, name: str) -> str | None:
+    for pattern, check in _INPUTS:
+        match = re.fullmatch(pattern, name)
+        if match:
+            return check(robot, *match.groups())
+    return (
+        f"unknown input '{name}'; known are touch.<port>, button.<name>, "
+        "motor.<port>.hand_angle, motor.<port>.load_torque and battery.voltage"
+    )
+
+
+def _check_inputs(document: LocatedToml, robot: Robot) -> None:
+    for index, table in enumerate(document.values.get("inputs", [])):
+        problem = _input_problem(robot, table["input"])
+        if problem:
+            raise document.error(("inputs", index, "input"), problem)
+
+
+def _check_ports(document: LocatedToml, robot: Robot) -> None:
+    values = document.values
+    used: list[tuple[KeyPath, str]] = [
+        (("deviations", port), port) for port in values.get("deviations", {})
+    ]
+    step = values.get("step", {})
+    used += [(("step", "motors", i), port) for i, port in enumerate(step.get("motors", []))]
+    for path, port in used:
+        if port not in robot.motor_ports:
+            raise document.error(
+                path, f"nothing is plugged into motor port {port}; see [ports] in robot.toml"
+            )
+
+
+def _deviations(document: LocatedToml, robot: Robot) -> dict[str, dict[str, float]]:
+    result: dict[str, dict[str, float]] = {}
+    for port, table in document.values.get("deviations", {}).items():
+        nominal = robot.motors[robot.motor_ports[port].motor]
+        result[port] = {}
+        for name, change in table.items():
+            quantity = nominal[name]
+            value = change.get("value", quantity.value * change.get("factor", 1.0))
+            if not quantity.allows(value):
+                raise document.error(
+                    ("deviations", port, name),
+                    f"{value:.6g} {quantity.unit} is outside the tolerance "
+                    f"{quantity.value:.6g} ± {quantity.tolerance:.6g} {quantity.unit} "
+                    "of robot.toml; stay within it or justify a wider one there",
+                )
+            result[port][name] = float(value)
+    return result
+
+
+def _instants(values: Mapping[str, Any]) -> list[tuple[KeyPath, int]]:
+    found: list[tuple[KeyPath, int]] = [
+        (("inputs", index, "at_ms"), table["at_ms"])
+        for index, table in enumerate(values.get("inputs", []))
+    ]
+    found += [(("pictures_ms", i), at) for i, at in enumerate(values.get("pictures_ms", []))]
+    for table, key in (("straight", "from_ms"), ("step", "from_ms"), ("step", "until_ms")):
+        if table in values:
+            found.append(((table, key), values[table][key]))
+    return found
+
+
+def _check_reachable(scenario: Scenario) -> None:
+    duration = scenario.duration_ms
+    for path, at_ms in _instants(scenario.document.values):
+        if at_ms > duration:
+            raise scenario.unreachable(
+                path,
+                f"{at_ms} ms is beyond the duration of {duration} ms; "
+                "move it forward or lengthen duration_ms",
+            )
+    needs = {
+        "settling_time": ("step", scenario.step),
+        "overshoot": ("step", scenario.step),
+        "steady_state_error": ("step", scenario.step),
+        "lateral_deviation": ("straight", scenario.straight),
+    }
+    for index, criterion in enumerate(scenario.criteria):
+        table, present = needs.get(criterion.measure, ("", True))
+        if not present:
+            raise scenario.unreachable(
+                ("criteria", index, "measure"),
+                f"'{criterion.measure}' can never be measured without a table [{table}]; add it",
+            )
+
+
+def _inputs(values: Mapping[str, Any]) -> tuple[Input, ...]:
+    inputs = [
+        Input(t["at_ms"], t["input"], float(t["value"]), t.get("note", ""))
+        for t in values.get("inputs", [])
+    ]
+    return tuple(sorted(inputs, key=lambda item: item.at_ms))
+
+
+def read_scenario(path: Path, robot: Robot) -> Scenario:
+    """Read a scenario; raises `ProjectFileError`, or `ScenarioError` for what cannot happen."""
+    if not path.is_file():
+        folder = robot.directory / "scenarios"
+        known = ", ".join(sorted(file.stem for file in folder.glob("*.toml"))) or "none"
+        raise ScenarioError(f"{path}: there is no such scenario; known scenarios: {known}")
+    document = read_toml(path, missing="name a scenario below scenarios/")
+    validate(document, "scenario")
+    _check_inputs(document, robot)
+    _check_ports(document, robot)
+    values = document.values
+    straight, step = values.get("straight"), values.get("step")
+    scenario = Scenario(
+        document=document,
+        name=values["name"],
+        description=values.get("description", ""),
+        seed=values["seed"],
+        duration_ms=values["duration_ms"],
+        on_bench=values.get("body", "robot") == "bench",
+        signal_period_us=values.get("signal_period_us", 1000),
+        pictures_ms=tuple(sorted(values.get("pictures_ms", []))),
+        deviations=_deviations(document, robot),
+        inputs=_inputs(values),
+        straight=straight and StraightDrive(straight["from_ms"], float(straight["distance"])),
+        step=step and StepWindow(step["from_ms"], step["until_ms"], tuple(step["motors"])),
+        criteria=tuple(
+            Criterion(t["measure"], t.get("minimum"), t.get("maximum"))
+            for t in values.get("criteria", [])
+        ),
+    )
+    _check_reachable(scenario)
+    return scenario

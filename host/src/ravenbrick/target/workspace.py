@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Where things lie: the project folder, its build products and its results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ravenbrick.errors import UsageError
+from ravenbrick.target.elf_image import ImageKind
+
+__all__ = ["Workspace"]
+
+MARKER = Path("tools") / "ravenbrick.cgpr"
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """A project folder inside a Ravenbrick tree."""
+
+    project: Path
+    root: Path
+
+    @classmethod
+    def of(cls, directory: Path) -> Workspace:
+        """The workspace of a project folder; raises `UsageError`."""
+        if not directory.is_dir():
+            raise UsageError(f"'{directory}' is not a folder; name a project folder")
+        project = directory.resolve()
+        for candidate in (project, *project.parents):
+            if (candidate / MARKER).is_file():
+                return cls(project, candidate)
+        raise UsageError(
+            f"'{directory}' is not inside a Ravenbrick tree (no {MARKER} above it); "
+            "put the project below examples/"
+        )
+
+    @property
+    def results(self) -> Path:
+        """Folder of reports, plots and recordings."""
+        return self.root / "out" / self.project.name
+
+    @property
+    def design_file(self) -> Path:
+        """What design.py leaves for the plots."""
+        return self.root / "build" / self.project.name / "design.json"
+
+    def build(self, kind: ImageKind) -> Path:
+        """Folder of the build products of one kind of image."""
+        return self.root / "build" / self.project.name / kind
+
+    def image(self, kind: ImageKind, name: str) -> Path:
+        """File of the image."""
+        return self.build(kind) / f"{name}.elf"
+
+    def recording(self, scenario: str) -> Path:
+        """File of the last recording of a scenario."""
+        return self.results / "recordings" / f"{scenario}.npz"
+
+    def shown(self, path: Path) -> str:
+        """A path as the user would type it from the tree's root."""
+        return str(path.relative_to(self.root)) if path.is_relative_to(self.root) else str(path)

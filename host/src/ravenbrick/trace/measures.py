@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Everything a run shows, measured once: tasks, processor, step, path; and its criteria."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ravenbrick.errors import CriteriaError, RunFaultError
+from ravenbrick.target.robot import Robot
+from ravenbrick.target.scenario import Criterion, Input, Scenario
+from ravenbrick.trace.motion import (
+    PathMeasures,
+    StepMeasures,
+    count_difference_speed,
+    fitted_speed,
+    path_measures,
+    step_measures,
+)
+from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.schedule import TaskMeasures, Utilization, measure_task, utilization
+
+__all__ = [
+    "RADIANS_PER_COUNT",
+    "RunMeasures",
+    "StepRecord",
+    "check_criteria",
+    "check_survival",
+    "measure_run",
+    "setpoint_speed",
+]
+
+Floats = NDArray[np.float64]
+# The encoder's signal is in counts of 1 degree at the output shaft.
+RADIANS_PER_COUNT = math.pi / 180
+DRIVEN_DUTY = 0xFF
+
+
+@dataclass(frozen=True)
+class StepRecord:
+    """A measured step of one motor; times in s after the step, speeds in rad/s, shape (n,)."""
+
+    motor: str
+    times: Floats
+    fitted: Floats
+    true: Floats
+    difference_times: Floats
+    difference: Floats
+    measures: StepMeasures
+
+
+@dataclass(frozen=True)
+class RunMeasures:
+    """All measures of one run; `tasks` is in the order of the run's threads."""
+
+    tasks: tuple[TaskMeasures, ...]
+    utilization: Utilization
+    steps: Mapping[str, StepRecord]
+    path: PathMeasures | None
+    powered_off: bool
+    end_cycles: int
+
+    def value(self, measure: str) -> float | None:
+        """A measure by its name in a scenario's criteria; None when the run did not reach it."""
+        if measure == "cpu_utilization":
+            return self.utilization.busy
+        if measure == "deadline_misses":
+            return float(sum(task.deadline_misses for task in self.tasks))
+        if measure == "powered_off":
+            return float(self.powered_off)
+        if measure == "lateral_deviation":
+            return self.path.lateral_deviation if self.path else None
+        if measure == "distance":
+            return self.path.distance if self.path else None
+        found = [getattr(step.measures, measure) for step in self.steps.values()]
+        if not found or any(value is None for value in found):
+            return None
+        return float(max(found, key=abs))
+
+
+def setpoint_speed(
+    robot: Robot, recording: Recording, motor: str
+) -> tuple[Floats, Floats] | None:
+    """Set-point of a motor's speed over time: s and rad/s; None when the robot names none."""
+    for setpoint in robot.setpoints:
+        if setpoint.port == motor:
+            times, values = recording.signal(f"probe.{setpoint.symbol}")
+            return times, values * setpoint.scale.value
+    return None
+
+
+def _step_begin(recording: Recording, setpoint: tuple[Floats, Floats] | None, scenario: Scenario,
+                motor: str) -> tuple[float, float] | None:
+    """Instant (s) and height (rad/s) of the step: the set-point's change, else the first command."""
+    assert scenario.step is not None
+    begin, end = scenario.step.from_ms / 1000, scenario.step.until_ms / 1000
+    if setpoint is not None:
+        times, values = setpoint
+        changed = np.flatnonzero((times >= begin) & (times < end) & (np.abs(values) > 1e-9))
+        return (float(times[changed[0]]), float(values[changed[0]])) if changed.size else None
+    commands = recording.of_kind(EventKind.MOTOR_COMMAND)
+    for at, _kind, subject, value in commands.tolist():
+        instant = recording.clock.seconds(at)
+        if "ABC"[subject] == motor and value & DRIVEN_DUTY and begin <= instant < end:
+            return instant, 0.0
+    return None
+
+
+def _step_record(
+    robot: Robot, scenario: Scenario, recording: Recording, motor: str
+) -> StepRecord | None:
+    assert scenario.step is not None
+    begin = _step_begin(recording, setpoint_speed(robot, recording, motor), scenario, motor)
+    if begin is None:
+        return None
+    times, counts = recording.signal(f"motor.{motor}.encoder")
+    _, true = recording.signal(f"motor.{motor}.angular_velocity")
+    window = (times >= begin[0]) & (times <= scenario.step.until_ms / 1000)
+    if np.count_nonzero(window) < 100:
+        return None
+    after = times[window] - begin[0]
+    fitted = fitted_speed(times, counts, RADIANS_PER_COUNT)[window]
+    instants, difference = count_difference_speed(after, counts[window], RADIANS_PER_COUNT, 0.004)
+    return StepRecord(
+        motor=motor,
+        times=after,
+        fitted=fitted,
+        true=true[window],
+        difference_times=instants,
+        difference=difference,
+        measures=step_measures(after, fitted, begin[1]),
+    )
+
+
+def _steps(robot: Robot, scenario: Scenario, recording: Recording) -> dict[str, StepRecord]:
+    if scenario.step is None:
+        return {}
+    records = (_step_record(robot, scenario, recording, m) for m in scenario.step.motors)
+    return {record.motor: record for record in records if record is not None}
+
+
+def _path(scenario: Scenario, recording: Recording) -> PathMeasures | None:
+    if scenario.straight is None or "body.x" not in recording.signals:
+        return None
+    times, x = recording.signal("body.x")
+    _, y = recording.signal("body.y")
+    _, heading = recording.signal("body.heading")
+    begin, end = scenario.straight.from_ms / 1000, _first_steering(scenario) / 1000
+    window = (times >= begin) & (times <= end)
+    if not np.any(window):
+        return PathMeasures(None, 0.0)
+    straight = path_measures(
+        x[window], y[window], float(heading[window][0]), scenario.straight.distance
+    )
+    whole = float(np.sum(np.hypot(np.diff(x), np.diff(y))))
+    return PathMeasures(straight.lateral_deviation, whole)
+
+
+def _first_steering(scenario: Scenario) -> int:
+    steered = [e.at_ms for e in scenario.inputs if e.name.endswith(".hand_angle") and e.value != 0]
+    return min(steered, default=scenario.duration_ms)
+
+
+def measure_run(robot: Robot, scenario: Scenario, recording: Recording) -> RunMeasures:
+    """Measure a run."""
+    return RunMeasures(
+        tasks=tuple(
+            measure_task(recording, index, robot.task(thread.name))
+            for index, thread in enumerate(recording.threads)
+        ),
+        utilization=utilization(recording),
+        steps=_steps(robot, scenario, recording),
+        path=_path(scenario, recording),
+        powered_off=recording.stop.reason == "power_off",
+        end_cycles=recording.stop.at_cycles,
+    )
+
+
+def check_survival(scenario: Scenario, recording: Recording) -> None:
+    """Raise when the program failed (`RunFaultError`) or an input never came (`ScenarioError`)."""
+    stop, clock = recording.stop, recording.clock
+    if stop.reason in ("fault", "halted"):
+        picture = "\n".join(line for line in recording.pictures[-1].text if line.strip())
+        raise RunFaultError(
+            f"scenario '{scenario.name}': the program stopped after "
+            f"{clock.seconds(stop.at_cycles):.6f} s (cycle {stop.at_cycles}): "
+            f"{stop.message or stop.reason}; correct the program",
+            detail=f"On the LCD:\n{picture}" if picture else "",
+        )
+    late = [event for event in scenario.inputs if clock.cycles_of_ms(event.at_ms) > stop.at_cycles]
+    if late:
+        raise scenario.unreachable(
+            ("inputs", _index_in_file(scenario, late[0]), "at_ms"),
+            f"'{late[0].name}' at {late[0].at_ms} ms never happens: the brick was powered off at "
+            f"{1000 * clock.seconds(stop.at_cycles):.1f} ms; move it forward or remove it",
+        )
+
+
+def _index_in_file(scenario: Scenario, event: Input) -> int:
+    for index, table in enumerate(scenario.document.values.get("inputs", [])):
+        if (table["at_ms"], table["input"]) == (event.at_ms, event.name):
+            return index
+    return 0
+
+
+def check_criteria(scenario: Scenario, measures: RunMeasures) -> list[dict[str, object]]:
+    """Each criterion with its value and whether it is met.
+
+    Raises `CriteriaError` naming the first that is not met, `ScenarioError` when the run ended
+    before a criterion could be measured.
+    """
+    results: list[dict[str, object]] = []
+    failed: list[str] = []
+    for index, criterion in enumerate(scenario.criteria):
+        value = measures.value(criterion.measure)
+        if value is None:
+            raise scenario.unreachable(
+                ("criteria", index, "measure"),
+                f"'{criterion.measure}' was never reached in the run; check the inputs, "
+                "or lengthen the run",
+            )
+        met = _met(criterion, value)
+        results.append({"measure": criterion.measure, "value": value, "met": met})
+        if not met:
+            line = scenario.document.line_of(("criteria", index))
+            failed.append(f"{scenario.document.path}:{line}: {_sentence(criterion, value)}")
+    if failed:
+        raise CriteriaError(failed[0], detail="\n".join(failed[1:]))
+    return results
+
+
+def _met(criterion: Criterion, value: float) -> bool:
+    above = criterion.minimum is None or value >= criterion.minimum
+    return above and (criterion.maximum is None or value <= criterion.maximum)
+
+
+def _sentence(criterion: Criterion, value: float) -> str:
+    bounds = []
+    if criterion.minimum is not None:
+        bounds.append(f"at least {criterion.minimum:g}")
+    if criterion.maximum is not None:
+        bounds.append(f"at most {criterion.maximum:g}")
+    expected = " and ".join(bounds)
+    return (
+        f"{criterion.measure} is {value:.4g}, expected {expected}; look at the report, "
+        "then change the controller or the criterion"
+    )

@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is left of a run: events, signals, threads and pictures, with exact instants."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from enum import IntEnum
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ravenbrick.errors import UsageError
+from ravenbrick.target.clock import Clock
+
+__all__ = [
+    "EVENT_TYPE",
+    "IDLE",
+    "EventKind",
+    "Picture",
+    "Recording",
+    "Signal",
+    "Stop",
+    "Thread",
+    "decode_events",
+]
+
+EVENT_TYPE = np.dtype(
+    [("at_cycles", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")]
+)
+IDLE = 0xFFFF_FFFF
+
+
+class EventKind(IntEnum):
+    """Kinds of events; `subject` and `value` depend on the kind."""
+
+    THREAD_RUNNING = 1
+    THREAD_STATE = 2
+    RELEASE = 3
+    COMPLETION = 4
+    INTERRUPT_ENTERED = 5
+    INTERRUPT_LEFT = 6
+    DISPLAY_CHANGED = 7
+    MOTOR_COMMAND = 8
+    INPUT = 9
+    PROCESSOR_STOPPED = 10
+    PROCESSOR_RESUMED = 11
+    POWER_OFF = 12
+
+
+@dataclass(frozen=True)
+class Signal:
+    """Samples of one quantity: instants in cycles and values, shape (n,) each."""
+
+    cycles: NDArray[np.uint64]
+    values: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Thread:
+    """A task as the run-time holds it; `stack_used_bytes` is the high-water mark of the run."""
+
+    name: str
+    base_priority: int
+    stack_bytes: int
+    stack_used_bytes: int
+
+
+@dataclass(frozen=True)
+class Picture:
+    """The LCD at an instant: 64 rows of 100 pixels, True is dark; `text` if it could be read."""
+
+    at_cycles: int
+    pixels: NDArray[np.bool_]
+    text: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Why and when the run ended: reached, power_off, fault or halted."""
+
+    reason: str
+    at_cycles: int
+    message: str
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One run of one image; a thread's index is the `subject` of its events."""
+
+    scenario: str
+    clock: Clock
+    stop: Stop
+    events: NDArray[np.void]
+    signals: Mapping[str, Signal]
+    threads: tuple[Thread, ...]
+    pictures: tuple[Picture, ...]
+    digest: str
+
+    def of_kind(self, *kinds: EventKind) -> NDArray[np.void]:
+        """The events of these kinds, in order."""
+        return self.events[np.isin(self.events["kind"], [int(kind) for kind in kinds])]
+
+    def signal(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Instants (s) and values of a signal; raises `UsageError` when it was not recorded."""
+        found = self.signals.get(name)
+        if found is None:
+            known = ", ".join(sorted(self.signals))
+            raise UsageError(f"the signal '{name}' was not recorded; recorded are: {known}")
+        return self.clock.instants(found.cycles), found.values
+
+    def save(self, path: Path) -> None:
+        """Write everything to one compressed file."""
+        arrays: dict[str, Any] = {"events": self.events}
+        for name, signal in self.signals.items():
+            arrays[f"cycles:{name}"] = signal.cycles
+            arrays[f"values:{name}"] = signal.values
+        for index, picture in enumerate(self.pictures):
+            arrays[f"picture:{index}"] = np.packbits(picture.pixels)
+        pictures = [{"at_cycles": p.at_cycles, "text": list(p.text)} for p in self.pictures]
+        head = {
+            "scenario": self.scenario,
+            "clock_hz": [self.clock.hertz.numerator, self.clock.hertz.denominator],
+            "stop": asdict(self.stop),
+            "threads": [asdict(thread) for thread in self.threads],
+            "pictures": pictures,
+            "digest": self.digest,
+        }
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("wb") as file:
+            np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)
+
+    @classmethod
+    def load(cls, path: Path) -> Recording:
+        """Read what `save` wrote; raises `UsageError` for a file that is not a recording."""
+        try:
+            with np.load(path, allow_pickle=False) as arrays:
+                return cls._from_arrays({name: arrays[name] for name in arrays.files})
+        except (OSError, ValueError, KeyError, EOFError) as error:
+            raise UsageError(
+                f"{path}: not a recording of a run ({type(error).__name__}); "
+                "run the scenario again with 'ravenbrick run'"
+            ) from None
+
+    @classmethod
+    def _from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Recording:
+        head = json.loads(str(arrays["head"]))
+        names = [key.removeprefix("values:") for key in arrays if key.startswith("values:")]
+        pictures = []
+        for index, picture in enumerate(head["pictures"]):
+            pixels = np.unpackbits(arrays[f"picture:{index}"], count=6400).reshape(64, 100)
+            pictures.append(
+                Picture(picture["at_cycles"], pixels.astype(bool), tuple(picture["text"]))
+            )
+        return cls(
+            scenario=head["scenario"],
+            clock=Clock(Fraction(*head["clock_hz"])),
+            stop=Stop(**head["stop"]),
+            events=arrays["events"],
+            signals={n: Signal(arrays[f"cycles:{n}"], arrays[f"values:{n}"]) for n in names},
+            threads=tuple(Thread(**thread) for thread in head["threads"]),
+            pictures=tuple(pictures),
+            digest=head["digest"],
+        )
+
+
+def decode_events(packed: bytes) -> NDArray[np.void]:
+    """Records of 24 bytes (u64 instant, u32 kind, u32 subject, i64 value), shape (n,)."""
+    return np.frombuffer(packed, dtype=EVENT_TYPE)

@@ -1,0 +1,232 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Jobs, response times and the use of the processor, from the events of a run.
+
+Terms as in the glossary: a job's response time runs from its nominal release to its completion;
+its release latency from its nominal release to the instant at which it first gets the processor.
+The release jitter of a task is the spread (largest less smallest) of its release latencies.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+
+from ravenbrick.target.robot import Task
+from ravenbrick.trace.recording import IDLE, EventKind, Recording
+
+__all__ = [
+    "IDLE_OWNER",
+    "INTERRUPT_OWNER",
+    "KERNEL_OWNER",
+    "Job",
+    "Segment",
+    "TaskMeasures",
+    "Utilization",
+    "jobs_of",
+    "measure_task",
+    "segments",
+    "utilization",
+]
+
+IDLE_OWNER, KERNEL_OWNER, INTERRUPT_OWNER = -1, -2, -3
+
+
+@dataclass(frozen=True)
+class Job:
+    """One activation of a task; instants in cycles, None for what the run did not reach."""
+
+    release_cycles: int
+    start_cycles: int | None
+    completion_cycles: int | None
+
+    @property
+    def response_time_cycles(self) -> int | None:
+        """Nominal release to completion."""
+        if self.completion_cycles is None:
+            return None
+        return self.completion_cycles - self.release_cycles
+
+    @property
+    def release_latency_cycles(self) -> int | None:
+        """Nominal release to first execution."""
+        return None if self.start_cycles is None else self.start_cycles - self.release_cycles
+
+
+@dataclass(frozen=True)
+class TaskMeasures:
+    """What one run shows of one task; times in cycles, None when no job completed."""
+
+    name: str
+    releases: int
+    completions: int
+    response_time_cycles_min: int | None
+    response_time_cycles_mean: float | None
+    response_time_cycles_max: int | None
+    release_jitter_cycles: int | None
+    release_latency_cycles_max: int | None
+    deadline_cycles: int | None
+    deadline_misses: int
+
+
+@dataclass(frozen=True)
+class Segment:
+    """An interval in which the processor did one thing: a thread's index or an owner below zero."""
+
+    begin_cycles: int
+    end_cycles: int
+    owner: int
+
+
+@dataclass(frozen=True)
+class Utilization:
+    """Shares of the whole run, each 0 to 1; together they are 1."""
+
+    threads: tuple[float, ...]
+    interrupts: float
+    kernel: float
+    idle: float
+
+    @property
+    def busy(self) -> float:
+        """Busy cycles over all cycles."""
+        return 1.0 - self.idle
+
+
+def jobs_of(recording: Recording, thread: int) -> list[Job]:
+    """Jobs of a thread in the order of their releases.
+
+    A completion names the nominal release of its job; the first execution of a job is the first
+    selection of the thread after its release event, or the release itself when it already ran.
+    """
+    starts: dict[int, int] = {}
+    ends: dict[int, int] = {}
+    releases: list[int] = []
+    pending: int | None = None
+    running = False
+    for at, kind, subject, value in _scheduling_events(recording):
+        if kind == EventKind.THREAD_RUNNING:
+            running = subject == thread
+            if running and pending is not None:
+                starts[pending], pending = at, None
+        elif subject != thread:
+            continue
+        elif kind == EventKind.RELEASE:
+            releases.append(value)
+            if running:
+                starts[value] = max(at, value)
+            else:
+                pending = value
+        elif kind == EventKind.COMPLETION:
+            ends[value] = at
+    return [Job(release, starts.get(release), ends.get(release)) for release in releases]
+
+
+def _scheduling_events(recording: Recording) -> list[tuple[int, int, int, int]]:
+    kinds = (EventKind.THREAD_RUNNING, EventKind.RELEASE, EventKind.COMPLETION)
+    events: list[tuple[int, int, int, int]] = recording.of_kind(*kinds).tolist()
+    return events
+
+
+def _misses(jobs: list[Job], deadline_cycles: int | None, end_cycles: int) -> int:
+    if deadline_cycles is None:
+        return 0
+    missed = 0
+    for job in jobs:
+        completion = end_cycles if job.completion_cycles is None else job.completion_cycles
+        missed += completion - job.release_cycles > deadline_cycles
+    return missed
+
+
+def measure_task(recording: Recording, thread: int, task: Task | None) -> TaskMeasures:
+    """Measures of one thread; its deadline comes from the task set (None: no deadline)."""
+    jobs = jobs_of(recording, thread)
+    responses = [r for job in jobs if (r := job.response_time_cycles) is not None]
+    latencies = [late for job in jobs if (late := job.release_latency_cycles) is not None]
+    deadline = None
+    if task is not None and task.deadline_us is not None:
+        deadline = int(task.deadline_us * recording.clock.hertz / 1_000_000)
+    return TaskMeasures(
+        name=recording.threads[thread].name,
+        releases=len(jobs),
+        completions=len(responses),
+        response_time_cycles_min=min(responses, default=None),
+        response_time_cycles_mean=float(np.mean(responses)) if responses else None,
+        response_time_cycles_max=max(responses, default=None),
+        release_jitter_cycles=max(latencies) - min(latencies) if latencies else None,
+        release_latency_cycles_max=max(latencies, default=None),
+        deadline_cycles=deadline,
+        deadline_misses=_misses(jobs, deadline, recording.stop.at_cycles),
+    )
+
+
+class _Processor:
+    """Who has the processor, event by event."""
+
+    def __init__(self, stops: bool) -> None:
+        self.stops = stops
+        self.stopped = False
+        self.depth = 0
+        self.running = IDLE
+
+    def owner(self) -> int:
+        """Owner of the next cycles; without stop events, the idle thread counts as idle."""
+        if self.stopped:
+            return IDLE_OWNER
+        if self.depth > 0:
+            return INTERRUPT_OWNER
+        if self.running != IDLE:
+            return self.running
+        return KERNEL_OWNER if self.stops else IDLE_OWNER
+
+    def apply(self, kind: int, subject: int) -> None:
+        """Take one event into account."""
+        if kind == EventKind.THREAD_RUNNING:
+            self.running = subject
+        elif kind == EventKind.INTERRUPT_ENTERED:
+            self.depth += 1
+        elif kind == EventKind.INTERRUPT_LEFT:
+            self.depth = max(self.depth - 1, 0)
+        else:
+            self.stopped = kind == EventKind.PROCESSOR_STOPPED
+
+
+def segments(recording: Recording) -> list[Segment]:
+    """The run cut into intervals with one owner each, without gaps, from cycle 0 to the stop."""
+    events = recording.of_kind(
+        EventKind.THREAD_RUNNING,
+        EventKind.INTERRUPT_ENTERED,
+        EventKind.INTERRUPT_LEFT,
+        EventKind.PROCESSOR_STOPPED,
+        EventKind.PROCESSOR_RESUMED,
+    )
+    processor = _Processor(bool(np.any(events["kind"] == EventKind.PROCESSOR_STOPPED)))
+    result: list[Segment] = []
+    begin, owner = 0, processor.owner()
+    if processor.stops:
+        owner = KERNEL_OWNER
+    for at, kind, subject, _value in events.tolist():
+        processor.apply(kind, subject)
+        if processor.owner() != owner:
+            if at > begin:
+                result.append(Segment(begin, at, owner))
+            begin, owner = max(at, begin), processor.owner()
+    if recording.stop.at_cycles > begin:
+        result.append(Segment(begin, recording.stop.at_cycles, owner))
+    return result
+
+
+def utilization(recording: Recording) -> Utilization:
+    """Shares of the processor over the whole run."""
+    cycles: defaultdict[int, int] = defaultdict(int)
+    for segment in segments(recording):
+        cycles[segment.owner] += segment.end_cycles - segment.begin_cycles
+    total = max(sum(cycles.values()), 1)
+    return Utilization(
+        threads=tuple(cycles[index] / total for index in range(len(recording.threads))),
+        interrupts=cycles[INTERRUPT_OWNER] / total,
+        kernel=cycles[KERNEL_OWNER] / total,
+        idle=cycles[IDLE_OWNER] / total,
+    )
