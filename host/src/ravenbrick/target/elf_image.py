@@ -96,9 +96,7 @@ def _check_header(path: Path, content: bytes) -> None:
         raise _refuse(path, f"is for machine {machine}, not for ARM (40)")
     if kind != 2:
         raise _refuse(path, "is not an executable image; link it first")
-    needed = max(
-        programs + program_size * program_count, sections + section_size * section_count
-    )
+    needed = max(programs + program_size * program_count, sections + section_size * section_count)
     if needed > len(content):
         raise _refuse(path, f"is truncated: {len(content)} of at least {needed} bytes")
 

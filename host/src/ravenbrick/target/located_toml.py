@@ -120,7 +120,7 @@ class _Locator:
     def _header(self, brackets: int) -> KeyPath:
         self.position += brackets
         parts = self._key()
-        path = self._resolve((), parts[:-1]) + (parts[-1],)
+        path = (*self._resolve((), parts[:-1]), parts[-1])
         if brackets == 2:
             self.counts[path] = self.counts.get(path, -1) + 1
             path = (*path, self.counts[path])

@@ -79,9 +79,9 @@ def _parts(map_file: Path) -> dict[str, dict[str, int]]:
     text = map_file.read_text("utf-8", "replace")
     _head, _marker, body = text.partition("Linker script and memory map")
     joined = re.sub(r"^( \.\S+)\n\s+(?=0x)", r"\1 ", body, flags=re.MULTILINE)
-    sizes: defaultdict[str, dict[str, int]] = defaultdict(lambda: dict.fromkeys(
-        ("text", "data", "bss"), 0
-    ))
+    sizes: defaultdict[str, dict[str, int]] = defaultdict(
+        lambda: dict.fromkeys(("text", "data", "bss"), 0)
+    )
     for name, address, size, file in _PLACED.findall(joined):
         kind = _section_kind(name)
         if kind and int(address, 16):

@@ -83,9 +83,7 @@ class RunMeasures:
         return float(max(found, key=abs))
 
 
-def setpoint_speed(
-    robot: Robot, recording: Recording, motor: str
-) -> tuple[Floats, Floats] | None:
+def setpoint_speed(robot: Robot, recording: Recording, motor: str) -> tuple[Floats, Floats] | None:
     """Set-point of a motor's speed over time: s and rad/s; None when the robot names none."""
     for setpoint in robot.setpoints:
         if setpoint.port == motor:
@@ -94,9 +92,10 @@ def setpoint_speed(
     return None
 
 
-def _step_begin(recording: Recording, setpoint: tuple[Floats, Floats] | None, scenario: Scenario,
-                motor: str) -> tuple[float, float] | None:
-    """Instant (s) and height (rad/s) of the step: the set-point's change, else the first command."""
+def _step_begin(
+    recording: Recording, setpoint: tuple[Floats, Floats] | None, scenario: Scenario, motor: str
+) -> tuple[float, float] | None:
+    """Instant (s) and height (rad/s) of the step: the set-point's change, or the first command."""
     assert scenario.step is not None
     begin, end = scenario.step.from_ms / 1000, scenario.step.until_ms / 1000
     if setpoint is not None:

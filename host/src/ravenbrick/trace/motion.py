@@ -123,7 +123,7 @@ def _rise_time(times: Floats, speed: Floats, final: float) -> float | None:
 
 
 def path_measures(x: Floats, y: Floats, heading: float, distance: float) -> PathMeasures:
-    """Deviation from the line through the first point along `heading` (rad), over `distance` (m)."""
+    """Deviation over `distance` (m) from the line through the first point along `heading` (rad)."""
     steps = np.hypot(np.diff(x), np.diff(y))
     length = np.concatenate(([0.0], np.cumsum(steps)))
     across = -(x - x[0]) * np.sin(heading) + (y - y[0]) * np.cos(heading)

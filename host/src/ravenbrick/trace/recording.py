@@ -30,9 +30,7 @@ __all__ = [
     "decode_events",
 ]
 
-EVENT_TYPE = np.dtype(
-    [("at_cycles", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")]
-)
+EVENT_TYPE = np.dtype([("at_cycles", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")])
 IDLE = 0xFFFF_FFFF
 
 
