@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Run every suite against outside truth and write `conformance/results.{json,md}`.
+
+`python -m conformance.run [AREA ...]` runs all suites or those of the named areas. A suite that
+fails is written down with what passed, and the command ends with 1.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+from tools import tables
+from tools.tables import Row, merge_rows
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "conformance" / "results.json"
+CARGO = ["cargo", "--locked"]
+CRATES = ROOT / "virtual-brick"
+
+
+def suite_row(
+    area: str, suite: str, case_count: int, passed: int, excluded: list[Row] | None = None
+) -> Row:
+    """One row of the results file."""
+    return {
+        "area": area,
+        "suite": suite,
+        "case_count": case_count,
+        "passed": passed,
+        "excluded": excluded or [],
+    }
+
+
+def single_step() -> Row:
+    """The processor against the vectors of an independent core: state, writes and cycles."""
+    command = ["run", "--quiet", "--release", "-p", "arm7tdmi", "--example", "single_step", "--"]
+    vectors = ROOT / "conformance" / "cpu" / "arm7tdmi-single-step.tar.xz"
+    result = subprocess.run(
+        [*CARGO, *command, str(vectors)], cwd=CRATES, capture_output=True, text=True
+    )
+    if not result.stdout.strip():
+        raise SystemExit(f"single-step: no result\n{result.stderr}")
+    row: Row = json.loads(result.stdout.strip().splitlines()[-1])
+    return row
+
+
+def cargo_suite(area: str, suite: str, package: str, name: str = "") -> Callable[[], Row]:
+    """The tests of a crate whose path contains `name`."""
+
+    def run() -> Row:
+        command = [*CARGO, "test", "-p", package, "--", name]
+        result = subprocess.run(command, cwd=CRATES, capture_output=True, text=True)
+        counts = re.findall(r"test result: \S+ (\d+) passed; (\d+) failed", result.stdout)
+        passed = sum(int(p) for p, _ in counts)
+        failed = sum(int(f) for _, f in counts)
+        if result.returncode != 0 and failed == 0:
+            raise SystemExit(f"{suite}: did not build\n{result.stderr[-2000:]}")
+        return suite_row(area, suite, passed + failed, passed)
+
+    return run
+
+
+def pytest_suite(area: str, suite: str, *paths: str) -> Callable[[], Row]:
+    """Python tests under the paths; skipped ones are excluded with their reasons."""
+
+    def run() -> Row:
+        with tempfile.TemporaryDirectory() as folder:
+            report = Path(folder) / "report.xml"
+            command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={report}", *paths]
+            subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            root = ElementTree.parse(report).getroot()
+        cases = list(root.iter("testcase"))
+        skipped = Counter(
+            node.get("message", "no reason given") for c in cases for node in c.findall("skipped")
+        )
+        failed = [c for c in cases if c.find("failure") is not None or c.find("error") is not None]
+        excluded = [{"count": n, "reason": reason} for reason, n in sorted(skipped.items())]
+        passed = len(cases) - len(failed) - sum(skipped.values())
+        return suite_row(area, suite, len(cases), passed, excluded)
+
+    return run
+
+
+SUITES: list[tuple[str, Callable[[], Row]]] = [
+    ("cpu", single_step),
+    ("cpu", cargo_suite("cpu", "instructions, exceptions, silicon cycle table", "arm7tdmi")),
+    ("peripherals", cargo_suite("peripherals", "registers and behaviour", "at91sam7s")),
+    ("peripherals", cargo_suite("peripherals", "board devices", "nxt")),
+    ("plant", cargo_suite("plant", "published motor points, body", "plant")),
+    ("runtime", pytest_suite("runtime", "behaviours on the virtual brick", "runtime/tests")),
+    ("drivers", pytest_suite("drivers", "drivers on the virtual brick", "drivers/tests")),
+    (
+        "control",
+        pytest_suite(
+            "control",
+            "paper's loop, sampled loops, generated C",
+            "host/tests/model",
+            "host/tests/control",
+            "host/tests/codegen",
+        ),
+    ),
+    ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
+]
+
+
+def main(areas: list[str]) -> int:
+    """Run, write results and tables; 1 when a case failed."""
+    unknown = sorted(set(areas) - set(tables.AREAS))
+    if unknown:
+        print(f"no such area: {', '.join(unknown)}; there are {', '.join(tables.AREAS)}")
+        return 2
+    chosen = [run for area, run in SUITES if not areas or area in areas]
+    failed = 0
+    for number, run in enumerate(chosen, 1):
+        start = time.monotonic()
+        row = run()
+        judged = row["case_count"] - sum(e["count"] for e in row["excluded"])
+        failed += judged - row["passed"]
+        name = f"{row['area']}: {row['suite']}"
+        seconds = time.monotonic() - start
+        print(f"[{number}/{len(chosen)}] {name}: {row['passed']} of {judged} ({seconds:.0f} s)")
+        merge_rows(RESULTS, [row], ("area", "suite"))
+    tables.main([])
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
