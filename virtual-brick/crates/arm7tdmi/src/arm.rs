@@ -143,7 +143,8 @@ const CONSTANT: u8 = 0;
 const SHIFT_BY_CONSTANT: u8 = 1;
 const SHIFT_BY_REGISTER: u8 = 2;
 
-/// Second operand. A shift by register takes an internal cycle and sees r15 + 12.
+/// Second operand. A shift by register takes an internal cycle: the amount is read before it,
+/// the other operands after it, when r15 has advanced.
 #[inline(always)]
 fn operand<B: Bus, const KIND: u8>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Shifted {
     let carry = cpu.carry();
@@ -155,10 +156,10 @@ fn operand<B: Bus, const KIND: u8>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> S
             shift_by_constant(opcode >> 5, value, amount, carry)
         }
         _ => {
+            let amount = cpu.registers.get(opcode >> 8) & 0xFF;
             bus.internal(1);
             cpu.advance_arm();
             let value = cpu.registers.get(opcode);
-            let amount = cpu.registers.get(opcode >> 8) & 0xFF;
             shift_by_register(opcode >> 5, value, amount, carry)
         }
     }
@@ -193,12 +194,13 @@ fn data_processing<B: Bus, const OPERATION: u8, const KIND: u8>(
     let destination = opcode >> 12;
     let compares = OPERATION & 0b11000 == 0b10000;
     if OPERATION & 1 != 0 {
-        if destination & 15 == 15 {
-            cpu.restore_status();
-        } else if logical {
+        if logical {
             cpu.set_nzc(sum.value, carry);
         } else {
             cpu.set_nzcv(sum);
+        }
+        if destination & 15 == 15 {
+            cpu.restore_status();
         }
     }
     if compares {

@@ -16,7 +16,7 @@ pub(crate) struct Block {
     pub(crate) start: u32,
     /// New value of the base register, if it is written back.
     pub(crate) end_base: Option<u32>,
-    /// Transfer the registers of user mode.
+    /// Transfer the registers of user mode; write-back then goes to them too.
     pub(crate) user_bank: bool,
     /// Restore CPSR from SPSR at the end.
     pub(crate) restores_status: bool,
@@ -60,7 +60,7 @@ impl Cpu {
             let value = self.block_register(block, list.trailing_zeros());
             result = result.and(bus.write(address, Width::Word, value, cycle));
             if let (Cycle::Nonsequential, Some(base)) = (cycle, block.end_base) {
-                self.registers.set(block.base, base);
+                self.set_block_register(block, block.base, base);
             }
             cycle = Cycle::Sequential;
             address = address.wrapping_add(4);
@@ -76,8 +76,10 @@ impl Cpu {
         let (mut list, mut address) = (block.list, block.start);
         let mut cycle = Cycle::Nonsequential;
         let mut result = Ok(0);
-        let end_base = block.end_base.unwrap_or(self.registers.get(block.base));
-        self.registers.set(block.base, end_base);
+        let end_base = block
+            .end_base
+            .unwrap_or(self.block_register(block, block.base));
+        self.set_block_register(block, block.base, end_base);
         while list != 0 {
             let number = list.trailing_zeros();
             let read = bus.read(address, Width::Word, cycle);
@@ -100,7 +102,7 @@ impl Cpu {
             }
             Ok(_) => Step::Instruction,
             Err(_) => {
-                self.registers.set(block.base, end_base);
+                self.set_block_register(block, block.base, end_base);
                 self.enter_data_abort(bus)
             }
         }

@@ -20,6 +20,8 @@ pub mod psr {
     pub const T: u32 = 1 << 5;
     /// Mode field.
     pub const MODE: u32 = 0x1F;
+    /// Highest bit of the mode field: always set, as the core has no 26-bit modes.
+    pub const M4: u32 = 1 << 4;
     /// Bits that exist; all others read as zero.
     pub const IMPLEMENTED: u32 = 0xF000_00FF;
 }
@@ -150,6 +152,7 @@ impl RegisterFile {
 
     /// Writes the whole CPSR and brings the bank of the new mode into view.
     pub(crate) fn set_status(&mut self, value: u32) {
+        let value = value | psr::M4;
         let (old, new) = (bank_of(self.status), bank_of(value));
         self.status = value;
         if old == new {

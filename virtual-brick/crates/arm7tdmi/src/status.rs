@@ -90,7 +90,8 @@ impl Cpu {
         }
     }
 
-    /// Writes the fields of CPSR or SPSR that `opcode` selects (DDI 0029E, section 4.6).
+    /// Writes the fields of CPSR or SPSR that `opcode` selects (DDI 0029E, section 4.6). A write
+    /// to the T bit of CPSR, which programs must not do, leaves the pipeline as it is.
     fn write_status(&mut self, opcode: u32, value: u32) {
         let mut mask = psr::IMPLEMENTED & field_mask((opcode >> 16) & 15);
         if opcode & (1 << 22) != 0 {
@@ -101,7 +102,6 @@ impl Cpu {
             return;
         }
         let old = self.registers.status();
-        mask &= !psr::T;
         if self.mode() == Some(Mode::User) {
             mask &= 0xF000_0000;
         }

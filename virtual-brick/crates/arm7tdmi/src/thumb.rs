@@ -328,7 +328,7 @@ fn add_to_stack_pointer<B: Bus>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Ste
 /// Format 16: 2S + N when taken, else S.
 fn conditional_branch<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
     if cpu.condition_passes(opcode >> 8) {
-        let offset = 2 * (opcode as u8 as i8 as i32) as u32;
+        let offset = (i32::from(opcode as u8 as i8) << 1) as u32;
         cpu.branch_thumb(bus, cpu.registers.pc().wrapping_add(offset));
     } else {
         cpu.advance_thumb();

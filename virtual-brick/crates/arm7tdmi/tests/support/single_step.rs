@@ -138,9 +138,10 @@ impl Record {
             let (found, mask) = match *place {
                 Place::Register(mode, number) => (cpu.banked_register(mode, number), !0),
                 Place::Spsr(mode) => (cpu.spsr_of(mode).unwrap_or(0), !0),
-                Place::Cpsr if ignore_carry => (cpu.cpsr(), !psr::C),
-                Place::Cpsr => (cpu.cpsr(), !0),
-                Place::Pc => (pipeline_pc(cpu), !0),
+                Place::Cpsr if ignore_carry => (cpu.cpsr(), psr::IMPLEMENTED & !psr::C),
+                Place::Cpsr => (cpu.cpsr(), psr::IMPLEMENTED),
+                Place::Pc if cpu.thumb() => (pipeline_pc(cpu), !0),
+                Place::Pc => (pipeline_pc(cpu), !3),
             };
             if (found ^ expected) & mask != 0 {
                 differences.push(format!(
