@@ -1,0 +1,222 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with NXT.Last_Chance;
+pragma Unreferenced (NXT.Last_Chance);
+with NXT.Priorities;
+with NXT.TWI;
+
+package body NXT.AVR is
+
+   use Ada.Real_Time;
+   use type AVR_IO.Power_Command;
+   use type TWI.Transfer_Status;
+
+   Stack_Size : constant := 1_024;
+
+   --  Periods in which the co-processor is left alone before and after the greeting, 20 ms
+   Quiet_Periods : constant := 10;
+
+   --  Consecutive failures after which the bus is reset and the greeting repeated
+   Tolerated_Failures : constant := 3;
+
+   Start : constant Time := Clock + Milliseconds (2);
+
+   function First_Release return Time is (Start);
+
+   protected Shared with Priority => Priorities.Shared_Data is
+      procedure Set_Motor (Motor : Motor_Id; Duty : PWM_Value; Brake : Boolean);
+      procedure Set_Supply (Port : Sensor_Id; Supply : Sensor_Power);
+      procedure Switch_Off;
+      function Outputs return AVR_IO.Outputs;
+      procedure Put_Inputs (Values : AVR_IO.Inputs);
+      function Inputs return AVR_IO.Inputs;
+      function Received return Boolean;
+   private
+      Commands  : AVR_IO.Outputs;
+      Readings  : AVR_IO.Inputs;
+      Available : Boolean := False;
+   end Shared;
+
+   Errors : Error_Count := 0 with Atomic;
+   --  Written by the link's task only.
+
+   task Coprocessor_Task with
+     Priority     => Priorities.Coprocessor_Task,
+     Storage_Size => Stack_Size;
+
+   protected body Shared is
+
+      procedure Set_Motor (Motor : Motor_Id; Duty : PWM_Value; Brake : Boolean) is
+      begin
+         if Commands.Power = AVR_IO.Stay_On then
+            Commands.Duties (Motor) := Duty;
+            Commands.Brakes (Motor) := Brake;
+         end if;
+      end Set_Motor;
+
+      procedure Set_Supply (Port : Sensor_Id; Supply : Sensor_Power) is
+      begin
+         Commands.Sensor_Supply (Port) := Supply;
+      end Set_Supply;
+
+      procedure Switch_Off is
+      begin
+         Commands := AVR_IO.All_Stopped;
+         Commands.Power := AVR_IO.Switch_Off;
+      end Switch_Off;
+
+      function Outputs return AVR_IO.Outputs is (Commands);
+
+      procedure Put_Inputs (Values : AVR_IO.Inputs) is
+      begin
+         Readings := Values;
+         Available := True;
+      end Put_Inputs;
+
+      function Inputs return AVR_IO.Inputs is (Readings);
+
+      function Received return Boolean is (Available);
+
+   end Shared;
+
+   --  The link goes from Silent over Quiet and Greeting to Exchanging; repeated failure leads back.
+   type Link_State is (Silent, Quiet, Greeting, Settling, Exchanging);
+
+   --  What the transfer that may still run is for
+   type Transfer_Purpose is (Nothing, Text, Commands, Readings);
+
+   type Link is record
+      State        : Link_State := Silent;
+      Purpose      : Transfer_Purpose := Nothing;
+      Quiet_Left   : Natural := 0;
+      Failures     : Natural := 0;
+      Inputs_Next  : Boolean := True;
+   end record;
+
+   procedure Take_Readings (Valid : out Boolean) is
+      Frame  : AVR_IO.Input_Frame;
+      Values : AVR_IO.Inputs;
+   begin
+      TWI.Fetch (Frame);
+      AVR_IO.Decode (Frame, Values, Valid);
+      if Valid then
+         Shared.Put_Inputs (Values);
+      end if;
+   end Take_Readings;
+
+   --  Judge the transfer of the period before. One that has not ended by now never will.
+   procedure Complete_Transfer (This : in out Link) is
+      Good : Boolean := TWI.Status = TWI.Done;
+   begin
+      if Good and then This.Purpose = Readings then
+         Take_Readings (Good);
+      end if;
+      if Good or else This.Purpose = Nothing then
+         This.Failures := 0;
+      else
+         Errors := Errors + 1;
+         This.Failures := This.Failures + 1;
+      end if;
+      if TWI.Status = TWI.Busy or else This.Failures > Tolerated_Failures then
+         This.State := Silent;
+      end if;
+      This.Purpose := Nothing;
+   end Complete_Transfer;
+
+   procedure Be_Quiet (This : in out Link; Then_Enter : Link_State) is
+   begin
+      This.Quiet_Left := This.Quiet_Left - 1;
+      if This.Quiet_Left = 0 then
+         This.State := Then_Enter;
+      end if;
+   end Be_Quiet;
+
+   procedure Exchange (This : in out Link) is
+   begin
+      if This.Inputs_Next then
+         TWI.Start_Receive (AVR_IO.Address, AVR_IO.Input_Length);
+         This.Purpose := Readings;
+      else
+         TWI.Start_Send (AVR_IO.Address, AVR_IO.Encode (Shared.Outputs));
+         This.Purpose := Commands;
+      end if;
+   end Exchange;
+
+   procedure Start_Transfer (This : in out Link) is
+   begin
+      case This.State is
+         when Silent =>
+            TWI.Reset;
+            This.Failures := 0;
+            This.Quiet_Left := Quiet_Periods;
+            This.State := Quiet;
+         when Quiet =>
+            Be_Quiet (This, Then_Enter => Greeting);
+         when Greeting =>
+            TWI.Start_Send (AVR_IO.Address, AVR_IO.Greeting);
+            This.Purpose := Text;
+            This.Quiet_Left := Quiet_Periods;
+            This.State := Settling;
+         when Settling =>
+            Be_Quiet (This, Then_Enter => Exchanging);
+         when Exchanging =>
+            Exchange (This);
+      end case;
+      This.Inputs_Next := not This.Inputs_Next;
+   end Start_Transfer;
+
+   task body Coprocessor_Task is
+      This         : Link;
+      Next_Release : Time := Start;
+   begin
+      loop
+         delay until Next_Release;
+         Complete_Transfer (This);
+         Start_Transfer (This);
+         Next_Release := Next_Release + Period;
+      end loop;
+   end Coprocessor_Task;
+
+   procedure Set_Power (Motor : Motor_Id; Power : PWM_Value; Brake : Boolean) is
+   begin
+      Shared.Set_Motor (Motor, Power, Brake or else Power /= 0);
+   end Set_Power;
+
+   procedure Set_Output (Motor : Motor_Id; Duty : PWM_Value; Short_When_Off : Boolean) is
+   begin
+      Shared.Set_Motor (Motor, Duty, Short_When_Off);
+   end Set_Output;
+
+   procedure Set_Input_Power (Port : Sensor_Id; Power_Type : Sensor_Power) is
+   begin
+      Shared.Set_Supply (Port, Power_Type);
+   end Set_Input_Power;
+
+   procedure Power_Down is
+   begin
+      Shared.Switch_Off;
+   end Power_Down;
+
+   function Data_Available return Boolean is (Shared.Received);
+
+   procedure Await_Data_Available is
+      Next_Look : Time := Clock;
+   begin
+      while not Shared.Received loop
+         Next_Look := Next_Look + Period;
+         delay until Next_Look;
+      end loop;
+   end Await_Data_Available;
+
+   function Inputs return AVR_IO.Inputs is (Shared.Inputs);
+
+   function Button return Button_Id is (Shared.Inputs.Pressed);
+
+   function Raw_Input (Port : Sensor_Id) return ADC_Value is (Shared.Inputs.Sensors (Port));
+
+   function Raw_Battery return Interfaces.Unsigned_16 is (Shared.Inputs.Battery_Word);
+
+   function Link_Errors return Error_Count is (Errors);
+
+end NXT.AVR;

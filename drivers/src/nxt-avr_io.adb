@@ -1,0 +1,116 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Interfaces;  use Interfaces;
+
+package body NXT.AVR_IO is
+
+   --  First byte of a frame from the processor
+   Normal_Operation : constant := 16#00#;
+   Power_Down       : constant := 16#5A#;
+   Text_Follows     : constant := 16#CC#;
+
+   Text : constant String := "Let's samba nxt arm in arm, (c)LEGO System A/S";
+   pragma Compile_Time_Error (Text'Length + 1 /= Greeting_Length, "length of the greeting");
+
+   --  Lowest readings of the button ladder; the middle between neighbouring buttons or lower
+   Power_Threshold  : constant := 16#7FF#;
+   Middle_Threshold : constant := 16#301#;
+   Right_Threshold  : constant := 16#101#;
+   Left_Threshold   : constant := 16#061#;
+
+   Battery_Mask     : constant := 16#03FF#;
+   Rechargeable_Bit : constant := 16#8000#;
+
+   function Greeting return Greeting_Frame is
+   begin
+      return Frame : Greeting_Frame do
+         Frame (1) := Text_Follows;
+         for Position in Text'Range loop
+            Frame (1 + Position) := Character'Pos (Text (Position));
+         end loop;
+      end return;
+   end Greeting;
+
+   function Sum (Bytes : NXT.TWI.Byte_Array) return Unsigned_8 is
+   begin
+      return Total : Unsigned_8 := 0 do
+         for Value of Bytes loop
+            Total := Total + Value;
+         end loop;
+      end return;
+   end Sum;
+
+   function Two_Complement (Duty : PWM_Value) return Unsigned_8 is
+     (Unsigned_8 (Integer (Duty) mod 256));
+
+   function Brake_Bits (Brakes : Motor_Brakes) return Unsigned_8 is
+   begin
+      return Mode : Unsigned_8 := 0 do
+         for Motor in Motor_Id loop
+            if Brakes (Motor) then
+               Mode := Mode or 2 ** Motor_Id'Pos (Motor);
+            end if;
+         end loop;
+      end return;
+   end Brake_Bits;
+
+   --  Bits 0 to 3: 9 V except while sampling, ports 1 to 4; bits 4 to 7: 9 V always.
+   function Supply_Bits (Supply : Sensor_Powers) return Unsigned_8 is
+   begin
+      return Mode : Unsigned_8 := 0 do
+         for Sensor in Sensor_Id loop
+            case Supply (Sensor) is
+               when Standard_Power => null;
+               when RCX_9V => Mode := Mode or 2 ** Sensor_Id'Pos (Sensor);
+               when NXT_9V => Mode := Mode or 2 ** (4 + Sensor_Id'Pos (Sensor));
+            end case;
+         end loop;
+      end return;
+   end Supply_Bits;
+
+   function Encode (Values : Outputs) return Output_Frame is
+   begin
+      return Frame : Output_Frame := (others => 0) do
+         Frame (1) := (case Values.Power is
+                          when Stay_On => Normal_Operation,
+                          when Switch_Off => Power_Down);
+         Frame (2) := PWM_Frequency_kHz;
+         Frame (3) := Two_Complement (Values.Duties (Motor_A));
+         Frame (4) := Two_Complement (Values.Duties (Motor_B));
+         Frame (5) := Two_Complement (Values.Duties (Motor_C));
+         Frame (7) := Brake_Bits (Values.Brakes);
+         Frame (8) := Supply_Bits (Values.Sensor_Supply);
+         Frame (9) := not Sum (Frame);
+      end return;
+   end Encode;
+
+   function Decoded_Button (Reading : Unsigned_16) return Button_Id is
+     (if Reading >= Power_Threshold then Power_Button
+      elsif Reading >= Middle_Threshold then Middle_Button
+      elsif Reading >= Right_Threshold then Right_Button
+      elsif Reading >= Left_Threshold then Left_Button
+      else No_Button);
+
+   --  The 16-bit number in little-endian order at a place of the frame.
+   function Word_At (Frame : Input_Frame; Place : Positive) return Unsigned_16 is
+     (Unsigned_16 (Frame (Place)) + 256 * Unsigned_16 (Frame (Place + 1)));
+
+   procedure Decode (Frame : Input_Frame; Values : out Inputs; Valid : out Boolean) is
+      Battery : constant Unsigned_16 := Word_At (Frame, 11);
+   begin
+      Values := (others => <>);
+      Valid := Sum (Frame) = 16#FF# and then (Battery and Battery_Mask) /= 0;
+      if Valid then
+         for Sensor in Sensor_Id loop
+            Values.Sensors (Sensor) :=
+              ADC_Value (Word_At (Frame, 1 + 2 * Sensor_Id'Pos (Sensor)) mod 1024);
+         end loop;
+         Values.Pressed := Decoded_Button (Word_At (Frame, 9));
+         Values.Battery_Count := ADC_Value (Battery and Battery_Mask);
+         Values.Rechargeable := (Battery and Rechargeable_Bit) /= 0;
+         Values.Battery_Word := Battery;
+      end if;
+   end Decode;
+
+end NXT.AVR_IO;

@@ -1,0 +1,72 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  What the processor and the co-processor tell each other, and how it is coded in bytes. No
+--  hardware is touched here. Source of the coding: the firmware that LEGO published for both sides.
+
+with Interfaces;
+with NXT.TWI;
+
+package NXT.AVR_IO is
+
+   Address : constant NXT.TWI.Device_Id := 1;
+
+   --  Both directions end in a byte that makes the sum of all bytes 16#FF#, modulo 256.
+
+   Output_Length : constant := 9;
+   Input_Length  : constant := 13;
+   subtype Output_Frame is NXT.TWI.Byte_Array (1 .. Output_Length);
+   subtype Input_Frame  is NXT.TWI.Byte_Array (1 .. Input_Length);
+
+   Greeting_Length : constant := 47;
+   subtype Greeting_Frame is NXT.TWI.Byte_Array (1 .. Greeting_Length);
+
+   function Greeting return Greeting_Frame;
+   --  Must be sent once; without it the co-processor switches the brick off after five minutes.
+
+   type Power_Command is (Stay_On, Switch_Off);
+
+   type Motor_Duties  is array (Motor_Id) of PWM_Value;
+   type Motor_Brakes  is array (Motor_Id) of Boolean;
+   type Sensor_Powers is array (Sensor_Id) of Sensor_Power;
+
+   type Outputs is record
+      Power         : Power_Command := Stay_On;
+      Duties        : Motor_Duties  := (others => 0);
+      Brakes        : Motor_Brakes  := (others => True);
+      Sensor_Supply : Sensor_Powers := (others => Standard_Power);
+   end record;
+   --  Brakes: whether the windings are shorted while the bridge does not drive, which makes the
+   --  mean voltage proportional to the duty cycle; without it the current dies out through the
+   --  diodes. At duty 0 it is the choice between brake and coast.
+
+   All_Stopped : constant Outputs;
+   --  Every motor braked, every sensor supply off.
+
+   type Sensor_Readings is array (Sensor_Id) of ADC_Value;
+
+   type Inputs is record
+      Sensors       : Sensor_Readings := (others => ADC_Value'Last);
+      Pressed       : Button_Id := No_Button;
+      Battery_Count : ADC_Value := 0;
+      Rechargeable  : Boolean := False;
+      Battery_Word  : Interfaces.Unsigned_16 := 0;
+   end record;
+   --  Battery_Word: as received; bits 10 to 14 hold the co-processor's firmware version.
+
+   PWM_Frequency_kHz : constant := 8;
+
+   function Encode (Values : Outputs) return Output_Frame;
+
+   procedure Decode (Frame : Input_Frame; Values : out Inputs; Valid : out Boolean);
+   --  Valid: the sum is right and the co-processor has begun to sample (before that it sends
+   --  zeros, and a battery that runs the brick never reads zero). If not, Values are the defaults.
+
+   function Decoded_Button (Reading : Interfaces.Unsigned_16) return Button_Id;
+   --  The buttons are a voltage ladder; the orange one adds 16#7FF#.
+
+private
+
+   All_Stopped : constant Outputs := (others => <>);
+
+end NXT.AVR_IO;

@@ -1,0 +1,20 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with NXT.AVR;
+
+package body NXT.Battery is
+
+   --  The converter sees the battery over a divider of 22 and 12 kilohms with a reference of 5 V:
+   --  5000 mV / 1023 * 34 / 12 = 13.848 mV per count.
+   Numerator   : constant := 13_848;
+   Denominator : constant := 1_000;
+
+   function To_Millivolts (Count : ADC_Value) return Millivolts is
+     (Millivolts (Integer (Count) * Numerator / Denominator));
+
+   function Voltage return Millivolts is (To_Millivolts (NXT.AVR.Inputs.Battery_Count));
+
+   function Rechargeable return Boolean is (NXT.AVR.Inputs.Rechargeable);
+
+end NXT.Battery;

@@ -1,0 +1,111 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Interfaces;
+with NXT.AVR_IO;
+with NXT.Fonts;
+with NXT.LCD;
+with NXT.SPI.Bus;
+with NXT.TWI.Bus;
+
+package body NXT.Last_Chance is
+
+   pragma Suppress (All_Checks);
+   --  A second failure would end here again.
+
+   use Interfaces;
+   use NXT.LCD;
+
+   Longest_Text : constant := 64;
+   subtype Text_Length is Natural range 0 .. Longest_Text;
+
+   type Text is record
+      Length  : Text_Length := 0;
+      Letters : String (1 .. Longest_Text) := (others => ' ');
+   end record;
+
+   procedure Append (To : in out Text; Letter : Character) is
+   begin
+      if To.Length < Longest_Text then
+         To.Length := To.Length + 1;
+         To.Letters (To.Length) := Letter;
+      end if;
+   end Append;
+
+   procedure Append_Message (To : in out Text; Source : System.Address) is
+      Letters : String (1 .. Longest_Text) with Import, Address => Source;
+   begin
+      for Letter of Letters loop
+         exit when Letter = ASCII.NUL;
+         Append (To, Letter);
+      end loop;
+   end Append_Message;
+
+   procedure Append_Number (To : in out Text; Number : Natural) is
+   begin
+      if Number >= 10 then
+         Append_Number (To, Number / 10);
+      end if;
+      Append (To, Character'Val (Character'Pos ('0') + Number mod 10));
+   end Append_Number;
+
+   procedure Stop_Motors is
+      Attempts     : constant := 3;
+      Acknowledged : Boolean;
+   begin
+      for Attempt in 1 .. Attempts loop
+         TWI.Bus.Reset;
+         TWI.Bus.Send_Polled
+           (AVR_IO.Address, AVR_IO.Encode (AVR_IO.All_Stopped), Acknowledged);
+         exit when Acknowledged;
+      end loop;
+   end Stop_Motors;
+
+   procedure Draw_Row (Row : Raw_Pages; Letters : String) is
+      Pixels : SPI.Byte_Array (0 .. Natural (Raw_Columns'Last)) := (others => 0);
+      Left   : Natural;
+   begin
+      for Place in Letters'Range loop
+         Left := Fonts.Left_Edge (Place - Letters'First);
+         for Part in Fonts.Glyph_Columns loop
+            Pixels (Left + Part) := Fonts.Shape_Of (Letters (Place)) (Part);
+         end loop;
+      end loop;
+      SPI.Bus.Send_Polled (SPI.Command, (16#B0# + SPI.Byte (Row), 16#10#, 16#00#));
+      SPI.Bus.Send_Polled (SPI.Pixels, Pixels);
+   end Draw_Row;
+
+   --  The title in the first row, the text from the third on, blanks elsewhere.
+   procedure Report (Message : Text) is
+      Width     : constant := Fonts.Text_Columns;
+      First_Row : constant := 2;
+      Start     : Positive;
+   begin
+      SPI.Bus.Configure;
+      SPI.Bus.Send_Polled (SPI.Command, LCD.Set_Up);
+      for Row in Raw_Pages loop
+         Start := 1 + Width * Natural'Max (0, Natural (Row) - First_Row);
+         if Row = 0 then
+            Draw_Row (Row, "Program failed");
+         elsif Row >= First_Row and then Start <= Message.Length then
+            Draw_Row
+              (Row, Message.Letters (Start .. Natural'Min (Start + Width - 1, Message.Length)));
+         else
+            Draw_Row (Row, "");
+         end if;
+      end loop;
+   end Report;
+
+   procedure Stop_And_Report (Source : System.Address; Line : Integer) is
+      Message : Text;
+   begin
+      Stop_Motors;
+      Append_Message (Message, Source);
+      if Line > 0 then
+         Append (Message, ':');
+         Append_Number (Message, Line);
+      end if;
+      Report (Message);
+   end Stop_And_Report;
+
+end NXT.Last_Chance;

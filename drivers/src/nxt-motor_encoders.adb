@@ -1,0 +1,72 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with NXT.Priorities;
+with NXT.Registers.PIO;  use NXT.Registers, NXT.Registers.PIO;
+with NXT.Registers.PMC;
+
+package body NXT.Motor_Encoders is
+
+   use type Word;
+
+   Tachometers : constant Word :=
+     Bit (Tachometer (Motor_A)) or Bit (Tachometer (Motor_B)) or Bit (Tachometer (Motor_C));
+
+   Directions : constant Word :=
+     Bit (Direction (Motor_A)) or Bit (Direction (Motor_B)) or Bit (Direction (Motor_C));
+
+   protected Encoders with Interrupt_Priority => Priorities.Encoder_Interrupt is
+      procedure Configure;
+      function Count (Motor : Motor_Id) return Integer;
+      function Current return Reading;
+   private
+      procedure Handle_Edges with Attach_Handler => PIOA_Id;
+      Counts : Encoder_Counts := (others => 0);
+   end Encoders;
+
+   protected body Encoders is
+
+      procedure Configure is
+         Ignored : Word;
+      begin
+         PMC.PMC.Enable_Clock := Bit (PIOA_Id);
+         PIOA.Disable_Pull_Up := Tachometers or Directions;
+         PIOA.Enable_Filter := Tachometers or Directions;
+         PIOA.Disable_Output := Tachometers or Directions;
+         PIOA.Take_Line := Tachometers or Directions;
+         Ignored := PIOA.Changed;
+         PIOA.Enable_Interrupt := Tachometers;
+         pragma Unreferenced (Ignored);
+      end Configure;
+
+      --  Changed is read, and thereby cleared, before the levels: an edge in between is handled
+      --  once more and not lost.
+      procedure Handle_Edges is
+         Edges  : constant Word := PIOA.Changed and Tachometers;
+         Levels : constant Word := PIOA.Pin_Levels;
+      begin
+         for Motor in Motor_Id loop
+            if Has (Edges, Bit (Tachometer (Motor))) then
+               if Has (Levels, Bit (Tachometer (Motor))) /= Has (Levels, Bit (Direction (Motor)))
+               then
+                  Counts (Motor) := Counts (Motor) + 1;
+               else
+                  Counts (Motor) := Counts (Motor) - 1;
+               end if;
+            end if;
+         end loop;
+      end Handle_Edges;
+
+      function Count (Motor : Motor_Id) return Integer is (Counts (Motor));
+
+      function Current return Reading is ((Counts, Ada.Real_Time.Clock));
+
+   end Encoders;
+
+   function Encoder_Count (Motor : Motor_Id) return Integer is (Encoders.Count (Motor));
+
+   function Current return Reading is (Encoders.Current);
+
+begin
+   Encoders.Configure;
+end NXT.Motor_Encoders;

@@ -1,0 +1,20 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  Priorities of the drivers. Among interrupts the shortest deadline comes first: a byte on the
+--  co-processor link lasts 22 us, a motor edge stays at least 1 ms, the display can wait.
+
+with System;
+
+package NXT.Priorities with Pure is
+
+   Coprocessor_Task : constant System.Priority := System.Priority'Last;
+
+   Shared_Data      : constant System.Priority := System.Priority'Last;
+   --  Ceiling of data that any task may read or write.
+
+   TWI_Interrupt     : constant System.Interrupt_Priority := System.Interrupt_Priority'Last;
+   Encoder_Interrupt : constant System.Interrupt_Priority := TWI_Interrupt - 1;
+   SPI_Interrupt     : constant System.Interrupt_Priority := Encoder_Interrupt - 1;
+
+end NXT.Priorities;

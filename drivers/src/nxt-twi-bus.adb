@@ -1,0 +1,111 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with NXT.Registers.PIO;  use NXT.Registers, NXT.Registers.PIO;
+with NXT.Registers.PMC;
+with NXT.Registers.TWI;
+
+package body NXT.TWI.Bus is
+
+   use type Word;
+
+   Controller : Registers.TWI.Peripheral renames Registers.TWI.TWI;
+
+   Data  : constant Word := Bit (TWI_Data);
+   Clock : constant Word := Bit (TWI_Clock);
+
+   --  Reads of the pins that last at least half a period of a 400 kHz clock, 60 cycles.
+   Half_Period_Reads : constant := 20;
+
+   --  A device that is stopped in the middle of a byte lets the data line go after at most eight
+   --  bits and its acknowledge.
+   Least_Clocks : constant := 9;
+   Most_Clocks  : constant := 27;
+
+   --  Polls before a silent interface is given up: far more than a byte at 400 kHz lasts.
+   Patience : constant := 20_000;
+
+   procedure Wait_Half_Period is
+      Levels : Word;
+   begin
+      for Read in 1 .. Half_Period_Reads loop
+         Levels := PIOA.Pin_Levels;
+      end loop;
+      pragma Unreferenced (Levels);
+   end Wait_Half_Period;
+
+   procedure Pulse_Clock is
+   begin
+      PIOA.Clear_Output := Clock;
+      Wait_Half_Period;
+      PIOA.Set_Output := Clock;
+      Wait_Half_Period;
+   end Pulse_Clock;
+
+   procedure Send_Stop_Condition is
+   begin
+      PIOA.Clear_Output := Clock;
+      Wait_Half_Period;
+      PIOA.Clear_Output := Data;
+      Wait_Half_Period;
+      PIOA.Set_Output := Clock;
+      Wait_Half_Period;
+      PIOA.Set_Output := Data;
+      Wait_Half_Period;
+   end Send_Stop_Condition;
+
+   procedure Free_Bus is
+   begin
+      PIOA.Enable_Open_Drain := Data or Clock;
+      PIOA.Disable_Pull_Up := Data or Clock;
+      PIOA.Set_Output := Data or Clock;
+      PIOA.Enable_Output := Data or Clock;
+      PIOA.Take_Line := Data or Clock;
+      for Count in 1 .. Most_Clocks loop
+         Pulse_Clock;
+         exit when Count >= Least_Clocks and then Has (PIOA.Pin_Levels, Data);
+      end loop;
+      Send_Stop_Condition;
+   end Free_Bus;
+
+   procedure Reset is
+      use NXT.Registers.TWI;
+   begin
+      PMC.PMC.Enable_Clock := Bit (PIOA_Id) or Bit (TWI_Id);
+      Controller.Disable_Interrupt := All_Interrupts;
+      Controller.Control := Disable_Master;
+      Free_Bus;
+      Controller.Control := Registers.TWI.Reset;
+      PIOA.Select_A := Data or Clock;
+      PIOA.Give_To_Peripheral := Data or Clock;
+      Controller.Clock_Waveform := Fast_Mode;
+      Controller.Control := Enable_Master;
+   end Reset;
+
+   --  Wait until one of Flags is up; what was up is in Seen, nothing when patience ended.
+   procedure Await (Flags : Word; Seen : out Word) is
+   begin
+      for Poll in 1 .. Patience loop
+         Seen := Controller.Status and Flags;
+         exit when Seen /= 0;
+      end loop;
+   end Await;
+
+   procedure Send_Polled (Device : Device_Id; Message : Byte_Array; Acknowledged : out Boolean) is
+      use NXT.Registers.TWI;
+      Seen : Word;
+   begin
+      Controller.Master_Mode := To_Device (Word (Device));
+      for Value of Message loop
+         Controller.Transmit := Word (Value);
+         Await (Transmit_Ready or Not_Acknowledged, Seen);
+         exit when Seen /= Transmit_Ready;
+      end loop;
+      Acknowledged := Seen = Transmit_Ready;
+      if Acknowledged then
+         Await (Transfer_Complete or Not_Acknowledged, Seen);
+         Acknowledged := Seen = Transfer_Complete;
+      end if;
+   end Send_Polled;
+
+end NXT.TWI.Bus;

@@ -1,0 +1,146 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with NXT.Priorities;
+with NXT.Registers.TWI;  use NXT.Registers, NXT.Registers.TWI;
+with NXT.TWI.Bus;
+
+package body NXT.TWI is
+
+   use type Word;
+
+   Controller : Registers.TWI.Peripheral renames Registers.TWI.TWI;
+
+   protected Transfer with Interrupt_Priority => Priorities.TWI_Interrupt is
+      function Status return Transfer_Status;
+      procedure Send (Device : Device_Id; Message : Byte_Array);
+      procedure Receive (Device : Device_Id; Count : Transfer_Length);
+      procedure Fetch (Message : out Byte_Array);
+      procedure Abandon;
+   private
+      procedure Handle_Interrupt with Attach_Handler => TWI_Id;
+      procedure Handle_Received_Byte;
+      procedure Handle_Free_Transmitter;
+      procedure Await_End_On_Bus;
+      procedure Finish (Result : Transfer_Status);
+
+      State  : Transfer_Status := Done;
+      Buffer : Byte_Array (1 .. Maximum_Length) := (others => 0);
+      Length : Natural := 0;
+      Next   : Positive := 1;
+   end Transfer;
+
+   protected body Transfer is
+
+      function Status return Transfer_Status is (State);
+
+      procedure Send (Device : Device_Id; Message : Byte_Array) is
+      begin
+         State := Busy;
+         Length := Message'Length;
+         Buffer (1 .. Length) := Message;
+         Next := 2;
+         Controller.Master_Mode := To_Device (Word (Device));
+         Controller.Transmit := Word (Buffer (1));
+         Controller.Enable_Interrupt := Transmit_Ready or Not_Acknowledged;
+      end Send;
+
+      procedure Receive (Device : Device_Id; Count : Transfer_Length) is
+      begin
+         State := Busy;
+         Length := Count;
+         Next := 1;
+         Controller.Master_Mode := To_Device (Word (Device)) or Master_Reads;
+         Controller.Control := Start;
+         Controller.Enable_Interrupt := Receive_Ready or Overrun or Not_Acknowledged;
+      end Receive;
+
+      procedure Fetch (Message : out Byte_Array) is
+      begin
+         Message := Buffer (1 .. Message'Length);
+      end Fetch;
+
+      procedure Abandon is
+      begin
+         Finish (Failed);
+      end Abandon;
+
+      procedure Finish (Result : Transfer_Status) is
+      begin
+         Controller.Disable_Interrupt := All_Interrupts;
+         State := Result;
+      end Finish;
+
+      --  The bytes are through, the stop condition is not: only then is the bus free again.
+      procedure Await_End_On_Bus is
+      begin
+         Controller.Disable_Interrupt := All_Interrupts;
+         Controller.Enable_Interrupt := Transfer_Complete;
+      end Await_End_On_Bus;
+
+      --  The stop must be asked for while the last byte is on its way, that is after the last but
+      --  one was taken (datasheet, chapter TWI, master receiver).
+      procedure Handle_Received_Byte is
+      begin
+         Buffer (Next) := Byte (Controller.Receive and 16#FF#);
+         Next := Next + 1;
+         if Next = Length then
+            Controller.Control := Stop;
+         elsif Next > Length then
+            Await_End_On_Bus;
+         end if;
+      end Handle_Received_Byte;
+
+      --  When nothing follows in time the interface sends the stop by itself (datasheet, chapter
+      --  TWI, master transmitter).
+      procedure Handle_Free_Transmitter is
+      begin
+         if Next <= Length then
+            Controller.Transmit := Word (Buffer (Next));
+            Next := Next + 1;
+         else
+            Await_End_On_Bus;
+         end if;
+      end Handle_Free_Transmitter;
+
+      procedure Handle_Interrupt is
+         Mask : constant Word := Controller.Interrupt_Mask;
+         Flags : constant Word := Controller.Status and Mask;
+      begin
+         if Has (Flags, Not_Acknowledged or Overrun) then
+            Finish (Failed);
+         elsif Has (Flags, Receive_Ready) then
+            Handle_Received_Byte;
+         elsif Has (Flags, Transmit_Ready) then
+            Handle_Free_Transmitter;
+         elsif Has (Flags, Transfer_Complete) then
+            Finish (Done);
+         end if;
+      end Handle_Interrupt;
+
+   end Transfer;
+
+   function Status return Transfer_Status is (Transfer.Status);
+
+   procedure Start_Send (Device : Device_Id; Message : Byte_Array) is
+   begin
+      Transfer.Send (Device, Message);
+   end Start_Send;
+
+   procedure Start_Receive (Device : Device_Id; Length : Transfer_Length) is
+   begin
+      Transfer.Receive (Device, Length);
+   end Start_Receive;
+
+   procedure Fetch (Message : out Byte_Array) is
+   begin
+      Transfer.Fetch (Message);
+   end Fetch;
+
+   procedure Reset is
+   begin
+      Transfer.Abandon;
+      Bus.Reset;
+   end Reset;
+
+end NXT.TWI;

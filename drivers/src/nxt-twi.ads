@@ -1,0 +1,41 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  Transfers on the two-wire bus, driven by interrupts. A transfer is started and looked at later;
+--  no caller waits, so a silent device cannot stop a task.
+
+with Interfaces;
+
+package NXT.TWI with Elaborate_Body is
+
+   subtype Byte is Interfaces.Unsigned_8;
+   type Byte_Array is array (Positive range <>) of Byte;
+
+   Maximum_Length : constant := 48;
+   subtype Transfer_Length is Positive range 1 .. Maximum_Length;
+
+   type Device_Id is range 0 .. 127;
+   --  Bus address without the direction bit.
+
+   type Transfer_Status is (Done, Busy, Failed);
+   --  Failed: not acknowledged, or a received byte was lost.
+
+   function Status return Transfer_Status;
+   --  The state of the last transfer started; Done before the first one.
+
+   procedure Start_Send (Device : Device_Id; Message : Byte_Array)
+     with Pre => Message'Length in Transfer_Length;
+   --  Send a copy of Message. The previous transfer must have ended, see Status.
+
+   procedure Start_Receive (Device : Device_Id; Length : Transfer_Length)
+     with Pre => Length >= 2;
+   --  Ask for Length bytes. The previous transfer must have ended, see Status.
+
+   procedure Fetch (Message : out Byte_Array)
+     with Pre => Message'Length in Transfer_Length;
+   --  The first bytes of the buffer that the last transfer used.
+
+   procedure Reset;
+   --  Give up a transfer, free the bus of a device that holds it, and set the interface up anew.
+
+end NXT.TWI;
