@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The design that the runs are compared with, as design.py left it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ravenbrick.errors import DesignError
+
+__all__ = ["Design", "Response", "read_design"]
+
+
+@dataclass(frozen=True)
+class Response:
+    """A designed response to a unit step: s, and output per unit of set-point, shape (n,)."""
+
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+    settling_time: float | None
+    overshoot: float
+
+
+@dataclass(frozen=True)
+class Design:
+    """Continuous design, sampled simulation, and the figures of the design by name."""
+
+    continuous: Response
+    sampled: Response
+    figures: Mapping[str, float]
+
+
+def _response(table: Mapping[str, Any]) -> Response:
+    times = np.asarray(table["time"], dtype=np.float64)
+    values = np.asarray(table["value"], dtype=np.float64)
+    if times.shape != values.shape or times.ndim != 1 or not times.size:
+        raise ValueError("time and value differ in length")
+    return Response(times, values, table["settling_time"], table["overshoot"])
+
+
+def read_design(path: Path) -> Design:
+    """Read the design's figures; raises `DesignError`."""
+    try:
+        content = json.loads(path.read_text("utf-8"))
+        return Design(
+            _response(content["continuous"]), _response(content["sampled"]), content["figures"]
+        )
+    except FileNotFoundError:
+        raise DesignError(f"{path}: there is no design yet; run 'ravenbrick design'") from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DesignError(
+            f"{path}: not a design ({type(error).__name__}: {error}); run 'ravenbrick design' again"
+        ) from None
