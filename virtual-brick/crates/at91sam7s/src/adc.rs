@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Analogue to digital converter (AT91SAM7S datasheet, 6175M, chapter 35).
+//!
+//! Software trigger. A sequence converts the enabled channels in ascending order; each takes
+//! SHTIM + 1 converter clocks of sampling and 10 of conversion (8 in low resolution). Start-up
+//! time is spent before the first conversion after reset, and before each one in sleep mode.
+//! The converter runs whether or not its clock bit in the PMC is set.
+
+use crate::board::Cycles;
+use crate::fault::{Access, FaultKind};
+use crate::NEVER;
+
+const NAME: &str = "ADC";
+const TRGEN: u32 = 1 << 0;
+const LOWRES: u32 = 1 << 4;
+const SLEEP: u32 = 1 << 5;
+const DRDY: u32 = 1 << 16;
+const GOVRE: u32 = 1 << 17;
+/// ENDRX and RXBUFF: the data controller of the converter is idle.
+const IDLE_TRANSFER: u32 = 3 << 18;
+
+/// Registers and the running sequence.
+#[derive(Clone, Debug)]
+pub(crate) struct Adc {
+    mode: u32,
+    channels: u32,
+    status: u32,
+    mask: u32,
+    last: u32,
+    data: [u32; 8],
+    remaining: u32,
+    ends: Cycles,
+    warm: bool,
+}
+
+impl Adc {
+    pub(crate) fn new() -> Self {
+        Self {
+            mode: 0,
+            channels: 0,
+            status: 0,
+            mask: 0,
+            last: 0,
+            data: [0; 8],
+            remaining: 0,
+            ends: NEVER,
+            warm: false,
+        }
+    }
+
+    fn clock(&self) -> Cycles {
+        2 * (Cycles::from(self.mode >> 8 & 0xFF) + 1)
+    }
+
+    fn conversion(&self) -> Cycles {
+        let sampling = Cycles::from(self.mode >> 24 & 0xF) + 1;
+        let bits = if self.mode & LOWRES != 0 { 8 } else { 10 };
+        (sampling + bits) * self.clock()
+    }
+
+    fn start_up(&self) -> Cycles {
+        if self.warm && self.mode & SLEEP == 0 {
+            0
+        } else {
+            8 * (Cycles::from(self.mode >> 16 & 0x1F) + 1) * self.clock()
+        }
+    }
+
+    fn trigger(&mut self, now: Cycles) {
+        if self.remaining != 0 || self.channels == 0 {
+            return;
+        }
+        self.remaining = self.channels;
+        self.ends = now + self.start_up() + self.conversion();
+        self.warm = true;
+    }
+
+    pub(crate) fn next_event(&self) -> Cycles {
+        self.ends
+    }
+
+    /// Channel whose conversion has just ended.
+    pub(crate) fn converted(&self) -> u8 {
+        self.remaining.trailing_zeros() as u8
+    }
+
+    /// Store the result of the conversion that ended and begin the next.
+    pub(crate) fn store(&mut self, at: Cycles, count: u16) {
+        let channel = self.converted();
+        if channel > 7 {
+            self.ends = NEVER;
+            return;
+        }
+        let count = u32::from(count) & 0x3FF;
+        let value = if self.mode & LOWRES != 0 {
+            count >> 2
+        } else {
+            count
+        };
+        let ended = 1u32 << channel;
+        if self.status & ended != 0 {
+            self.status |= ended << 8;
+        }
+        if self.status & DRDY != 0 {
+            self.status |= GOVRE;
+        }
+        self.status |= ended | DRDY;
+        self.data[usize::from(channel)] = value;
+        self.last = value;
+        self.remaining &= !ended;
+        self.ends = if self.remaining == 0 {
+            NEVER
+        } else {
+            at + self.conversion()
+        };
+    }
+
+    pub(crate) fn interrupt(&self) -> bool {
+        (self.status | IDLE_TRANSFER) & self.mask != 0
+    }
+
+    pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
+        Ok(match offset {
+            0x00 | 0x10 | 0x14 | 0x24 | 0x28 => 0,
+            0x04 => self.mode,
+            0x18 => self.channels,
+            0x1C => {
+                let value = self.status | IDLE_TRANSFER;
+                self.status &= !(GOVRE | 0xFF00);
+                value
+            }
+            0x20 => {
+                self.status &= !DRDY;
+                self.last
+            }
+            0x2C => self.mask,
+            0x30..=0x4C if offset % 4 == 0 => {
+                let channel = (offset - 0x30) / 4;
+                self.status &= !(1 << channel);
+                self.data[channel as usize]
+            }
+            _ => {
+                return Err(FaultKind::RegisterNotModelled {
+                    peripheral: NAME,
+                    offset,
+                })
+            }
+        })
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+        match offset {
+            0x00 => {
+                if value & 1 != 0 {
+                    *self = Self::new();
+                }
+                if value & 2 != 0 {
+                    self.trigger(now);
+                }
+            }
+            0x04 => {
+                if value & TRGEN != 0 {
+                    return Err(FaultKind::FeatureNotModelled {
+                        peripheral: NAME,
+                        feature: "a hardware trigger",
+                    });
+                }
+                self.mode = value & 0x0F1F_FF3F;
+            }
+            0x10 => self.channels |= value & 0xFF,
+            0x14 => self.channels &= !value,
+            0x24 => self.mask |= value & 0x000F_FFFF,
+            0x28 => self.mask &= !value,
+            0x18 | 0x1C | 0x20 | 0x2C => {}
+            0x30..=0x4C if offset % 4 == 0 => {}
+            _ => {
+                return Err(FaultKind::RegisterNotModelled {
+                    peripheral: NAME,
+                    offset,
+                })
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! When each part of the chip wants to be served next.
+//!
+//! Each kind of event has one slot. Events are served in the order of (time, kind), kinds in the
+//! order of their declaration: a total order, since no slot holds two events.
+
+use crate::board::Cycles;
+use crate::NEVER;
+
+/// What can happen without the processor's doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum EventKind {
+    Board,
+    Clocks,
+    Watchdog,
+    RealTimeTimer,
+    IntervalTimer,
+    Timer0,
+    Timer1,
+    Timer2,
+    TwoWire,
+    Serial,
+    Converter,
+    Flash,
+    Wake,
+}
+
+impl EventKind {
+    pub(crate) const ALL: [Self; 13] = [
+        Self::Board,
+        Self::Clocks,
+        Self::Watchdog,
+        Self::RealTimeTimer,
+        Self::IntervalTimer,
+        Self::Timer0,
+        Self::Timer1,
+        Self::Timer2,
+        Self::TwoWire,
+        Self::Serial,
+        Self::Converter,
+        Self::Flash,
+        Self::Wake,
+    ];
+    pub(crate) const TIMERS: [Self; 3] = [Self::Timer0, Self::Timer1, Self::Timer2];
+}
+
+/// The pending events and the time of the first.
+#[derive(Clone, Debug)]
+pub(crate) struct Schedule {
+    earliest: Cycles,
+    due: [Cycles; EventKind::ALL.len()],
+}
+
+impl Schedule {
+    pub(crate) fn new() -> Self {
+        Self {
+            earliest: NEVER,
+            due: [NEVER; EventKind::ALL.len()],
+        }
+    }
+
+    /// Time of the first event.
+    #[inline(always)]
+    pub(crate) fn earliest(&self) -> Cycles {
+        self.earliest
+    }
+
+    /// Let the event of this kind happen at `at` ([`NEVER`] to cancel it).
+    #[inline]
+    pub(crate) fn set(&mut self, kind: EventKind, at: Cycles) {
+        let slot = &mut self.due[kind as usize];
+        let before = *slot;
+        *slot = at;
+        if at <= self.earliest {
+            self.earliest = at;
+        } else if before == self.earliest {
+            self.earliest = self.due.iter().copied().min().unwrap_or(NEVER);
+        }
+    }
+
+    /// The first event: its kind and time.
+    pub(crate) fn first(&self) -> (EventKind, Cycles) {
+        let mut best = (EventKind::Board, NEVER);
+        for kind in EventKind::ALL {
+            let at = self.due[kind as usize];
+            if at < best.1 {
+                best = (kind, at);
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Pins and serial lines: what passes between the peripherals, the pins and the board.
+
+use arm7tdmi::bus::Width;
+
+use crate::board::{Board, Cycles};
+use crate::chip::Chip;
+use crate::event::EventKind;
+use crate::fault::FaultKind;
+use crate::pio::PeripheralLines;
+use crate::spi;
+use crate::tc::Line;
+
+const PIOA: u8 = 2;
+/// Pins that carry TIOA and TIOB of the three channels (peripheral B).
+const TIMER_PINS: [(u32, u32); 3] = [(0, 1), (15, 16), (26, 27)];
+/// Pins of the external interrupts: (pin, source).
+const INTERRUPT_PINS: [(u32, u8); 3] = [(19, 0), (20, 30), (30, 31)];
+
+impl<B: Board> Chip<B> {
+    /// Levels that the timer channels drive.
+    pub(crate) fn lines_of_timers(&self) -> PeripheralLines {
+        let mut lines = PeripheralLines::default();
+        for (channel, (pin_a, pin_b)) in self.tc.channels.iter().zip(TIMER_PINS) {
+            let (out_a, out_b) = channel.output_lines();
+            for (pin, level) in [(pin_a, out_a), (pin_b, out_b)] {
+                if let Some(level) = level {
+                    lines.driven |= 1 << pin;
+                    lines.level |= u32::from(level) << pin;
+                }
+            }
+        }
+        lines
+    }
+
+    /// Tell the board what the chip drives, read the pins back, pass changes on.
+    pub(crate) fn update_pins(&mut self, at: Cycles) {
+        // A pin may trigger a channel whose output drives another pin, at most once per channel.
+        for _ in 0..=TIMER_PINS.len() {
+            self.timer_lines = self.lines_of_timers();
+            let outputs = self.pio.outputs(self.timer_lines);
+            if outputs != self.outputs {
+                self.outputs = outputs;
+                self.board.outputs_changed(at, outputs);
+                self.refresh_board(at);
+            }
+            let clocked = self.pmc.clocked(PIOA);
+            let (changed, seen) = self.pio.sample(outputs, self.board.pin_levels(), clocked);
+            if changed != 0 {
+                self.pins_changed(changed, at);
+            }
+            self.refresh_pio(at, seen);
+            if self.lines_of_timers() == self.timer_lines {
+                return;
+            }
+        }
+    }
+
+    fn pins_changed(&mut self, changed: u32, at: Cycles) {
+        let pins = self.pio.pins();
+        for (number, (pin_a, pin_b)) in TIMER_PINS.into_iter().enumerate() {
+            if changed & (1 << pin_a | 1 << pin_b) == 0 {
+                continue;
+            }
+            let channel = &mut self.tc.channels[number];
+            channel.set_line(Line::A, pins >> pin_a & 1 != 0, at);
+            channel.set_line(Line::B, pins >> pin_b & 1 != 0, at);
+            self.schedule
+                .set(EventKind::TIMERS[number], channel.next_event());
+            let level = channel.interrupt();
+            self.set_line(12 + number as u8, level, at, 0);
+        }
+        for (pin, source) in INTERRUPT_PINS {
+            if changed >> pin & 1 != 0 {
+                self.set_line(source, pins >> pin & 1 != 0, at, 0);
+            }
+        }
+    }
+
+    /// Interrupt line of the PIO controller; `seen` are the pins that have just changed.
+    pub(crate) fn refresh_pio(&mut self, at: Cycles, seen: u32) {
+        let timing = &self.configuration.timing;
+        let filter = if self.pio.filtered(seen & self.pio.mask()) {
+            timing.pio_filter_cycles
+        } else {
+            0
+        };
+        let delay = if seen == 0 {
+            0
+        } else {
+            timing.pio_input_cycles + filter
+        };
+        let level = self.pio.interrupt();
+        self.set_line(PIOA, level, at, delay);
+    }
+
+    pub(crate) fn refresh_spi(&mut self, at: Cycles) {
+        self.feed_spi(at);
+        self.schedule.set(EventKind::Serial, self.spi.next_event());
+        let level = self.spi.interrupt();
+        self.set_line(spi::IDENTIFIER, level, at, 0);
+    }
+
+    pub(crate) fn serve_spi(&mut self, at: Cycles) {
+        if let Some(frame) = self.spi.shifted(at) {
+            let answer = self
+                .board
+                .spi_frame(at, frame.select, frame.data, frame.bits);
+            self.refresh_board(at);
+            self.spi.receive(frame, answer);
+            self.drain_spi(at);
+        }
+        if let Err(kind) = self.spi.continue_at(at) {
+            self.record_fault(kind, crate::registers::SPI_BASE, None);
+        }
+        self.refresh_spi(at);
+    }
+
+    /// Memory to transmit register, as long as the data controller may.
+    fn feed_spi(&mut self, at: Cycles) {
+        while self.spi.wants_data() && self.fault.is_none() {
+            let size = self.spi.transfer_size();
+            let pointer = self.spi.pdc.transmit.pointer();
+            let Some(value) = self.transfer_read(pointer, size) else {
+                let kind = FaultKind::TransferAddress {
+                    peripheral: spi::NAME,
+                };
+                return self.record_fault(kind, pointer, None);
+            };
+            self.spi.pdc.transmit.transferred(size);
+            self.stolen += self.configuration.timing.pdc_steal_cycles;
+            if let Err(kind) = self.spi.transmit(value, at) {
+                self.record_fault(kind, pointer, None);
+            }
+        }
+    }
+
+    /// Receive register to memory.
+    fn drain_spi(&mut self, at: Cycles) {
+        if !self.spi.has_data() {
+            return;
+        }
+        let size = self.spi.transfer_size();
+        let pointer = self.spi.pdc.receive.pointer();
+        let value = self.spi.take_received();
+        if pointer >> 20 != 2 && pointer >> 20 != self.sram_alias {
+            let kind = FaultKind::TransferAddress {
+                peripheral: spi::NAME,
+            };
+            return self.record_fault(kind, pointer, Some(value));
+        }
+        self.sram.write(at, pointer, width_of(size), value);
+        self.spi.pdc.receive.transferred(size);
+        self.stolen += self.configuration.timing.pdc_steal_cycles;
+    }
+
+    /// What the data controller reads from SRAM or flash.
+    fn transfer_read(&self, pointer: u32, size: u32) -> Option<u32> {
+        let window = pointer >> 20;
+        let word = if window == 2 || window == self.sram_alias {
+            self.sram.word(pointer)
+        } else if window < 2 {
+            self.flash.word(pointer)
+        } else {
+            return None;
+        };
+        Some(match size {
+            1 => word >> ((pointer & 3) * 8) & 0xFF,
+            2 => word >> ((pointer & 2) * 8) & 0xFFFF,
+            _ => word,
+        })
+    }
+}
+
+fn width_of(size: u32) -> Width {
+    match size {
+        1 => Width::Byte,
+        2 => Width::Halfword,
+        _ => Width::Word,
+    }
+}

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Reset controller (AT91SAM7S datasheet, 6175M, chapter 13).
+
+use crate::fault::{Access, FaultKind};
+
+const KEY: u32 = 0xA5;
+
+/// What reset the chip last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResetCause {
+    /// Power came on.
+    PowerUp = 0,
+    /// The watchdog expired.
+    Watchdog = 2,
+    /// Software wrote `RSTC_CR`.
+    Software = 3,
+    /// The NRST pin was pulled low.
+    User = 4,
+    /// The core supply fell.
+    BrownOut = 5,
+}
+
+/// Parts of the chip that a write of `RSTC_CR` resets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ResetRequest {
+    pub(crate) processor: bool,
+    pub(crate) peripherals: bool,
+}
+
+/// Reset registers.
+#[derive(Clone, Debug)]
+pub(crate) struct Rstc {
+    mode: u32,
+    cause: ResetCause,
+}
+
+impl Rstc {
+    pub(crate) fn new() -> Self {
+        Self {
+            mode: 0,
+            cause: ResetCause::PowerUp,
+        }
+    }
+
+    pub(crate) fn set_cause(&mut self, cause: ResetCause) {
+        self.cause = cause;
+    }
+
+    pub(crate) fn read(&self, offset: u32) -> Access<u32> {
+        match offset {
+            0x0 => Ok(0),
+            0x4 => Ok((self.cause as u32) << 8 | 1 << 16),
+            0x8 => Ok(self.mode),
+            _ => Err(FaultKind::RegisterNotModelled {
+                peripheral: "RSTC",
+                offset,
+            }),
+        }
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access<ResetRequest> {
+        let keyed = value >> 24 == KEY;
+        match offset {
+            0x0 if keyed => {
+                return Ok(ResetRequest {
+                    processor: value & 1 << 0 != 0,
+                    peripherals: value & 1 << 2 != 0,
+                })
+            }
+            0x8 if keyed => self.mode = value & 0x0001_0F11,
+            0x0 | 0x4 | 0x8 => {}
+            _ => {
+                return Err(FaultKind::RegisterNotModelled {
+                    peripheral: "RSTC",
+                    offset,
+                })
+            }
+        }
+        Ok(ResetRequest::default())
+    }
+}

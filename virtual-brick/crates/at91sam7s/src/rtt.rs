@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Real-time timer (AT91SAM7S datasheet, 6175M, chapter 14): counts the slow clock.
+
+use crate::board::Cycles;
+use crate::fault::{Access, FaultKind};
+use crate::{slow_clock_cycles, NEVER, SLOW_CLOCK_HZ};
+use crate::{MASTER_CLOCK_HZ_DENOMINATOR, MASTER_CLOCK_HZ_NUMERATOR};
+
+const ALMIEN: u32 = 1 << 16;
+const RTTINCIEN: u32 = 1 << 17;
+const RTTRST: u32 = 1 << 18;
+const ALMS: u32 = 1 << 0;
+const RTTINC: u32 = 1 << 1;
+
+/// Mode, alarm, counter.
+#[derive(Clone, Debug)]
+pub(crate) struct Rtt {
+    mode: u32,
+    alarm: u32,
+    started: Cycles,
+    offset: u32,
+    seen: u32,
+    status: u32,
+}
+
+impl Rtt {
+    pub(crate) fn new(now: Cycles) -> Self {
+        Self {
+            mode: 0x8000,
+            alarm: 0xFFFF_FFFF,
+            started: now,
+            offset: 0,
+            seen: 0,
+            status: 0,
+        }
+    }
+
+    fn divider(&self) -> u64 {
+        match self.mode & 0xFFFF {
+            0 => 0x1_0000,
+            n => u64::from(n),
+        }
+    }
+
+    /// Cycle at which the counter has made `count` steps since the last restart.
+    fn step_at(&self, count: u64) -> Cycles {
+        self.started + slow_clock_cycles(count * self.divider())
+    }
+
+    fn steps(&self, now: Cycles) -> u64 {
+        let scale = MASTER_CLOCK_HZ_DENOMINATOR * SLOW_CLOCK_HZ;
+        let elapsed = now - self.started;
+        ((elapsed + 1) * scale - 1) / (self.divider() * MASTER_CLOCK_HZ_NUMERATOR)
+    }
+
+    fn advance(&mut self, now: Cycles) {
+        let value = self.offset.wrapping_add(self.steps(now) as u32);
+        let passed = value.wrapping_sub(self.seen);
+        if passed == 0 {
+            return;
+        }
+        self.status |= RTTINC;
+        let to_alarm = self.alarm.wrapping_add(1).wrapping_sub(self.seen);
+        if to_alarm != 0 && to_alarm <= passed {
+            self.status |= ALMS;
+        }
+        self.seen = value;
+    }
+
+    pub(crate) fn serve(&mut self, at: Cycles) {
+        self.advance(at);
+    }
+
+    pub(crate) fn interrupt(&self) -> bool {
+        (self.status & ALMS != 0 && self.mode & ALMIEN != 0)
+            || (self.status & RTTINC != 0 && self.mode & RTTINCIEN != 0)
+    }
+
+    pub(crate) fn next_event(&self, now: Cycles) -> Cycles {
+        let done = self.steps(now);
+        if self.mode & RTTINCIEN != 0 && self.status & RTTINC == 0 {
+            return self.step_at(done + 1);
+        }
+        if self.mode & ALMIEN != 0 && self.status & ALMS == 0 {
+            let to_alarm = self.alarm.wrapping_add(1).wrapping_sub(self.seen);
+            if to_alarm != 0 {
+                return self.step_at(done + u64::from(to_alarm));
+            }
+        }
+        NEVER
+    }
+
+    pub(crate) fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
+        self.advance(now);
+        match offset {
+            0x0 => Ok(self.mode),
+            0x4 => Ok(self.alarm),
+            0x8 => Ok(self.seen),
+            0xC => Ok(std::mem::take(&mut self.status)),
+            _ => Err(FaultKind::RegisterNotModelled {
+                peripheral: "RTT",
+                offset,
+            }),
+        }
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+        self.advance(now);
+        match offset {
+            0x0 => {
+                let changed = (self.mode ^ value) & 0xFFFF != 0;
+                if value & RTTRST != 0 || changed {
+                    self.offset = if value & RTTRST != 0 { 0 } else { self.seen };
+                    self.seen = self.offset;
+                    self.started = now;
+                }
+                self.mode = value & (0xFFFF | ALMIEN | RTTINCIEN);
+            }
+            0x4 => self.alarm = value,
+            0x8 | 0xC => {}
+            _ => {
+                return Err(FaultKind::RegisterNotModelled {
+                    peripheral: "RTT",
+                    offset,
+                })
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_alarm_comes_one_step_after_the_alarm_value() {
+        let mut timer = Rtt::new(0);
+        timer.write(0x4, 2, 0).unwrap();
+        timer.write(0x0, 32 | ALMIEN | RTTRST, 0).unwrap();
+        let at = timer.next_event(0);
+        assert_eq!(at, slow_clock_cycles(96));
+        timer.serve(at - 1);
+        assert!(!timer.interrupt());
+        timer.serve(at);
+        assert!(timer.interrupt());
+        assert_eq!(timer.read(0x8, at).unwrap(), 3);
+        assert_eq!(timer.read(0xC, at).unwrap(), ALMS | RTTINC);
+        assert_eq!(timer.read(0xC, at).unwrap(), 0);
+    }
+}
