@@ -1,3 +1,26 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! To be written.
+//! Motors and mechanics of the robot. Knows volts and radians, no registers.
+//!
+//! A [`Robot`] is three motor ports and a body. It is advanced by a fixed step of about 100 us
+//! with the trapezoidal rule; friction, backlash stops and the castor are impulses found in the
+//! same step, so that a shaft at rest is at rest exactly. The result is a function of the
+//! parameters and the inputs: only + - * / and functions of `libm` are used.
+
+mod body;
+mod drive;
+mod error;
+mod motor;
+mod parameters;
+mod robot;
+mod solver;
+
+pub use body::Pose;
+pub use drive::{Decay, MotorDrive};
+pub use error::ParameterError;
+pub use motor::Motor;
+pub use parameters::{
+    BodyParameters, DifferentialDrive, MotorParameters, MotorPort, MotorPorts, PluggedMotor,
+    RobotParameters,
+};
+pub use robot::Robot;

@@ -1,0 +1,274 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Motors and body together, advanced step by step.
+
+use crate::body::{Pose, Vehicle};
+use crate::drive::{MotorDrive, StepCurrent, Winding};
+use crate::error::ParameterError;
+use crate::motor::Motor;
+use crate::parameters::{BodyParameters, MotorPort, RobotParameters};
+use crate::solver::{solve, Constraint, MassMatrix, Vector, COORDINATES};
+
+const MOTORS: usize = 3;
+/// Angular velocity in rad/s below which a shaft held by friction is at rest.
+const AT_REST: f64 = 1e-6;
+/// Frictions of three motors, two stops each, rolling and castor.
+const CONSTRAINTS: usize = 11;
+
+/// Three motor ports and a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    motors: [Option<Motor>; MOTORS],
+    vehicle: Option<Vehicle>,
+}
+
+/// What one step has found out before the impulses.
+struct Step {
+    dt: f64,
+    laws: [StepCurrent; MOTORS],
+    mass: MassMatrix,
+    before: Vector,
+    free: Vector,
+}
+
+impl Robot {
+    /// A robot at rest at the origin.
+    ///
+    /// # Errors
+    /// The first parameter that is not accepted.
+    pub fn new(parameters: &RobotParameters) -> Result<Self, ParameterError> {
+        parameters.check()?;
+        let motors = MotorPort::ALL.map(|port| parameters.motors.get(port).map(Motor::new));
+        let vehicle = match &parameters.body {
+            BodyParameters::Bench {} => None,
+            BodyParameters::DifferentialDrive(drive) => {
+                let left = load_coordinate(&motors, drive.left.index());
+                let right = load_coordinate(&motors, drive.right.index());
+                Some(Vehicle::new(drive.clone(), left, right))
+            }
+        };
+        Ok(Self { motors, vehicle })
+    }
+
+    /// The motor in `port`.
+    #[must_use]
+    pub const fn motor(&self, port: MotorPort) -> Option<&Motor> {
+        self.motors[port.index()].as_ref()
+    }
+
+    /// The motor in `port`, to set its load or the hand that holds it.
+    pub fn motor_mut(&mut self, port: MotorPort) -> Option<&mut Motor> {
+        self.motors[port.index()].as_mut()
+    }
+
+    /// Where the vehicle is; nothing on a bench.
+    #[must_use]
+    pub fn pose(&self) -> Option<Pose> {
+        self.vehicle.as_ref().map(|vehicle| vehicle.pose)
+    }
+
+    /// Current that all motors take from the supply in A, mean of the last step.
+    #[must_use]
+    pub fn supply_current(&self) -> f64 {
+        self.motors
+            .iter()
+            .flatten()
+            .map(Motor::supply_current)
+            .sum()
+    }
+
+    /// Kinetic energy of motors and body in J.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        let velocity = self.velocities();
+        let momentum = self.masses().multiply(&velocity);
+        (0..COORDINATES)
+            .map(|index| momentum[index] * velocity[index])
+            .sum::<f64>()
+            / 2.0
+    }
+
+    /// Advances by `dt` s with the bridges in the given states at `supply` V.
+    pub fn step(&mut self, dt: f64, drives: &[MotorDrive; MOTORS], supply: f64) {
+        let windings: [Option<Winding>; MOTORS] = [0, 1, 2].map(|k| {
+            self.motors[k]
+                .as_ref()
+                .map(|motor| motor.winding(supply, dt))
+        });
+        let step = self.prepare(dt, drives, supply);
+        let velocity = self.constrained(&step);
+        let wheels = self.wheel_angles();
+        for (k, motor) in self.motors.iter_mut().enumerate() {
+            let (Some(motor), Some(winding)) = (motor, windings[k]) else {
+                continue;
+            };
+            if !motor.follow_hand(dt) {
+                motor.finish_step(velocity[k], velocity[MOTORS + k], dt);
+            }
+            motor.finish_current(drives[k], step.laws[k], winding);
+        }
+        self.roll(wheels);
+    }
+
+    fn masses(&self) -> MassMatrix {
+        let mut diagonal = [1.0; COORDINATES];
+        for (k, motor) in self.motors.iter().enumerate() {
+            if let Some(motor) = motor.as_ref().filter(|motor| !motor.held_by_hand()) {
+                let (before, behind) = motor.inertias();
+                diagonal[k] = before;
+                diagonal[MOTORS + k] = if behind > 0.0 { behind } else { 1.0 };
+            }
+        }
+        let mut pair = None;
+        if let Some(vehicle) = &self.vehicle {
+            let (own, coupling) = vehicle.wheel_inertia();
+            diagonal[vehicle.left] += own;
+            diagonal[vehicle.right] += own;
+            pair = Some((vehicle.left, vehicle.right, coupling));
+        }
+        MassMatrix { diagonal, pair }
+    }
+
+    /// Velocities of the coordinates; 0 where there is nothing or a hand decides.
+    fn velocities(&self) -> Vector {
+        let mut velocity = [0.0; COORDINATES];
+        for (k, motor) in self.motors.iter().enumerate() {
+            if let Some(motor) = motor.as_ref().filter(|motor| !motor.held_by_hand()) {
+                velocity[k] = motor.angular_velocity();
+                if motor.has_backlash() {
+                    velocity[MOTORS + k] = motor.load_velocity();
+                }
+            }
+        }
+        velocity
+    }
+
+    /// Linear part of the step: M (w1 - w0) = dt (Kt i - b (w0 + w1) / 2 - load).
+    fn prepare(&self, dt: f64, drives: &[MotorDrive; MOTORS], supply: f64) -> Step {
+        let mut mass = self.masses();
+        let before = self.velocities();
+        let mut right = mass.multiply(&before);
+        let mut laws = [StepCurrent::default(); MOTORS];
+        for (k, motor) in self.motors.iter().enumerate() {
+            let Some(motor) = motor else {
+                continue;
+            };
+            let parameters = motor.parameters();
+            laws[k] = drives[k].step_current(parameters, motor.winding(supply, dt));
+            if motor.held_by_hand() {
+                continue;
+            }
+            let torque = parameters.torque_constant;
+            let viscous = parameters.viscous_friction / 2.0;
+            mass.diagonal[k] += dt * (viscous + torque * laws[k].slope);
+            right[k] += dt * (torque * laws[k].offset - viscous * before[k]);
+            right[load_coordinate(&self.motors, k)] -= dt * motor.load_torque();
+        }
+        let free = mass.solve(&right);
+        Step {
+            dt,
+            laws,
+            mass,
+            before,
+            free,
+        }
+    }
+
+    fn constrained(&self, step: &Step) -> Vector {
+        let mut velocity = step.free;
+        let none = Constraint::friction(&step.mass, [(0, 1.0), (0, 0.0)], 0.0);
+        let mut constraints = [none; CONSTRAINTS];
+        let mut frictions = [None; MOTORS];
+        let mut count = 0;
+        let mut add = |constraint| {
+            constraints[count] = constraint;
+            count += 1;
+            count - 1
+        };
+        for (k, friction) in frictions.iter_mut().enumerate() {
+            *friction = self.motor_friction(k, step).map(&mut add);
+            for stop in self.stops(k, step).into_iter().flatten() {
+                add(stop);
+            }
+        }
+        for friction in self.floor_frictions(step).into_iter().flatten() {
+            add(friction);
+        }
+        solve(&mut velocity, &mut constraints[..count]);
+        for (k, friction) in frictions.into_iter().enumerate() {
+            let held = friction.is_some_and(|index: usize| constraints[index].holds());
+            if held && libm::fabs(velocity[k]) < AT_REST {
+                velocity[k] = 0.0;
+            }
+        }
+        velocity
+    }
+
+    fn motor_friction(&self, k: usize, step: &Step) -> Option<Constraint> {
+        let motor = self.motors[k]
+            .as_ref()
+            .filter(|motor| !motor.held_by_hand())?;
+        let parameters = motor.parameters();
+        let bound = if libm::fabs(step.before[k]) < AT_REST {
+            parameters.breakaway_friction()
+        } else {
+            parameters.coulomb_friction
+        };
+        let direction = [(k, 1.0), (k, 0.0)];
+        (bound > 0.0).then(|| Constraint::friction(&step.mass, direction, bound * step.dt))
+    }
+
+    fn stops(&self, k: usize, step: &Step) -> [Option<Constraint>; 2] {
+        let Some(motor) = self.motors[k].as_ref().filter(|motor| motor.has_backlash()) else {
+            return [None, None];
+        };
+        let (lowest, highest) = motor.play_velocities(step.dt);
+        let direction = [(k, 1.0), (MOTORS + k, -1.0)];
+        let stop = |target, bounds| Some(Constraint::new(&step.mass, direction, target, bounds));
+        [
+            stop(lowest, (0.0, f64::INFINITY)),
+            stop(highest, (f64::NEG_INFINITY, 0.0)),
+        ]
+    }
+
+    fn floor_frictions(&self, step: &Step) -> [Option<Constraint>; 2] {
+        let Some(vehicle) = &self.vehicle else {
+            return [None, None];
+        };
+        let friction = |direction, force: f64| {
+            (force > 0.0).then(|| Constraint::friction(&step.mass, direction, force * step.dt))
+        };
+        let parameters = vehicle.parameters();
+        let castor = vehicle.castor_direction(&step.before, &step.free);
+        [
+            friction(vehicle.rolling_direction(), parameters.rolling_resistance),
+            friction(castor, parameters.castor_friction),
+        ]
+    }
+
+    /// Angles of the left and the right wheel.
+    fn wheel_angles(&self) -> Option<(f64, f64)> {
+        let drive = self.vehicle.as_ref()?.parameters();
+        let left = self.motor(drive.left)?.load_angle();
+        Some((left, self.motor(drive.right)?.load_angle()))
+    }
+
+    fn roll(&mut self, before: Option<(f64, f64)>) {
+        let (Some(before), Some(after)) = (before, self.wheel_angles()) else {
+            return;
+        };
+        if let Some(vehicle) = &mut self.vehicle {
+            vehicle.roll(after.0 - before.0, after.1 - before.1);
+        }
+    }
+}
+
+/// Coordinate of what lies behind the play of motor `k`: its gear train's when it has none.
+fn load_coordinate(motors: &[Option<Motor>; MOTORS], k: usize) -> usize {
+    let behind = motors[k].as_ref().is_some_and(Motor::has_backlash);
+    if behind {
+        MOTORS + k
+    } else {
+        k
+    }
+}

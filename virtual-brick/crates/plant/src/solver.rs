@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Velocities at the end of a step under friction and stops.
+//!
+//! Each friction and each stop is one impulse with bounds; projected Gauss-Seidel iteration
+//! finds them together (time stepping after Moreau). Impacts are plastic.
+
+/// Gear trains A to C, then what lies behind their play.
+pub(crate) const COORDINATES: usize = 6;
+
+/// One number per coordinate.
+pub(crate) type Vector = [f64; COORDINATES];
+
+const ITERATIONS: usize = 60;
+/// Impulse in N m s below which the iteration has converged (a gear train's momentum at one
+/// degree per second is about 1e-5).
+const SMALL_IMPULSE: f64 = 1e-14;
+
+/// Symmetric mass matrix: diagonal but for at most one coupled pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MassMatrix {
+    pub diagonal: Vector,
+    pub pair: Option<(usize, usize, f64)>,
+}
+
+impl MassMatrix {
+    pub fn multiply(&self, vector: &Vector) -> Vector {
+        let mut product = [0.0; COORDINATES];
+        for (index, value) in product.iter_mut().enumerate() {
+            *value = self.diagonal[index] * vector[index];
+        }
+        if let Some((first, second, coupling)) = self.pair {
+            product[first] += coupling * vector[second];
+            product[second] += coupling * vector[first];
+        }
+        product
+    }
+
+    pub fn solve(&self, right: &Vector) -> Vector {
+        let mut solution = [0.0; COORDINATES];
+        for (index, value) in solution.iter_mut().enumerate() {
+            *value = right[index] / self.diagonal[index];
+        }
+        if let Some((first, second, coupling)) = self.pair {
+            let (one, two) = (self.diagonal[first], self.diagonal[second]);
+            let determinant = one * two - coupling * coupling;
+            solution[first] = (two * right[first] - coupling * right[second]) / determinant;
+            solution[second] = (one * right[second] - coupling * right[first]) / determinant;
+        }
+        solution
+    }
+}
+
+/// Impulse along `direction` that brings the velocity there to `target`, within bounds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constraint {
+    direction: [(usize, f64); 2],
+    target: f64,
+    lowest: f64,
+    highest: f64,
+    impulse: f64,
+    response: Vector,
+    stiffness: f64,
+}
+
+impl Constraint {
+    pub fn new(
+        mass: &MassMatrix,
+        direction: [(usize, f64); 2],
+        target: f64,
+        bounds: (f64, f64),
+    ) -> Self {
+        let mut unit = [0.0; COORDINATES];
+        for (index, factor) in direction {
+            unit[index] += factor;
+        }
+        let response = mass.solve(&unit);
+        let mobility: f64 = (0..COORDINATES).map(|i| unit[i] * response[i]).sum();
+        let (lowest, highest) = bounds;
+        let stiffness = 1.0 / mobility;
+        Self {
+            direction,
+            target,
+            lowest,
+            highest,
+            impulse: 0.0,
+            response,
+            stiffness,
+        }
+    }
+
+    /// Friction of at most `bound` (N m s) along `direction`.
+    pub fn friction(mass: &MassMatrix, direction: [(usize, f64); 2], bound: f64) -> Self {
+        Self::new(mass, direction, 0.0, (-bound, bound))
+    }
+
+    /// The impulse is strictly inside its bounds: what it holds stays.
+    pub fn holds(&self) -> bool {
+        self.impulse > self.lowest && self.impulse < self.highest
+    }
+
+    fn relax(&mut self, velocity: &mut Vector) -> f64 {
+        let along: f64 = self
+            .direction
+            .iter()
+            .map(|&(index, k)| k * velocity[index])
+            .sum();
+        let wanted = self.impulse + (self.target - along) * self.stiffness;
+        let impulse = libm::fmin(libm::fmax(wanted, self.lowest), self.highest);
+        let change = impulse - self.impulse;
+        self.impulse = impulse;
+        for (value, response) in velocity.iter_mut().zip(self.response) {
+            *value += response * change;
+        }
+        libm::fabs(change)
+    }
+}
+
+/// Changes `velocity` until every constraint is met.
+pub(crate) fn solve(velocity: &mut Vector, constraints: &mut [Constraint]) {
+    for _ in 0..ITERATIONS {
+        let mut largest = 0.0;
+        for constraint in constraints.iter_mut() {
+            largest = libm::fmax(largest, constraint.relax(velocity));
+        }
+        if largest < SMALL_IMPULSE {
+            return;
+        }
+    }
+}

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Errors of the configuration.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod common;
+
+use common::{parameters, TABLE_1, VEHICLE};
+use plant::{Robot, RobotParameters};
+
+fn error(json: &str) -> String {
+    Robot::new(&parameters(json)).unwrap_err().to_string()
+}
+
+fn with_motor(motor: &str) -> String {
+    format!(r#"{{"motors": {{"B": {motor}}}}}"#)
+}
+
+#[test]
+fn a_number_out_of_range_is_named_with_field_value_and_range() {
+    let motor = TABLE_1.replace("6.8562", "-1");
+    assert_eq!(
+        error(&with_motor(&format!(r#"{{"parameters": {motor}}}"#))),
+        "motors.B.parameters.resistance = -1: expected a number from 0.1 to 100 (ohm)"
+    );
+}
+
+#[test]
+fn static_friction_below_coulomb_friction_is_rejected() {
+    let motor = TABLE_1.replace(
+        "}",
+        r#", "coulomb_friction": 0.02, "static_friction": 0.01}"#,
+    );
+    let message = error(&with_motor(&format!(r#"{{"parameters": {motor}}}"#)));
+    assert!(
+        message.starts_with("motors.B.parameters.static_friction = 0.01"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_hand_without_a_rate_is_rejected() {
+    let message = error(&with_motor(&format!(
+        r#"{{"parameters": {TABLE_1}, "held_by_hand": true}}"#
+    )));
+    assert!(
+        message.starts_with("motors.B.hand_rate = (absent)"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_wheel_without_a_motor_is_rejected() {
+    let motors = format!(r#"{{"B": {{"parameters": {TABLE_1}}}}}"#);
+    let message = error(&format!(r#"{{"motors": {motors}, "body": {VEHICLE}}}"#));
+    assert!(
+        message.starts_with("body.right = C: expected a port"),
+        "{message}"
+    );
+}
+
+#[test]
+fn both_wheels_on_one_motor_are_rejected() {
+    let motors = format!(r#"{{"B": {{"parameters": {TABLE_1}}}}}"#);
+    let body = VEHICLE.replace(r#""right": "C""#, r#""right": "B""#);
+    let message = error(&format!(r#"{{"motors": {motors}, "body": {body}}}"#));
+    assert_eq!(
+        message,
+        "body.right = B: expected another motor than body.left"
+    );
+}
+
+#[test]
+fn unknown_fields_are_rejected_at_every_level() {
+    for json in [
+        r#"{"wheels": 4}"#.to_owned(),
+        r#"{"motors": {"D": null}}"#.to_owned(),
+        with_motor(&format!(r#"{{"parameters": {TABLE_1}, "colour": 1}}"#)),
+        with_motor(r#"{"parameters": {"resistance": 1.0, "mood": 2}}"#),
+        r#"{"body": {"kind": "bench", "legs": 4}}"#.to_owned(),
+        format!(
+            r#"{{"body": {}, "legs": 4}}}}"#,
+            VEHICLE.trim_end_matches('}')
+        ),
+        r#"{"body": {"kind": "boat"}}"#.to_owned(),
+    ] {
+        assert!(
+            serde_json::from_str::<RobotParameters>(&json).is_err(),
+            "{json}"
+        );
+    }
+}
+
+#[test]
+fn an_empty_configuration_is_a_bench_with_nothing_plugged_in() {
+    let mut robot = Robot::new(&parameters("{}")).unwrap();
+    robot.step(1e-4, &[plant::MotorDrive::Brake; 3], 8.0);
+    assert_eq!(robot, Robot::new(&RobotParameters::default()).unwrap());
+}
