@@ -1,0 +1,68 @@
+/* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* The end of a program that failed: the application's hook, if any, is told the place, then
+   the processor halts with interrupts masked. Processor exceptions end here, too. */
+
+#include "layout.h"
+
+        .arm
+        .section .text.failure, "ax"
+
+        .global undefined_instruction, software_interrupt, prefetch_abort, data_abort
+        .global fast_interrupt
+undefined_instruction:
+        sub     r1, lr, #4
+        ldr     r0, =undefined_text
+        b       __gnat_last_chance_handler
+software_interrupt:
+        sub     r1, lr, #4
+        ldr     r0, =software_text
+        b       __gnat_last_chance_handler
+prefetch_abort:
+        sub     r1, lr, #4
+        ldr     r0, =prefetch_text
+        b       __gnat_last_chance_handler
+data_abort:
+        sub     r1, lr, #8
+        ldr     r0, =data_text
+        b       __gnat_last_chance_handler
+fast_interrupt:
+        sub     r1, lr, #4
+        ldr     r0, =fast_text
+        b       __gnat_last_chance_handler
+
+/* r0: address of a file name or a message that ends with NUL; r1: line, or code address of a
+   processor exception. The handlers' stack is free to use: nothing returns. */
+        .global __gnat_last_chance_handler
+        .type   __gnat_last_chance_handler, %function
+__gnat_last_chance_handler:
+        msr     cpsr_c, #(MODE_SUPERVISOR | ALL_MASKED)
+        ldr     sp, =ravenbrick_handler_stack_top
+        ldr     r2, =ravenbrick_failure
+        stmia   r2, {r0, r1}
+        .weak   ravenbrick_last_chance_hook
+        ldr     r2, =ravenbrick_last_chance_hook
+        cmp     r2, #0
+        movne   lr, pc
+        bxne    r2
+        .global ravenbrick_halt
+ravenbrick_halt:
+        b       ravenbrick_halt
+        .size   __gnat_last_chance_handler, . - __gnat_last_chance_handler
+
+        .section .rodata.failure, "a"
+undefined_text: .asciz  "undefined instruction"
+software_text:  .asciz  "software interrupt"
+prefetch_text:  .asciz  "prefetch abort"
+data_text:      .asciz  "data abort"
+fast_text:      .asciz  "fast interrupt"
+
+/* Where the program failed: text and line, zero while it has not */
+        .section .bss.ravenbrick_failure, "aw", %nobits
+        .balign 4
+        .global ravenbrick_failure
+        .type   ravenbrick_failure, %object
+ravenbrick_failure:
+        .space  8
+        .size   ravenbrick_failure, 8

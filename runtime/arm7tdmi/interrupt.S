@@ -1,0 +1,100 @@
+/* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Interrupt entry and exit. Handlers run in Supervisor mode on the handlers' stack with
+   interrupts of higher levels unmasked; the interrupted registers wait on the stack of IRQ mode,
+   one frame per nesting level. The way out of the outermost handler preempts the interrupted
+   thread when a more urgent one has become ready. */
+
+#include "layout.h"
+
+#define FRAME_SIZE 24
+
+        .arm
+        .section .text.ravenbrick_interrupt, "ax"
+        .global ravenbrick_interrupt
+        .type   ravenbrick_interrupt, %function
+ravenbrick_interrupt:
+        sub     lr, lr, #4
+        stmfd   sp!, {r0-r3, r12, lr}
+        mov     r12, #0
+        ldr     r1, [r12, #AIC_IVR]     /* address of the source's handler record */
+        str     r1, [r12, #AIC_IVR]     /* protect mode: this takes the interrupt */
+        ldr     r3, =ravenbrick_kernel
+        mrs     r2, spsr
+        ldr     r3, [r3, #KERNEL_CURRENT]
+        ldr     r12, [r3, #THREAD_ACTIVE]
+        stmfd   sp!, {r2, r12}
+        ldmia   r1, {r0, r1, r2}        /* object, code, urgency */
+        str     r2, [r3, #THREAD_ACTIVE]
+        msr     cpsr_c, #MODE_SUPERVISOR
+        stmfd   sp!, {r3, lr}
+        mov     lr, pc
+        bx      r1
+        ldmfd   sp!, {r3, lr}
+
+        msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
+        mov     r2, #0
+        str     r2, [r2, #AIC_EOICR]
+        ldmfd   sp!, {r2, r12}
+        ldr     r1, =ravenbrick_kernel
+        str     r12, [r3, #THREAD_ACTIVE]
+        and     r0, r2, #MODE_MASK
+        cmp     r0, #MODE_SYSTEM
+        bne     1f                      /* a handler was interrupted */
+        ldr     r0, [r1, #KERNEL_READY_HEAD]
+        ldr     lr, [r0, #THREAD_ACTIVE]
+        cmp     lr, r12
+        bgt     preempt
+1:      msr     spsr_cxsf, r2
+        ldmfd   sp!, {r0-r3, r12, pc}^
+
+/* r0: the thread to run; r1: kernel; r2: interrupted status; r3: the interrupted thread;
+   r12: its urgency; the interrupted r0-r3, r12 and pc on the stack of IRQ mode */
+preempt:
+        ldr     lr, [r1, #KERNEL_RUNNING]
+        cmp     lr, #0
+        add     sp, sp, #FRAME_SIZE
+        beq     take                    /* the idle loop has no context */
+        msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
+        str     lr, [sp, #-4]!
+        sub     sp, sp, #28
+        ldr     lr, =resume
+        stmfd   sp!, {r4-r11, lr}
+        str     sp, [r3, #THREAD_STACK_POINTER]
+        ldr     lr, =ravenbrick_interrupt_stack_top - FRAME_SIZE
+        ldmia   lr, {r4-r9}
+        mov     r10, r2
+        add     lr, sp, #36
+        stmia   lr, {r4-r10}
+
+        /* the interrupted thread goes before its equals (RM D.2.3 (10)) */
+        mov     r4, r0
+2:      ldr     r5, [r4, #THREAD_NEXT]
+        ldr     r6, [r5, #THREAD_ACTIVE]
+        cmp     r6, r12
+        movgt   r4, r5
+        bgt     2b
+        str     r3, [r4, #THREAD_NEXT]
+        str     r5, [r3, #THREAD_NEXT]
+
+take:   msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
+        ldr     r2, [r0, #THREAD_NEXT]
+        str     r2, [r1, #KERNEL_READY_HEAD]
+        str     r0, [r1, #KERNEL_RUNNING]
+        str     r0, [r1, #KERNEL_CURRENT]
+        ldr     sp, [r0, #THREAD_STACK_POINTER]
+        ldmfd   sp!, {r4-r11, lr}
+        bx      lr
+
+/* Return address of a preempted thread: on its stack r0-r3, r12, pc, status, lr */
+resume: mov     r0, sp
+        ldr     lr, [sp, #28]
+        add     sp, sp, #32
+        msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
+        ldr     r1, [r0, #24]
+        msr     spsr_cxsf, r1
+        ldr     lr, [r0, #20]
+        ldmia   r0, {r0-r3, r12}
+        movs    pc, lr
+        .size   ravenbrick_interrupt, . - ravenbrick_interrupt

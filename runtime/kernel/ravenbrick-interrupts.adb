@@ -1,0 +1,105 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Interfaces;
+with System.Storage_Elements;
+
+package body Ravenbrick.Interrupts is
+
+   use Interfaces;
+   use Ravenbrick.Registers;
+   use Ravenbrick.Threads;
+
+   type Handler is record
+      Object : System.Address;
+      Code   : System.Address;
+      Active : Urgency;
+   end record
+     with Convention => C;
+   --  A vector of the controller is the address of one of these; the interrupt entry in
+   --  arm7tdmi/ uses the layout
+
+   type Handler_Table is array (Source_Id) of aliased Handler;
+
+   Handlers : Handler_Table;
+
+   procedure Ignore (Unused : System.Address) with Convention => C;
+
+   Spurious : aliased Handler;
+
+   type Set_Table is array (System.Interrupt_Priority) of Word;
+
+   At_Or_Below : Set_Table := (others => 0);
+   --  Attached sources by priority
+
+   Attached : Word := 0;
+
+   Masked : Urgency := -1 with Volatile;
+   --  Sources up to this urgency are disabled, or about to be: written before the controller is,
+   --  so that a handler which raises and lowers the mask in between does not undo it
+
+   function To_Priority (Active : Urgency) return System.Interrupt_Priority is
+     (System.Interrupt_Priority (Active / 2)) with Inline_Always;
+
+   function Address_Of (Item : System.Address) return Word is
+     (Word (System.Storage_Elements.To_Integer (Item)));
+
+   procedure Ignore (Unused : System.Address) is null;
+
+   procedure Initialize is
+   begin
+      Spurious :=
+        (System.Null_Address, Ignore'Address,
+         To_Protected_Urgency (System.Interrupt_Priority'Last));
+      AIC.Disable := Word'Last;
+      AIC.Clear := Word'Last;
+      AIC.Control := Protect_Mode;
+      AIC.Spurious := Address_Of (Spurious'Address);
+      for Source in Source_Id loop
+         AIC.Source_Vector (Source) := Address_Of (Spurious'Address);
+         if Source <= 7 then
+            AIC.End_Of := 0;
+         end if;
+      end loop;
+   end Initialize;
+
+   procedure Attach
+     (Source   : Source_Id;
+      Priority : System.Interrupt_Priority;
+      Code     : System.Address;
+      Object   : System.Address)
+   is
+      Bit   : constant Word := Shift_Left (1, Natural (Source));
+      Level : constant Word := Word (Priority - System.Interrupt_Priority'First);
+   begin
+      Handlers (Source) := (Object, Code, To_Protected_Urgency (Priority));
+      AIC.Disable := Bit;
+      AIC.Source_Mode (Source) := Level;
+      AIC.Source_Vector (Source) := Address_Of (Handlers (Source)'Address);
+      AIC.Clear := Bit;
+      for Other in Priority .. System.Interrupt_Priority'Last loop
+         At_Or_Below (Other) := At_Or_Below (Other) or Bit;
+      end loop;
+      Attached := Attached or Bit;
+      AIC.Enable := Bit;
+   end Attach;
+
+   function Is_Attached (Source : Source_Id) return Boolean is
+     ((Attached and Shift_Left (1, Natural (Source))) /= 0);
+
+   procedure Raise_Mask (Ceiling : Urgency; Saved : out Urgency) is
+   begin
+      Saved := Masked;
+      Masked := Ceiling;
+      AIC.Disable := At_Or_Below (To_Priority (Ceiling));
+   end Raise_Mask;
+
+   procedure Lower_Mask (Ceiling, Saved : Urgency) is
+      Still : constant Word :=
+        (if Saved < First_Interrupt_Urgency then 0 else At_Or_Below (To_Priority (Saved)));
+   begin
+      Masked := Saved;
+      AIC.Enable := At_Or_Below (To_Priority (Ceiling)) and not Still;
+   end Lower_Mask;
+
+end Ravenbrick.Interrupts;

@@ -1,0 +1,35 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  Interrupt handlers and the masking of interrupts by priority. Interrupt_Priority'First + L
+--  is level L of the interrupt controller: a higher level interrupts a handler of a lower one.
+
+with System;
+
+with Ravenbrick.Registers;
+with Ravenbrick.Threads;
+
+package Ravenbrick.Interrupts is
+   pragma Preelaborate;
+
+   procedure Initialize
+     with Export, Convention => C, External_Name => "ravenbrick_initialize_interrupts";
+   --  No source enabled, every vector harmless, protect mode on
+
+   procedure Attach
+     (Source   : Registers.Source_Id;
+      Priority : System.Interrupt_Priority;
+      Code     : System.Address;
+      Object   : System.Address);
+   --  From now on Source calls Code (Object) at Priority, in Supervisor mode
+
+   function Is_Attached (Source : Registers.Source_Id) return Boolean;
+
+   procedure Raise_Mask (Ceiling : Threads.Urgency; Saved : out Threads.Urgency);
+   --  Disable the sources at or below Ceiling, an urgency of the interrupt range. Saved is what
+   --  Lower_Mask takes.
+
+   procedure Lower_Mask (Ceiling, Saved : Threads.Urgency);
+   --  Undo the matching Raise_Mask
+
+end Ravenbrick.Interrupts;

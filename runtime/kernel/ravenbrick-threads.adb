@@ -1,0 +1,167 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with System.Storage_Elements; use System.Storage_Elements;
+
+with Ravenbrick.Processor;
+
+package body Ravenbrick.Threads is
+
+   Idle : aliased Thread with Export, Convention => C, External_Name => "ravenbrick_idle_thread";
+   --  Current while no thread is ready; has no context and no stack
+
+   Sentinel : aliased Thread;
+   --  Last of the ready queue, less urgent than any thread
+
+   Environment_Name : constant String := "environment";
+
+   Environment_Stack : Storage_Element
+     with Import, Convention => C, External_Name => "ravenbrick_environment_stack";
+   Environment_Stack_Size : Storage_Element
+     with Import, Convention => C, External_Name => "ravenbrick_environment_stack_size";
+   --  The address is the value: symbols of the linker script
+
+   type Context is array (1 .. 9) of System.Address;
+   --  What Processor.Switch saves: r4 to r11, then the address to return to
+
+   procedure Record_Created (Created : not null Thread_Id);
+   procedure Insert_First (Preempted : not null Thread_Id) with Inline;
+
+   procedure Record_Created (Created : not null Thread_Id) is
+   begin
+      Created.Next_Created := Kernel.First_Created;
+      Kernel.First_Created := Created;
+   end Record_Created;
+
+   procedure Initialize is
+      Self : constant not null Thread_Id := Environment'Access;
+   begin
+      Idle.Active := -1;
+      Sentinel.Active := -1;
+      Kernel.Ready_Head := Sentinel'Access;
+      Set_Environment_Priority (System.Default_Priority);
+      Self.Name := Environment_Name'Address;
+      Self.Name_Length := Environment_Name'Length;
+      Self.Stack_Base := Environment_Stack'Address;
+      Self.Stack_Size := Natural (To_Integer (Environment_Stack_Size'Address));
+      Record_Created (Self);
+      Self.State := Ready;
+      Kernel.Current := Self;
+      Kernel.Running := Self;
+   end Initialize;
+
+   procedure Set_Environment_Priority (Priority : System.Any_Priority) is
+   begin
+      Environment.Base_Priority := Priority;
+      Environment.Active := To_Urgency (Priority);
+   end Set_Environment_Priority;
+
+   procedure Create
+     (Created    : not null Thread_Id;
+      Priority   : System.Any_Priority;
+      Stack_Base : System.Address;
+      Stack_Size : Natural;
+      Code       : System.Address;
+      Argument   : System.Address)
+   is
+      Word : constant := 4;
+      Top  : constant System.Address :=
+        To_Address ((To_Integer (Stack_Base) + Integer_Address (Stack_Size)) / 8 * 8);
+      Bottom : constant System.Address := Top - Storage_Offset (Context'Length * Word);
+      First  : Context with Import, Address => Bottom;
+   begin
+      First (1) := Code;
+      First (2) := Argument;
+      First (9) := Processor.Thread_Start'Address;
+      Created.Stack_Pointer := Bottom;
+      Created.Base_Priority := Priority;
+      Created.Active := To_Urgency (Priority);
+      Created.Stack_Base := Stack_Base;
+      Created.Stack_Size := Stack_Size;
+      Created.State := Unstarted;
+      Record_Created (Created);
+   end Create;
+
+   procedure Make_Ready (Woken : not null Thread_Id) is
+      Rank     : constant Urgency := Woken.Active;
+      Previous : Thread_Id := Kernel.Ready_Head;
+      Follower : Thread_Id;
+   begin
+      if Previous.Active < Rank then
+         Woken.Next := Previous;
+         Kernel.Ready_Head := Woken;
+      else
+         loop
+            Follower := Previous.Next;
+            exit when Follower.Active < Rank;
+            Previous := Follower;
+         end loop;
+         Woken.Next := Follower;
+         Previous.Next := Woken;
+      end if;
+      Woken.State := Ready;
+   end Make_Ready;
+
+   procedure Insert_First (Preempted : not null Thread_Id) is
+      Rank     : constant Urgency := Preempted.Active;
+      Previous : Thread_Id := Kernel.Ready_Head;
+      Follower : Thread_Id;
+   begin
+      if Previous.Active <= Rank then
+         Preempted.Next := Previous;
+         Kernel.Ready_Head := Preempted;
+      else
+         loop
+            Follower := Previous.Next;
+            exit when Follower.Active <= Rank;
+            Previous := Follower;
+         end loop;
+         Preempted.Next := Follower;
+         Previous.Next := Preempted;
+      end if;
+   end Insert_First;
+
+   procedure Block is
+      Self : constant not null Thread_Id := Kernel.Current;
+      Next : constant not null Thread_Id := Kernel.Ready_Head;
+   begin
+      if Next = Sentinel'Access then
+         Processor.Switch_To_Idle (Self);
+      else
+         Kernel.Ready_Head := Next.Next;
+         Processor.Switch (Self, Next);
+      end if;
+   end Block;
+
+   procedure Preempt is
+      Self : constant not null Thread_Id := Kernel.Current;
+      Next : constant not null Thread_Id := Kernel.Ready_Head;
+   begin
+      if Next.Active > Self.Active then
+         Kernel.Ready_Head := Next.Next;
+         Insert_First (Self);
+         Processor.Switch (Self, Next);
+      end if;
+   end Preempt;
+
+   procedure Yield is
+      Self : constant not null Thread_Id := Kernel.Current;
+      Next : constant not null Thread_Id := Kernel.Ready_Head;
+   begin
+      if Next.Active >= Self.Active then
+         Kernel.Ready_Head := Next.Next;
+         Make_Ready (Self);
+         Processor.Switch (Self, Next);
+      end if;
+   end Yield;
+
+   procedure Terminate_Current is
+      Previous : Processor.Status;
+   begin
+      Processor.Mask_Interrupts (Previous);
+      Kernel.Current.State := Terminated;
+      Block;
+      raise Program_Error;
+   end Terminate_Current;
+
+end Ravenbrick.Threads;

@@ -1,0 +1,26 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  Exceptions have no occurrences here: one that no local handler takes reaches the
+--  last-chance handler with its place in the source
+
+package Ada.Exceptions is
+   pragma Preelaborate;
+
+   type Exception_Id is private;
+   pragma Preelaborable_Initialization (Exception_Id);
+
+   Null_Id : constant Exception_Id;
+
+   procedure Raise_Exception (E : Exception_Id; Message : String := "") with No_Return;
+   --  Call the last-chance handler with Message and line 0
+
+private
+
+   type Exception_Data is null record;
+   type Exception_Id is access all Exception_Data;
+   for Exception_Id'Storage_Size use 0;
+
+   Null_Id : constant Exception_Id := null;
+
+end Ada.Exceptions;
