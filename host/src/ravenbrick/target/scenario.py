@@ -71,6 +71,7 @@ class Scenario:
     document: LocatedToml
     name: str
     description: str
+    role: str | None
     seed: int
     duration_ms: int
     on_bench: bool
@@ -236,6 +237,7 @@ def read_scenario(path: Path, robot: Robot) -> Scenario:
         document=document,
         name=values["name"],
         description=values.get("description", ""),
+        role=values.get("role"),
         seed=values["seed"],
         duration_ms=values["duration_ms"],
         on_bench=values.get("body", "robot") == "bench",

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,11 +27,13 @@ from ravenbrick.trace.schedule import TaskMeasures, Utilization, measure_task, u
 
 __all__ = [
     "RADIANS_PER_COUNT",
+    "CriterionResult",
     "RunMeasures",
     "StepRecord",
-    "check_criteria",
     "check_survival",
+    "evaluate_criteria",
     "measure_run",
+    "require_criteria",
     "setpoint_speed",
 ]
 
@@ -81,6 +83,20 @@ class RunMeasures:
         if not found or any(value is None for value in found):
             return None
         return float(max(found, key=abs))
+
+
+@dataclass(frozen=True)
+class CriterionResult:
+    """A criterion with the value that the run gave."""
+
+    criterion: Criterion
+    value: float
+    met: bool
+
+    def as_json(self) -> dict[str, object]:
+        """With plain types."""
+        bounds = {"minimum": self.criterion.minimum, "maximum": self.criterion.maximum}
+        return {"measure": self.criterion.measure, "value": self.value, **bounds, "met": self.met}
 
 
 def setpoint_speed(robot: Robot, recording: Recording, motor: str) -> tuple[Floats, Floats] | None:
@@ -207,14 +223,9 @@ def _index_in_file(scenario: Scenario, event: Input) -> int:
     return 0
 
 
-def check_criteria(scenario: Scenario, measures: RunMeasures) -> list[dict[str, object]]:
-    """Each criterion with its value and whether it is met.
-
-    Raises `CriteriaError` naming the first that is not met, `ScenarioError` when the run ended
-    before a criterion could be measured.
-    """
-    results: list[dict[str, object]] = []
-    failed: list[str] = []
+def evaluate_criteria(scenario: Scenario, measures: RunMeasures) -> list[CriterionResult]:
+    """Each criterion with its value; raises `ScenarioError` for one the run never reached."""
+    results: list[CriterionResult] = []
     for index, criterion in enumerate(scenario.criteria):
         value = measures.value(criterion.measure)
         if value is None:
@@ -223,14 +234,20 @@ def check_criteria(scenario: Scenario, measures: RunMeasures) -> list[dict[str, 
                 f"'{criterion.measure}' was never reached in the run; check the inputs, "
                 "or lengthen the run",
             )
-        met = _met(criterion, value)
-        results.append({"measure": criterion.measure, "value": value, "met": met})
-        if not met:
-            line = scenario.document.line_of(("criteria", index))
-            failed.append(f"{scenario.document.path}:{line}: {_sentence(criterion, value)}")
+        results.append(CriterionResult(criterion, value, _met(criterion, value)))
+    return results
+
+
+def require_criteria(scenario: Scenario, results: Sequence[CriterionResult]) -> None:
+    """Raise `CriteriaError` naming the first criterion that is not met."""
+    failed = [
+        f"{scenario.document.path}:{scenario.document.line_of(('criteria', index))}: "
+        + _sentence(result.criterion, result.value)
+        for index, result in enumerate(results)
+        if not result.met
+    ]
     if failed:
         raise CriteriaError(failed[0], detail="\n".join(failed[1:]))
-    return results
 
 
 def _met(criterion: Criterion, value: float) -> bool:

@@ -207,7 +207,7 @@ def _runs_section(evidence: Evidence) -> str:
     rows = []
     for run in evidence.runs:
         recording = run.recording
-        met = all(bool(criterion["met"]) for criterion in run.criteria)
+        met = all(result.met for result in run.criteria)
         seconds = recording.clock.seconds(recording.stop.at_cycles)
         rows.append(
             (

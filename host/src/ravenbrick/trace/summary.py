@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.scenario import Scenario
 from ravenbrick.trace.design import Design
-from ravenbrick.trace.measures import RunMeasures, StepRecord
+from ravenbrick.trace.measures import CriterionResult, RunMeasures, StepRecord
 from ravenbrick.trace.motion import SPEED_FILTER
 from ravenbrick.trace.recording import Recording
 
@@ -26,7 +26,7 @@ class Run:
     scenario: Scenario
     recording: Recording
     measures: RunMeasures
-    criteria: Sequence[Mapping[str, object]]
+    criteria: Sequence[CriterionResult]
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def run_summary(run: Run) -> dict[str, Any]:
         "distance": measures.path.distance if measures.path else None,
         "steps": _steps(run),
         "tasks": _tasks(run),
-        "criteria": list(run.criteria),
+        "criteria": [result.as_json() for result in run.criteria],
     }
 
 

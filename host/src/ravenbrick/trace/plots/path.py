@@ -40,5 +40,5 @@ def path_figure(runs: Sequence[PathRun]) -> Figure:
     axis.set_aspect("equal", adjustable="datalim")
     axis.set_xlabel("x (m); a dot every 2 s")
     axis.set_ylabel("y (m)")
-    legend(axis, loc="best")
+    legend(axis, "best")
     return figure

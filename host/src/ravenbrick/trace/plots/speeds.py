@@ -36,7 +36,7 @@ def _plot_motor(axis: Axes, robot: Robot, recording: Recording, motor: str, colo
             label="set-point",
         )
     axis.set_ylabel(f"motor {motor} (°/s)")
-    legend(axis, loc="upper right", ncols=2)
+    legend(axis, "upper right", 2)
 
 
 def speeds_figure(robot: Robot, scenario: Scenario, recording: Recording) -> Figure:

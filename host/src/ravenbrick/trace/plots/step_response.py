@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import math
+
 from matplotlib.figure import Figure
 
 from ravenbrick.trace.design import Design
@@ -19,7 +21,7 @@ SHOWN = 0.8
 def step_response_figure(design: Design | None, record: StepRecord) -> Figure:
     """Response of one motor's speed to a step of the set-point, in degrees/s over s."""
     figure, (axis,) = new_figure(8.0, 4.4)
-    height = float(degrees_per_second(record.measures.setpoint))
+    height = math.degrees(record.measures.setpoint)
     axis.plot(
         record.difference_times,
         degrees_per_second(record.difference),
@@ -75,5 +77,5 @@ def step_response_figure(design: Design | None, record: StepRecord) -> Figure:
     axis.set_ylim(-0.05 * height, 1.6 * height)
     axis.set_xlabel("time after the step (s)")
     axis.set_ylabel(f"speed of motor {record.motor} (°/s)")
-    legend(axis, loc="upper right", ncols=2)
+    legend(axis, "upper right", 2)
     return figure

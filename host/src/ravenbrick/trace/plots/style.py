@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Sequence
-from pathlib import Path
+from typing import Any, cast
 
 import matplotlib
 import numpy as np
@@ -15,7 +14,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-__all__ = ["COLOURS", "data_uri", "degrees_per_second", "new_figure", "save", "task_colour"]
+__all__ = [
+    "COLOURS",
+    "data_uri",
+    "degrees_per_second",
+    "legend",
+    "new_figure",
+    "png_bytes",
+    "task_colour",
+]
 
 matplotlib.use("Agg")
 
@@ -55,12 +62,7 @@ def task_colour(index: int) -> str:
 
 def degrees_per_second(speed: NDArray[np.float64]) -> NDArray[np.float64]:
     """rad/s -> degrees/s, the unit that NXT users know."""
-    return np.degrees(speed)
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a PNG; without metadata, so that equal runs give equal files."""
-    figure.savefig(path, dpi=DPI, metadata={"Software": None})
+    return cast("NDArray[np.float64]", np.degrees(speed))
 
 
 def data_uri(content: bytes, media_type: str) -> str:
@@ -75,6 +77,6 @@ def png_bytes(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def legend(axis: Axes, names: Sequence[str] | None = None, **options: object) -> None:
+def legend(axis: Axes, place: Any, columns: int = 1) -> None:
     """A plain legend."""
-    axis.legend(*([names] if names else []), frameon=False, fontsize=8.5, **options)
+    axis.legend(frameon=False, fontsize=8.5, loc=place, ncols=columns)

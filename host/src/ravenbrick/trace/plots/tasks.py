@@ -63,5 +63,5 @@ def tasks_figure(recording: Recording, measures: RunMeasures) -> Figure:
         cell.set_edgecolor("#d0d0d0")
         cell.visible_edges = "B"
         if row == 0:
-            cell.get_text().set_weight("bold")
+            cell.get_text().set_fontweight("bold")
     return figure

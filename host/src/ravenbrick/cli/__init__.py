@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The command line; one module per command."""
+
+from __future__ import annotations
+
+from ravenbrick.cli.app import app
+from ravenbrick.cli.build import build_command
+from ravenbrick.cli.demo import demo_command
+from ravenbrick.cli.design import design_command
+from ravenbrick.cli.doctor import doctor_command
+from ravenbrick.cli.report import report_command
+from ravenbrick.cli.run import run_command
+
+__all__ = [
+    "build_command",
+    "demo_command",
+    "design_command",
+    "doctor_command",
+    "main",
+    "report_command",
+    "run_command",
+]
+
+
+def main() -> None:
+    """Entry point of the program `ravenbrick`."""
+    app()

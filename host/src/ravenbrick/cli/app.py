@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The command line's root, and how every command ends."""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from typing import Annotated, Any, NoReturn, ParamSpec
+
+import typer
+
+from ravenbrick import __version__
+from ravenbrick.errors import ExitCode, RavenbrickError
+
+__all__ = ["JsonOption", "app", "command"]
+
+Arguments = ParamSpec("Arguments")
+Result = dict[str, Any]
+
+app = typer.Typer(
+    name="ravenbrick",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    help="Design, build, run and measure real-time control on the LEGO MINDSTORMS NXT.",
+    epilog="Exit codes: docs/reference/exit-codes.md. Example: ravenbrick demo examples/vehicle",
+)
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object instead of text; no progress.")
+]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"ravenbrick {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    _version_wanted: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Design, build, run and measure real-time control on the LEGO MINDSTORMS NXT."""
+
+
+def _end(error: RavenbrickError, as_json: bool) -> NoReturn:
+    code = int(error.exit_code)
+    if as_json:
+        failure = {"ok": False, "exit_code": code, "error": error.sentence, "detail": error.detail}
+        typer.echo(json.dumps(failure, indent=1))
+    else:
+        typer.echo(f"ravenbrick: {error.sentence}", err=True)
+        for line in error.detail.splitlines():
+            typer.echo(f"    {line}", err=True)
+    raise typer.Exit(code)
+
+
+def _defect(error: Exception) -> RavenbrickError:
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{os.path.basename(where.filename)}:{where.lineno}"
+    return RavenbrickError(
+        f"defect of Ravenbrick itself: {type(error).__name__} at {place}: {error}; "
+        "please report it; RAVENBRICK_TRACEBACK=1 shows the way to it"
+    )
+
+
+def command(example: str) -> Callable[[Callable[Arguments, Result]], Callable[Arguments, None]]:
+    """Make a function a command: errors become a sentence and an exit code, `--json` prints.
+
+    The function returns what `--json` prints besides `ok`; `example` is shown by `--help`.
+    """
+
+    def register(function: Callable[Arguments, Result]) -> Callable[Arguments, None]:
+        @functools.wraps(function)
+        def run(*args: Arguments.args, **kwargs: Arguments.kwargs) -> None:
+            as_json = bool(kwargs.get("json_output", False))
+            try:
+                result = function(*args, **kwargs)
+            except RavenbrickError as error:
+                _end(error, as_json)
+            except KeyboardInterrupt:
+                typer.echo("ravenbrick: interrupted", err=True)
+                raise typer.Exit(int(ExitCode.INTERRUPTED)) from None
+            except Exception as error:
+                if os.environ.get("RAVENBRICK_TRACEBACK"):
+                    traceback.print_exc(file=sys.stderr)
+                _end(_defect(error), as_json)
+            if as_json:
+                typer.echo(json.dumps({"ok": True, **result}, indent=1))
+
+        name = function.__name__.removesuffix("_command")
+        run.__annotations__["return"] = None
+        app.command(name, epilog=f"Example: {example}")(run)
+        return run
+
+    return register

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick build`: the image and what it takes of the memory."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import MEMORY_HEAD, memory_rows
+from ravenbrick.target.build import build_image
+from ravenbrick.target.elf_image import ImageKind
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.workspace import Workspace
+
+__all__ = ["ImageChoice", "build_command"]
+
+
+class ImageChoice(Enum):
+    """Where the image is to run."""
+
+    RAM = "ram"
+    FLASH = "flash"
+
+    @property
+    def kind(self) -> ImageKind:
+        """The kind of image."""
+        return "ram" if self is ImageChoice.RAM else "flash"
+
+
+@command("ravenbrick build examples/vehicle --image ram")
+def build_command(
+    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    image: Annotated[
+        ImageChoice, typer.Option(help="RAM below the boot monitor, or flash.")
+    ] = ImageChoice.RAM,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Compile, bind and link the image, and report its memory."""
+    workspace = Workspace.of(directory)
+    robot = read_robot(directory)
+    reporter = Reporter(json_output)
+    with reporter.step(f"build the {image.value} image") as step:
+        built = build_image(workspace, robot, image.kind)
+        step.note = workspace.shown(built.image.path)
+    reporter.table(MEMORY_HEAD, memory_rows(built.memory))
+    return {
+        "image": str(built.image.path),
+        "memory_file": str(built.memory_file),
+        "memory": built.memory.as_json(),
+        "steps": reporter.durations(),
+    }

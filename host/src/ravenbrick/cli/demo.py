@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick demo`: the whole pipeline of a project, from constants to a report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import (
+    TASK_HEAD,
+    collect,
+    design_project,
+    play,
+    project_scenarios,
+    read_run,
+    task_rows,
+)
+from ravenbrick.errors import CriteriaError, ScenarioError
+from ravenbrick.target.build import Built, build_image
+from ravenbrick.target.memory import MemoryReport, with_stacks
+from ravenbrick.target.protocol import Target
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.measures import require_criteria
+from ravenbrick.trace.report import write_report
+from ravenbrick.trace.summary import Evidence, Run, summary
+
+__all__ = ["demo_command"]
+
+
+def _run_all(
+    workspace: Workspace,
+    robot: Robot,
+    scenarios: Sequence[Scenario],
+    built: Built,
+    target: Target,
+    reporter: Reporter,
+) -> list[Run]:
+    runs = []
+    for scenario in scenarios:
+        with reporter.step(f"run '{scenario.name}'") as step:
+            recording = play(workspace, robot, scenario, built.image, target, step.progress)
+            runs.append(read_run(robot, scenario, recording))
+            seconds = recording.clock.seconds(recording.stop.at_cycles)
+            step.note = f"{seconds:.3f} s on the brick, digest {recording.digest[:12]}"
+    return runs
+
+
+def _run_again(
+    robot: Robot, runs: Sequence[Run], built: Built, target: Target, reporter: Reporter
+) -> bool:
+    first = next((run for run in runs if run.scenario.role == "drive"), runs[0])
+    with reporter.step(f"run '{first.scenario.name}' again") as step:
+        digest = target.run(robot, first.scenario, built.image, step.progress).digest
+        same = digest == first.recording.digest
+        step.note = "same trace digest" if same else f"ANOTHER trace digest: {digest[:12]}"
+    return same
+
+
+def _stacks(built: Built, runs: Sequence[Run]) -> MemoryReport:
+    memory = built.memory
+    for run in runs:
+        memory = with_stacks(memory, run.recording.threads)
+    memory.write(built.memory_file)
+    return memory
+
+
+def _show(evidence: Evidence, figures: dict[str, Any], reporter: Reporter) -> None:
+    def shown(key: str, scale: float, unit: str) -> list[str]:
+        value = figures[key]
+        return [key.replace("_", " "), "none" if value is None else f"{scale * value:.4g} {unit}"]
+
+    reporter.print()
+    reporter.table(
+        ("figure", "value"),
+        [
+            shown("settling_time", 1000, "ms"),
+            shown("overshoot", 100, "%"),
+            shown("lateral_deviation_with", 1000, "mm"),
+            shown("lateral_deviation_without", 1000, "mm"),
+            shown("cpu_utilization", 100, "%"),
+        ],
+    )
+    reporter.print()
+    if evidence.drive is not None:
+        reporter.table(TASK_HEAD, task_rows(evidence.drive))
+        reporter.print()
+
+
+@command("ravenbrick demo examples/vehicle")
+def demo_command(
+    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Design, generate, build, run every scenario, measure, and write the report."""
+    workspace = Workspace.of(directory)
+    robot = read_robot(directory)
+    scenarios = project_scenarios(workspace, robot)
+    if not scenarios:
+        raise ScenarioError(f"{directory}/scenarios: there is no scenario; write one")
+    target = VirtualTarget()
+    reporter = Reporter(json_output, total=len(scenarios) + 4)
+    with reporter.step("design and generate C") as step:
+        design = design_project(workspace)
+        step.note = ", ".join(f"{k} {v:.6g}" for k, v in list(design.figures.items())[:4])
+    with reporter.step("build the RAM image") as step:
+        built = build_image(workspace, robot, "ram")
+        step.note = f"{built.memory.used} of {built.memory.available} bytes"
+    runs = _run_all(workspace, robot, scenarios, built, target, reporter)
+    same = _run_again(robot, runs, built, target, reporter)
+    with reporter.step("measure and write the report") as step:
+        evidence = collect(robot, design, _stacks(built, runs), runs, same)
+        report = write_report(evidence, workspace.results)
+    figures = summary(evidence)
+    _show(evidence, figures, reporter)
+    reporter.print(f"Open {workspace.shown(report)} in a browser.")
+    for run in runs:
+        require_criteria(run.scenario, run.criteria)
+    if not same:
+        raise CriteriaError("the same run gave two trace digests; please report this as a defect")
+    return {
+        "report": str(report),
+        "summary_file": str(workspace.results / "summary.json"),
+        "summary": figures,
+        "steps": reporter.durations(),
+    }
