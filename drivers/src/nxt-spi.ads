@@ -6,7 +6,7 @@
 with Interfaces;
 with System;
 
-package NXT.SPI with Elaborate_Body is
+package NXT.SPI is
 
    subtype Byte is Interfaces.Unsigned_8;
    type Byte_Array is array (Natural range <>) of Byte;

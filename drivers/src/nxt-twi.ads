@@ -6,7 +6,7 @@
 
 with Interfaces;
 
-package NXT.TWI with Elaborate_Body is
+package NXT.TWI is
 
    subtype Byte is Interfaces.Unsigned_8;
    type Byte_Array is array (Positive range <>) of Byte;
