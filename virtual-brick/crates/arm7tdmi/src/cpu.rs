@@ -73,6 +73,8 @@ impl Cpu {
     }
 
     /// The unusual cases at an instruction boundary, in the order of their priority.
+    #[cold]
+    #[inline(never)]
     fn boundary<B: Bus>(&mut self, bus: &mut B) -> Option<Exception> {
         let masks = if self.pipeline.attention & MASKS_DELAYED == 0 {
             self.registers.status()

@@ -61,12 +61,16 @@ impl Cpu {
         self.pipeline.next_fetch = Cycle::Sequential;
         match fetched {
             Ok(fetched) => self.pipeline.opcodes[1] = fetched,
-            Err(_) => {
-                self.pipeline.opcodes[1] = 0;
-                self.pipeline.attention |= DECODE_ABORTED;
-            }
+            Err(Abort) => self.mark_fetch_aborted(),
         }
         opcode
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn mark_fetch_aborted(&mut self) {
+        self.pipeline.opcodes[1] = 0;
+        self.pipeline.attention |= DECODE_ABORTED;
     }
 
     /// The fetch at the start of an exception entry, whose opcode nobody uses.
