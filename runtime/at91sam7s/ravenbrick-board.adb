@@ -26,8 +26,8 @@ package body Ravenbrick.Board is
 
    Remap : constant Word := 1;
 
-   Low_Word : Word with Import, Volatile, Address => To_Address (16#0000_0000#);
-   RAM_Word : Word with Import, Volatile, Address => To_Address (16#0020_0000#);
+   Low_Word : Word with Import, Volatile, Address => To_Address (16#0000_2000#);
+   RAM_Word : Word with Import, Volatile, Address => To_Address (16#0020_2000#);
 
    procedure Await (Flag : Word);
    procedure Start_Clocks;

@@ -13,7 +13,7 @@ with System;
 package Ravenbrick.Threads is
    pragma Preelaborate;
 
-   type Urgency is range -1 .. 2 * System.Any_Priority'Last + 1 with Size => 32;
+   type Urgency is range -2 ** 31 .. 2 ** 31 - 1 with Size => 32;
 
    function To_Urgency (Priority : System.Any_Priority) return Urgency is
      (Urgency (2 * Priority)) with Inline_Always;
