@@ -1,0 +1,10 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Block diagrams become C."""
+
+from __future__ import annotations
+
+from ravenbrick.codegen.ada import NamedNumber, ada_package
+from ravenbrick.codegen.generator import GeneratedCode, generate_c
+
+__all__ = ["GeneratedCode", "NamedNumber", "ada_package", "generate_c"]

@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Controllers: tuning, discretisation, sampled loops, step metrics."""
+
+from __future__ import annotations
+
+from ravenbrick.control.controller import pi_diagram
+from ravenbrick.control.design import Design, EstimatorComparison, finish_design
+from ravenbrick.control.discretisation import DiscretisationMethod, discretise
+from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
+from ravenbrick.control.estimator import LoopSpecification, pi_with_estimator
+from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
+from ravenbrick.control.sampled import SampledLoop, StepResponse
+from ravenbrick.control.tuning import (
+    DiscretePi,
+    PiGains,
+    pi_by_damping,
+    pi_by_lambda,
+    pi_direct,
+    pi_family,
+)
+
+__all__ = [
+    "Design",
+    "DiscretePi",
+    "DiscretisationMethod",
+    "EncoderRun",
+    "EstimatorComparison",
+    "LoopSpecification",
+    "Margins",
+    "PiGains",
+    "RunMeasures",
+    "SampledLoop",
+    "StepMetrics",
+    "StepResponse",
+    "discretise",
+    "encoder_run",
+    "finish_design",
+    "margins",
+    "measure_runs",
+    "pi_by_damping",
+    "pi_by_lambda",
+    "pi_diagram",
+    "pi_direct",
+    "pi_family",
+    "pi_with_estimator",
+    "step_metrics",
+]

@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A finished design: gains, controller diagram, step responses, and what the encoder does to it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import control
+import numpy as np
+
+from ravenbrick.control.controller import pi_diagram
+from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
+from ravenbrick.control.estimator import LoopSpecification
+from ravenbrick.control.metrics import Margins, StepMetrics, step_metrics
+from ravenbrick.control.sampled import SampledLoop, StepResponse
+from ravenbrick.control.tuning import DiscretePi, PiGains
+from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linearise
+
+__all__ = ["Design", "EstimatorComparison", "compare_estimators", "finish_design"]
+
+ENCODER_PHASES = 4
+RUN_DURATION = 2.0
+RESPONSE_DURATION = 1.0
+
+
+@dataclass(frozen=True)
+class EstimatorComparison:
+    """What a speed estimate over `window` samples gives with certain gains.
+
+    `quantum` (V) is the smallest step of the fed-back signal; `measures` come from encoder-true
+    simulation at `set_point` (V).
+    """
+
+    name: str
+    window: int
+    gains: PiGains
+    quantum: float
+    set_point: float
+    measures: RunMeasures
+
+    def row(self) -> dict[str, float | int | str]:
+        """Plain values by name: V, s and shares."""
+        return {
+            "name": self.name,
+            "window": self.window,
+            "quantum": self.quantum,
+            "set_point": self.set_point,
+            **vars(self.measures),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The result of design.py.
+
+    `continuous` are the gains without sampling, `discrete` those of `controller`, designed with
+    estimator and delay in the loop. Responses are to a unit step, `encoder_response` to
+    `set_point` (V) with the encoder's counts.
+    """
+
+    name: str
+    loop: SpeedLoop
+    specification: LoopSpecification
+    supply_voltage: float
+    set_point: float
+    continuous: PiGains
+    discrete: DiscretePi
+    controller: Diagram
+    continuous_metrics: StepMetrics
+    sampled_metrics: StepMetrics
+    margins: Margins
+    continuous_response: StepResponse
+    sampled_response: StepResponse
+    encoder_response: EncoderRun
+    estimators: tuple[EstimatorComparison, ...]
+
+    @property
+    def estimator(self) -> EstimatorComparison:
+        """The comparison's row of the estimator in use, the last one."""
+        return self.estimators[-1]
+
+    def figures(self) -> dict[str, float]:
+        """Single numbers by name; SI units, voltages in V, overshoots and ripples as shares."""
+        gains, plain, chosen = self.discrete.gains, self.estimators[0], self.estimator
+        return {
+            "plant_gain": self.loop.gain,
+            "plant_time_constant": self.loop.time_constant,
+            "sample_time": self.specification.sample_time,
+            "continuous_proportional_gain": self.continuous.proportional,
+            "continuous_integral_gain": self.continuous.integral,
+            "proportional_gain": gains.proportional,
+            "integral_gain": gains.integral,
+            "estimator_window": float(chosen.window),
+            "actuator_delay": self.specification.delay,
+            "continuous_settling_time": self.continuous_metrics.settling_time,
+            "settling_time": self.sampled_metrics.settling_time,
+            "overshoot": self.sampled_metrics.overshoot,
+            "phase_margin_deg": self.margins.phase_margin_deg,
+            "gain_margin": self.margins.gain_margin,
+            "encoder_settling_time": chosen.measures.settling_time,
+            "encoder_overshoot": chosen.measures.overshoot,
+            "encoder_ripple": chosen.measures.ripple,
+            "speed_quantum": chosen.quantum,
+            "control_peak_to_peak": chosen.measures.control_peak_to_peak,
+            "plain_difference_speed_quantum": plain.quantum,
+            "plain_difference_settling_time": plain.measures.settling_time,
+            "plain_difference_ripple": plain.measures.ripple,
+            "plain_difference_control_peak_to_peak": plain.measures.control_peak_to_peak,
+        }
+
+    def results(self) -> dict[str, Any]:
+        """Everything the report shows, as JSON values; responses per volt of set-point."""
+        run = self.encoder_response
+        own = self.estimator.measures
+        return {
+            "name": self.name,
+            "figures": self.figures(),
+            "continuous": _response(self.continuous_response, self.continuous_metrics),
+            "sampled": {
+                "time": run.fine_time.tolist(),
+                "value": (run.speed / run.set_point).tolist(),
+                "settling_time": own.settling_time,
+                "overshoot": own.overshoot,
+            },
+            "sampled_linear": _response(self.sampled_response, self.sampled_metrics),
+            "estimators": [comparison.row() for comparison in self.estimators],
+        }
+
+    def write_results(self, path: Path) -> None:
+        """Write `results` as JSON."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(self.results(), indent=1) + "\n", encoding="utf-8")
+
+
+def _response(response: StepResponse, metrics: StepMetrics) -> Mapping[str, Any]:
+    return {
+        "time": response.time.tolist(),
+        "value": response.output.tolist(),
+        "settling_time": metrics.settling_time,
+        "overshoot": metrics.overshoot,
+    }
+
+
+def _continuous_response(loop: SpeedLoop, gains: PiGains) -> StepResponse:
+    time = np.linspace(0.0, RESPONSE_DURATION, 501)
+    response = control.step_response(loop.closed_loop(gains.controller()), time)
+    return StepResponse(np.asarray(response.time), np.asarray(response.outputs))
+
+
+def compare_estimators(
+    loop: SpeedLoop,
+    candidates: Mapping[str, tuple[int, DiscretePi]],
+    set_point: float,
+    supply_voltage: float,
+    delay: float,
+) -> tuple[EstimatorComparison, ...]:
+    """Encoder-true simulation of each candidate (window in samples, gains), in the given order."""
+    rows = []
+    for name, (window, pi) in candidates.items():
+        diagram = pi_diagram(pi, supply_voltage, loop.time_constant)
+        runs = [
+            encoder_run(
+                loop,
+                diagram,
+                set_point,
+                RUN_DURATION,
+                window,
+                delay=delay,
+                phase=index / ENCODER_PHASES,
+            )
+            for index in range(ENCODER_PHASES)
+        ]
+        quantum = Encoder().speed_quantum(window * pi.sample_time) * loop.feedback_gain
+        rows.append(
+            EstimatorComparison(name, window, pi.gains, quantum, set_point, measure_runs(runs))
+        )
+    return tuple(rows)
+
+
+def finish_design(
+    name: str,
+    loop: SpeedLoop,
+    specification: LoopSpecification,
+    continuous: PiGains,
+    discrete: DiscretePi,
+    supply_voltage: float,
+    set_point: float = 4.0,
+) -> Design:
+    """Simulate and measure the chosen gains, and compare with the plain one-sample difference.
+
+    `set_point` (V) is that of the encoder-true simulations. The linear metrics are taken from the
+    controller's own diagram.
+    """
+    window = specification.window or 1
+    diagram = pi_diagram(discrete, supply_voltage, loop.time_constant)
+    sampled = SampledLoop(loop, linearise(diagram), window, specification.delay)
+    plain = continuous.discretised(IntegrationMethod.FORWARD_EULER, specification.sample_time)
+    return Design(
+        name=name,
+        loop=loop,
+        specification=specification,
+        supply_voltage=supply_voltage,
+        set_point=set_point,
+        continuous=continuous,
+        discrete=discrete,
+        controller=diagram,
+        continuous_metrics=step_metrics(loop.closed_loop(continuous.controller())),
+        sampled_metrics=sampled.step_metrics(),
+        margins=sampled.margins(),
+        continuous_response=_continuous_response(loop, continuous),
+        sampled_response=sampled.step_response(RESPONSE_DURATION),
+        encoder_response=encoder_run(
+            loop, diagram, set_point, RESPONSE_DURATION, window, delay=specification.delay
+        ),
+        estimators=compare_estimators(
+            loop,
+            {
+                "difference over one sample": (1, plain),
+                f"difference over {window} samples": (window, discrete),
+            },
+            set_point,
+            supply_voltage,
+            specification.delay,
+        ),
+    )

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Step metrics and margins of continuous linear systems."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import control
+import numpy as np
+from scipy.optimize import brentq
+
+from ravenbrick.control.flow import FlowMatrix, Segment, largest_value, settling_time
+from ravenbrick.errors import DesignError
+
+__all__ = ["SETTLING_BAND", "Margins", "StepMetrics", "margins", "step_metrics"]
+
+SETTLING_BAND = 0.02
+_REMAINDER = 1e-10
+_FREQUENCIES = 2000
+
+
+@dataclass(frozen=True)
+class StepMetrics:
+    """Of a unit step: `settling_time` in s (last entry into the band around the final value),
+
+    `overshoot` as a share of the final value, `final_value` in output units, and for sampled loops
+    `settling_time_at_samples`, the first sample from which all samples lie in the band.
+    """
+
+    settling_time: float
+    overshoot: float
+    final_value: float
+    settling_time_at_samples: float | None = None
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Gain margin (ratio), phase margin (deg) and gain crossover (rad/s) of an open loop."""
+
+    gain_margin: float
+    phase_margin_deg: float
+    crossover: float
+
+
+def step_metrics(system: control.lti.LTI, band: float = SETTLING_BAND) -> StepMetrics:
+    """Exact metrics of a stable, continuous, single-input single-output system.
+
+    The response is evaluated by matrix exponentials; extrema and the last crossing of the band are
+    found as roots, to better than 1e-9 s. Raises `DesignError` for unstable systems.
+    """
+    realised = control.ss(system)
+    matrix = np.asarray(realised.A, dtype=float)
+    if matrix.size == 0:
+        return StepMetrics(0.0, 0.0, float(np.real(realised.D[0, 0])))
+    poles = np.linalg.eigvals(matrix)
+    if poles.real.max() >= 0:
+        raise DesignError(
+            f"the system is not stable (pole at {poles[poles.real.argmax()]:.4g}), so it does not "
+            "settle; change the gains"
+        )
+    rest = -np.linalg.solve(matrix, realised.B[:, 0])
+    final = float(realised.C[0] @ rest + realised.D[0, 0])
+    if final == 0.0:
+        raise DesignError("the step response ends at 0, so there is no band to settle into")
+    horizon = -math.log(_REMAINDER) / float(-poles.real.max())
+    flow = FlowMatrix(matrix, horizon)
+    segment = Segment(flow, 0.0, -rest, np.asarray(realised.C[0], dtype=float) / final)
+    excess = largest_value([segment])
+    overshoot = excess if excess > _REMAINDER * 10 else 0.0
+    return StepMetrics(settling_time([segment], band), overshoot, final)
+
+
+def margins(open_loop: control.lti.LTI) -> Margins:
+    """Margins of the loop with unit negative feedback around `open_loop`.
+
+    A discrete loop is searched up to and including half the sampling frequency, where its response
+    is real: a phase crossover there counts.
+    """
+    if open_loop.isdtime(strict=True):
+        return _discrete_margins(open_loop)
+    gain, phase, _, crossover = control.margin(open_loop)
+    return Margins(float(gain), float(phase), float(crossover))
+
+
+def _discrete_margins(open_loop: control.lti.LTI) -> Margins:
+    sample_time = float(open_loop.dt)
+    nyquist = math.pi / sample_time
+
+    def response(frequency: float) -> complex:
+        return complex(np.squeeze(open_loop(cmath.exp(1j * frequency * sample_time))))
+
+    grid = np.geomspace(nyquist * 1e-5, nyquist * (1 - 1e-9), _FREQUENCIES)
+    values = np.array([response(frequency) for frequency in grid])
+    gain, phase, crossover = math.inf, math.inf, math.nan
+    at_nyquist = response(nyquist).real
+    if at_nyquist < -_REMAINDER:
+        gain = -1 / at_nyquist
+    for (left, right), (first, last) in zip(pairwise(grid), pairwise(values), strict=True):
+        if (abs(first) > 1) != (abs(last) > 1):
+            root = float(brentq(lambda w: abs(response(w)) - 1, left, right))
+            own = math.degrees(cmath.phase(-response(root)))
+            if abs(own) < abs(phase):
+                phase, crossover = own, root
+        if (first.imag > 0) != (last.imag > 0) and first.real < 0:
+            root = float(brentq(lambda w: response(w).imag, left, right))
+            gain = min(gain, -1 / response(root).real)
+    return Margins(gain, phase, crossover)

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Plants and block diagrams."""
+
+from __future__ import annotations
+
+from ravenbrick.model.blocks import (
+    Block,
+    Constant,
+    Conversion,
+    DiscreteIntegrator,
+    DiscreteTransferFunction,
+    Gain,
+    Inport,
+    IntegrationMethod,
+    Outport,
+    Parameter,
+    Saturation,
+    Sum,
+    UnitDelay,
+)
+from ravenbrick.model.diagram import Diagram, DiagramError
+from ravenbrick.model.encoder import Encoder, SpeedWindow
+from ravenbrick.model.execution import Execution, linearise
+from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
+from ravenbrick.model.program import DataType, Program
+
+__all__ = [
+    "NXT_MOTOR",
+    "Block",
+    "Constant",
+    "Conversion",
+    "DataType",
+    "Diagram",
+    "DiagramError",
+    "DiscreteIntegrator",
+    "DiscreteTransferFunction",
+    "Encoder",
+    "Execution",
+    "Gain",
+    "Inport",
+    "IntegrationMethod",
+    "MotorParameters",
+    "Outport",
+    "Parameter",
+    "Program",
+    "Saturation",
+    "SpeedLoop",
+    "SpeedWindow",
+    "Sum",
+    "UnitDelay",
+    "linearise",
+]

@@ -1,0 +1,405 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The blocks of a synchronous diagram: ports, states, feed-through, and what they compute."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from ravenbrick.model.program import (
+    Binary,
+    Cast,
+    Clamp,
+    DataType,
+    Expression,
+    Kind,
+    Literal,
+    Read,
+    Slot,
+)
+
+__all__ = [
+    "Block",
+    "Constant",
+    "Conversion",
+    "DiscreteIntegrator",
+    "DiscreteTransferFunction",
+    "Gain",
+    "Inport",
+    "IntegrationMethod",
+    "Outport",
+    "Parameter",
+    "Saturation",
+    "Sum",
+    "UnitDelay",
+]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A tunable value: a field of `<model>_P` in the generated C, shared by name."""
+
+    name: str
+    value: float
+    unit: str
+    description: str
+
+
+Value = float | Parameter
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block with at most one output port.
+
+    `data_type` is the format of the ports. `sample_time` in s, or None to take the diagram's.
+    Subclasses say how many inputs they have and whether the output needs input `i` in the same
+    step (`feedthrough`).
+    """
+
+    name: str
+    data_type: DataType = DataType.REAL32
+    sample_time: float | None = None
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """Format of each input port, in order."""
+        return (self.data_type,)
+
+    @property
+    def output_type(self) -> DataType | None:
+        """Format of the output port; None for a block without one."""
+        return self.data_type
+
+    def feedthrough(self, port: int) -> bool:
+        """Whether the output depends on input `port` in the same step."""
+        return True
+
+    def values(self) -> tuple[Value, ...]:
+        """Numbers that may be parameters."""
+        return ()
+
+    def states(self) -> tuple[Slot, ...]:
+        """State variables with their initial values."""
+        return ()
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The output; inputs without feed-through must not be read."""
+        raise NotImplementedError(f"block type {type(self).__name__} has no output")
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """New values of the states, in order of assignment."""
+        return ()
+
+    def _state(self, suffix: str, initial: float) -> Slot:
+        return Slot(Kind.STATE, f"{self.name}_{suffix}", self.data_type, self.name, initial=initial)
+
+    def _value(self, value: Value) -> Expression:
+        if isinstance(value, Parameter):
+            return Read(parameter_slot(value, self.data_type, self.name))
+        return Literal(value, self.data_type)
+
+
+def parameter_slot(parameter: Parameter, data_type: DataType, block: str) -> Slot:
+    """The variable that holds a parameter."""
+    return Slot(
+        Kind.PARAMETER,
+        parameter.name,
+        data_type,
+        block,
+        initial=parameter.value,
+        unit=parameter.unit,
+        description=parameter.description,
+    )
+
+
+def _scaled(block: Block, factor: Value, value: Expression) -> Expression:
+    if factor == 1.0:
+        return value
+    return Binary("*", block._value(factor), value)
+
+
+@dataclass(frozen=True)
+class Inport(Block):
+    """An input of the diagram; `unit` and `description` go into the generated header."""
+
+    unit: str = ""
+    description: str = ""
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """No input port."""
+        return ()
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The value given from outside."""
+        return Read(self.slot)
+
+    @property
+    def slot(self) -> Slot:
+        """The input variable."""
+        return Slot(
+            Kind.INPUT,
+            self.name,
+            self.data_type,
+            self.name,
+            unit=self.unit,
+            description=self.description,
+        )
+
+
+@dataclass(frozen=True)
+class Outport(Block):
+    """An output of the diagram."""
+
+    unit: str = ""
+    description: str = ""
+
+    @property
+    def output_type(self) -> DataType | None:
+        """No output port."""
+        return None
+
+    @property
+    def slot(self) -> Slot:
+        """The output variable."""
+        return Slot(
+            Kind.OUTPUT,
+            self.name,
+            self.data_type,
+            self.name,
+            unit=self.unit,
+            description=self.description,
+        )
+
+
+@dataclass(frozen=True)
+class Constant(Block):
+    """A constant or tunable value."""
+
+    value: Value = 0.0
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """No input port."""
+        return ()
+
+    def values(self) -> tuple[Value, ...]:
+        """The value."""
+        return (self.value,)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The value."""
+        return self._value(self.value)
+
+
+@dataclass(frozen=True)
+class Gain(Block):
+    """`y = gain * u`."""
+
+    gain: Value = 1.0
+
+    def values(self) -> tuple[Value, ...]:
+        """The gain."""
+        return (self.gain,)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """One product."""
+        return _scaled(self, self.gain, inputs[0])
+
+
+@dataclass(frozen=True)
+class Sum(Block):
+    """Inputs added or subtracted from left to right; `signs` such as '+-', the first is '+'."""
+
+    signs: str = "++"
+
+    def __post_init__(self) -> None:
+        if len(self.signs) < 2 or self.signs[0] != "+" or set(self.signs) - set("+-"):
+            raise ValueError(
+                f"block '{self.name}': signs must be '+' followed by '+' or '-', not '{self.signs}'"
+            )
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """One port per sign."""
+        return (self.data_type,) * len(self.signs)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The sum, each addition rounded."""
+        total = inputs[0]
+        for sign, value in zip(self.signs[1:], inputs[1:], strict=True):
+            total = Binary(sign, total, value)
+        return total
+
+
+@dataclass(frozen=True)
+class Saturation(Block):
+    """`u` limited to [-limit, limit]; the limit must not be negative."""
+
+    limit: Value = 1.0
+
+    def values(self) -> tuple[Value, ...]:
+        """The limit."""
+        return (self.limit,)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The limited value."""
+        return Clamp(inputs[0], self._value(self.limit))
+
+
+@dataclass(frozen=True)
+class Conversion(Block):
+    """The input in the format `data_type`; the input's format is `from_type`."""
+
+    from_type: DataType = DataType.REAL64
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """The other format."""
+        return (self.from_type,)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The rounded value."""
+        return Cast(inputs[0], self.data_type)
+
+
+@dataclass(frozen=True)
+class UnitDelay(Block):
+    """The input of the step before; `initial` in the first step."""
+
+    initial: float = 0.0
+
+    def feedthrough(self, port: int) -> bool:
+        """The output is the state alone."""
+        return False
+
+    def states(self) -> tuple[Slot, ...]:
+        """The stored sample."""
+        return (self._state("DSTATE", self.initial),)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The stored sample."""
+        return Read(self.states()[0])
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """Store the input."""
+        return ((self.states()[0], inputs[0]),)
+
+
+class IntegrationMethod(Enum):
+    """How a discrete integrator approximates 1/s; `Ts` is the sample time.
+
+    FORWARD_EULER: Ts/(z-1); BACKWARD_EULER: Ts z/(z-1); TUSTIN: Ts/2 (z+1)/(z-1).
+    """
+
+    FORWARD_EULER = "forward Euler"
+    TUSTIN = "Tustin"
+    BACKWARD_EULER = "backward Euler"
+
+
+@dataclass(frozen=True)
+class DiscreteIntegrator(Block):
+    """Sum of `gain * u` by `method`; for an integral over time `gain` is the sample time in s.
+
+    With `gain` 1 it accumulates: the sample time is then part of the gain before it.
+    """
+
+    gain: float = 1.0
+    method: IntegrationMethod = IntegrationMethod.FORWARD_EULER
+    initial: float = 0.0
+
+    def feedthrough(self, port: int) -> bool:
+        """Only forward Euler leaves the present input out."""
+        return self.method is not IntegrationMethod.FORWARD_EULER
+
+    def states(self) -> tuple[Slot, ...]:
+        """The sum."""
+        return (self._state("DSTATE", self.initial),)
+
+    def _increment(self, value: Expression) -> Expression:
+        half = self.method is IntegrationMethod.TUSTIN
+        return _scaled(self, self.gain / 2 if half else self.gain, value)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The sum so far, with the share of the present input that the method asks for."""
+        state: Expression = Read(self.states()[0])
+        if self.method is IntegrationMethod.FORWARD_EULER:
+            return state
+        return Binary("+", state, self._increment(inputs[0]))
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """Add the present input's share for the next step."""
+        state = self.states()[0]
+        if self.method is IntegrationMethod.BACKWARD_EULER:
+            return ((state, output),)
+        return ((state, Binary("+", output, self._increment(inputs[0]))),)
+
+
+@dataclass(frozen=True)
+class DiscreteTransferFunction(Block):
+    """A rational function of z in transposed direct form II.
+
+    `numerator` and `denominator` in falling powers of z, of equal length (pad the numerator with
+    leading zeros), the denominator monic.
+    """
+
+    numerator: tuple[float, ...] = (1.0, 0.0)
+    denominator: tuple[float, ...] = (1.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if len(self.numerator) != len(self.denominator) or len(self.denominator) < 2:
+            raise ValueError(
+                f"block '{self.name}': numerator and denominator must have the same length of at "
+                f"least 2, not {len(self.numerator)} and {len(self.denominator)}"
+            )
+        if self.denominator[0] != 1.0:
+            raise ValueError(
+                f"block '{self.name}': the denominator must begin with 1, "
+                f"not {self.denominator[0]}; divide both polynomials by it"
+            )
+
+    def feedthrough(self, port: int) -> bool:
+        """Only with as many zeros as poles."""
+        return self.numerator[0] != 0.0
+
+    def states(self) -> tuple[Slot, ...]:
+        """One state per pole."""
+        return tuple(
+            self._state(f"DSTATE{index}", 0.0) for index in range(1, len(self.denominator))
+        )
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """`b0 u + s1`."""
+        state: Expression = Read(self.states()[0])
+        if not self.feedthrough(0):
+            return state
+        return Binary("+", _scaled(self, self.numerator[0], inputs[0]), state)
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """`s_i := s_(i+1) + b_i u - a_i y`, in rising order of i."""
+        states = self.states()
+        result = []
+        for index, state in enumerate(states, 1):
+            terms: list[tuple[str, Expression]] = []
+            if index < len(states):
+                terms.append(("+", Read(states[index])))
+            if self.numerator[index] != 0.0:
+                terms.append(("+", _scaled(self, self.numerator[index], inputs[0])))
+            if self.denominator[index] != 0.0:
+                terms.append(("+", _scaled(self, -self.denominator[index], output)))
+            total = terms[0][1] if terms else Literal(0.0, self.data_type)
+            for sign, term in terms[1:]:
+                total = Binary(sign, total, term)
+            result.append((state, total))
+        return tuple(result)

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Straight-line programs: what a block diagram means, operation by operation.
+
+A diagram is lowered once to a `Program`. The simulation executes it, the code generator prints it,
+`linearise` propagates affine forms through it: one order of operations, one rounding after each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+__all__ = [
+    "Binary",
+    "Cast",
+    "Clamp",
+    "DataType",
+    "Expression",
+    "Kind",
+    "Literal",
+    "Program",
+    "Read",
+    "Slot",
+    "Statement",
+    "expression_type",
+]
+
+
+class DataType(Enum):
+    """Number formats of signals; the value is the C type name."""
+
+    REAL32 = "real32_T"
+    REAL64 = "real64_T"
+
+    @property
+    def scalar(self) -> type[np.floating]:
+        """The numpy scalar type with the same IEEE 754 format."""
+        return np.float32 if self is DataType.REAL32 else np.float64
+
+    @property
+    def size_bytes(self) -> int:
+        """Size of one value in memory."""
+        return 4 if self is DataType.REAL32 else 8
+
+
+class Kind(Enum):
+    """Where a value lives."""
+
+    INPUT = "input"
+    OUTPUT = "output"
+    SIGNAL = "signal"
+    STATE = "state"
+    PARAMETER = "parameter"
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A named variable of the program; `initial` is used by states and parameters only."""
+
+    kind: Kind
+    name: str
+    data_type: DataType
+    block: str
+    initial: float = 0.0
+    unit: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Literal:
+    """A constant, rounded to `data_type`."""
+
+    value: float
+    data_type: DataType
+
+
+@dataclass(frozen=True)
+class Read:
+    """The present value of a variable."""
+
+    slot: Slot
+
+
+@dataclass(frozen=True)
+class Binary:
+    """`left operator right` with one rounding; operator is one of + - *."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True)
+class Clamp:
+    """`value` limited to [-limit, limit]; a NaN passes. Stands only at the top of a statement."""
+
+    value: Expression
+    limit: Expression
+
+
+@dataclass(frozen=True)
+class Cast:
+    """Conversion to another format, rounded to nearest even."""
+
+    value: Expression
+    data_type: DataType
+
+
+Expression = Literal | Read | Binary | Clamp | Cast
+
+
+@dataclass(frozen=True)
+class Statement:
+    """`target := expression`; `block` and `block_type` say where it comes from."""
+
+    target: Slot
+    expression: Expression
+    block: str
+    block_type: str
+
+
+@dataclass(frozen=True)
+class Program:
+    """One step of a diagram: `statements` in order, outputs first, then the states' updates."""
+
+    name: str
+    sample_time: float
+    inputs: tuple[Slot, ...]
+    outputs: tuple[Slot, ...]
+    parameters: tuple[Slot, ...]
+    states: tuple[Slot, ...]
+    signals: tuple[Slot, ...]
+    statements: tuple[Statement, ...]
+
+
+def expression_type(expression: Expression) -> DataType:
+    """The format of an expression's result."""
+    match expression:
+        case Literal(data_type=data_type) | Cast(data_type=data_type):
+            return data_type
+        case Read(slot=slot):
+            return slot.data_type
+        case Binary(left=left):
+            return expression_type(left)
+        case Clamp(value=value):
+            return expression_type(value)
