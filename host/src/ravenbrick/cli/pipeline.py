@@ -21,6 +21,7 @@ from ravenbrick.trace.design import Design, read_design
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.summary import Evidence, Run
+from ravenbrick.trace.task_set import check_task_set
 
 __all__ = [
     "collect",
@@ -74,8 +75,9 @@ def play(
 
 
 def read_run(robot: Robot, scenario: Scenario, recording: Recording) -> Run:
-    """Measure a recording; raises `RunFaultError` or `ScenarioError`."""
+    """Measure a recording; raises `RunFaultError`, `ScenarioError`, `ProjectFileError`."""
     check_survival(scenario, recording)
+    check_task_set(robot, recording)
     measures = measure_run(robot, scenario, recording)
     return Run(scenario, recording, measures, evaluate_criteria(scenario, measures))
 

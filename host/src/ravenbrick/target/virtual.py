@@ -134,7 +134,10 @@ def _signals(brick: Any) -> dict[str, Signal]:
 
 
 def _threads(brick: Any) -> tuple[Thread, ...]:
+    """In the order of the events' `subject`."""
+    found = {thread.name: thread for thread in brick.threads()}
     return tuple(
-        Thread(thread.name, thread.base_priority, thread.stack_size, thread.stack_used)
-        for thread in brick.threads()
+        Thread(name, t.base_priority, t.stack_size, t.stack_used)
+        for name in brick.thread_names()
+        if (t := found.get(name)) is not None
     )

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Is the task set of robot.toml the one that ran?"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ravenbrick.target.robot import Robot, Task
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.schedule import jobs_of
+
+__all__ = ["check_task_set"]
+
+PERIOD_TOLERANCE_US = 1.0
+
+
+def _observed_period_us(recording: Recording, thread: int) -> float | None:
+    releases = [job.release_cycles for job in jobs_of(recording, thread)][1:]
+    if len(releases) < 3:
+        return None
+    return 1e6 * float(np.median(np.diff(releases))) / float(recording.clock.hertz)
+
+
+def _differences(recording: Recording, thread: int, task: Task) -> list[tuple[str, object, object]]:
+    found = recording.threads[thread]
+    differences: list[tuple[str, object, object]] = []
+    if found.base_priority != task.priority:
+        differences.append(("priority", task.priority, found.base_priority))
+    if found.stack_bytes != task.stack_bytes:
+        differences.append(("stack_bytes", task.stack_bytes, found.stack_bytes))
+    period = _observed_period_us(recording, thread) if task.release == "cyclic" else None
+    if period is not None and task.period_us is not None:
+        if abs(period - task.period_us) > PERIOD_TOLERANCE_US:
+            differences.append(("period_us", task.period_us, round(period, 3)))
+    return differences
+
+
+def check_task_set(robot: Robot, recording: Recording) -> None:
+    """Raise `ProjectFileError` for the first task that differs from the image that ran."""
+    names = [thread.name.lower() for thread in recording.threads]
+    for index, task in enumerate(robot.tasks):
+        if task.name.lower() not in names:
+            raise robot.document.error(
+                ("tasks", index, "name"),
+                f"the image has no task '{task.name}'; it has: {', '.join(names) or 'none'}",
+            )
+        thread = names.index(task.name.lower())
+        for field, declared, observed in _differences(recording, thread, task):
+            raise robot.document.error(
+                ("tasks", index, field),
+                f"is {declared}, but the image that ran has {observed}; correct robot.toml or "
+                "the program",
+            )
