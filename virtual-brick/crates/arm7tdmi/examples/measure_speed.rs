@@ -107,11 +107,8 @@ fn report(program: &str, start: impl Fn() -> (Cpu, Memory)) {
         result = memory.word(TABLE);
     }
     rates.sort_by(f64::total_cmp);
-    let clocks_per_instruction = cycles as f64 / INSTRUCTIONS as f64;
-    println!(
-        r#"{{"program":"{program}","instructions":{INSTRUCTIONS},"cycles":{cycles},"result":{result},"clocks_per_instruction":{clocks_per_instruction:.3},"guest_mips_median":{:.0},"guest_mips_min":{:.0},"guest_mips_max":{:.0}}}"#,
-        rates[RUNS / 2],
-        rates[0],
-        rates[RUNS - 1]
-    );
+    let run = format!(r#""instructions":{INSTRUCTIONS},"cycles":{cycles},"result":{result}"#);
+    let [least, median, most] = [0, RUNS / 2, RUNS - 1].map(|index| rates[index].round());
+    let rate = format!(r#""median":{median},"min":{least},"max":{most}"#);
+    println!(r#"{{"program":"{program}",{run},"guest_mips":{{{rate}}}}}"#);
 }

@@ -80,8 +80,7 @@ fn summary(case_count: usize, passed: usize) -> String {
             format!(r#"{{"class":"{class}","comparison":"{what}","reason":"{reason}"}}"#)
         })
         .collect();
-    format!(
-        r#"{{"area":"cpu","suite":"single-step","case_count":{case_count},"passed":{passed},"excluded":[{}]}}"#,
-        excluded.join(",")
-    )
+    let counts = format!(r#""case_count":{case_count},"passed":{passed}"#);
+    let excluded = excluded.join(",");
+    format!(r#"{{"area":"cpu","suite":"single-step",{counts},"excluded":[{excluded}]}}"#)
 }

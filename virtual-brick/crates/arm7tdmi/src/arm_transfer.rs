@@ -105,10 +105,12 @@ impl Cpu {
         }
     }
 
+    /// Write-back. With r15 as base it has no defined meaning and is left out.
     #[inline(always)]
     fn write_base(&mut self, number: u32, base: Option<u32>) {
-        if let Some(base) = base {
-            self.registers.set(number, base);
+        match base {
+            Some(base) if number & 15 != 15 => self.registers.set(number, base),
+            _ => {}
         }
     }
 }

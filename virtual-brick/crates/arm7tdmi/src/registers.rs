@@ -85,6 +85,13 @@ const USER_BANK: usize = 0;
 const FIQ_BANK: usize = 1;
 const BANKS: usize = 6;
 
+/// Where a register of some mode is kept.
+enum Place {
+    Visible(usize),
+    OtherHigh(usize),
+    Bank(usize, usize),
+}
+
 /// Registers of all modes. The entries of the active bank are in `visible`; their places in the
 /// banks hold zero, so that equal states compare equal.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -185,25 +192,33 @@ impl RegisterFile {
     }
 
     /// Where `mode` keeps register `number` (0 to 14) at present.
-    fn place(&mut self, mode: Mode, number: u32) -> &mut u32 {
+    fn place(&self, mode: Mode, number: u32) -> Place {
         let number = (number & 15) as usize;
         let (current, wanted) = (bank_of(self.status), bank_of(mode.bits()));
         let high_differs = (current == FIQ_BANK) != (wanted == FIQ_BANK);
         match number {
-            8..=12 if high_differs => &mut self.other_high[number - 8],
-            13 | 14 if current != wanted => &mut self.stack_and_link[wanted][number - 13],
-            _ => &mut self.visible[number],
+            8..=12 if high_differs => Place::OtherHigh(number - 8),
+            13 | 14 if current != wanted => Place::Bank(wanted, number - 13),
+            _ => Place::Visible(number),
         }
     }
 
     /// Register `number` as `mode` would see it.
     pub(crate) fn get_in(&self, mode: Mode, number: u32) -> u32 {
-        *self.clone().place(mode, number)
+        match self.place(mode, number) {
+            Place::Visible(index) => self.visible[index],
+            Place::OtherHigh(index) => self.other_high[index],
+            Place::Bank(bank, index) => self.stack_and_link[bank][index],
+        }
     }
 
     /// Writes register `number` as `mode` would see it.
     pub(crate) fn set_in(&mut self, mode: Mode, number: u32, value: u32) {
-        *self.place(mode, number) = value;
+        match self.place(mode, number) {
+            Place::Visible(index) => self.visible[index] = value,
+            Place::OtherHigh(index) => self.other_high[index] = value,
+            Place::Bank(bank, index) => self.stack_and_link[bank][index] = value,
+        }
     }
 
     /// SPSR of `mode`; `None` for user and system mode.

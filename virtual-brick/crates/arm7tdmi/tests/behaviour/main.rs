@@ -14,6 +14,7 @@ mod arm_transfers;
 mod bus_order;
 mod cycles_on_silicon;
 mod cycles_table;
+mod every_opcode;
 mod exceptions;
 mod interrupts;
 mod thumb;
