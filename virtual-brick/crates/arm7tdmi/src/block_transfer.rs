@@ -14,7 +14,8 @@ pub(crate) struct Block {
     pub(crate) list: u32,
     /// Lowest address; the lowest register goes there.
     pub(crate) start: u32,
-    /// New value of the base register, if it is written back; r15 never is.
+    /// New value of the base register, if it is written back. With r15 as base, which programs
+    /// must not use, the pipeline stays as it is.
     pub(crate) end_base: Option<u32>,
     /// Transfer the registers of user mode; write-back then goes to them too.
     pub(crate) user_bank: bool,
@@ -135,7 +136,7 @@ pub(crate) fn block_data_transfer<B: Bus, const LOAD: bool>(
         } else {
             lowest
         },
-        end_base: (write_back && base != 15).then_some(end),
+        end_base: write_back.then_some(end),
         user_bank: status && !returns,
         restores_status: status && returns,
     };

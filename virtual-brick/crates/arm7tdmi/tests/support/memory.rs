@@ -8,7 +8,7 @@ const SIZE: usize = 0x1_0000;
 
 /// Memory from address 0; accesses beyond its end are aborted. Counts cycles.
 pub struct Memory {
-    bytes: Vec<u8>,
+    bytes: Box<[u8; SIZE]>,
     pub cycles: u64,
     pub irq: bool,
     pub fiq: bool,
@@ -17,7 +17,7 @@ pub struct Memory {
 impl Memory {
     pub fn new() -> Self {
         Self {
-            bytes: vec![0; SIZE],
+            bytes: Box::new([0; SIZE]),
             cycles: 0,
             irq: false,
             fiq: false,
@@ -55,14 +55,16 @@ impl Memory {
 
     #[inline(always)]
     fn load<const N: usize>(&self, address: u32) -> Result<[u8; N], Abort> {
-        let rest = self.bytes.get(address as usize..).ok_or(Abort)?;
-        rest.first_chunk().copied().ok_or(Abort)
+        let start = address as usize;
+        let found = self.bytes.get(start..start + N).ok_or(Abort)?;
+        found.first_chunk().copied().ok_or(Abort)
     }
 
     #[inline(always)]
     fn store<const N: usize>(&mut self, address: u32, content: [u8; N]) -> Result<(), Abort> {
-        let rest = self.bytes.get_mut(address as usize..).ok_or(Abort)?;
-        *rest.first_chunk_mut().ok_or(Abort)? = content;
+        let start = address as usize;
+        let found = self.bytes.get_mut(start..start + N).ok_or(Abort)?;
+        found.copy_from_slice(&content);
         Ok(())
     }
 }
