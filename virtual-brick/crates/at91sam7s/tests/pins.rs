@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Parallel input/output controller against a board that drives pins.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use arm7tdmi::bus::Bus;
+use at91sam7s::board::{Board, PinLevels};
+use common::{cold_chip, read, run_to, running_chip, write, Seen, TestChip, AIC, PIOA, PMC};
+
+const PDR: u32 = PIOA + 0x04;
+const OER: u32 = PIOA + 0x10;
+const ODR: u32 = PIOA + 0x14;
+const IFER: u32 = PIOA + 0x20;
+const SODR: u32 = PIOA + 0x30;
+const CODR: u32 = PIOA + 0x34;
+const ODSR: u32 = PIOA + 0x38;
+const PDSR: u32 = PIOA + 0x3C;
+const IER: u32 = PIOA + 0x40;
+const ISR: u32 = PIOA + 0x4C;
+const MDER: u32 = PIOA + 0x50;
+const PPUDR: u32 = PIOA + 0x60;
+const PPUER: u32 = PIOA + 0x64;
+const PUSR: u32 = PIOA + 0x68;
+const BSR: u32 = PIOA + 0x74;
+const ABSR: u32 = PIOA + 0x78;
+const OWER: u32 = PIOA + 0xA0;
+
+fn drive(chip: &mut TestChip, driven: u32, level: u32) {
+    chip.board_mut().levels = PinLevels { driven, level };
+    chip.internal(1);
+}
+
+#[test]
+fn after_power_on_every_pin_is_an_input_pulled_up() {
+    let mut chip = running_chip();
+    assert_eq!(read(&mut chip, PDSR), 0xFFFF_FFFF);
+    assert_eq!(
+        read(&mut chip, PUSR),
+        0,
+        "a set bit means that the pull-up is off"
+    );
+    let mut cold = cold_chip();
+    let outputs: Vec<_> = cold.board_mut().log.clone();
+    assert_eq!(
+        outputs,
+        [(
+            0,
+            Seen::Pins {
+                driven: 0,
+                level: 0
+            }
+        )]
+    );
+}
+
+#[test]
+fn an_output_reaches_the_board_at_the_cycle_of_the_store() {
+    let mut chip = running_chip();
+    write(&mut chip, SODR, 1 << 12);
+    assert!(chip.board().log.is_empty(), "not an output yet");
+    write(&mut chip, OER, 1 << 12);
+    let high = chip.now();
+    write(&mut chip, CODR, 1 << 12);
+    let low = chip.now();
+    write(&mut chip, ODR, 1 << 12);
+    let pins = |driven, level| Seen::Pins { driven, level };
+    assert_eq!(
+        chip.board().log,
+        [
+            (high, pins(1 << 12, 1 << 12)),
+            (low, pins(1 << 12, 0)),
+            (chip.now(), pins(0, 0))
+        ]
+    );
+}
+
+#[test]
+fn an_open_drain_pin_is_the_wired_and_of_chip_and_board() {
+    let mut chip = running_chip();
+    let pins = 3 << 3;
+    drive(&mut chip, pins, pins);
+    write(&mut chip, MDER, pins);
+    write(&mut chip, SODR, pins);
+    write(&mut chip, OER, pins);
+    assert_eq!(read(&mut chip, PDSR) & pins, pins);
+    drive(&mut chip, pins, 1 << 4);
+    assert_eq!(
+        read(&mut chip, PDSR) & pins,
+        1 << 4,
+        "the board pulls PA3 low"
+    );
+    write(&mut chip, CODR, 1 << 4);
+    assert_eq!(read(&mut chip, PDSR) & pins, 0, "the chip pulls PA4 low");
+}
+
+#[test]
+fn a_pin_without_driver_and_pull_up_keeps_its_level() {
+    let mut chip = running_chip();
+    write(&mut chip, PPUDR, 1 << 26);
+    drive(&mut chip, 1 << 26, 0);
+    drive(&mut chip, 0, 0);
+    assert_eq!(read(&mut chip, PDSR) & 1 << 26, 0);
+    write(&mut chip, PPUER, 1 << 26);
+    assert_eq!(read(&mut chip, PDSR) & 1 << 26, 1 << 26);
+}
+
+#[test]
+fn the_output_register_is_writable_only_where_enabled() {
+    let mut chip = running_chip();
+    write(&mut chip, OWER, 0xF0);
+    write(&mut chip, ODSR, 0xFFFF);
+    assert_eq!(read(&mut chip, ODSR), 0xF0);
+}
+
+#[test]
+fn a_pin_given_to_a_peripheral_is_no_longer_driven_by_the_output_register() {
+    let mut chip = running_chip();
+    write(&mut chip, OER, 1 << 10);
+    write(&mut chip, BSR, 1 << 10);
+    assert_eq!(read(&mut chip, ABSR), 1 << 10);
+    chip.board_mut().log.clear();
+    write(&mut chip, PDR, 1 << 10);
+    assert_eq!(
+        chip.board().log,
+        [(
+            chip.now(),
+            Seen::Pins {
+                driven: 0,
+                level: 0
+            }
+        )]
+    );
+}
+
+#[test]
+fn both_edges_set_the_status_which_clears_on_reading() {
+    let mut chip = running_chip();
+    write(&mut chip, IER, 1 << 15);
+    drive(&mut chip, 1 << 15, 1 << 15);
+    let _ = read(&mut chip, ISR);
+    drive(&mut chip, 1 << 15, 0);
+    assert_eq!(read(&mut chip, ISR), 1 << 15);
+    assert_eq!(read(&mut chip, ISR), 0);
+    drive(&mut chip, 1 << 15, 1 << 15);
+    assert_eq!(read(&mut chip, ISR), 1 << 15);
+}
+
+/// Cycles from an edge on PA26 at an exact cycle to nIRQ as the core sees it.
+fn edge_latency(filtered: bool) -> u64 {
+    let mut chip = running_chip();
+    write(&mut chip, AIC + 0x120, 1 << 2);
+    write(&mut chip, IER, 1 << 26);
+    if filtered {
+        write(&mut chip, IFER, 1 << 26);
+    }
+    drive(&mut chip, 1 << 26, 0);
+    let _ = read(&mut chip, ISR);
+    let edge = chip.now() + 500;
+    let high = PinLevels {
+        driven: 1 << 26,
+        level: 1 << 26,
+    };
+    chip.board_mut().pins = [(edge, high)].into();
+    run_to(&mut chip, edge - 1);
+    assert!(!chip.irq());
+    while !chip.irq() {
+        chip.internal(1);
+        assert!(chip.now() < edge + 50);
+    }
+    chip.now() - edge
+}
+
+#[test]
+fn a_pin_edge_interrupts_after_the_input_stage_and_the_controller() {
+    assert_eq!(edge_latency(false), 1 + 4 + 3);
+    assert_eq!(edge_latency(true), 1 + 1 + 4 + 3);
+}
+
+#[test]
+fn edges_of_several_pins_are_all_seen_at_their_cycles() {
+    let mut chip = running_chip();
+    let pins = 1 << 0 | 1 << 15 | 1 << 26;
+    drive(&mut chip, pins, 0);
+    let _ = read(&mut chip, ISR);
+    let start = chip.now() + 10;
+    let level = |level| PinLevels {
+        driven: pins,
+        level,
+    };
+    chip.board_mut().pins = [
+        (start, level(1)),
+        (start + 1, level(1 | 1 << 15)),
+        (start + 9, level(1 << 26)),
+    ]
+    .into();
+    run_to(&mut chip, start + 3);
+    assert_eq!(read(&mut chip, PDSR) & pins, 1 | 1 << 15);
+    run_to(&mut chip, start + 20);
+    assert_eq!(read(&mut chip, ISR) & pins, pins);
+    assert_eq!(read(&mut chip, PDSR) & pins, 1 << 26);
+    assert_eq!(chip.board().next_event(), u64::MAX);
+}
+
+#[test]
+fn without_its_clock_the_controller_does_not_see_pins() {
+    let mut chip = running_chip();
+    write(&mut chip, PMC + 0x14, 1 << 2);
+    let _ = read(&mut chip, ISR);
+    drive(&mut chip, 1 << 20, 0);
+    assert_eq!(read(&mut chip, PDSR) & 1 << 20, 1 << 20);
+    assert_eq!(read(&mut chip, ISR), 0);
+    write(&mut chip, PMC + 0x10, 1 << 2);
+    assert_eq!(read(&mut chip, PDSR) & 1 << 20, 0);
+}

@@ -1,0 +1,236 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Serial peripheral interface with its data controller channel.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use arm7tdmi::bus::Bus;
+use at91sam7s::FaultKind;
+use common::{bus_log, read, run_to, running_chip, wait_for, write, Seen, TestChip, SPI, SRAM};
+
+const CR: u32 = SPI;
+const MR: u32 = SPI + 0x04;
+const RDR: u32 = SPI + 0x08;
+const TDR: u32 = SPI + 0x0C;
+const SR: u32 = SPI + 0x10;
+const IER: u32 = SPI + 0x14;
+const CSR0: u32 = SPI + 0x30;
+const CSR2: u32 = SPI + 0x38;
+const RPR: u32 = SPI + 0x100;
+const RCR: u32 = SPI + 0x104;
+const TPR: u32 = SPI + 0x108;
+const TCR: u32 = SPI + 0x10C;
+const TNPR: u32 = SPI + 0x118;
+const TNCR: u32 = SPI + 0x11C;
+const PTCR: u32 = SPI + 0x120;
+const TDRE: u32 = 1 << 1;
+const ENDTX: u32 = 1 << 5;
+const TXBUFE: u32 = 1 << 7;
+const TXEMPTY: u32 = 1 << 9;
+
+/// Display settings with the chip select driven by the peripheral: 8 bits at MCK/24, no delays.
+fn select_by_peripheral() -> TestChip {
+    let mut chip = running_chip();
+    write(&mut chip, MR, 0x000B_0011);
+    write(&mut chip, CSR2, 0x1801);
+    write(&mut chip, CR, 1);
+    chip
+}
+
+/// Display settings with the chip select on a PIO pin: DLYBS and DLYBCT of 24.
+fn select_by_pin() -> TestChip {
+    let mut chip = running_chip();
+    write(&mut chip, MR, 0x0600_0001);
+    write(&mut chip, CSR0, 0x1818_1801);
+    write(&mut chip, CR, 1);
+    chip
+}
+
+fn frames(chip: &TestChip, start: u64) -> Vec<(u64, u8, u16)> {
+    let frame = |(at, seen)| match seen {
+        Seen::Spi {
+            select,
+            frame,
+            bits: 8,
+        } => (at, select, frame),
+        other => panic!("{other:?}"),
+    };
+    bus_log(chip, start).into_iter().map(frame).collect()
+}
+
+#[test]
+fn one_byte_takes_the_lead_and_eight_clock_periods() {
+    let mut chip = select_by_peripheral();
+    assert_eq!(read(&mut chip, SR), 0x0001_02F2);
+    write(&mut chip, TDR, 0xA5);
+    let start = chip.now();
+    assert_eq!(read(&mut chip, SR) & (TDRE | TXEMPTY), TDRE);
+    wait_for(&mut chip, SR, TXEMPTY);
+    assert_eq!(frames(&chip, start), [(12 + 8 * 24, 2, 0xA5)]);
+}
+
+#[test]
+fn the_data_controller_sends_a_hundred_bytes_at_192_cycles_each() {
+    let mut chip = select_by_peripheral();
+    let line: Vec<u8> = (0..100).collect();
+    chip.load(SRAM + 0x100, &line).unwrap();
+    write(&mut chip, PTCR, 1 << 8);
+    write(&mut chip, TPR, SRAM + 0x100);
+    write(&mut chip, TCR, 100);
+    let start = chip.now() - 2;
+    assert_eq!(read(&mut chip, SR) & (ENDTX | TXBUFE), 0);
+    wait_for(&mut chip, SR, TXEMPTY);
+    let expected: Vec<_> = (0..100)
+        .map(|k| (12 + 192 * (k + 1), 2, line[k as usize].into()))
+        .collect();
+    assert_eq!(frames(&chip, start), expected);
+    assert_eq!(read(&mut chip, TPR), SRAM + 0x100 + 100);
+    assert_eq!(read(&mut chip, SR) & (ENDTX | TXBUFE), ENDTX | TXBUFE);
+}
+
+#[test]
+fn delays_between_transfers_make_a_byte_960_cycles_long() {
+    let mut chip = select_by_pin();
+    chip.load(SRAM, &[1, 2, 3]).unwrap();
+    write(&mut chip, PTCR, 1 << 8);
+    write(&mut chip, TPR, SRAM);
+    write(&mut chip, TCR, 3);
+    let start = chip.now() - 2;
+    wait_for(&mut chip, SR, TXEMPTY);
+    let end = chip.now() - start;
+    let expected = [
+        (24 + 192, 0, 1),
+        (24 + 192 + 960, 0, 2),
+        (24 + 192 + 1920, 0, 3),
+    ];
+    assert_eq!(frames(&chip, start), expected);
+    assert!(
+        (2904..2909).contains(&end),
+        "TXEMPTY comes after the last delay: {end}"
+    );
+}
+
+#[test]
+fn a_next_buffer_becomes_the_current_one_at_once_when_none_is_running() {
+    let mut chip = select_by_peripheral();
+    write(&mut chip, TNPR, SRAM + 8);
+    assert_eq!(read(&mut chip, SR) & ENDTX, ENDTX);
+    write(&mut chip, TNCR, 4);
+    assert_eq!(read(&mut chip, SR) & ENDTX, 0);
+    assert_eq!(read(&mut chip, TNCR), 0);
+    assert_eq!(read(&mut chip, TCR), 4);
+    assert_eq!(read(&mut chip, TPR), SRAM + 8);
+}
+
+#[test]
+fn the_next_buffer_follows_the_current_one_and_the_end_of_the_first_is_flagged() {
+    let mut chip = select_by_peripheral();
+    chip.load(SRAM, &[1, 2, 3, 4]).unwrap();
+    write(&mut chip, TPR, SRAM);
+    write(&mut chip, TCR, 3);
+    write(&mut chip, TNPR, SRAM + 3);
+    write(&mut chip, TNCR, 1);
+    write(&mut chip, PTCR, 1 << 8);
+    let status = wait_for(&mut chip, SR, ENDTX);
+    assert_eq!(status & TXBUFE, 0, "the second buffer is still there");
+    wait_for(&mut chip, SR, TXBUFE);
+    wait_for(&mut chip, SR, TXEMPTY);
+    let bytes: Vec<_> = frames(&chip, 0)
+        .into_iter()
+        .map(|(_, _, byte)| byte)
+        .collect();
+    assert_eq!(bytes, [1, 2, 3, 4]);
+}
+
+#[test]
+fn end_of_transmission_interrupts() {
+    let mut chip = select_by_peripheral();
+    chip.load(SRAM, &[1, 2]).unwrap();
+    write(&mut chip, TNPR, SRAM);
+    write(&mut chip, TNCR, 2);
+    write(&mut chip, IER, ENDTX);
+    let pending = |chip: &mut TestChip| read(chip, 0xFFFF_F10C) & 1 << 5 != 0;
+    chip.internal(10);
+    assert!(!pending(&mut chip));
+    write(&mut chip, PTCR, 1 << 8);
+    chip.internal(10);
+    assert!(
+        pending(&mut chip),
+        "both bytes have left memory: one shifts, one waits"
+    );
+}
+
+#[test]
+fn received_frames_go_to_memory() {
+    let mut chip = select_by_peripheral();
+    chip.board_mut().spi_answer = 0x5A;
+    chip.load(SRAM, &[1, 2]).unwrap();
+    for (register, value) in [(RPR, SRAM + 0x20), (RCR, 2), (TPR, SRAM), (TCR, 2)] {
+        write(&mut chip, register, value);
+    }
+    write(&mut chip, PTCR, 1 << 8 | 1);
+    wait_for(&mut chip, SR, 1 << 6);
+    assert_eq!(chip.peek(SRAM + 0x20, 3).unwrap(), [0x5A, 0x5A, 0]);
+}
+
+#[test]
+fn an_unread_frame_is_overrun() {
+    let mut chip = select_by_peripheral();
+    chip.board_mut().spi_answer = 0x77;
+    write(&mut chip, TDR, 1);
+    write(&mut chip, TDR, 2);
+    let now = chip.now();
+    run_to(&mut chip, now + 500);
+    assert_eq!(read(&mut chip, SR) & 9, 9);
+    assert_eq!(read(&mut chip, SR) & 9, 1, "OVRES clears on reading");
+    assert_eq!(read(&mut chip, RDR), 0x000B_0077);
+    assert_eq!(read(&mut chip, SR) & 1, 0);
+}
+
+#[test]
+fn variable_selection_takes_chip_select_and_size_with_the_data() {
+    let mut chip = select_by_peripheral();
+    write(&mut chip, MR, 0x0000_0013);
+    write(&mut chip, CSR0 + 4, 0x0882);
+    write(&mut chip, TDR, 0x000D_CAFE);
+    wait_for(&mut chip, SR, TXEMPTY);
+    let seen: Vec<_> = bus_log(&chip, 0)
+        .into_iter()
+        .map(|(_, seen)| seen)
+        .collect();
+    assert_eq!(
+        seen,
+        [Seen::Spi {
+            select: 1,
+            frame: 0xCAFE,
+            bits: 16
+        }]
+    );
+}
+
+#[test]
+fn each_transfer_of_the_data_controller_delays_the_processor_by_one_cycle() {
+    let mut chip = select_by_peripheral();
+    write(&mut chip, TPR, SRAM);
+    write(&mut chip, TCR, 3);
+    write(&mut chip, PTCR, 1 << 8);
+    let started = chip.now();
+    chip.internal(1000);
+    assert_eq!(
+        chip.now() - started,
+        1001,
+        "two transfers were charged to the enabling store"
+    );
+}
+
+#[test]
+fn a_pointer_outside_memory_is_a_fault() {
+    let mut chip = select_by_peripheral();
+    write(&mut chip, TPR, 0x4000_0000);
+    write(&mut chip, TCR, 1);
+    write(&mut chip, PTCR, 1 << 8);
+    let fault = chip.fault().unwrap();
+    assert_eq!(fault.kind, FaultKind::TransferAddress { peripheral: "SPI" });
+    assert_eq!(fault.address, 0x4000_0000);
+}
