@@ -1,3 +1,34 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! To be written.
+//! The NXT brick around its processor: co-processor, display, buttons, ports, battery, encoders.
+//!
+//! [`NxtBoard`] is what the chip sees; each device is one module. Sources: LEGO MINDSTORMS NXT
+//! Hardware Developer Kit with its schematics, LEGO's published sources of both processors,
+//! UC1601 data sheet. Numbers that no source gives are named as chosen where they stand.
+//!
+//! What is not modelled never seems to work: a pin without a device stays undriven, an address
+//! without a slave is not acknowledged, and a request that real hardware would serve is reported
+//! as a [`BoardFault`].
+
+mod battery;
+mod board;
+mod buttons;
+mod configuration;
+mod coprocessor;
+mod display;
+mod encoder;
+mod event;
+mod inputs;
+mod physics;
+mod ports;
+mod signals;
+mod time;
+
+pub use battery::{BatteryConfiguration, BatteryKind};
+pub use board::NxtBoard;
+pub use buttons::Button;
+pub use configuration::{BoardConfiguration, SensorConfiguration, SensorPorts};
+pub use coprocessor::{MotorCommand, SensorSupply};
+pub use display::{Display, Picture, COLUMNS, ROWS};
+pub use event::{BoardEvent, BoardEventKind, BoardFault, PowerOffReason};
+pub use inputs::{InputDescription, InputError};

@@ -17,7 +17,7 @@ mod solver;
 
 pub use body::Pose;
 pub use drive::{Decay, MotorDrive};
-pub use error::ParameterError;
+pub use error::{within, ParameterError};
 pub use motor::Motor;
 pub use parameters::{
     BodyParameters, DifferentialDrive, MotorParameters, MotorPort, MotorPorts, PluggedMotor,

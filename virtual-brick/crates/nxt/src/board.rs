@@ -1,0 +1,350 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The board as the chip sees it: pins, buses, analogue inputs, time.
+//!
+//! Events at the same cycle are served in this order: encoder edges (motor A first), step of the
+//! plant, co-processor, report of the display. An input acts at once on what the co-processor
+//! samples, and on the plant from its next step.
+
+use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, TwiReply};
+use plant::{MotorDrive, ParameterError, RobotParameters};
+
+use crate::battery::Battery;
+use crate::buttons::Buttons;
+use crate::configuration::BoardConfiguration;
+use crate::coprocessor::{Coprocessor, Measurable, ADDRESS, STRETCH_CYCLES};
+use crate::display::Display;
+use crate::event::{BoardEvent, BoardEventKind, BoardFault, EventLog};
+use crate::inputs::{self, InputDescription, InputError, Target};
+use crate::physics::Physics;
+use crate::ports::{self, Sensor};
+use crate::time::{microseconds, milliseconds, NEVER};
+
+const DISPLAY_SELECT: u32 = 1 << 10;
+const DISPLAY_DATA: u32 = 1 << 12;
+/// Chip select output of the SPI that reaches the display as a peripheral function of PA10.
+const DISPLAY_SELECT_OUTPUT: u8 = 2;
+const DISPLAY_FRAME_BITS: u8 = 8;
+/// Lines that the brick pulls up: two-wire bus (PA3, PA4) and the digital lines of the ports.
+const PULLED_UP: u32 = 1 << 3 | 1 << 4 | PORT_LINES;
+const PORT_LINES: u32 =
+    1 << 2 | 1 << 18 | 1 << 19 | 1 << 20 | 1 << 23 | 1 << 28 | 1 << 29 | 1 << 30;
+/// Analogue channels of the digital lines: (channel, pin).
+const ANALOGUE_PINS: [(u8, u32); 4] = [(1, 18), (2, 19), (3, 20), (7, 2)];
+const ANALOGUE_FULL_SCALE: u16 = 1023;
+/// The picture is looked at when nothing was sent for this long ...
+const DISPLAY_PAUSE: Cycles = milliseconds(2);
+/// ... or that long after the first byte.
+const DISPLAY_PERIOD: Cycles = milliseconds(20);
+/// Sampling period of the co-processor, within which its phase lies.
+const TICK: u64 = microseconds(2_976);
+
+/// Everything that is soldered or plugged around the chip.
+#[derive(Clone, Debug)]
+pub struct NxtBoard {
+    coprocessor: Coprocessor,
+    display: Display,
+    refresh: Refresh,
+    buttons: Buttons,
+    battery: Battery,
+    sensors: [Sensor; 4],
+    physics: Physics,
+    inputs: Vec<InputDescription>,
+    outputs: PinOutputs,
+    addressed: bool,
+    phase: Cycles,
+    log: EventLog,
+}
+
+/// When the picture is to be looked at.
+#[derive(Clone, Copy, Debug)]
+struct Refresh {
+    first_at: Option<Cycles>,
+    due_at: Cycles,
+    digest: u64,
+}
+
+impl NxtBoard {
+    /// The chip's supply comes on at cycle 0. The seed gives what no program can know: where the
+    /// slotted wheels of the encoders stand and when the co-processor's tick comes.
+    ///
+    /// # Errors
+    /// The first parameter that is not accepted.
+    pub fn new(
+        configuration: &BoardConfiguration,
+        robot: &RobotParameters,
+        seed: u64,
+    ) -> Result<Self, ParameterError> {
+        configuration.check()?;
+        let mut random = Random(seed);
+        let phases = [0; 3].map(|_| random.next(4 << 20) as f64 / f64::from(1 << 20));
+        let phase = random.next(TICK);
+        let sensors = ports::plug(&configuration.sensors);
+        let display = Display::new();
+        let digest = display.picture().digest();
+        Ok(Self {
+            coprocessor: Coprocessor::new(phase),
+            display,
+            refresh: Refresh {
+                first_at: None,
+                due_at: NEVER,
+                digest,
+            },
+            buttons: Buttons::default(),
+            battery: Battery::new(configuration.battery.clone()),
+            physics: Physics::new(robot, phases)?,
+            inputs: inputs::inputs(&sensors, robot),
+            sensors,
+            outputs: PinOutputs::default(),
+            addressed: false,
+            phase,
+            log: EventLog::default(),
+        })
+    }
+
+    /// The brick has been on for a while when the run begins, as when the boot monitor has loaded
+    /// a program: the co-processor samples already.
+    pub fn skip_coprocessor_start_up(&mut self, now: Cycles) {
+        let measurable = self.measurable();
+        self.coprocessor.skip_start_up(now, self.phase, measurable);
+    }
+
+    /// The display.
+    #[must_use]
+    pub const fn display(&self) -> &Display {
+        &self.display
+    }
+
+    /// The co-processor's command for a motor that is in force.
+    #[must_use]
+    pub const fn motor_command(&self, motor: plant::MotorPort) -> crate::MotorCommand {
+        self.coprocessor.motor_command(motor)
+    }
+
+    /// 9 V supply of sensor port 1 to 4 that is in force; nothing for another number.
+    #[must_use]
+    pub fn sensor_supply(&self, port: usize) -> Option<crate::SensorSupply> {
+        (1..=4)
+            .contains(&port)
+            .then(|| self.coprocessor.sensor_supply(port - 1))
+    }
+
+    /// Events since the last call, in the order in which they happened.
+    pub fn take_events(&mut self) -> Vec<BoardEvent> {
+        self.log.take()
+    }
+
+    /// The inputs that this configuration has.
+    #[must_use]
+    pub fn inputs(&self) -> &[InputDescription] {
+        &self.inputs
+    }
+
+    /// Tells whether [`Self::set_input`] would take this.
+    ///
+    /// # Errors
+    /// The name is not one of [`Self::inputs`] or the value is out of its range.
+    pub fn check_input(&self, name: &str, value: f64) -> Result<(), InputError> {
+        inputs::find(&self.inputs, name, value).map(|_| ())
+    }
+
+    /// Presses, turns, loads or sets something at `now`, up to which the board is advanced.
+    ///
+    /// # Errors
+    /// The name is not one of [`Self::inputs`] or the value is out of its range.
+    pub fn set_input(&mut self, now: Cycles, name: &str, value: f64) -> Result<(), InputError> {
+        let target = inputs::find(&self.inputs, name, value)?;
+        self.advance(now);
+        match target {
+            Target::Touch(index) => {
+                self.sensors[index] = Sensor::Touch {
+                    pressed: value != 0.0,
+                };
+            }
+            Target::Raw(index) => self.sensors[index] = Sensor::Analogue { raw: value as u16 },
+            Target::Button(button) => self.buttons.set(button, value != 0.0),
+            Target::BatteryVoltage => self.battery.set_voltage(value),
+            Target::HandAngle(port) => {
+                if let Some(motor) = self.physics.motor_mut(port) {
+                    motor.set_hand_angle(value);
+                }
+            }
+            Target::LoadTorque(port) => {
+                if let Some(motor) = self.physics.motor_mut(port) {
+                    motor.set_load_torque(value);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) const fn physics(&self) -> &Physics {
+        &self.physics
+    }
+
+    pub(crate) fn drives(&self) -> [MotorDrive; 3] {
+        self.coprocessor.drives()
+    }
+
+    pub(crate) fn battery_voltage(&self) -> f64 {
+        self.battery.voltage()
+    }
+
+    fn measurable(&self) -> Measurable {
+        Measurable {
+            ports: self.sensors.map(Sensor::raw),
+            buttons: self.buttons.word(),
+            battery: self.battery.word(),
+            battery_too_low: self.battery.refuses_start(),
+        }
+    }
+
+    fn driven(&self, pin: u32, level: bool) -> bool {
+        self.outputs.driven & pin != 0 && (self.outputs.level & pin != 0) == level
+    }
+
+    /// The display hears frames while PA10 is low, as an output or as the SPI's own select line.
+    fn display_selected(&self, select: u8) -> bool {
+        let as_output = self.driven(DISPLAY_SELECT, false);
+        let as_select = select == DISPLAY_SELECT_OUTPUT && !self.driven(DISPLAY_SELECT, true);
+        as_output || as_select
+    }
+
+    fn display_frame(&mut self, now: Cycles, byte: u8) {
+        if self.driven(DISPLAY_DATA, true) {
+            self.display.write_data(byte);
+        } else if let Err(fault) = self.display.write_command(byte) {
+            self.log.fault(now, fault);
+        }
+        let first_at = *self.refresh.first_at.get_or_insert(now);
+        self.refresh.due_at = (now + DISPLAY_PAUSE).min(first_at + DISPLAY_PERIOD);
+    }
+
+    fn report_picture(&mut self, now: Cycles) {
+        let digest = self.display.picture().digest();
+        if digest != self.refresh.digest {
+            self.log.add(now, BoardEventKind::DisplayChanged(digest));
+        }
+        self.refresh = Refresh {
+            first_at: None,
+            due_at: NEVER,
+            digest,
+        };
+    }
+}
+
+impl Board for NxtBoard {
+    fn outputs_changed(&mut self, _now: Cycles, outputs: PinOutputs) {
+        self.outputs = outputs;
+    }
+
+    fn pin_levels(&self) -> PinLevels {
+        let (driven, level) = self.physics.pins();
+        PinLevels {
+            driven: driven | PULLED_UP,
+            level: level | PULLED_UP,
+        }
+    }
+
+    fn twi_start(&mut self, _now: Cycles, address: u8, read: bool) -> TwiReply {
+        self.addressed = address == ADDRESS && self.powered();
+        if self.addressed {
+            self.coprocessor.start(read);
+        }
+        self.reply()
+    }
+
+    fn twi_write(&mut self, now: Cycles, byte: u8) -> TwiReply {
+        if self.addressed {
+            self.coprocessor.write(now, byte, &mut self.log);
+        }
+        self.reply()
+    }
+
+    fn twi_read(&mut self, _now: Cycles) -> (u8, Cycles) {
+        if self.addressed {
+            (self.coprocessor.read(), STRETCH_CYCLES)
+        } else {
+            (0xFF, 0)
+        }
+    }
+
+    fn twi_stop(&mut self, _now: Cycles) {
+        self.addressed = false;
+    }
+
+    fn spi_frame(&mut self, now: Cycles, select: u8, frame: u16, bits: u8) -> u16 {
+        if self.display_selected(select) {
+            match u8::try_from(frame) {
+                Ok(byte) if bits == DISPLAY_FRAME_BITS => self.display_frame(now, byte),
+                _ => self.log.fault(now, BoardFault::DisplayFrame { bits }),
+            }
+        }
+        0
+    }
+
+    fn analogue_input(&mut self, _now: Cycles, channel: u8) -> u16 {
+        let line = ANALOGUE_PINS
+            .into_iter()
+            .find(|&(number, _)| number == channel);
+        match line {
+            Some((_, pin)) if !self.driven(1 << pin, false) => ANALOGUE_FULL_SCALE,
+            _ => 0,
+        }
+    }
+
+    fn next_event(&self) -> Cycles {
+        let physics = self.physics.next_event();
+        physics
+            .min(self.coprocessor.next_event())
+            .min(self.refresh.due_at)
+    }
+
+    fn advance(&mut self, now: Cycles) {
+        while self.next_event() <= now {
+            let at = self.next_event();
+            let drives = self.coprocessor.drives();
+            if self.physics.advance(at, &drives, self.battery.voltage()) {
+                let (_, robot, _) = self.physics.around(at);
+                self.battery.set_current(robot.supply_current());
+            }
+            let measurable = self.measurable();
+            self.coprocessor.advance(at, measurable, &mut self.log);
+            if self.refresh.due_at <= at {
+                self.report_picture(at);
+            }
+        }
+    }
+
+    fn powered(&self) -> bool {
+        self.coprocessor.powered()
+    }
+
+    fn observe(&mut self, now: Cycles, event: ChipEvent) {
+        self.log.add(now, BoardEventKind::Chip(event));
+    }
+}
+
+impl NxtBoard {
+    const fn reply(&self) -> TwiReply {
+        let stretch_cycles = if self.addressed { STRETCH_CYCLES } else { 0 };
+        TwiReply {
+            acknowledged: self.addressed,
+            stretch_cycles,
+        }
+    }
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    /// A number below `bound`.
+    fn next(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ mixed >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (mixed ^ mixed >> 31) % bound
+    }
+}

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What is in and on the brick, as it stands in a configuration.
+
+use plant::ParameterError;
+use serde::Deserialize;
+
+use crate::battery::BatteryConfiguration;
+
+/// The brick without motors and body.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoardConfiguration {
+    /// The battery.
+    #[serde(default)]
+    pub battery: BatteryConfiguration,
+    /// The sensor ports.
+    #[serde(default)]
+    pub sensors: SensorPorts,
+}
+
+impl BoardConfiguration {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// The first field that is not accepted.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        self.battery.check()?;
+        self.sensors.check()
+    }
+}
+
+/// The four sensor ports; an absent one has nothing plugged in.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorPorts {
+    /// Port 1.
+    #[serde(default, rename = "1")]
+    pub port_1: Option<SensorConfiguration>,
+    /// Port 2.
+    #[serde(default, rename = "2")]
+    pub port_2: Option<SensorConfiguration>,
+    /// Port 3.
+    #[serde(default, rename = "3")]
+    pub port_3: Option<SensorConfiguration>,
+    /// Port 4.
+    #[serde(default, rename = "4")]
+    pub port_4: Option<SensorConfiguration>,
+}
+
+impl SensorPorts {
+    /// What is plugged into each port, 1 to 4.
+    #[must_use]
+    pub const fn all(&self) -> [Option<&SensorConfiguration>; 4] {
+        [
+            self.port_1.as_ref(),
+            self.port_2.as_ref(),
+            self.port_3.as_ref(),
+            self.port_4.as_ref(),
+        ]
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        for (index, sensor) in self.all().into_iter().enumerate() {
+            if let Some(SensorConfiguration::Analogue { raw }) = sensor {
+                if *raw > 1023 {
+                    return Err(ParameterError {
+                        field: format!("sensors.{}.raw", index + 1),
+                        value: raw.to_string(),
+                        expected: "an integer from 0 to 1023".to_owned(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A sensor.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum SensorConfiguration {
+    /// The touch sensor: a push button.
+    Touch {},
+    /// Any passive analogue sensor, given by the count that the converter reads.
+    Analogue {
+        /// Count at the start, 0 to 1023; an open input when absent.
+        #[serde(default = "open_input")]
+        raw: u16,
+    },
+}
+
+const fn open_input() -> u16 {
+    crate::ports::OPEN
+}

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What the board reports to whoever watches the run.
+
+use std::fmt;
+
+use at91sam7s::board::{ChipEvent, Cycles};
+use plant::MotorPort;
+
+/// Something happened on the board.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BoardEvent {
+    /// When, in master clock cycles.
+    pub at_cycles: Cycles,
+    /// What.
+    pub kind: BoardEventKind,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BoardEventKind {
+    /// The chip reported this.
+    Chip(ChipEvent),
+    /// The display shows another picture; 64-bit digest of it.
+    DisplayChanged(u64),
+    /// Another command for a motor took effect.
+    MotorCommand {
+        /// The motor.
+        motor: MotorPort,
+        /// Duty cycle in percent.
+        duty: i8,
+        /// Winding shorted in the off phase.
+        brake: bool,
+    },
+    /// The co-processor toggles the amplifier because it has heard nothing for 2 s: a click.
+    Click,
+    /// The supply of the chip is off.
+    PowerOff(PowerOffReason),
+    /// The program asked for something that the model does not have.
+    Fault(BoardFault),
+}
+
+/// Why the co-processor switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PowerOffReason {
+    /// The program asked for it.
+    Requested,
+    /// The handshake string did not come within 298 s.
+    NoHandshake,
+    /// The rechargeable pack was below 6.5 V at power-on.
+    BatteryLow,
+    /// The program asked for the boot monitor, which follows a power cycle.
+    BootMonitor,
+}
+
+/// Something that the board does not model and therefore does not do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoardFault {
+    /// The boot monitor was requested; it does not come.
+    BootMonitorEntry,
+    /// A motor's duty cycle beyond 100 %, taken as 100 %.
+    DutyBeyondRange {
+        /// The motor.
+        motor: MotorPort,
+        /// The value in the frame.
+        duty: i8,
+    },
+    /// The display controller does not know this command.
+    DisplayCommand {
+        /// The byte.
+        byte: u8,
+    },
+    /// The display takes frames of 8 bits.
+    DisplayFrame {
+        /// Length of the frame that came.
+        bits: u8,
+    },
+}
+
+impl fmt::Display for BoardFault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BootMonitorEntry => write!(
+                formatter,
+                "co-processor: the boot monitor was requested, which is not modelled"
+            ),
+            Self::DutyBeyondRange { motor, duty } => write!(
+                formatter,
+                "co-processor: motor {}: duty cycle {duty} %, expected -100 to 100",
+                motor.letter()
+            ),
+            Self::DisplayCommand { byte } => {
+                write!(
+                    formatter,
+                    "display: command 16#{byte:02X}# is not one of the UC1601"
+                )
+            }
+            Self::DisplayFrame { bits } => {
+                write!(formatter, "display: SPI frame of {bits} bits, expected 8")
+            }
+        }
+    }
+}
+
+/// Events in the order in which they happened.
+#[derive(Clone, Debug, Default)]
+pub struct EventLog {
+    events: Vec<BoardEvent>,
+}
+
+impl EventLog {
+    pub fn add(&mut self, at_cycles: Cycles, kind: BoardEventKind) {
+        self.events.push(BoardEvent { at_cycles, kind });
+    }
+
+    pub fn fault(&mut self, at_cycles: Cycles, fault: BoardFault) {
+        self.add(at_cycles, BoardEventKind::Fault(fault));
+    }
+
+    pub fn take(&mut self) -> Vec<BoardEvent> {
+        std::mem::take(&mut self.events)
+    }
+}
