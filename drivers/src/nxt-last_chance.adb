@@ -49,6 +49,27 @@ package body NXT.Last_Chance is
       Append (To, Character'Val (Character'Pos ('0') + Number mod 10));
    end Append_Number;
 
+   procedure Append_Address (To : in out Text; Address : Unsigned_32) is
+      Hex_Digits : constant String (1 .. 16) := "0123456789ABCDEF";
+   begin
+      for Place in reverse 0 .. 7 loop
+         Append (To, Hex_Digits (1 + Natural (Shift_Right (Address, 4 * Place) and 16#F#)));
+      end loop;
+   end Append_Address;
+
+   procedure Append_Place (To : in out Text; Line : Integer) is
+      Longest_Source : constant := 99_999;
+   begin
+      if Line /= 0 then
+         Append (To, ':');
+      end if;
+      if Line in 1 .. Longest_Source then
+         Append_Number (To, Line);
+      elsif Line /= 0 then
+         Append_Address (To, Unsigned_32'Mod (Line));
+      end if;
+   end Append_Place;
+
    procedure Stop_Motors is
       Attempts     : constant := 3;
       Acknowledged : Boolean;
@@ -101,10 +122,7 @@ package body NXT.Last_Chance is
    begin
       Stop_Motors;
       Append_Message (Message, Source);
-      if Line > 0 then
-         Append (Message, ':');
-         Append_Number (Message, Line);
-      end if;
+      Append_Place (Message, Line);
       Report (Message);
    end Stop_And_Report;
 

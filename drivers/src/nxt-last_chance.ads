@@ -11,8 +11,9 @@ package NXT.Last_Chance is
 
    procedure Stop_And_Report (Source : System.Address; Line : Integer) with
      Export, Convention => C, External_Name => "ravenbrick_last_chance_hook";
-   --  Source is a file name or, when Line is 0, a message that holds file and line; it ends in
-   --  NUL. To be called with interrupts masked; uses neither interrupts nor the clock nor any state
-   --  of the other drivers, and returns within 0.1 s.
+   --  Source is a file name or a message and ends in NUL. Line is the line in the file; 0 when
+   --  Source says all; or the address of the instruction, when the processor raised the exception.
+   --  To be called with interrupts masked; uses neither interrupts nor the clock nor any state of
+   --  the other drivers, and returns within 0.1 s.
 
 end NXT.Last_Chance;

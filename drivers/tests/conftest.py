@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Builds the test programs and puts them on virtual bricks."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import virtual_brick
+from observe import Brick
+
+TESTS = Path(__file__).resolve().parent
+ROOT = TESTS.parent.parent
+BUILD = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build"))
+
+NXT_MOTOR = {
+    "resistance": 6.8562,
+    "torque_constant": 0.31739,
+    "electric_constant": 0.46839,
+    "viscous_friction": 0.0011278,
+    "inertia": 0.000842,
+    "coulomb_friction": 0.0,
+    "static_friction": 0.0,
+    "backlash": 0.0,
+}
+
+CONFIGURATION: dict[str, Any] = {
+    "seed": 1,
+    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
+    "motors": {
+        "A": {"parameters": NXT_MOTOR, "held_by_hand": True, "hand_rate": 4.0},
+        "B": {"parameters": NXT_MOTOR},
+        "C": {"parameters": NXT_MOTOR},
+    },
+    "body": {"kind": "bench"},
+    "sensors": {"1": {"kind": "touch"}},
+}
+
+
+@pytest.fixture(scope="session")
+def run_time() -> None:
+    """The run-time, built once."""
+    subprocess.run(["make", "--silent", "-C", ROOT / "runtime"], check=True)
+
+
+@pytest.fixture(scope="session")
+def image(run_time: None) -> Callable[[str], bytes]:
+    """From the name of a test program to its ELF."""
+    built: dict[str, bytes] = {}
+
+    def build(name: str) -> bytes:
+        if name not in built:
+            done = subprocess.run(
+                [
+                    "gprbuild",
+                    "-q",
+                    "-j2",
+                    f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
+                    f"-P{TESTS / 'test.gpr'}",
+                    f"-XTEST={name}",
+                ],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            assert done.returncode == 0, done.stdout + done.stderr
+            built[name] = (BUILD / "drivers" / "tests" / name / f"{name}.elf").read_bytes()
+        return built[name]
+
+    return build
+
+
+@pytest.fixture
+def brick(image: Callable[[str], bytes]) -> Callable[..., Brick]:
+    """From the name of a test program to a brick that is about to start it."""
+    def start(name: str, **changes: Any) -> Brick:
+        configuration = json.dumps(CONFIGURATION | changes)
+        return Brick(virtual_brick.VirtualBrick(configuration, image(name)))
+
+    return start

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How programs end: power off, and an exception that nothing handles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from observe import Brick
+
+SOURCE = Path(__file__).resolve().parent / "last_chance" / "last_chance.adb"
+
+
+def failing_line() -> int:
+    """Line of the source that breaks the range."""
+    lines = SOURCE.read_text().splitlines()
+    return next(number for number, line in enumerate(lines, 1) if "the failure" in line)
+
+
+def test_power_down_stops_the_motors_and_switches_off(brick: Callable[..., Brick]) -> None:
+    """The brick goes off soon after the call, with no motor driven."""
+    device = brick("power_off")
+    device.run(490)
+    assert device.motors(at_ms=490)["B"] == (80, True)
+    stop = device.run_to_end(2_000)
+    assert stop.reason == "power_off"
+    assert device.cycles(500) < stop.at_cycles < device.cycles(600)
+    assert device.motors(at_ms=2_000)["B"][0] == 0
+
+
+def test_an_unhandled_exception_brakes_the_motors(brick: Callable[..., Brick]) -> None:
+    """Until the failure the motors run; soon after it all are braked, and stay so."""
+    device = brick("last_chance")
+    device.run(395)
+    assert device.motors(at_ms=395) == {"A": (0, True), "B": (60, True), "C": (-60, True)}
+    device.run_to_end(700)
+    stopped = {"A": (0, True), "B": (0, True), "C": (0, True)}
+    assert device.motors(at_ms=415) == stopped
+    assert device.motors(at_ms=700) == stopped
+
+
+def test_an_unhandled_exception_names_its_place(brick: Callable[..., Brick]) -> None:
+    """The display shows the file and the line of the failing statement."""
+    device = brick("last_chance")
+    device.run_to_end(700)
+    text = device.text()
+    assert text[0] == "Program failed"
+    assert "".join(text[2:4]) == f"last_chance.adb:{failing_line()}"
