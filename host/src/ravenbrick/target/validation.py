@@ -25,6 +25,7 @@ _TYPES = {
     "integer": "a whole number",
     "boolean": "true or false",
 }
+_UNKNOWN = "unknown field"
 _PORTS = "the brick has the motor ports A, B, C and the sensor ports 1, 2, 3, 4"
 
 
@@ -47,7 +48,7 @@ def _unknown(error: jsonschema.ValidationError, path: KeyPath) -> Iterator[Compl
     for name in sorted(set(error.instance) - set(known)):
         close = difflib.get_close_matches(name, known, 1)
         advice = f"did you mean '{close[0]}'?" if close else f"known here: {', '.join(known)}"
-        yield (*path, name), f"unknown field; {advice}"
+        yield (*path, name), f"{_UNKNOWN}; {advice}"
 
 
 def _wrong_name(error: jsonschema.ValidationError, path: KeyPath) -> Iterator[Complaint]:
@@ -116,7 +117,8 @@ def _complaints(document: LocatedToml, name: str) -> Iterator[Complaint]:
 def validate(document: LocatedToml, name: str) -> None:
     """Raise `ProjectFileError` for the first wrong field; the others are in its `detail`."""
     found = [document.error(path, text) for path, text in _complaints(document, name)]
-    found.sort(key=lambda error: (error.line, error.field))
+    # A mistyped name comes before the missing field that it leaves behind.
+    found.sort(key=lambda error: (_UNKNOWN not in error.sentence, error.line, error.field))
     if found:
         first: ProjectFileError = found[0]
         first.detail = "\n".join(error.sentence for error in found[1:])

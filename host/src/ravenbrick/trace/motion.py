@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 from scipy.signal import savgol_coeffs
 
 __all__ = [
@@ -25,20 +26,22 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
-WINDOW = 0.040
+WINDOW = 0.080
 SPEED_FILTER = (
     f"slope of a least-squares line through the encoder's edges, window {WINDOW * 1000:.0f} ms, "
     "centred (no delay)"
 )
 SETTLING_BAND = 0.02
 FINAL_SHARE = 0.25
+HOLD = 0.1
 
 
 @dataclass(frozen=True)
 class StepMeasures:
     """Step response; times in s after the step, speeds in rad/s, overshoot as a fraction.
 
-    `settling_time` is the last instant outside 2 % of the final value, None when it never settles.
+    `settling_time` is the last instant outside 2 % of the final value; None when the speed does
+    not stay inside for the last 0.1 s of the window.
     """
 
     setpoint: float
@@ -67,18 +70,30 @@ def _edges(times: Floats, counts: Floats) -> tuple[Floats, Floats]:
     return instants, (counts[at] + counts[at - 1]) / 2
 
 
+def _position(times: Floats, counts: Floats) -> Floats:
+    """Angle (counts) at `times`, smooth through the edges, on with the last slope after the last.
+
+    Before the first edge the shaft is taken to be at rest in the middle of its count.
+    """
+    instants, angles = _edges(times, counts)
+    if instants.size < 2:
+        return counts.astype(np.float64)
+    slope = (angles[-1] - angles[-2]) / (instants[-1] - instants[-2])
+    end = angles[-1] + slope * (times[-1] - instants[-1])
+    end = float(np.clip(end, counts[-1] - 0.5, counts[-1] + 0.5))
+    knots = np.concatenate(([times[0]], instants, [times[-1]]))
+    values = np.concatenate(([counts[0]], angles, [end]))
+    return np.asarray(PchipInterpolator(knots, values)(times))
+
+
 def fitted_speed(
     times: Floats, counts: Floats, radians_per_count: float, window: float = WINDOW
 ) -> Floats:
     """Angular velocity (rad/s) at `times` (s, evenly spaced), shape (n,), from encoder counts."""
     interval = float(times[1] - times[0])
-    instants, angles = _edges(times, counts)
-    knots = np.concatenate(([times[0]], instants, [times[-1]]))
-    values = np.concatenate(([counts[0]], angles, [counts[-1]]))
-    position = np.interp(times, knots, values)
     half = max(round(window / interval / 2), 1)
     kernel = savgol_coeffs(2 * half + 1, 1, deriv=1, delta=interval)
-    padded = np.pad(position, half, mode="reflect", reflect_type="odd")
+    padded = np.pad(_position(times, counts), half, mode="reflect", reflect_type="odd")
     return np.convolve(padded, kernel, mode="valid") * radians_per_count
 
 
@@ -101,8 +116,8 @@ def step_measures(times: Floats, speed: Floats, setpoint: float) -> StepMeasures
     outside = np.flatnonzero(np.abs(speed - final) > SETTLING_BAND * scale)
     settled: float | None = 0.0
     if outside.size:
-        last = int(outside[-1])
-        settled = float(times[last + 1] - times[0]) if last + 1 < len(times) else None
+        last = float(times[outside[-1]])
+        settled = last - float(times[0]) if times[-1] - last >= HOLD else None
     peak = float(np.max(speed * np.sign(final)))
     return StepMeasures(
         setpoint=setpoint,

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import StepRecord
-from ravenbrick.trace.motion import SETTLING_BAND
+from ravenbrick.trace.motion import SETTLING_BAND, WINDOW
 from ravenbrick.trace.plots.style import COLOURS, degrees_per_second, legend, new_figure
 
 __all__ = ["step_response_figure"]
@@ -60,7 +60,7 @@ def step_response_figure(design: Design | None, record: StepRecord) -> Figure:
         degrees_per_second(record.fitted),
         color=COLOURS["left"],
         linewidth=1.6,
-        label="on the brick (slope fit, 40 ms)",
+        label=f"on the brick (slope fit, {1000 * WINDOW:.0f} ms)",
     )
     settled = record.measures.settling_time
     if settled is not None:

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A project folder in a tree of its own, with the vehicle's files, for tests that change them."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from host.tests.support.elf_maker import make_elf
+
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.workspace import Workspace
+
+VEHICLE = Path(__file__).resolve().parents[2] / "examples" / "vehicle"
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """Folder `vehicle` with robot.toml, the scenarios and a small image already built."""
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "tools" / "ravenbrick.cgpr").touch()
+    folder = tmp_path / "examples" / "vehicle"
+    folder.mkdir(parents=True)
+    shutil.copy(VEHICLE / "robot.toml", folder)
+    shutil.copytree(VEHICLE / "scenarios", folder / "scenarios")
+    image = Workspace.of(folder).image("ram", "vehicle")
+    image.parent.mkdir(parents=True)
+    image.write_bytes(make_elf())
+    return folder
+
+
+@pytest.fixture
+def robot(project: Path) -> Robot:
+    """The vehicle."""
+    return read_robot(project)
+
+
+@pytest.fixture
+def edit(project: Path) -> Callable[[str, str, str], int]:
+    """Replace a text once in a file of the project; returns the line where it stood."""
+
+    def replace(name: str, old: str, new: str) -> int:
+        path = project / name
+        text = path.read_text()
+        assert text.count(old) >= 1, f"{name} has no '{old}'"
+        path.write_text(text.replace(old, new, 1))
+        return text[: text.index(old)].count("\n") + 1
+
+    return replace

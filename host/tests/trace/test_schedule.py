@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+
+from __future__ import annotations
+
+import itertools
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from ravenbrick.target.clock import Clock
+from ravenbrick.target.robot import Task
+from ravenbrick.trace.recording import EVENT_TYPE, IDLE, EventKind, Recording, Stop, Thread
+from ravenbrick.trace.schedule import jobs_of, measure_task, segments, utilization
+
+K = EventKind
+Event = tuple[int, int, int, int]
+MEGAHERTZ = Clock(Fraction(1_000_000))
+
+
+def recording(events: list[Event], end: int, threads: int = 2) -> Recording:
+    """A run with a clock of one cycle per microsecond."""
+    return Recording(
+        scenario="made",
+        clock=MEGAHERTZ,
+        stop=Stop("reached", end, ""),
+        events=np.array(events, dtype=EVENT_TYPE),
+        signals={},
+        threads=tuple(Thread(f"task_{i}", i, 1024, 100) for i in range(threads)),
+        pictures=(),
+        digest="",
+    )
+
+
+def task(deadline_us: int) -> Task:
+    """A cyclic task of 100 microseconds."""
+    return Task("task_1", "", "cyclic", 100, deadline_us, 1, 1024)
+
+
+# Task 1 preempts task 0: released at 10, starts 12, ends 20; then task 0 goes on to 50; and so on.
+PREEMPTION: list[Event] = [
+    (0, K.PROCESSOR_STOPPED, 0, 0),
+    (5, K.PROCESSOR_RESUMED, 0, 0),
+    (5, K.RELEASE, 0, 4),
+    (6, K.THREAD_RUNNING, 0, 0),
+    (10, K.INTERRUPT_ENTERED, 3, 0),
+    (11, K.RELEASE, 1, 10),
+    (11, K.INTERRUPT_LEFT, 3, 0),
+    (12, K.THREAD_RUNNING, 1, 0),
+    (20, K.COMPLETION, 1, 10),
+    (20, K.THREAD_RUNNING, 0, 0),
+    (50, K.COMPLETION, 0, 4),
+    (50, K.THREAD_RUNNING, IDLE, 0),
+    (52, K.PROCESSOR_STOPPED, 0, 0),
+    (110, K.PROCESSOR_RESUMED, 0, 0),
+    (111, K.RELEASE, 1, 110),
+    (117, K.THREAD_RUNNING, 1, 0),
+    (130, K.COMPLETION, 1, 110),
+    (130, K.THREAD_RUNNING, IDLE, 0),
+    (132, K.PROCESSOR_STOPPED, 0, 0),
+]
+
+
+def test_response_times_run_from_nominal_release_to_completion() -> None:
+    """Minimum, mean and maximum over the jobs, by hand: 10 and 20 cycles."""
+    measures = measure_task(recording(PREEMPTION, 200), 1, task(100))
+    assert measures.releases == 2
+    assert measures.response_time_cycles_min == 10
+    assert measures.response_time_cycles_mean == 15.0
+    assert measures.response_time_cycles_max == 20
+
+
+def test_release_jitter_is_the_spread_of_the_release_latencies() -> None:
+    """First executions 2 and 7 cycles after the release: a jitter of 5."""
+    measures = measure_task(recording(PREEMPTION, 200), 1, task(100))
+    assert measures.release_latency_cycles_max == 7
+    assert measures.release_jitter_cycles == 5
+
+
+def test_a_preempted_job_keeps_its_first_start() -> None:
+    """Resuming after a preemption is not another start."""
+    (job,) = jobs_of(recording(PREEMPTION, 200), 0)
+    assert (job.release_cycles, job.start_cycles, job.completion_cycles) == (4, 6, 50)
+
+
+@pytest.mark.parametrize(("deadline", "misses"), [(20, 0), (19, 1), (9, 2)])
+def test_a_deadline_is_missed_by_completing_after_it(deadline: int, misses: int) -> None:
+    """Completion exactly at the deadline is in time."""
+    assert measure_task(recording(PREEMPTION, 200), 1, task(deadline)).deadline_misses == misses
+
+
+def test_a_job_that_never_completes_misses_a_deadline_that_has_passed() -> None:
+    """A hanging task is not forgiven because the run ends."""
+    events = [*PREEMPTION, (150, K.RELEASE, 1, 150)]
+    assert measure_task(recording(events, 200), 1, task(49)).deadline_misses == 1
+    assert measure_task(recording(events, 200), 1, task(51)).deadline_misses == 0
+
+
+def test_an_overrun_job_counts_from_its_nominal_release() -> None:
+    """A release in the past, while the task runs, starts when the former job ends."""
+    events: list[Event] = [
+        (10, K.RELEASE, 1, 10),
+        (11, K.THREAD_RUNNING, 1, 0),
+        (130, K.COMPLETION, 1, 10),
+        (130, K.RELEASE, 1, 110),
+        (160, K.COMPLETION, 1, 110),
+        (160, K.THREAD_RUNNING, IDLE, 0),
+    ]
+    measures = measure_task(recording(events, 200), 1, task(100))
+    assert measures.response_time_cycles_max == 120
+    assert measures.deadline_misses == 1
+    assert measures.release_latency_cycles_max == 20
+
+
+def test_segments_cover_the_run_without_gap_or_overlap() -> None:
+    """Each cycle has exactly one owner."""
+    found = segments(recording(PREEMPTION, 200))
+    assert found[0].begin_cycles == 0
+    assert found[-1].end_cycles == 200
+    joints = itertools.pairwise(found)
+    assert all(left.end_cycles == right.begin_cycles for left, right in joints)
+
+
+def test_the_processors_shares_are_exact() -> None:
+    """By hand: task 0 35 cycles, task 1 21, interrupts 1, kernel 12, asleep 131 of 200."""
+    shares = utilization(recording(PREEMPTION, 200))
+    assert shares.threads == pytest.approx((35 / 200, 21 / 200))
+    assert shares.interrupts == pytest.approx(1 / 200)
+    assert shares.kernel == pytest.approx(12 / 200)
+    assert shares.busy == pytest.approx(69 / 200)
+
+
+def test_without_sleep_events_the_idle_thread_is_idle() -> None:
+    """A run-time that spins when idle is measured too."""
+    events: list[Event] = [(50, K.THREAD_RUNNING, 0, 0), (75, K.THREAD_RUNNING, IDLE, 0)]
+    assert utilization(recording(events, 100)).busy == pytest.approx(0.25)
+
+
+def test_a_task_without_a_job_has_no_measures() -> None:
+    """Nothing is invented for a task that never ran."""
+    measures = measure_task(recording([], 100), 0, None)
+    assert (measures.releases, measures.response_time_cycles_max) == (0, None)
+    assert measures.release_jitter_cycles is None
