@@ -13,6 +13,8 @@ package body Ravenbrick.Delays is
 
    use Ravenbrick.Threads;
 
+   Latest : constant Units := Units'Last - 1;
+
    Sentinel : aliased Thread;
    --  Last of the queue: later than any thread
 
@@ -29,7 +31,7 @@ package body Ravenbrick.Delays is
       Alarm.Initialize;
       Interrupts.Attach
         (Source   => Registers.TC0_Id,
-         Priority => System.Interrupt_Priority'Last,
+         Priority => System.Interrupt_Priority'First,
          Code     => Ring'Address,
          Object   => System.Null_Address);
       Alarm.Set (Head.Wake);
@@ -59,7 +61,7 @@ package body Ravenbrick.Delays is
       Previous : Processor.Status;
    begin
       Processor.Mask_Interrupts (Previous);
-      Self.Wake := Wake;
+      Self.Wake := Units'Min (Wake, Latest);
       Self.State := Delayed;
       if Wake > Clock.Now then
          Insert (Self);
@@ -71,8 +73,9 @@ package body Ravenbrick.Delays is
       Processor.Restore_Interrupts (Previous);
    end Delay_Until;
 
-   --  Interrupts are unmasked between two threads, so that the masked time does not grow with
-   --  the number of threads released together
+   --  The alarm has the lowest interrupt priority: it only makes threads ready, which every
+   --  handler may delay. Interrupts are unmasked between two threads, so that the masked time
+   --  does not grow with the number of threads released together.
 
    procedure Ring (Unused : System.Address) is
       Now      : constant Units := Clock.Now;

@@ -7,6 +7,10 @@ with Ravenbrick.Clock;
 
 package body Ada.Real_Time is
 
+   pragma Unsuppress (Overflow_Check);
+   pragma Unsuppress (Range_Check);
+   --  An unrepresentable result raises Constraint_Error, as for predefined arithmetic
+
    subtype Wide is Long_Long_Integer;
 
    --  A unit is 31_250 / 657 ns
@@ -71,11 +75,17 @@ package body Ada.Real_Time is
    function Microseconds (US : Integer) return Time_Span is
      (Time_Span (Rounded_Ratio (Wide (US), Units_Per_Millisecond, 1_000)));
 
+   --  The products of the following three fit: no Integer is too large
+
+   pragma Suppress (Overflow_Check);
+
    function Milliseconds (MS : Integer) return Time_Span is
      (Time_Span (Wide (MS) * Units_Per_Millisecond));
    function Seconds (S : Integer) return Time_Span is (Time_Span (Wide (S) * Units_Per_Second));
    function Minutes (M : Integer) return Time_Span is
      (Time_Span (Wide (M) * (60 * Units_Per_Second)));
+
+   pragma Unsuppress (Overflow_Check);
 
    procedure Split (T : Time; SC : out Seconds_Count; TS : out Time_Span) is
       Part : constant Wide := Wide (T) mod Units_Per_Second;

@@ -7,9 +7,6 @@ pragma Restrictions (No_Exception_Propagation);
 pragma Restrictions (No_Exception_Registration);
 pragma Restrictions (No_Finalization);
 pragma Restrictions (No_Implicit_Dynamic_Code);
-pragma Restrictions (No_Allocators);
---  There is no heap
-
 pragma Profile (Ravenscar);
 --  The tasking model of every unit, the run-time's own included
 
