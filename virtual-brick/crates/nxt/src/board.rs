@@ -129,6 +129,12 @@ impl NxtBoard {
             .then(|| self.coprocessor.sensor_supply(port - 1))
     }
 
+    /// Some event happened since the last call of [`Self::take_events`].
+    #[must_use]
+    pub const fn has_events(&self) -> bool {
+        !self.log.is_empty()
+    }
+
     /// Events since the last call, in the order in which they happened.
     pub fn take_events(&mut self) -> Vec<BoardEvent> {
         self.log.take()

@@ -117,6 +117,10 @@ impl EventLog {
         self.add(at_cycles, BoardEventKind::Fault(fault));
     }
 
+    pub const fn is_empty(&self) -> bool {
+        self.events.is_empty()
+    }
+
     pub fn take(&mut self) -> Vec<BoardEvent> {
         std::mem::take(&mut self.events)
     }
