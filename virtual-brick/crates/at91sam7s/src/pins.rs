@@ -12,7 +12,8 @@ use crate::pio::PeripheralLines;
 use crate::spi;
 use crate::tc::Line;
 
-const PIOA: u8 = 2;
+/// Peripheral identifier and interrupt source of the PIO controller.
+pub(crate) const PIOA: u8 = 2;
 /// Pins that carry TIOA and TIOB of the three channels (peripheral B).
 const TIMER_PINS: [(u32, u32); 3] = [(0, 1), (15, 16), (26, 27)];
 /// Pins of the external interrupts: (pin, source).

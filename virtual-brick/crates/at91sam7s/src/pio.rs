@@ -102,6 +102,11 @@ impl Pio {
         (changed, seen)
     }
 
+    /// The controller's clock came on: it sees the present levels without counting them as changes.
+    pub(crate) fn clock_started(&mut self) {
+        self.levels = self.pins;
+    }
+
     pub(crate) fn interrupt(&self) -> bool {
         self.changes & self.mask != 0
     }

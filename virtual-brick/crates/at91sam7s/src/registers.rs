@@ -6,6 +6,7 @@ use crate::board::{Board, ChipEvent};
 use crate::chip::Chip;
 use crate::dbgu;
 use crate::fault::{Access, FaultKind};
+use crate::pins;
 use crate::pmc::Request;
 use crate::rstc::ResetCause;
 use crate::spi;
@@ -239,7 +240,11 @@ impl<B: Board> Chip<B> {
     /// A clock register: the change reaches the processor, the timers and the pin sampling.
     fn write_clocks(&mut self, offset: u32, value: u32) -> Access<()> {
         let now = self.now;
+        let pins_were_clocked = self.pmc.clocked(pins::PIOA);
         let request = self.pmc.write(offset, value, now)?;
+        if self.pmc.clocked(pins::PIOA) && !pins_were_clocked {
+            self.pio.clock_started();
+        }
         self.ratio = self.pmc.processor_ratio()?;
         for number in 0..3 {
             let clocked = self.pmc.clocked(12 + number as u8);

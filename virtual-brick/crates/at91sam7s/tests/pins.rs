@@ -35,6 +35,7 @@ fn drive(chip: &mut TestChip, driven: u32, level: u32) {
 #[test]
 fn after_power_on_every_pin_is_an_input_pulled_up() {
     let mut chip = running_chip();
+    assert_eq!(read(&mut chip, ISR), 0);
     assert_eq!(read(&mut chip, PDSR), 0xFFFF_FFFF);
     assert_eq!(
         read(&mut chip, PUSR),
@@ -213,4 +214,5 @@ fn without_its_clock_the_controller_does_not_see_pins() {
     assert_eq!(read(&mut chip, ISR), 0);
     write(&mut chip, PMC + 0x10, 1 << 2);
     assert_eq!(read(&mut chip, PDSR) & 1 << 20, 0);
+    assert_eq!(read(&mut chip, ISR), 0, "starting the clock is not an edge");
 }

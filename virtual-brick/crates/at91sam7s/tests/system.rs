@@ -263,6 +263,50 @@ fn the_watchdog_mode_is_written_once() {
 }
 
 #[test]
+fn the_watchdog_halts_with_the_processor_when_its_mode_says_so() {
+    for (halts, mode) in [(true, 0x2FFF_2003), (false, 0x0FFF_2003)] {
+        let mut chip = cold_chip();
+        write(&mut chip, WDT + 4, mode);
+        write(&mut chip, SCDR, 1);
+        for _ in 0..3 {
+            chip.skip_to_next_event(10_000_000);
+        }
+        assert_eq!(chip.take_reset().is_none(), halts);
+        assert_eq!(chip.processor_stopped(), halts);
+    }
+}
+
+#[test]
+fn the_end_of_a_flash_command_interrupts() {
+    let mut chip = running_chip();
+    write(&mut chip, AIC + 0x120, 1 << 1);
+    write(&mut chip, MC + 0x64, 0x5A00_0002);
+    write(&mut chip, MC + 0x60, 0x0048_0101);
+    assert!(!chip.irq());
+    let ends = 8 + chip.now();
+    write(&mut chip, SCDR, 1);
+    while chip.processor_stopped() {
+        chip.skip_to_next_event(u64::MAX);
+    }
+    let took = chip.now() - ends;
+    assert!((144_140..144_180).contains(&took), "3 ms: {took}");
+}
+
+#[test]
+fn a_clock_ready_flag_interrupts() {
+    let mut chip = cold_chip();
+    write(&mut chip, AIC + 0x120, 1 << 1);
+    write(&mut chip, PMC + 0x60, 1);
+    write(&mut chip, MOR, 0x0601);
+    let written = chip.now();
+    write(&mut chip, SCDR, 1);
+    while chip.processor_stopped() {
+        chip.skip_to_next_event(u64::MAX);
+    }
+    assert_eq!(chip.now(), written + 70_392 + 4);
+}
+
+#[test]
 fn restarting_the_watchdog_needs_the_key() {
     let mut chip = cold_chip();
     // One unit of 128 slow clocks: 187 714 cycles; any restart is allowed.
