@@ -141,7 +141,10 @@ class SampledLoop:
             )
         count = math.ceil(math.log(_REMAINDER) / math.log(radius)) + sum(self._sizes)
         if count > _MOST_SAMPLES:
-            raise DesignError(f"the sampled loop needs {count} samples to settle; raise the gains")
+            raise DesignError(
+                f"the sampled loop needs {count} samples to settle (a pole at distance "
+                f"{radius:.6f} from 0); change the gains, the window or the delay"
+            )
         return count
 
     def _segments(self, count: int) -> list[Segment]:

@@ -243,6 +243,11 @@ class Saturation(Block):
 
     limit: Value = 1.0
 
+    def __post_init__(self) -> None:
+        number = self.limit.value if isinstance(self.limit, Parameter) else self.limit
+        if not number >= 0:
+            raise ValueError(f"block '{self.name}': the limit must be >= 0, not {number}")
+
     def values(self) -> tuple[Value, ...]:
         """The limit."""
         return (self.limit,)
