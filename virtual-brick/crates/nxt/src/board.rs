@@ -131,7 +131,7 @@ impl NxtBoard {
 
     /// Some event happened since the last call of [`Self::take_events`].
     #[must_use]
-    pub const fn has_events(&self) -> bool {
+    pub fn has_events(&self) -> bool {
         !self.log.is_empty()
     }
 

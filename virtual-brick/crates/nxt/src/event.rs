@@ -117,7 +117,7 @@ impl EventLog {
         self.add(at_cycles, BoardEventKind::Fault(fault));
     }
 
-    pub const fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.events.is_empty()
     }
 
