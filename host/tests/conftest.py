@@ -17,12 +17,11 @@ from ravenbrick.target.workspace import Workspace
 VEHICLE = Path(__file__).resolve().parents[2] / "examples" / "vehicle"
 
 
-@pytest.fixture
-def project(tmp_path: Path) -> Path:
+def make_project(root: Path) -> Path:
     """Folder `vehicle` with robot.toml, the scenarios and a small image already built."""
-    (tmp_path / "tools").mkdir()
-    (tmp_path / "tools" / "ravenbrick.cgpr").touch()
-    folder = tmp_path / "examples" / "vehicle"
+    (root / "tools").mkdir()
+    (root / "tools" / "ravenbrick.cgpr").touch()
+    folder = root / "examples" / "vehicle"
     folder.mkdir(parents=True)
     shutil.copy(VEHICLE / "robot.toml", folder)
     shutil.copytree(VEHICLE / "scenarios", folder / "scenarios")
@@ -30,6 +29,12 @@ def project(tmp_path: Path) -> Path:
     image.parent.mkdir(parents=True)
     image.write_bytes(make_elf())
     return folder
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A project that can be run."""
+    return make_project(tmp_path)
 
 
 @pytest.fixture

@@ -1,0 +1,330 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from host.tests.conftest import VEHICLE, make_project
+from host.tests.support import fake_brick
+from typer.testing import CliRunner, Result
+
+from ravenbrick.cli.app import app
+from ravenbrick.cli.exit_codes import exit_code_table
+from ravenbrick.errors import ExitCode
+from ravenbrick.target import build, virtual
+from ravenbrick.target.workspace import Workspace
+
+Edit = Callable[[str, str, str], int]
+COMMANDS = ("design", "build", "run", "report", "demo", "doctor")
+DRIVE = "scenarios/drive.toml"
+
+
+@pytest.fixture(autouse=True)
+def brick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A brick whose answers are known, and no toolchain but make."""
+    monkeypatch.setattr(virtual, "_module", lambda: fake_brick)
+    monkeypatch.setattr(build, "TOOLS", build.TOOLS[:1])
+
+
+def complete(project: Path) -> Path:
+    """The project with all that it takes to design and 'build' it."""
+    shutil.copy(VEHICLE / "design.py", project)
+    (project / "generated").mkdir()
+    (project / "Makefile").write_text("ram:\n\t@echo nothing to do\n")
+    return project
+
+
+@pytest.fixture
+def whole(project: Path) -> Path:
+    """A project that can be designed and 'built'."""
+    return complete(project)
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Result]]:
+    """The folder of results and the output of one demonstration without --json."""
+    whole = complete(make_project(tmp_path_factory.mktemp("demo")))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(virtual, "_module", lambda: fake_brick)
+        patch.setattr(build, "TOOLS", build.TOOLS[:1])
+        yield Workspace.of(whole).results, call("demo", whole)
+
+
+def call(*arguments: object) -> Result:
+    """Run the command line."""
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def failure(result: Result, code: ExitCode) -> str:
+    """The one sentence of a failing command, which ended with `code` and no traceback."""
+    assert result.exit_code == code, result.output
+    assert "Traceback" not in result.output
+    first: str = result.stderr.splitlines()[0]
+    assert first.startswith("ravenbrick: ")
+    return first
+
+
+def parsed(result: Result) -> dict[str, Any]:
+    """The JSON of a command that succeeded."""
+    assert result.exit_code == 0, result.output
+    loaded: dict[str, Any] = json.loads(result.stdout)
+    assert loaded.pop("ok") is True
+    return loaded
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_every_command_shows_an_example(command: str) -> None:
+    """Help ends with a line that can be typed."""
+    result = call(command, "--help")
+    assert result.exit_code == 0
+    assert f"Example: ravenbrick {command}" in " ".join(result.output.split())
+    assert "--json" in result.output
+
+
+def test_the_page_of_exit_codes_is_the_one_in_the_program() -> None:
+    """The documentation cannot drift from the code."""
+    page = VEHICLE.parents[1] / "docs" / "reference" / "exit-codes.md"
+    assert page.read_text() == exit_code_table()
+
+
+def test_an_unknown_command_is_a_usage_error() -> None:
+    """Two is the exit code of a wrong command line."""
+    assert call("brew").exit_code == ExitCode.USAGE
+
+
+def test_a_folder_that_is_not_there_is_a_usage_error(tmp_path: Path) -> None:
+    """The sentence names the folder."""
+    sentence = failure(call("run", tmp_path / "absent", "drive"), ExitCode.USAGE)
+    assert "is not a folder" in sentence
+
+
+def test_a_broken_robot_toml_names_line_and_field(project: Path, edit: Edit) -> None:
+    """Exit code 3."""
+    line = edit("robot.toml", "priority = 30", 'priority = "high"')
+    sentence = failure(call("run", project, "drive"), ExitCode.PROJECT_FILE)
+    assert f"robot.toml:{line}: tasks[0].priority: is 'high'; expected a whole number" in sentence
+
+
+def test_an_unknown_port_names_line_and_ports(project: Path, edit: Edit) -> None:
+    """Exit code 3."""
+    line = edit("robot.toml", "[ports.1]", "[ports.7]")
+    sentence = failure(call("run", project, "drive"), ExitCode.PROJECT_FILE)
+    assert f"robot.toml:{line}: ports.7: unknown port '7'" in sentence
+
+
+def test_a_missing_image_says_how_to_build_it(project: Path) -> None:
+    """Exit code 6."""
+    Workspace.of(project).image("ram", "vehicle").unlink()
+    sentence = failure(call("run", project, "drive"), ExitCode.BAD_IMAGE)
+    assert "build it with 'ravenbrick build'" in sentence
+
+
+def test_a_truncated_image_is_refused(project: Path) -> None:
+    """Exit code 6."""
+    image = Workspace.of(project).image("ram", "vehicle")
+    image.write_bytes(image.read_bytes()[:-40])
+    assert "is truncated" in failure(call("run", project, "drive"), ExitCode.BAD_IMAGE)
+
+
+def test_an_image_too_large_for_ram_is_refused(whole: Path) -> None:
+    """Exit code 6, with the number of bytes."""
+    (whole / "Makefile").write_text(
+        'ram:\n\t@echo "region \\`RAM\' overflowed by 12 bytes"; exit 1\n'
+    )
+    assert "12 bytes too large" in failure(call("build", whole), ExitCode.BAD_IMAGE)
+
+
+def test_a_missing_scenario_is_unreachable(project: Path) -> None:
+    """Exit code 9."""
+    sentence = failure(call("run", project, "dirve"), ExitCode.SCENARIO_UNREACHABLE)
+    assert "known scenarios: drive" in sentence
+
+
+def test_an_input_beyond_the_duration_is_unreachable(project: Path, edit: Edit) -> None:
+    """Exit code 9."""
+    edit(DRIVE, "at_ms = 19_000", "at_ms = 20_001")
+    sentence = failure(call("run", project, "drive"), ExitCode.SCENARIO_UNREACHABLE)
+    assert "20001 ms is beyond the duration of 20000 ms" in sentence
+
+
+def test_an_input_after_power_off_is_unreachable(project: Path, edit: Edit) -> None:
+    """What was scheduled for a brick that is off never happens."""
+    line = edit(DRIVE, "at_ms = 17_650", "at_ms = 19_500")
+    sentence = failure(call("run", project, "drive"), ExitCode.SCENARIO_UNREACHABLE)
+    assert f"drive.toml:{line}: " in sentence
+    assert "never happens: the brick was powered off at 19000." in sentence
+
+
+def test_a_criterion_that_the_run_never_reaches_is_unreachable(project: Path, edit: Edit) -> None:
+    """A vehicle that never drives the distance has no deviation over it."""
+    edit(DRIVE, "distance = 2.0", "distance = 200.0")
+    sentence = failure(call("run", project, "drive"), ExitCode.SCENARIO_UNREACHABLE)
+    assert "'lateral_deviation' was never reached in the run" in sentence
+
+
+def test_a_criterion_that_is_not_met_has_its_own_exit_code(project: Path, edit: Edit) -> None:
+    """Exit code 8, with value and bound."""
+    line = edit(DRIVE, "minimum = 3.0", "minimum = 30.0")
+    sentence = failure(call("run", project, "drive"), ExitCode.CRITERIA_NOT_MET)
+    assert f"drive.toml:{line - 2}: distance is 4." in sentence
+    assert "expected at least 30" in sentence
+
+
+def test_a_fault_on_the_brick_ends_the_run_with_its_sentence(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Exit code 7, with instant, fault and what is on the LCD."""
+    monkeypatch.setattr(fake_brick.VirtualBrick, "fault_ms", 700)
+    result = call("run", project, "drive")
+    sentence = failure(result, ExitCode.RUN_FAULT)
+    assert "after 0.700000 s" in sentence
+    assert "unmodelled register 0xFFFA0000" in sentence
+    assert "vehicle.adb:12" in result.stderr
+
+
+def test_a_task_set_that_is_not_the_images_is_refused(project: Path, edit: Edit) -> None:
+    """A stack, a priority or a period that differs is named with its line."""
+    line = edit("robot.toml", "period_us = 4_000", "period_us = 5_000")
+    sentence = failure(call("run", project, "drive"), ExitCode.PROJECT_FILE)
+    assert f"robot.toml:{line}: tasks[1].period_us: is 5000, but the image that ran" in sentence
+
+
+def test_an_error_is_json_when_asked_for(project: Path) -> None:
+    """Programs get code and sentence on standard output."""
+    result = call("run", project, "dirve", "--json")
+    assert result.exit_code == ExitCode.SCENARIO_UNREACHABLE
+    answer = json.loads(result.stdout)
+    assert answer["ok"] is False
+    assert answer["exit_code"] == ExitCode.SCENARIO_UNREACHABLE
+    assert "there is no such scenario" in answer["error"]
+
+
+def test_a_failing_design_shows_its_last_line(whole: Path) -> None:
+    """Exit code 10."""
+    (whole / "design.py").write_text("raise SystemExit('no gain meets the specification')\n")
+    sentence = failure(call("design", whole), ExitCode.DESIGN_FAILED)
+    assert "no gain meets the specification" in sentence
+
+
+def test_a_report_without_a_run_says_what_to_run(project: Path) -> None:
+    """There is nothing to report yet."""
+    assert "has been run yet" in failure(call("report", project), ExitCode.USAGE)
+
+
+def test_run_answers_with_the_measures_of_the_run(project: Path) -> None:
+    """The figures are those that the made-up run was given."""
+    answer = parsed(call("run", project, "drive", "--json"))
+    control = answer["tasks"]["control_task"]
+    assert control["releases"] == 4748
+    assert control["response_time_cycles_min"] == control["response_time_cycles_max"] == 20_150
+    assert control["response_time_cycles_mean"] == 20_150
+    assert control["release_jitter_cycles"] == 0
+    assert control["deadline_misses"] == 0
+    assert answer["lateral_deviation"] == pytest.approx(0.004, abs=1e-5)
+    assert answer["stop"] == "power_off"
+    assert Path(answer["recording"]).is_file()
+
+
+def test_a_report_is_made_again_from_the_recordings(project: Path) -> None:
+    """What was recorded is enough; nothing runs again."""
+    parsed(call("run", project, "drive", "--json"))
+    answer = parsed(call("report", project, "--json"))
+    assert answer["summary"]["lateral_deviation_with"] == pytest.approx(0.004, abs=1e-5)
+    assert answer["summary"]["settling_time"] is None
+    assert "The first 50 ms" in Path(answer["report"]).read_text()
+
+
+def test_a_damaged_recording_is_refused(project: Path) -> None:
+    """The sentence says to run the scenario again."""
+    parsed(call("run", project, "drive", "--json"))
+    recording = Workspace.of(project).recording("drive")
+    recording.write_bytes(recording.read_bytes()[:2000])
+    assert "run the scenario again" in failure(call("report", project), ExitCode.USAGE)
+
+
+def test_the_demo_leaves_report_pictures_and_summary(demo: tuple[Path, Result]) -> None:
+    """One command gives every file, and the summary has the stable keys."""
+    folder, result = demo
+    assert result.exit_code == 0, result.output
+    assert {path.name for path in folder.glob("*.png")} == {
+        "lcd-1.png",
+        "lcd-2.png",
+        "path.png",
+        "schedule.png",
+        "speeds.png",
+        "step-response.png",
+        "tasks.png",
+    }
+    figures = json.loads((folder / "summary.json").read_text())
+    assert figures["settling_time"] == pytest.approx(0.391, abs=0.006)
+    assert figures["overshoot"] < 0.005
+    assert figures["lateral_deviation_with"] == pytest.approx(0.004, abs=1e-5)
+    assert figures["lateral_deviation_without"] == pytest.approx(0.0999, abs=1e-3)
+    assert figures["same_digest_twice"] is True
+    assert re.fullmatch("[0-9a-f]{64}", figures["trace_digest"])
+    assert 0.1 < figures["cpu_utilization"] < 0.5
+    assert set(figures["tasks"]) == {"coprocessor_task", "control_task", "display_task"}
+
+
+def test_the_demo_answers_with_summary_and_steps(whole: Path) -> None:
+    """With --json, the figures are those of summary.json."""
+    answer = parsed(call("demo", whole, "--json"))
+    assert answer["summary"] == json.loads(Path(answer["summary_file"]).read_text())
+    assert [step["name"] for step in answer["steps"]][:2] == [
+        "design and generate C",
+        "build the RAM image",
+    ]
+
+
+def test_the_report_stands_alone_and_says_what_it_must(demo: tuple[Path, Result]) -> None:
+    """Pictures are inside, nothing is fetched, and each part of the demonstration is there."""
+    page = (demo[0] / "report.html").read_text()
+    assert not re.search(r'(?:src|href)="(?!data:)', page)
+    assert "<script" not in page and "@import" not in page
+    assert page.count('src="data:image/png;base64,') == 6
+    for part in (
+        "Step response",
+        "continuous design",
+        "sampled simulation",
+        "on the brick, motor C",
+        "set-points",
+        "Path from above",
+        "Tasks and schedule",
+        "release jitter",
+        "The first 50 ms",
+        "The LCD",
+        "high-water mark",
+        "gave the same digest",
+        "@media print",
+    ):
+        assert part in page, part
+
+
+def test_progress_names_each_step_with_its_duration(demo: tuple[Path, Result]) -> None:
+    """Without --json, every step is one numbered line."""
+    result = demo[1]
+    assert re.search(r"\[1/7\] design and generate C +\d+\.\d\d s", result.stdout)
+    assert re.search(r"\[6/7\] run 'drive' again +\d+\.\d\d s +same trace digest", result.stdout)
+    assert "report.html in a browser" in result.stdout
+
+
+def test_doctor_lists_what_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each tool and module is one check."""
+    monkeypatch.setattr("ravenbrick.cli.doctor.MODULES", ("numpy",))
+    monkeypatch.setattr("ravenbrick.cli.doctor.TOOLS", build.TOOLS)
+    names = [check["name"] for check in parsed(call("doctor", "--json"))["checks"]]
+    assert names == ["Python", "make", "Python module numpy"]
+
+
+def test_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit code 4, with what to do."""
+    monkeypatch.setattr("ravenbrick.cli.doctor.MODULES", ("no_such_module",))
+    sentence = failure(call("doctor"), ExitCode.TOOL_MISSING)
+    assert "no_such_module; run 'make setup'" in sentence
