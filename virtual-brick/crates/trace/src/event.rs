@@ -28,7 +28,8 @@ pub enum EventKind {
     InterruptLeft = 6,
     /// The picture changed: value is a digest of the picture, low 63 bits.
     DisplayChanged = 7,
-    /// A motor command took effect: subject is the motor, value is duty in percent | brake << 8.
+    /// A motor command took effect: subject is the motor, value is the duty in percent as a
+    /// signed byte, plus 256 when the winding is shorted in the off phase.
     MotorCommand = 8,
     /// An input was applied: subject is the index of its name, value the bits of the number.
     Input = 9,
@@ -36,13 +37,16 @@ pub enum EventKind {
     ProcessorStopped = 10,
     /// The processor clock runs again.
     ProcessorResumed = 11,
-    /// The supply was switched off.
+    /// The supply was switched off: value is 0 at the program's request, 1 without handshake,
+    /// 2 with an empty battery, 3 for the boot monitor.
     PowerOff = 12,
+    /// The co-processor toggled the amplifier because it heard nothing for 2 s.
+    CoprocessorClick = 13,
 }
 
 impl EventKind {
     /// Every kind, in the order of the numbers.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::ThreadRunning,
         Self::ThreadState,
         Self::Release,
@@ -55,6 +59,7 @@ impl EventKind {
         Self::ProcessorStopped,
         Self::ProcessorResumed,
         Self::PowerOff,
+        Self::CoprocessorClick,
     ];
 
     /// The number in the packed format.
@@ -79,6 +84,7 @@ impl EventKind {
             Self::ProcessorStopped => "processor_stopped",
             Self::ProcessorResumed => "processor_resumed",
             Self::PowerOff => "power_off",
+            Self::CoprocessorClick => "coprocessor_click",
         }
     }
 }

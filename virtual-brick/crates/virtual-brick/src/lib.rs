@@ -3,11 +3,30 @@
 //! Facade of the virtual brick: assembles the chip, the board and the plant, loads an image,
 //! runs it, and records what happens.
 
+mod assembly;
+mod brick;
 mod configuration;
+mod guard;
 mod image;
+mod inputs;
+mod memory;
+mod probes;
+mod recorder;
+mod run;
+mod stop;
+mod threads;
 
-pub use configuration::{
-    Battery, BatteryKind, Body, Configuration, ConfigurationError, DifferentialDrive, Hand, Motor,
-    MotorParameters, Sensor,
-};
+pub use brick::{BrickError, Snapshot, VirtualBrick};
+pub use configuration::{Configuration, ConfigurationError};
 pub use image::{Image, ImageError, Placement, ScalarKind, Segment, Symbol, Symbols, Variable};
+pub use inputs::InputError;
+pub use memory::MemoryError;
+pub use probes::Probe;
+pub use stop::{Stop, StopReason};
+pub use threads::Thread;
+
+/// Frequency of the master clock in Hz as a fraction: numerator and denominator.
+pub const CLOCK_HZ: (u64, u64) = (
+    at91sam7s::MASTER_CLOCK_HZ_NUMERATOR,
+    at91sam7s::MASTER_CLOCK_HZ_DENOMINATOR,
+);

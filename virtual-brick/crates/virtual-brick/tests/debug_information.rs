@@ -6,6 +6,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 
 use virtual_brick::{Image, ScalarKind};
 
@@ -22,6 +23,12 @@ int *pointer;
 int tasks__limit;
 void _start(void) { pointer = &hidden; mode = driving; wide = 1.5; tasks__limit = 3; for (;;) ; }
 ";
+
+/// Both tests read the one image; the compiler runs once.
+fn image() -> &'static Image {
+    static IMAGE: OnceLock<Image> = OnceLock::new();
+    IMAGE.get_or_init(compile)
+}
 
 fn compile() -> Image {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
@@ -47,7 +54,7 @@ fn compile() -> Image {
 
 #[test]
 fn types_of_global_objects_come_from_the_debug_information() {
-    let image = compile();
+    let image = image();
     for (path, kind) in [
         ("functional_Y.correctedvoltage", ScalarKind::F32),
         ("functional_Y.inner.count", ScalarKind::I16),

@@ -43,25 +43,12 @@ impl From<serde_path_to_error::Error<serde_json::Error>> for ConfigurationError 
     }
 }
 
-/// Allowed numbers; none admits infinity or NaN.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Range {
-    Positive,
-    NotNegative,
-}
-
-/// Refuse a number out of range.
-pub(super) fn check(path: &str, number: f64, range: Range) -> Result<(), ConfigurationError> {
-    let (allowed, wanted) = match range {
-        Range::Positive => (number > 0.0, "finite and greater than 0"),
-        Range::NotNegative => (number >= 0.0, "finite and 0 or greater"),
-    };
-    if allowed && number.is_finite() {
-        Ok(())
-    } else {
-        Err(ConfigurationError::field(
-            path,
-            format!("{number} must be {wanted}"),
-        ))
+impl From<plant::ParameterError> for ConfigurationError {
+    fn from(error: plant::ParameterError) -> Self {
+        let problem = format!("{} must be {}", error.value, error.expected);
+        Self {
+            path: error.field,
+            problem,
+        }
     }
 }

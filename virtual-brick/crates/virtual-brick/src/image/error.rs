@@ -56,6 +56,13 @@ pub enum ImageError {
         /// Symbols whose names contain it.
         similar: Vec<String>,
     },
+    /// The type of an object is needed and not known.
+    UnknownType {
+        /// Name asked for.
+        path: String,
+        /// Its size in bytes, 0 when unknown.
+        size: u32,
+    },
     /// A component was asked of an object that has none of this name.
     UnknownComponent {
         /// Name asked for.
@@ -116,6 +123,11 @@ impl fmt::Display for ImageError {
                 f,
                 "the image has no symbol `{name}`; similar: {}",
                 similar.join(", ")
+            ),
+            Self::UnknownType { path, size } => write!(
+                f,
+                "the type of `{path}` ({size} bytes) is not known as a scalar; give its kind (i32, \
+                 f32, ...) or build with debug information"
             ),
             Self::UnknownComponent { path, detail } => {
                 write!(f, "the image has no object `{path}`: {detail}")

@@ -1,6 +1,30 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Builders for tests: small ELF files, hand-assembled words.
+//! Builders for tests: small ELF files, hand-assembled programs, whole bricks.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod arm;
 pub mod elf;
+
+use arm::Program;
+use elf::ElfBuilder;
+use virtual_brick::{Configuration, VirtualBrick};
+
+pub const RAM: u32 = 0x0020_2000;
+pub const VEHICLE: &str = include_str!("vehicle.json");
+
+pub fn vehicle() -> Configuration {
+    Configuration::from_json(VEHICLE).unwrap()
+}
+
+/// An image in RAM whose code symbol `start` is the program.
+pub fn image(program: &Program) -> ElfBuilder {
+    ElfBuilder::new(RAM)
+        .words(RAM, &program.words())
+        .function("start", RAM)
+}
+
+/// A vehicle that runs the program from RAM.
+pub fn brick(program: &Program) -> VirtualBrick {
+    VirtualBrick::new(&vehicle(), &image(program).build()).unwrap()
+}

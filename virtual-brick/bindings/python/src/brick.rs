@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The brick as a Python class.
+
+use std::collections::BTreeMap;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use trace::{EventKind, NameSpace};
+use virtual_brick_facade::{BrickError, Configuration, ScalarKind, CLOCK_HZ};
+
+use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
+use crate::values::{Stop, Thread};
+
+/// Python's signals (Ctrl-C) are looked at this often: a tenth of a virtual second.
+const SIGNAL_CHECK_CYCLES: u64 = 4_805_486;
+
+/// A brick with a program, its surroundings and the record of its run.
+#[pyclass(module = "virtual_brick")]
+pub(crate) struct VirtualBrick(virtual_brick_facade::VirtualBrick);
+
+/// The whole state of a brick at an instant.
+#[pyclass(module = "virtual_brick", frozen)]
+pub(crate) struct Snapshot(virtual_brick_facade::Snapshot);
+
+#[pymethods]
+impl VirtualBrick {
+    #[new]
+    fn new(configuration_json: &str, elf: &[u8]) -> PyResult<Self> {
+        let configuration =
+            Configuration::from_json(configuration_json).map_err(raise::<ConfigurationError>)?;
+        virtual_brick_facade::VirtualBrick::new(&configuration, elf)
+            .map(Self)
+            .map_err(|error| match error {
+                BrickError::Configuration(error) => raise::<ConfigurationError>(error),
+                BrickError::Image(error) => raise::<ImageError>(error),
+            })
+    }
+
+    #[getter]
+    fn cycles(&self) -> u64 {
+        self.0.cycles()
+    }
+
+    #[getter]
+    fn clock_hz(&self) -> (u64, u64) {
+        CLOCK_HZ
+    }
+
+    #[getter]
+    fn program_counter(&self) -> u32 {
+        self.0.processor().next_instruction_address()
+    }
+
+    #[getter]
+    fn threads_unobserved(&self) -> Option<&str> {
+        self.0.threads_unobserved()
+    }
+
+    fn schedule_input(&mut self, at_cycles: u64, name: &str, value: f64) -> PyResult<()> {
+        self.0
+            .schedule_input(at_cycles, name, value)
+            .map_err(raise::<InputError>)
+    }
+
+    fn run_until(&mut self, py: Python<'_>, cycles: u64) -> PyResult<Stop> {
+        loop {
+            let slice = self
+                .0
+                .cycles()
+                .saturating_add(SIGNAL_CHECK_CYCLES)
+                .min(cycles);
+            let stop = py.detach(|| self.0.run_until(slice));
+            if stop.reason != virtual_brick_facade::StopReason::Reached || slice == cycles {
+                return Ok(stop.into());
+            }
+            py.check_signals()?;
+        }
+    }
+
+    fn lcd<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.0.lcd())
+    }
+
+    fn symbol(&self, name: &str) -> PyResult<(u32, u32)> {
+        let symbol = self
+            .0
+            .image()
+            .symbols()
+            .find(name)
+            .map_err(raise::<ImageError>)?;
+        Ok((symbol.address, symbol.size))
+    }
+
+    fn nearest_code(&self, address: u32) -> Option<(String, u32)> {
+        let (name, offset) = self.0.image().symbols().nearest_code(address)?;
+        Some((name.to_owned(), offset))
+    }
+
+    fn read_memory<'py>(
+        &self,
+        py: Python<'py>,
+        address: u32,
+        length: usize,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self
+            .0
+            .read_memory(address, length)
+            .map_err(raise::<AddressError>)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    #[pyo3(signature = (name, kind=None))]
+    fn read_float(&self, name: &str, kind: Option<&str>) -> PyResult<f64> {
+        Ok(self.read(name, kind)?.as_float())
+    }
+
+    #[pyo3(signature = (name, kind=None))]
+    fn read_int(&self, name: &str, kind: Option<&str>) -> PyResult<i64> {
+        Ok(self.read(name, kind)?.as_integer())
+    }
+
+    #[pyo3(signature = (symbol, kind=None))]
+    fn add_probe(&mut self, symbol: &str, kind: Option<&str>) -> PyResult<()> {
+        self.0
+            .add_probe(symbol, scalar_kind(kind)?)
+            .map_err(raise::<ImageError>)
+    }
+
+    fn threads(&self) -> Vec<Thread> {
+        self.0.threads().into_iter().map(Thread::from).collect()
+    }
+
+    fn thread_names(&self) -> Vec<String> {
+        self.0.trace().names().all(NameSpace::Thread).to_vec()
+    }
+
+    fn input_names(&self) -> Vec<String> {
+        self.0.trace().names().all(NameSpace::Input).to_vec()
+    }
+
+    fn events<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.0.trace().events().pack())
+    }
+
+    #[staticmethod]
+    fn event_kinds() -> BTreeMap<u32, &'static str> {
+        EventKind::ALL
+            .into_iter()
+            .map(|kind| (kind.number(), kind.name()))
+            .collect()
+    }
+
+    fn signals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let signals = PyDict::new(py);
+        for signal in self.0.trace().signals().iter() {
+            let cycles: Vec<u8> = signal
+                .at_cycles
+                .iter()
+                .flat_map(|c| c.to_le_bytes())
+                .collect();
+            let values: Vec<u8> = signal.values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            let columns = (PyBytes::new(py, &cycles), PyBytes::new(py, &values));
+            signals.set_item(signal.name, columns)?;
+        }
+        Ok(signals)
+    }
+
+    fn trace_digest(&self) -> String {
+        self.0.trace().digest().to_string()
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        Snapshot(self.0.snapshot())
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) {
+        self.0.restore(&snapshot.0);
+    }
+}
+
+impl VirtualBrick {
+    fn read(&self, name: &str, kind: Option<&str>) -> PyResult<virtual_brick_facade::Probe> {
+        self.0
+            .read_scalar(name, scalar_kind(kind)?)
+            .map_err(raise::<ImageError>)
+    }
+}
+
+fn scalar_kind(kind: Option<&str>) -> PyResult<Option<ScalarKind>> {
+    kind.map(|kind| kind.parse().map_err(raise::<ImageError>))
+        .transpose()
+}

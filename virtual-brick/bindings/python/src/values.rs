@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Plain values handed to Python.
+
+use pyo3::prelude::*;
+
+/// Why a run ended, when, and a sentence.
+#[pyclass(module = "virtual_brick", frozen, get_all, eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Stop {
+    reason: &'static str,
+    at_cycles: u64,
+    message: String,
+}
+
+#[pymethods]
+impl Stop {
+    fn __repr__(&self) -> String {
+        format!(
+            "Stop(reason={:?}, at_cycles={}, message={:?})",
+            self.reason, self.at_cycles, self.message
+        )
+    }
+}
+
+impl From<virtual_brick_facade::Stop> for Stop {
+    fn from(stop: virtual_brick_facade::Stop) -> Self {
+        Self {
+            reason: stop.reason.name(),
+            at_cycles: stop.at_cycles,
+            message: stop.message,
+        }
+    }
+}
+
+/// A thread of the program.
+#[pyclass(module = "virtual_brick", frozen, get_all, eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Thread {
+    name: String,
+    base_priority: u32,
+    stack_base: u32,
+    stack_size: u32,
+    stack_used: u32,
+    address: u32,
+    state: u32,
+}
+
+#[pymethods]
+impl Thread {
+    fn __repr__(&self) -> String {
+        format!(
+            "Thread(name={:?}, base_priority={}, stack_base={:#010x}, stack_size={}, \
+             stack_used={}, address={:#010x}, state={})",
+            self.name,
+            self.base_priority,
+            self.stack_base,
+            self.stack_size,
+            self.stack_used,
+            self.address,
+            self.state
+        )
+    }
+}
+
+impl From<virtual_brick_facade::Thread> for Thread {
+    fn from(thread: virtual_brick_facade::Thread) -> Self {
+        Self {
+            name: thread.name,
+            base_priority: thread.base_priority,
+            stack_base: thread.stack_base,
+            stack_size: thread.stack_size,
+            stack_used: thread.stack_used,
+            address: thread.address,
+            state: thread.state,
+        }
+    }
+}

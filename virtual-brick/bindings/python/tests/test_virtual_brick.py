@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The module as a Python program sees it."""
+
+import json
+import struct
+import threading
+from typing import Any
+
+import pytest
+import virtual_brick
+from elf_writer import RAM, Elf
+from virtual_brick import ConfigurationError, ImageError, InputError, VirtualBrick
+
+COUNTER = 0x0020_8000
+MILLISECOND = 48_055
+
+# LDR r1, =COUNTER; MSR CPSR_c, #0x13; then for ever: r0 += 1, store it.
+COUNTING = [0xE59F100C, 0xE321F013, 0xE2800001, 0xE5810000, 0xEAFFFFFC, COUNTER]
+HALTING = [0xE1A00000, 0xEAFFFFFE]
+
+
+def configuration(**changes: Any) -> str:
+    """A brick with a touch sensor and nothing else plugged in."""
+    fields: dict[str, Any] = {
+        "battery": {"kind": "li_ion", "voltage": 8.0},
+        "sensors": {"1": {"kind": "touch"}},
+    }
+    return json.dumps(fields | changes)
+
+
+def elf(words: list[int]) -> bytes:
+    """A program with one function and one object."""
+    return Elf().words(RAM, words).function("start", RAM).object("counter", COUNTER, 4).build()
+
+
+def counting() -> VirtualBrick:
+    """A brick that counts for ever."""
+    return VirtualBrick(configuration(), elf(COUNTING))
+
+
+def test_a_run_reaches_its_instant() -> None:
+    """A run stops at the first instruction boundary at or after the wanted cycle."""
+    brick = counting()
+    stop = brick.run_until(MILLISECOND)
+    assert (stop.reason, stop.message) == ("reached", "")
+    assert MILLISECOND <= stop.at_cycles < MILLISECOND + 4
+    assert brick.cycles == stop.at_cycles
+    assert RAM <= brick.program_counter < RAM + 4 * len(COUNTING)
+
+
+def test_the_clock_is_an_exact_fraction() -> None:
+    """The master clock is 18.432 MHz times 73 over 28."""
+    assert counting().clock_hz == (336_384_000, 7)
+
+
+def test_memory_and_symbols_are_read() -> None:
+    """A symbol gives address and size; memory and scalars are read from there."""
+    brick = counting()
+    brick.run_until(MILLISECOND)
+    address, size = brick.symbol("counter")
+    assert (address, size) == (COUNTER, 4)
+    (value,) = struct.unpack("<I", brick.read_memory(address, size))
+    assert value > 1_000
+    assert brick.read_int("counter", "u32") == value
+    assert brick.read_float("counter", "u32") == float(value)
+    assert brick.nearest_code(RAM + 8) == ("start", 8)
+
+
+def test_a_scalar_without_a_known_type_needs_a_kind() -> None:
+    """Without debug information and kind the error tells what to give."""
+    with pytest.raises(ImageError, match="give its kind"):
+        counting().read_int("counter")
+    with pytest.raises(ImageError, match="unknown kind `i24`"):
+        counting().read_int("counter", "i24")  # type: ignore[arg-type]
+
+
+def test_a_probe_is_sampled_into_a_signal() -> None:
+    """A probe gives one growing value per millisecond."""
+    brick = counting()
+    brick.add_probe("counter", "u32")
+    brick.run_until(10 * MILLISECOND + 1)
+    cycles, values = brick.signals()["probe.counter"]
+    instants = struct.unpack(f"<{len(cycles) // 8}Q", cycles)
+    samples = struct.unpack(f"<{len(values) // 8}d", values)
+    assert len(instants) == len(samples) >= 10
+    assert list(samples) == sorted(samples) and samples[-1] > samples[1] > samples[0] == 0.0
+    assert all(late - early >= MILLISECOND - 8 for early, late in zip(instants, instants[1:]))
+
+
+def test_an_unknown_symbol_is_an_image_error() -> None:
+    """The error names similar symbols."""
+    with pytest.raises(ImageError, match="similar: counter"):
+        counting().symbol("Count")
+
+
+def test_memory_outside_the_chip_is_an_address_error() -> None:
+    """Only RAM and flash can be read."""
+    with pytest.raises(virtual_brick.AddressError, match="0x80000000"):
+        counting().read_memory(0x8000_0000, 4)
+
+
+def test_a_loop_with_interrupts_masked_halts() -> None:
+    """The stop names the place."""
+    stop = VirtualBrick(configuration(), elf(HALTING)).run_until(MILLISECOND)
+    assert stop.reason == "halted"
+    assert "start + 0x4" in stop.message
+    assert repr(stop).startswith('Stop(reason="halted", at_cycles=')
+
+
+def test_a_refused_image_is_an_image_error() -> None:
+    """Anything that is no ARM executable raises."""
+    with pytest.raises(ImageError, match="not an ELF file"):
+        VirtualBrick(configuration(), b"nonsense")
+    with pytest.raises(ImageError, match="truncated"):
+        VirtualBrick(configuration(), elf(COUNTING)[:40])
+
+
+def test_a_refused_configuration_names_the_field() -> None:
+    """The path of the field is in the text."""
+    with pytest.raises(ConfigurationError, match="battery.voltage"):
+        VirtualBrick(configuration(battery={"kind": "aa", "voltage": "high"}), elf(COUNTING))
+    with pytest.raises(ConfigurationError, match="wheels"):
+        VirtualBrick(configuration(wheels=2), elf(COUNTING))
+
+
+def test_inputs_are_checked_when_scheduled() -> None:
+    """Unknown names, past instants and values that are no numbers raise."""
+    brick = counting()
+    brick.run_until(100)
+    for at, name, value in [(200, "touch.3", 1.0), (99, "touch.1", 1.0), (200, "touch.1", 1e999)]:
+        with pytest.raises(InputError, match=name):
+            brick.schedule_input(at, name, value)
+
+
+def test_an_applied_input_is_an_event() -> None:
+    """The event holds the index of the name and the bits of the number."""
+    brick = counting()
+    brick.schedule_input(1_000, "touch.1", 1.0)
+    brick.run_until(2_000)
+    kinds = {name: number for number, name in VirtualBrick.event_kinds().items()}
+    records = list(struct.iter_unpack("<QIIq", brick.events()))
+    (at_cycles, _, subject, value) = next(r for r in records if r[1] == kinds["input"])
+    assert 1_000 <= at_cycles < 1_004
+    assert brick.input_names()[subject] == "touch.1"
+    assert struct.unpack("<d", struct.pack("<q", value)) == (1.0,)
+
+
+def test_the_digest_does_not_depend_on_how_the_run_is_cut() -> None:
+    """One long run and many short ones give the same trace; another input another one."""
+    whole, cut, other = counting(), counting(), counting()
+    for brick in (whole, cut, other):
+        brick.schedule_input(70_000, "touch.1", 1.0)
+    other.schedule_input(80_000, "touch.1", 0.0)
+    for cycles in range(0, 200_000, 777):
+        cut.run_until(cycles)
+    for brick in (whole, cut, other):
+        brick.run_until(200_000)
+    assert whole.trace_digest() == cut.trace_digest() != other.trace_digest()
+    assert len(whole.trace_digest()) == 64
+
+
+def test_a_restored_run_repeats_itself() -> None:
+    """Going back to a snapshot and on again gives the same trace."""
+    brick = counting()
+    brick.run_until(50_000)
+    snapshot = brick.snapshot()
+    brick.run_until(150_000)
+    digest, counter = brick.trace_digest(), brick.read_int("counter", "u32")
+    brick.restore(snapshot)
+    assert brick.cycles < 50_004
+    brick.run_until(150_000)
+    assert (brick.trace_digest(), brick.read_int("counter", "u32")) == (digest, counter)
+
+
+def test_other_python_threads_run_during_a_run() -> None:
+    """The interpreter lock is released: a thread finishes while the brick runs."""
+    brick = counting()
+    done = threading.Event()
+    runner = threading.Thread(target=lambda: (brick.run_until(400 * MILLISECOND), done.set()))
+    runner.start()
+    turns = 0
+    while not done.wait(0.0005):
+        turns += 1
+    runner.join()
+    assert turns > 2
+
+
+def test_the_picture_has_a_byte_per_pixel() -> None:
+    """The display is dark before the program turns it on."""
+    assert counting().lcd() == bytes(64 * 100)
+
+
+def test_a_program_without_the_run_time_has_no_threads_and_says_why() -> None:
+    """The reason names the missing symbol."""
+    brick = counting()
+    assert brick.threads() == [] == brick.thread_names()
+    assert "ravenbrick_running_thread" in str(brick.threads_unobserved)

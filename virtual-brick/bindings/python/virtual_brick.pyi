@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Cycle-accurate virtual LEGO MINDSTORMS NXT brick.
+
+Time is an integer number of cycles of the master clock; `clock_hz` is its frequency as an exact
+fraction. A run is a function of the configuration, the image and the inputs: `trace_digest` is the
+same on every machine, and how a run is cut into calls of `run_until` makes no difference.
+"""
+
+from typing import Literal, final
+
+__all__ = [
+    "AddressError",
+    "ConfigurationError",
+    "ImageError",
+    "InputError",
+    "Snapshot",
+    "Stop",
+    "Thread",
+    "VirtualBrick",
+]
+
+ScalarKind = Literal["i8", "u8", "i16", "u16", "i32", "u32", "i64", "u64", "f32", "f64"]
+
+class ConfigurationError(ValueError):
+    """The configuration was refused; the text names the field by its path."""
+
+class ImageError(ValueError):
+    """The image was refused, or has no such symbol or scalar."""
+
+class InputError(ValueError):
+    """The input is unknown, its instant has passed or its value is not allowed."""
+
+class AddressError(ValueError):
+    """Some of the bytes asked for are no memory."""
+
+@final
+class Stop:
+    """Why a run ended."""
+
+    @property
+    def reason(self) -> Literal["reached", "power_off", "fault", "halted", "trace_full"]:
+        """`reached`: the run can go on. All others end the run."""
+    @property
+    def at_cycles(self) -> int:
+        """When."""
+    @property
+    def message(self) -> str:
+        """What happened, in a sentence; empty when reached."""
+
+@final
+class Thread:
+    """A thread of the program, as its control block describes it now."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def base_priority(self) -> int: ...
+    @property
+    def stack_base(self) -> int:
+        """Lowest address."""
+    @property
+    def stack_size(self) -> int:
+        """Bytes."""
+    @property
+    def stack_used(self) -> int:
+        """Bytes from the lowest one that is not zero to the top."""
+    @property
+    def address(self) -> int:
+        """Address of the control block."""
+    @property
+    def state(self) -> int:
+        """0 unstarted, 1 ready, 2 delayed, 3 suspended, 4 blocked on an entry, 5 terminated."""
+
+@final
+class Snapshot:
+    """The whole state of a brick at an instant, its trace included; kept in memory."""
+
+@final
+class VirtualBrick:
+    """A brick with a program, its surroundings and the record of its run.
+
+    While `run_until` runs, another Python thread that uses the same brick gets a RuntimeError.
+    """
+
+    def __new__(cls, configuration_json: str, elf: bytes) -> VirtualBrick:
+        """Assemble a brick and load a program. Raises ConfigurationError, ImageError."""
+    @property
+    def cycles(self) -> int:
+        """The present."""
+    @property
+    def clock_hz(self) -> tuple[int, int]:
+        """Frequency of the master clock in Hz: numerator and denominator."""
+    @property
+    def program_counter(self) -> int:
+        """Address of the next instruction."""
+    @property
+    def threads_unobserved(self) -> str | None:
+        """Why the program's threads cannot be observed; None when they are."""
+    def schedule_input(self, at_cycles: int, name: str, value: float) -> None:
+        """Let an input change at an instant; of one instant, in the order of the calls.
+
+        Raises InputError.
+        """
+    def run_until(self, cycles: int) -> Stop:
+        """Run to the first instruction boundary at or after `cycles`, or until the run ends.
+
+        Releases the interpreter lock; Ctrl-C interrupts the run, which can then go on.
+        """
+    def lcd(self) -> bytes:
+        """The picture: 64 rows of 100 pixels from the top left, one byte 0 or 1 each."""
+    def symbol(self, name: str) -> tuple[int, int]:
+        """Address and size (0: unknown) of a symbol. Raises ImageError."""
+    def nearest_code(self, address: int) -> tuple[str, int] | None:
+        """The code symbol at or below `address` and the distance to it."""
+    def read_memory(self, address: int, length: int) -> bytes:
+        """Bytes as the program sees them, without side effects. Raises AddressError."""
+    def read_float(self, name: str, kind: ScalarKind | None = None) -> float:
+        """A scalar object now. `name` may reach into records: `functional_Y.correctedvoltage`.
+
+        Without `kind` the debug information must tell the type. Raises ImageError.
+        """
+    def read_int(self, name: str, kind: ScalarKind | None = None) -> int:
+        """As `read_float`; an object of a floating-point type gives its bits."""
+    def add_probe(self, symbol: str, kind: ScalarKind | None = None) -> None:
+        """Sample a scalar object into the signal `probe.<symbol>` from the next sample on.
+
+        Raises ImageError.
+        """
+    def threads(self) -> list[Thread]:
+        """The threads; a thread's position is the subject of its events."""
+    def thread_names(self) -> list[str]:
+        """Names of the threads by the subject of events."""
+    def input_names(self) -> list[str]:
+        """Names of the inputs by the subject of events."""
+    def events(self) -> bytes:
+        """Packed events: u64 at_cycles, u32 kind, u32 subject, i64 value, little endian."""
+    @staticmethod
+    def event_kinds() -> dict[int, str]:
+        """Names of the kinds of events."""
+    def signals(self) -> dict[str, tuple[bytes, bytes]]:
+        """By name: sampling instants (u64 cycles) and samples (f64, SI), little endian."""
+    def trace_digest(self) -> str:
+        """SHA-256 of everything recorded, 64 hexadecimal digits."""
+    def snapshot(self) -> Snapshot:
+        """The whole state now."""
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a snapshot; the run goes on from there as it did then."""

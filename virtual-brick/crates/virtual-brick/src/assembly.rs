@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The parts joined: the only place that knows chip, board and plant together.
+
+use at91sam7s::board::{Board, ChipEvent};
+use at91sam7s::{AddressError, Chip, ChipConfiguration};
+use nxt::{BoardEvent, BoardEventKind, BoardFault, InputError, NxtBoard, PowerOffReason};
+use trace::{Event, EventKind};
+
+use crate::configuration::{Configuration, ConfigurationError};
+use crate::image::{Image, Placement};
+use crate::inputs::Input;
+
+/// The chip on its board.
+pub(crate) type Machine = Chip<NxtBoard>;
+
+/// What an event of the board means to the recorder.
+pub(crate) enum Observed {
+    /// To be recorded.
+    Event(Event),
+    /// To be recorded; the supply is off, with a sentence why.
+    PowerOff(Event, &'static str),
+    /// The clock of the run-time begins.
+    ClockStarted { at_cycles: u64 },
+    /// The program asked for what the board does not model: the run ends.
+    Fault { at_cycles: u64, fault: BoardFault },
+}
+
+/// A machine at power-on.
+pub(crate) fn machine(configuration: &Configuration) -> Result<Machine, ConfigurationError> {
+    let board = NxtBoard::new(
+        &configuration.board,
+        &configuration.robot,
+        configuration.seed,
+    )?;
+    Ok(Chip::new(board, ChipConfiguration::default()))
+}
+
+/// Put the image into memory and bring the machine to the state in which it is started.
+pub(crate) fn load(chip: &mut Machine, image: &Image) -> Result<(), AddressError> {
+    for segment in image.segments() {
+        chip.load(segment.address, &segment.bytes)?;
+    }
+    if image.placement() == Placement::Ram {
+        chip.enter_as_boot_monitor();
+        let now = chip.now();
+        chip.board_mut().skip_coprocessor_start_up(now);
+    }
+    Ok(())
+}
+
+/// Events of the board since the last call.
+pub(crate) fn take_events(chip: &mut Machine) -> Vec<BoardEvent> {
+    if chip.board().has_events() {
+        chip.board_mut().take_events()
+    } else {
+        Vec::new()
+    }
+}
+
+/// Meaning of an event of the board.
+pub(crate) fn observed(event: &BoardEvent) -> Observed {
+    let at_cycles = event.at_cycles;
+    let (kind, subject, value) = match event.kind {
+        BoardEventKind::Chip(ChipEvent::IntervalTimerStarted) => {
+            return Observed::ClockStarted { at_cycles };
+        }
+        BoardEventKind::Fault(fault) => return Observed::Fault { at_cycles, fault },
+        BoardEventKind::Chip(ChipEvent::InterruptEntered { source }) => {
+            (EventKind::InterruptEntered, u32::from(source), 0)
+        }
+        BoardEventKind::Chip(ChipEvent::InterruptLeft) => (EventKind::InterruptLeft, 0, 0),
+        BoardEventKind::Chip(ChipEvent::ProcessorStopped) => (EventKind::ProcessorStopped, 0, 0),
+        BoardEventKind::Chip(ChipEvent::ProcessorResumed) => (EventKind::ProcessorResumed, 0, 0),
+        BoardEventKind::DisplayChanged(digest) => (
+            EventKind::DisplayChanged,
+            0,
+            (digest & (u64::MAX >> 1)) as i64,
+        ),
+        BoardEventKind::MotorCommand { motor, duty, brake } => {
+            let value = i64::from(duty as u8) | i64::from(brake) << 8;
+            (EventKind::MotorCommand, motor.index() as u32, value)
+        }
+        BoardEventKind::Click => (EventKind::CoprocessorClick, 0, 0),
+        BoardEventKind::PowerOff(reason) => {
+            let (value, sentence) = power_off(reason);
+            let event = Event {
+                at_cycles,
+                kind: EventKind::PowerOff,
+                subject: 0,
+                value,
+            };
+            return Observed::PowerOff(event, sentence);
+        }
+    };
+    Observed::Event(Event {
+        at_cycles,
+        kind,
+        subject,
+        value,
+    })
+}
+
+/// Number of the reason in the trace, and a sentence.
+const fn power_off(reason: PowerOffReason) -> (i64, &'static str) {
+    match reason {
+        PowerOffReason::Requested => (0, "the program switched the brick off"),
+        PowerOffReason::NoHandshake => (
+            1,
+            "the co-processor switched off: the handshake did not come within 298 s",
+        ),
+        PowerOffReason::BatteryLow => (
+            2,
+            "the co-processor switched off: the rechargeable pack is below 6.5 V",
+        ),
+        PowerOffReason::BootMonitor => (
+            3,
+            "the program asked for the boot monitor, which follows a power cycle",
+        ),
+    }
+}
+
+/// The name and value were checked when the input was scheduled.
+pub(crate) fn apply_input(chip: &mut Machine, input: &Input) -> Result<(), InputError> {
+    let now = chip.now();
+    chip.board_mut().set_input(now, &input.name, input.value)
+}
+
+/// The chip has its supply.
+#[inline]
+pub(crate) fn powered(chip: &Machine) -> bool {
+    chip.board().powered()
+}

@@ -1,0 +1,224 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The assembled brick: made from a configuration and an image, looked at from outside.
+
+use std::fmt;
+use std::sync::Arc;
+
+use arm7tdmi::{psr, Cpu};
+use trace::Trace;
+
+use crate::assembly::{self, Machine};
+use crate::configuration::{Configuration, ConfigurationError};
+use crate::guard::Guard;
+use crate::image::{Image, ImageError, Placement, ScalarKind};
+use crate::inputs::{Input, InputError, InputSchedule};
+use crate::memory::{ChipMemory, MemoryError};
+use crate::probes::Probe;
+use crate::recorder::Recorder;
+use crate::stop::Stop;
+use crate::threads::{Layout, Thread, ThreadObserver};
+
+/// A brick with a program, its surroundings and the record of its run.
+///
+/// A run is a function of the configuration, the image and the inputs: how it is cut into calls
+/// of [`VirtualBrick::run_until`] makes no difference.
+#[derive(Clone, Debug)]
+pub struct VirtualBrick {
+    pub(crate) cpu: Cpu,
+    pub(crate) chip: Machine,
+    pub(crate) image: Arc<Image>,
+    pub(crate) recorder: Recorder,
+    pub(crate) inputs: InputSchedule,
+    pub(crate) guard: Guard,
+    pub(crate) ended: Option<Stop>,
+    threads_unobserved: Option<String>,
+}
+
+/// A brick that could not be made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BrickError {
+    /// Its configuration was refused.
+    Configuration(ConfigurationError),
+    /// Its image was refused.
+    Image(ImageError),
+}
+
+impl fmt::Display for BrickError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Configuration(error) => error.fmt(f),
+            Self::Image(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for BrickError {}
+
+impl From<ConfigurationError> for BrickError {
+    fn from(error: ConfigurationError) -> Self {
+        Self::Configuration(error)
+    }
+}
+
+impl From<ImageError> for BrickError {
+    fn from(error: ImageError) -> Self {
+        Self::Image(error)
+    }
+}
+
+/// The whole state of a brick at an instant, its trace included.
+#[derive(Clone, Debug)]
+pub struct Snapshot(Box<VirtualBrick>);
+
+impl VirtualBrick {
+    /// Assemble a brick and load a program.
+    ///
+    /// # Errors
+    /// The configuration or the image cannot be used.
+    pub fn new(configuration: &Configuration, elf: &[u8]) -> Result<Self, BrickError> {
+        let mut chip = assembly::machine(configuration)?;
+        let image = Arc::new(Image::parse(elf)?);
+        assembly::load(&mut chip, &image).map_err(ImageError::malformed)?;
+        let mut cpu = Cpu::new();
+        if image.placement() == Placement::Ram {
+            start_at(&mut cpu, image.entry());
+        }
+        let layout = Layout::of(&image);
+        let threads_unobserved = layout.as_ref().err().cloned();
+        let observer = layout.ok().map(ThreadObserver::new);
+        let mut recorder = Recorder::new(configuration, &chip, observer);
+        recorder.watch_new_words(&mut chip);
+        Ok(Self {
+            cpu,
+            chip,
+            image,
+            recorder,
+            inputs: InputSchedule::default(),
+            guard: Guard::default(),
+            ended: None,
+            threads_unobserved,
+        })
+    }
+
+    /// The present, in cycles of the master clock since the start.
+    #[must_use]
+    pub fn cycles(&self) -> u64 {
+        self.chip.now()
+    }
+
+    /// The program.
+    #[must_use]
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// The record of the run.
+    #[must_use]
+    pub fn trace(&self) -> &Trace {
+        &self.recorder.trace
+    }
+
+    /// The processor's registers and status.
+    #[must_use]
+    pub fn processor(&self) -> &Cpu {
+        &self.cpu
+    }
+
+    /// Let an input change at an instant; unknown names are refused at once.
+    ///
+    /// # Errors
+    /// The input is unknown, its instant has passed or its value is not allowed.
+    pub fn schedule_input(
+        &mut self,
+        at_cycles: u64,
+        name: &str,
+        value: f64,
+    ) -> Result<(), InputError> {
+        let now_cycles = self.chip.now();
+        if at_cycles < now_cycles {
+            return Err(InputError::InPast {
+                name: name.to_owned(),
+                at_cycles,
+                now_cycles,
+            });
+        }
+        self.chip
+            .board()
+            .check_input(name, value)
+            .map_err(InputError::Refused)?;
+        self.inputs.add(
+            at_cycles,
+            Input {
+                name: name.to_owned(),
+                value,
+            },
+        );
+        Ok(())
+    }
+
+    /// Sample a global object into the signal `probe.<path>` from the next sample on.
+    /// Without `kind` the debug information must tell the type.
+    ///
+    /// # Errors
+    /// No such symbol or component, or its type is unknown.
+    pub fn add_probe(&mut self, path: &str, kind: Option<ScalarKind>) -> Result<(), ImageError> {
+        let probe = Probe::new(&self.image, path, kind)?;
+        self.recorder.add_probe(probe);
+        Ok(())
+    }
+
+    /// Read a scalar object now. Without `kind` the debug information must tell the type.
+    ///
+    /// # Errors
+    /// No such symbol or component, its type is unknown, or it lies in no memory.
+    pub fn read_scalar(&self, path: &str, kind: Option<ScalarKind>) -> Result<Probe, ImageError> {
+        let mut probe = Probe::new(&self.image, path, kind)?;
+        probe.sample(&ChipMemory(&self.chip));
+        Ok(probe)
+    }
+
+    /// Bytes of memory as the program sees them, without side effects.
+    ///
+    /// # Errors
+    /// Some of it is no memory.
+    pub fn read_memory(&self, address: u32, length: usize) -> Result<Vec<u8>, MemoryError> {
+        self.chip.peek(address, length)
+    }
+
+    /// The picture: 64 rows of 100 pixels from the top left, one byte 0 or 1 each.
+    #[must_use]
+    pub fn lcd(&self) -> Vec<u8> {
+        self.chip.board().display().picture().to_bytes()
+    }
+
+    /// The threads of the program; empty when they cannot be observed.
+    #[must_use]
+    pub fn threads(&self) -> Vec<Thread> {
+        self.recorder.threads(&ChipMemory(&self.chip))
+    }
+
+    /// Why the program's threads cannot be observed; none when they are.
+    #[must_use]
+    pub fn threads_unobserved(&self) -> Option<&str> {
+        self.threads_unobserved.as_deref()
+    }
+
+    /// The whole state now.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot(Box::new(self.clone()))
+    }
+
+    /// Go back to the state of a snapshot; the run goes on from there as it did then.
+    pub fn restore(&mut self, snapshot: &Snapshot) {
+        self.clone_from(&snapshot.0);
+    }
+}
+
+fn start_at(cpu: &mut Cpu, entry: u32) {
+    if entry & 1 != 0 {
+        cpu.set_cpsr(cpu.cpsr() | psr::T);
+    }
+    cpu.set_pc(entry & !1);
+}

@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! From what the chip, the board and the observer report to the trace, in the order of time.
+
+use trace::{Event, EventKind, NameSpace, Trace, TraceError};
+
+use crate::assembly::{self, Machine, Observed};
+use crate::configuration::Configuration;
+use crate::inputs::Input;
+use crate::memory::ChipMemory;
+use crate::probes::Probe;
+use crate::stop::{Stop, StopReason};
+use crate::threads::{Sink, Thread, ThreadObserver};
+
+/// The trace and everything that feeds it.
+#[derive(Clone, Debug)]
+pub(crate) struct Recorder {
+    pub trace: Trace,
+    observer: Option<ThreadObserver>,
+    probes: Vec<Probe>,
+    pending: Vec<Event>,
+    power_off: &'static str,
+    row: Vec<f64>,
+    signal_period_cycles: u64,
+    next_sample_cycles: u64,
+}
+
+impl Recorder {
+    pub(crate) fn new(
+        configuration: &Configuration,
+        chip: &Machine,
+        observer: Option<ThreadObserver>,
+    ) -> Self {
+        let mut trace = Trace::new(configuration.trace_limits);
+        chip.board().signal_names().iter().for_each(|name| {
+            trace.declare_signal(name);
+        });
+        ["A", "B", "C"].iter().for_each(|motor| {
+            trace.names_mut().intern(NameSpace::Motor, motor);
+        });
+        Self {
+            trace,
+            observer,
+            probes: Vec::new(),
+            pending: Vec::new(),
+            power_off: "",
+            row: Vec::new(),
+            signal_period_cycles: configuration.signal_period_cycles,
+            next_sample_cycles: 0,
+        }
+    }
+
+    pub(crate) fn next_sample_cycles(&self) -> u64 {
+        self.next_sample_cycles
+    }
+
+    /// Why the supply is off, in a sentence; empty while it is on.
+    pub(crate) fn power_off(&self) -> &'static str {
+        self.power_off
+    }
+
+    pub(crate) fn add_probe(&mut self, probe: Probe) {
+        if !self.probes.iter().any(|known| known.path == probe.path) {
+            self.trace.declare_signal(&format!("probe.{}", probe.path));
+            self.probes.push(probe);
+        }
+    }
+
+    pub(crate) fn threads(&self, memory: &ChipMemory<'_>) -> Vec<Thread> {
+        self.observer
+            .as_ref()
+            .map_or_else(Vec::new, |observer| observer.report(memory))
+    }
+
+    /// Ask the chip to report writes of the words that the observer needs.
+    pub(crate) fn watch_new_words(&mut self, chip: &mut Machine) {
+        if let Some(observer) = &mut self.observer {
+            for address in observer.take_new_watches() {
+                // A control block outside RAM cannot change: nothing to watch.
+                let _ = chip.watch_word(address);
+            }
+        }
+    }
+
+    pub(crate) fn input_applied(&mut self, at_cycles: u64, input: &Input) {
+        let subject = self.trace.names_mut().intern(NameSpace::Input, &input.name);
+        let value = input.value.to_bits() as i64;
+        self.pending.push(Event {
+            at_cycles,
+            kind: EventKind::Input,
+            subject,
+            value,
+        });
+    }
+
+    /// Something waits to be collected.
+    #[inline]
+    pub(crate) fn has_news(&self, chip: &Machine) -> bool {
+        chip.has_watch_hits() || chip.board().has_events()
+    }
+
+    /// Record what happened since the last call. Of one instant, the board's and the chip's
+    /// events come before those of threads.
+    ///
+    /// # Errors
+    /// The stop when the trace is full or the board met what it does not model.
+    pub(crate) fn collect(&mut self, chip: &mut Machine) -> Result<(), Stop> {
+        let mut fault = None;
+        for event in assembly::take_events(chip) {
+            match assembly::observed(&event) {
+                Observed::Event(event) => self.pending.push(event),
+                Observed::PowerOff(event, sentence) => {
+                    self.pending.push(event);
+                    self.power_off = sentence;
+                }
+                Observed::ClockStarted { at_cycles } => {
+                    if let Some(observer) = &mut self.observer {
+                        observer.clock_started(at_cycles);
+                    }
+                }
+                Observed::Fault {
+                    at_cycles,
+                    fault: what,
+                } => {
+                    fault.get_or_insert((at_cycles, what.to_string()));
+                }
+            }
+        }
+        if chip.has_watch_hits() {
+            self.observe_writes(chip);
+        }
+        self.write_pending(chip.now())?;
+        match fault {
+            Some((at_cycles, message)) => Err(Stop {
+                reason: StopReason::Fault,
+                at_cycles,
+                message,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn write_pending(&mut self, now: u64) -> Result<(), Stop> {
+        self.pending.sort_by_key(|event| event.at_cycles);
+        let mut events = self.pending.drain(..);
+        events
+            .try_for_each(|event| self.trace.record(event))
+            .map_err(|error| stop(now, &error))
+    }
+
+    fn observe_writes(&mut self, chip: &mut Machine) {
+        let hits = chip.take_watch_hits();
+        let Some(observer) = &mut self.observer else {
+            return;
+        };
+        let memory = ChipMemory(chip);
+        let mut sink = Sink {
+            events: &mut self.pending,
+            names: self.trace.names_mut(),
+        };
+        for hit in hits {
+            observer.written(hit.at_cycles, hit.address, hit.value, &memory, &mut sink);
+        }
+        self.watch_new_words(chip);
+    }
+
+    /// One row of signals; the next one is due a period later.
+    pub(crate) fn sample(&mut self, chip: &Machine) -> Result<(), Stop> {
+        let now = chip.now();
+        self.next_sample_cycles = (now / self.signal_period_cycles + 1) * self.signal_period_cycles;
+        self.row.clear();
+        chip.board().sample_signals(now, &mut self.row);
+        let memory = ChipMemory(chip);
+        for probe in &mut self.probes {
+            probe.sample(&memory);
+            self.row.push(probe.as_float());
+        }
+        self.trace
+            .sample(now, &self.row)
+            .map_err(|error| stop(now, &error))
+    }
+}
+
+/// The stop that a refused record makes.
+fn stop(at_cycles: u64, error: &TraceError) -> Stop {
+    let reason = match error {
+        TraceError::TooManyEvents { .. } | TraceError::TooManySignalValues { .. } => {
+            StopReason::TraceFull
+        }
+        TraceError::OutOfOrder { .. } | TraceError::WrongSampleLength { .. } => StopReason::Fault,
+    };
+    Stop {
+        reason,
+        at_cycles,
+        message: error.to_string(),
+    }
+}

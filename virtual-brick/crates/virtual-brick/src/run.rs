@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The run: processor steps and skipped idle time between inputs and samples.
+
+use at91sam7s::ResetCause;
+
+use crate::assembly;
+use crate::brick::VirtualBrick;
+use crate::image::Placement;
+use crate::stop::{Stop, StopReason};
+
+impl VirtualBrick {
+    /// Run to the first instruction boundary at or after `limit_cycles`, or until the run ends.
+    /// A run that ended stays ended: further calls return the same stop.
+    pub fn run_until(&mut self, limit_cycles: u64) -> Stop {
+        while self.ended.is_none() && self.chip.now() < limit_cycles {
+            self.ended = self
+                .serve_due()
+                .and_then(|()| self.run_slice(limit_cycles))
+                .err();
+        }
+        self.ended.clone().unwrap_or_else(|| Stop {
+            reason: StopReason::Reached,
+            at_cycles: self.chip.now(),
+            message: String::new(),
+        })
+    }
+
+    /// Apply the inputs that are due, then sample if a sample is due.
+    fn serve_due(&mut self) -> Result<(), Stop> {
+        let now = self.chip.now();
+        while let Some(input) = self.inputs.take_due(now) {
+            assembly::apply_input(&mut self.chip, &input).map_err(|error| Stop {
+                reason: StopReason::Fault,
+                at_cycles: now,
+                message: error.to_string(),
+            })?;
+            self.recorder.input_applied(now, &input);
+            self.record()?;
+        }
+        if self.recorder.next_sample_cycles() <= now {
+            self.recorder.sample(&self.chip)?;
+        }
+        Ok(())
+    }
+
+    /// Steps up to the next input, sample or the limit.
+    fn run_slice(&mut self, limit_cycles: u64) -> Result<(), Stop> {
+        let due = self
+            .inputs
+            .next_cycles()
+            .min(self.recorder.next_sample_cycles());
+        let end = limit_cycles.min(due);
+        while self.chip.now() < end {
+            if self.chip.processor_stopped() {
+                self.chip.skip_to_next_event(end);
+                self.record()?;
+                self.after_step(self.cpu.next_instruction_address())?;
+                continue;
+            }
+            let before = self.cpu.next_instruction_address();
+            let step = self.cpu.step(&mut self.chip);
+            if self.recorder.has_news(&self.chip) {
+                self.record()?;
+            }
+            self.after_step(before)?;
+            if let Some(end) = self
+                .guard
+                .check(before, step, &self.cpu, &self.chip, &self.image)
+            {
+                let at_cycles = self.chip.now();
+                return Err(Stop {
+                    reason: end.reason,
+                    at_cycles,
+                    message: end.message,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn record(&mut self) -> Result<(), Stop> {
+        self.recorder.collect(&mut self.chip)
+    }
+
+    /// End the run at the first fault of the chip or when the supply is off; follow a reset.
+    #[inline]
+    fn after_step(&mut self, instruction: u32) -> Result<(), Stop> {
+        if let Some(cause) = self.chip.take_reset() {
+            return self.reset(cause);
+        }
+        if self.chip.fault().is_none() && assembly::powered(&self.chip) {
+            return Ok(());
+        }
+        Err(self.chip_stop(instruction))
+    }
+
+    /// A reset starts a flash image again; a RAM image is gone with its start by the boot monitor.
+    #[cold]
+    fn reset(&mut self, cause: ResetCause) -> Result<(), Stop> {
+        if self.image.placement() == Placement::Flash {
+            self.cpu.reset();
+            return Ok(());
+        }
+        let message = format!(
+            "reset of the processor ({cause:?}); an image in RAM cannot start again without the \
+             boot monitor"
+        );
+        Err(Stop {
+            reason: StopReason::Fault,
+            at_cycles: self.chip.now(),
+            message,
+        })
+    }
+
+    #[cold]
+    fn chip_stop(&mut self, instruction: u32) -> Stop {
+        let at_cycles = self.chip.now();
+        let Some(fault) = self.chip.fault() else {
+            let message = self.recorder.power_off().to_owned();
+            return Stop {
+                reason: StopReason::PowerOff,
+                at_cycles,
+                message,
+            };
+        };
+        let place = crate::guard::place(&self.image, instruction);
+        let message = format!("{fault}; by the instruction at {place}");
+        Stop {
+            reason: StopReason::Fault,
+            at_cycles: fault.at_cycles,
+            message,
+        }
+    }
+}

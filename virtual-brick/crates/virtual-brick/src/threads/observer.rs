@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! From writes of watched words to events: who runs, releases and completions of jobs.
+
+use trace::{Event, EventKind, NameSpace, Names, IDLE};
+
+use super::clock::cycle_of;
+use super::layout::Layout;
+use super::Memory;
+
+/// A list longer than this is taken for a loop.
+const THREADS_MAX: usize = 256;
+const NAME_LENGTH_MAX: u32 = 128;
+
+const READY: u32 = 1;
+const DELAYED: u32 = 2;
+const BLOCKED_LAST: u32 = 4;
+
+/// What is known of one thread.
+#[derive(Clone, Debug)]
+pub(super) struct Watched {
+    pub address: u32,
+    pub state: u32,
+    /// Nominal release of the job that runs.
+    release: Option<u64>,
+    /// Nominal release of the next job, set while delayed.
+    next_release: Option<u64>,
+    named: bool,
+}
+
+/// Observer of the threads of a program that was linked with the run-time.
+#[derive(Clone, Debug)]
+pub(crate) struct ThreadObserver {
+    pub(super) layout: Layout,
+    pub(super) threads: Vec<Watched>,
+    running: u32,
+    epoch_cycles: Option<u64>,
+    new_watches: Vec<u32>,
+}
+
+/// Where an observation goes.
+pub(crate) struct Sink<'a> {
+    pub events: &'a mut Vec<Event>,
+    pub names: &'a mut Names,
+}
+
+impl Sink<'_> {
+    fn event(&mut self, at_cycles: u64, kind: EventKind, subject: u32, value: i64) {
+        self.events.push(Event {
+            at_cycles,
+            kind,
+            subject,
+            value,
+        });
+    }
+}
+
+impl ThreadObserver {
+    pub(crate) fn new(layout: Layout) -> Self {
+        let new_watches = vec![layout.running_address, layout.first_address];
+        let threads = Vec::new();
+        Self {
+            layout,
+            threads,
+            running: IDLE,
+            epoch_cycles: None,
+            new_watches,
+        }
+    }
+
+    /// Words to watch from now on that were not asked for before.
+    pub(crate) fn take_new_watches(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.new_watches)
+    }
+
+    /// The clock of the run-time starts: the interval timer was enabled at this cycle.
+    pub(crate) fn clock_started(&mut self, at_cycles: u64) {
+        self.epoch_cycles = Some(at_cycles);
+    }
+
+    /// A watched word was written.
+    pub(crate) fn written(
+        &mut self,
+        at_cycles: u64,
+        address: u32,
+        value: u32,
+        memory: &impl Memory,
+        sink: &mut Sink<'_>,
+    ) {
+        if address == self.layout.running_address {
+            self.selected(at_cycles, value, memory, sink);
+            return;
+        }
+        let state = self
+            .threads
+            .iter()
+            .position(|t| t.address.wrapping_add(self.layout.state) == address);
+        match state {
+            Some(index) => self.state_changed(at_cycles, index, value, memory, sink),
+            None => self.discover(at_cycles, memory, sink),
+        }
+    }
+
+    fn selected(&mut self, at_cycles: u64, block: u32, memory: &impl Memory, sink: &mut Sink<'_>) {
+        let subject = match block {
+            0 => IDLE,
+            _ => match self.index_of(at_cycles, block, memory, sink) {
+                Some(index) => index as u32,
+                None => return,
+            },
+        };
+        if subject != self.running {
+            self.running = subject;
+            sink.event(at_cycles, EventKind::ThreadRunning, subject, 0);
+        }
+    }
+
+    /// Index of a control block; one that is not in the list yet is added.
+    fn index_of(
+        &mut self,
+        at_cycles: u64,
+        block: u32,
+        memory: &impl Memory,
+        sink: &mut Sink<'_>,
+    ) -> Option<usize> {
+        self.discover(at_cycles, memory, sink);
+        let index = self
+            .threads
+            .iter()
+            .position(|thread| thread.address == block);
+        let index = index.or_else(|| self.add(at_cycles, block, memory, sink))?;
+        self.name(index, memory, sink);
+        Some(index)
+    }
+
+    /// Walk the list of control blocks and add those that are new.
+    fn discover(&mut self, at_cycles: u64, memory: &impl Memory, sink: &mut Sink<'_>) {
+        let mut block = memory.word(self.layout.first_address).unwrap_or(0);
+        for _ in 0..THREADS_MAX {
+            if block == 0 {
+                return;
+            }
+            if !self.threads.iter().any(|thread| thread.address == block)
+                && self.add(at_cycles, block, memory, sink).is_none()
+            {
+                return;
+            }
+            block = memory
+                .word(block.wrapping_add(self.layout.next))
+                .unwrap_or(0);
+        }
+    }
+
+    fn add(
+        &mut self,
+        at_cycles: u64,
+        block: u32,
+        memory: &impl Memory,
+        sink: &mut Sink<'_>,
+    ) -> Option<usize> {
+        let state = memory.word(block.wrapping_add(self.layout.state))?;
+        if block % 4 != 0 || self.threads.len() >= THREADS_MAX {
+            return None;
+        }
+        let index = self.threads.len();
+        self.threads.push(Watched {
+            address: block,
+            state: 0,
+            release: None,
+            next_release: None,
+            named: false,
+        });
+        sink.names
+            .add(NameSpace::Thread, &format!("thread {index}"));
+        self.new_watches.push(block.wrapping_add(self.layout.next));
+        self.new_watches.push(block.wrapping_add(self.layout.state));
+        self.state_changed(at_cycles, index, state, memory, sink);
+        Some(index)
+    }
+
+    fn name(&mut self, index: usize, memory: &impl Memory, sink: &mut Sink<'_>) {
+        let thread = &mut self.threads[index];
+        if thread.named {
+            return;
+        }
+        if let Some(name) = read_name(&self.layout, thread.address, memory) {
+            sink.names.rename(NameSpace::Thread, index as u32, &name);
+            thread.named = true;
+        }
+    }
+
+    fn state_changed(
+        &mut self,
+        at_cycles: u64,
+        index: usize,
+        state: u32,
+        memory: &impl Memory,
+        sink: &mut Sink<'_>,
+    ) {
+        let previous = std::mem::replace(&mut self.threads[index].state, state);
+        if previous == state {
+            return;
+        }
+        self.name(index, memory, sink);
+        let subject = index as u32;
+        sink.event(at_cycles, EventKind::ThreadState, subject, i64::from(state));
+        if state == READY {
+            let thread = &mut self.threads[index];
+            let nominal = thread.next_release.take().unwrap_or(at_cycles);
+            thread.release = Some(nominal);
+            sink.event(at_cycles, EventKind::Release, subject, nominal as i64);
+        } else if previous == READY && (DELAYED..=BLOCKED_LAST).contains(&state) {
+            if let Some(nominal) = self.threads[index].release.take() {
+                sink.event(at_cycles, EventKind::Completion, subject, nominal as i64);
+            }
+        }
+        if state == DELAYED {
+            self.threads[index].next_release = self.wake_cycle(index, memory);
+        }
+    }
+
+    fn wake_cycle(&self, index: usize, memory: &impl Memory) -> Option<u64> {
+        let epoch_cycles = self.epoch_cycles?;
+        let address = self.threads[index]
+            .address
+            .wrapping_add(self.layout.wake_time);
+        let low = u64::from(memory.word(address)?);
+        let high = u64::from(memory.word(address.wrapping_add(4))?);
+        Some(cycle_of(epoch_cycles, high << 32 | low))
+    }
+}
+
+/// Name of a thread; none while its fields hold no printable text.
+pub(super) fn read_name(layout: &Layout, block: u32, memory: &impl Memory) -> Option<String> {
+    let address = memory.word(block.wrapping_add(layout.name_address))?;
+    let length = memory.word(block.wrapping_add(layout.name_length))?;
+    if address == 0 || length == 0 || length > NAME_LENGTH_MAX {
+        return None;
+    }
+    let mut bytes = vec![0; length as usize];
+    let printable = memory.read(address, &mut bytes)
+        && bytes
+            .iter()
+            .all(|byte| byte.is_ascii_graphic() || *byte == b' ');
+    printable.then(|| String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Threads observed through the whole machine: a program that writes the watched words as a
+//! run-time does, with the interval timer as its clock.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use support::arm::{Program, ALWAYS};
+use support::{image, vehicle, RAM};
+use trace::{EventKind, NameSpace, IDLE};
+use virtual_brick::VirtualBrick;
+
+const RUNNING: u32 = 0x0020_8000;
+const FIRST: u32 = 0x0020_8004;
+const BLOCK: u32 = 0x0020_8100;
+const NAME: u32 = 0x0020_A000;
+const LAYOUT: u32 = 0x0020_A100;
+const STACK: u32 = 0x0020_8800;
+const PIT_MR: u32 = 0xFFFF_FD30;
+const OFFSETS: [u32; 9] = [0, 4, 8, 12, 16, 20, 24, 32, 36];
+const PRIORITY: u32 = BLOCK + 12;
+const STATE: u32 = BLOCK + 20;
+const WAKE: u32 = BLOCK + 24;
+
+fn brick(version: u32) -> VirtualBrick {
+    let mut program = Program::new();
+    program.poke(PIT_MR, 0x010F_FFFF);
+    for (address, value) in [
+        (BLOCK + 4, NAME),
+        (BLOCK + 8, 7),
+        (PRIORITY, 5),
+        (BLOCK + 32, STACK),
+        (BLOCK + 36, 64),
+        (STACK + 40, 1),
+        (FIRST, BLOCK),
+        (STATE, 1),
+        (RUNNING, BLOCK),
+        (WAKE, 70),
+        (STATE, 2),
+        (RUNNING, 0),
+        (STATE, 1),
+    ] {
+        program.poke(address, value);
+    }
+    let here = program.here();
+    program.status(0x13).branch(ALWAYS, here);
+    let mut layout = vec![version, 40];
+    layout.extend(OFFSETS);
+    let elf = image(&program)
+        .segment(NAME, b"control\0")
+        .words(LAYOUT, &layout)
+        .object("ravenbrick_running_thread", RUNNING, 4)
+        .object("ravenbrick_first_thread", FIRST, 4)
+        .object("ravenbrick_thread_layout", LAYOUT, 44);
+    VirtualBrick::new(&vehicle(), &elf.build()).unwrap()
+}
+
+#[test]
+fn states_jobs_and_the_running_thread_become_events() {
+    let mut brick = brick(1);
+    assert_eq!(brick.threads_unobserved(), None);
+    brick.run_until(2_000);
+    let events: Vec<_> = brick.trace().events().iter().collect();
+    let kinds: Vec<_> = events.iter().map(|e| (e.kind, e.subject)).collect();
+    let expected = [
+        (EventKind::ThreadState, 0),
+        (EventKind::Release, 0),
+        (EventKind::ThreadRunning, 0),
+        (EventKind::ThreadState, 0),
+        (EventKind::Completion, 0),
+        (EventKind::ThreadRunning, IDLE),
+        (EventKind::ThreadState, 0),
+        (EventKind::Release, 0),
+    ];
+    assert_eq!(kinds, expected);
+    assert_eq!(events[4].value, events[1].at_cycles as i64);
+    assert_eq!(brick.trace().names().all(NameSpace::Thread), ["control"]);
+    assert!(events
+        .windows(2)
+        .all(|pair| pair[0].at_cycles <= pair[1].at_cycles));
+}
+
+#[test]
+fn the_nominal_release_counts_from_the_start_of_the_interval_timer() {
+    let mut brick = brick(1);
+    brick.run_until(2_000);
+    let events: Vec<_> = brick.trace().events().iter().collect();
+    let nominal = events[7].value as u64;
+    // 70 units are 160 cycles; the timer starts with the third store of the program.
+    let started = nominal - 160;
+    assert!((5..40).contains(&started), "{started}");
+}
+
+#[test]
+fn threads_are_reported_with_their_stack_use() {
+    let mut brick = brick(1);
+    brick.run_until(2_000);
+    let threads = brick.threads();
+    assert_eq!(threads.len(), 1);
+    let thread = &threads[0];
+    assert_eq!(
+        (thread.name.as_str(), thread.base_priority, thread.state),
+        ("control", 5, 1)
+    );
+    assert_eq!(
+        (thread.stack_base, thread.stack_size, thread.stack_used),
+        (STACK, 64, 24)
+    );
+    assert_eq!(thread.address, BLOCK);
+}
+
+#[test]
+fn a_layout_of_another_version_is_refused_and_stated() {
+    let mut brick = brick(2);
+    assert!(brick
+        .threads_unobserved()
+        .unwrap()
+        .contains("version 2, expected 1"));
+    brick.run_until(2_000);
+    assert!(brick.trace().events().is_empty());
+    assert!(brick.threads().is_empty());
+}
+
+#[test]
+fn an_image_without_the_symbols_is_stated() {
+    let mut program = Program::new();
+    program.stop();
+    let brick = VirtualBrick::new(&vehicle(), &image(&program).build()).unwrap();
+    let reason = brick.threads_unobserved().unwrap();
+    assert!(reason.contains("ravenbrick_running_thread"), "{reason}");
+    assert_eq!(brick.image().entry(), RAM);
+}
