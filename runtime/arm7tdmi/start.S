@@ -38,6 +38,7 @@ reset:  msr     cpsr_c, #(MODE_IRQ | ALL_MASKED)
         msr     cpsr_c, #(MODE_SYSTEM | ALL_MASKED)
         ldr     sp, =ravenbrick_environment_stack_top
 
+        bl      ravenbrick_start_board  /* first: power-on runs at 32 kHz */
         ldr     r0, =ravenbrick_low_zero
         ldr     r1, =ravenbrick_low_zero_end
         bl      clear
@@ -45,7 +46,6 @@ reset:  msr     cpsr_c, #(MODE_IRQ | ALL_MASKED)
         ldr     r1, =ravenbrick_vectors
         ldr     r2, =ravenbrick_vectors_run_end
         bl      copy
-        bl      ravenbrick_start_board
         ldr     r0, =ravenbrick_data
         ldr     r1, =ravenbrick_data_load
         ldr     r2, =ravenbrick_data_end

@@ -1,0 +1,10 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Rare;
+pragma Unreferenced (Rare);
+
+procedure Long_Run with Priority => 1 is
+begin
+   null;
+end Long_Run;

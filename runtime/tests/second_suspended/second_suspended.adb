@@ -1,0 +1,10 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Two_On_One;
+pragma Unreferenced (Two_On_One);
+
+procedure Second_Suspended with Priority => 1 is
+begin
+   null;
+end Second_Suspended;

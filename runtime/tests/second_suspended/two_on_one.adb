@@ -1,0 +1,34 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Ada.Synchronous_Task_Control; use Ada.Synchronous_Task_Control;
+
+with Journal; use Journal;
+
+package body Two_On_One is
+
+   Flag : Suspension_Object;
+
+   task body One is
+   begin
+      Note (if Current_State (Flag) then '1' else '0');
+      Set_True (Flag);
+      Set_True (Flag);
+      Note (if Current_State (Flag) then '1' else '0');
+      Suspend_Until_True (Flag);
+      Note (if Current_State (Flag) then '1' else '0');
+      Set_True (Flag);
+      Set_False (Flag);
+      Note (if Current_State (Flag) then '1' else '0');
+      Suspend_Until_True (Flag);
+      Note ('x');
+   end One;
+
+   task body Two is
+   begin
+      Note ('2');
+      Suspend_Until_True (Flag);
+      Note ('y');
+   end Two;
+
+end Two_On_One;
