@@ -110,7 +110,8 @@ def demo_command(
     reporter = Reporter(json_output, total=len(scenarios) + 4)
     with reporter.step("design and generate C") as step:
         design = design_project(workspace)
-        step.note = ", ".join(f"{k} {v:.6g}" for k, v in list(design.figures.items())[:4])
+        settled = design.sampled.settling_time or 0.0
+        step.note = f"sampled simulation settles in {1000 * settled:.0f} ms"
     with reporter.step("build the RAM image") as step:
         built = build_image(workspace, robot, "ram")
         step.note = f"{built.memory.used} of {built.memory.available} bytes"

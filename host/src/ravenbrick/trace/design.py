@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ravenbrick.errors import DesignError
 
-__all__ = ["Design", "Response", "read_design"]
+__all__ = ["Design", "Estimator", "Response", "read_design"]
 
 
 @dataclass(frozen=True)
@@ -29,12 +29,24 @@ class Response:
 
 
 @dataclass(frozen=True)
+class Estimator:
+    """A way to get a speed from counts, simulated in the loop: V, s, share of the set-point."""
+
+    name: str
+    quantum: float
+    settling_time: float | None
+    ripple: float
+    control_peak_to_peak: float
+
+
+@dataclass(frozen=True)
 class Design:
     """Continuous design, sampled simulation, and the figures of the design by name."""
 
     continuous: Response
     sampled: Response
     figures: Mapping[str, float]
+    estimators: tuple[Estimator, ...]
 
 
 def _response(table: Mapping[str, Any]) -> Response:
@@ -45,12 +57,19 @@ def _response(table: Mapping[str, Any]) -> Response:
     return Response(times, values, table["settling_time"], table["overshoot"])
 
 
+def _estimator(table: Mapping[str, Any]) -> Estimator:
+    return Estimator(**{field.name: table[field.name] for field in fields(Estimator)})
+
+
 def read_design(path: Path) -> Design:
     """Read the design's figures; raises `DesignError`."""
     try:
         content = json.loads(path.read_text("utf-8"))
         return Design(
-            _response(content["continuous"]), _response(content["sampled"]), content["figures"]
+            continuous=_response(content["continuous"]),
+            sampled=_response(content["sampled"]),
+            figures=content["figures"],
+            estimators=tuple(_estimator(table) for table in content.get("estimators", [])),
         )
     except FileNotFoundError:
         raise DesignError(f"{path}: there is no design yet; run 'ravenbrick design'") from None

@@ -58,9 +58,10 @@ class StepRecord:
 
 @dataclass(frozen=True)
 class RunMeasures:
-    """All measures of one run; `tasks` is in the order of the run's threads."""
+    """All measures of one run; `tasks` from high to low priority, `shares` of the processor."""
 
     tasks: tuple[TaskMeasures, ...]
+    shares: tuple[float, ...]
     utilization: Utilization
     steps: Mapping[str, StepRecord]
     path: PathMeasures | None
@@ -181,14 +182,21 @@ def _first_steering(scenario: Scenario) -> int:
     return min(steered, default=scenario.duration_ms)
 
 
+def _by_priority(recording: Recording) -> list[int]:
+    threads = recording.threads
+    return sorted(range(len(threads)), key=lambda index: -threads[index].base_priority)
+
+
 def measure_run(robot: Robot, scenario: Scenario, recording: Recording) -> RunMeasures:
     """Measure a run."""
+    shares = utilization(recording)
     return RunMeasures(
         tasks=tuple(
-            measure_task(recording, index, robot.task(thread.name))
-            for index, thread in enumerate(recording.threads)
+            measure_task(recording, index, robot.task(recording.threads[index].name))
+            for index in _by_priority(recording)
         ),
-        utilization=utilization(recording),
+        shares=tuple(shares.threads[index] for index in _by_priority(recording)),
+        utilization=shares,
         steps=_steps(robot, scenario, recording),
         path=_path(scenario, recording),
         powered_off=recording.stop.reason == "power_off",

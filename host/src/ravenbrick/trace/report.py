@@ -12,6 +12,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from ravenbrick.trace.design import Design
 from ravenbrick.trace.motion import SPEED_FILTER
 from ravenbrick.trace.plots import (
     lcd_figure,
@@ -125,6 +126,28 @@ def _step_section(evidence: Evidence, images: dict[str, bytes]) -> str:
         f"{escape(SPEED_FILTER)}.</p>"
         + _image(images["step-response"], "Step of the speed set-point on the bench")
         + _table(("", "settling time (2 %)", "overshoot"), rows)
+        + _estimator_table(design)
+    )
+
+
+def _estimator_table(design: Design | None) -> str:
+    """What the design found for each way of getting a speed from counts; volts."""
+    if design is None or not design.estimators:
+        return ""
+    rows = [
+        (
+            estimator.name,
+            f"{estimator.quantum:.3f} V",
+            _ms(estimator.settling_time),
+            f"{100 * estimator.ripple:.2f} %",
+            f"{estimator.control_peak_to_peak:.3f} V",
+        )
+        for estimator in design.estimators
+    ]
+    head = ("speed from counts", "one count", "settling time", "ripple", "control peak to peak")
+    return (
+        "<p>Ways to get the speed from counts, simulated in the loop with the same design:</p>"
+        + _table(head, rows)
     )
 
 
@@ -150,7 +173,7 @@ def _schedule_section(run: Run, images: dict[str, bytes]) -> str:
     shares = measures.utilization
     rows = [
         task_cells(recording, task, share)
-        for task, share in zip(measures.tasks, shares.threads, strict=True)
+        for task, share in zip(measures.tasks, measures.shares, strict=True)
     ]
     return (
         "<h2>Tasks and schedule</h2>"

@@ -54,7 +54,6 @@ class Evidence:
 
 
 def _tasks(run: Run) -> dict[str, Any]:
-    shares = run.measures.utilization.threads
     return {
         task.name: {
             "releases": task.releases,
@@ -67,7 +66,7 @@ def _tasks(run: Run) -> dict[str, Any]:
             "deadline_misses": task.deadline_misses,
             "cpu_utilization": share,
         }
-        for task, share in zip(run.measures.tasks, shares, strict=True)
+        for task, share in zip(run.measures.tasks, run.measures.shares, strict=True)
     }
 
 

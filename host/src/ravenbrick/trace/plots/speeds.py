@@ -36,6 +36,8 @@ def _plot_motor(axis: Axes, robot: Robot, recording: Recording, motor: str, colo
             label="set-point",
         )
     axis.set_ylabel(f"motor {motor} (°/s)")
+    low, high = axis.get_ylim()
+    axis.set_ylim(low, high + 0.25 * (high - low))
     legend(axis, "upper right", 2)
 
 

@@ -22,12 +22,13 @@ def step_response_figure(design: Design | None, record: StepRecord) -> Figure:
     """Response of one motor's speed to a step of the set-point, in degrees/s over s."""
     figure, (axis,) = new_figure(8.0, 4.4)
     height = math.degrees(record.measures.setpoint)
-    axis.plot(
+    axis.step(
         record.difference_times,
         degrees_per_second(record.difference),
         color=COLOURS["faint"],
         linewidth=0.6,
         zorder=1,
+        where="post",
         label="difference of counts over 4 ms, as read (250 °/s per count)",
     )
     axis.axhline(height, color=COLOURS["setpoint"], linewidth=1, linestyle=":", label="set-point")
@@ -43,23 +44,26 @@ def step_response_figure(design: Design | None, record: StepRecord) -> Figure:
             design.continuous.times,
             design.continuous.values * height,
             color=COLOURS["design"],
-            linewidth=1.4,
+            linewidth=1.2,
             linestyle="--",
+            zorder=3,
             label="continuous design",
         )
-        axis.step(
+        axis.plot(
             design.sampled.times,
             design.sampled.values * height,
-            where="post",
             color=COLOURS["sampled"],
             linewidth=1.2,
+            linestyle="-.",
+            zorder=4,
             label="sampled simulation",
         )
     axis.plot(
         record.times,
         degrees_per_second(record.fitted),
         color=COLOURS["left"],
-        linewidth=1.6,
+        linewidth=2.4,
+        alpha=0.75,
         label=f"on the brick (slope fit, {1000 * WINDOW:.0f} ms)",
     )
     settled = record.measures.settling_time

@@ -49,9 +49,10 @@ def task_cells(recording: Recording, task: TaskMeasures, share: float) -> tuple[
 
 def tasks_figure(recording: Recording, measures: RunMeasures) -> Figure:
     """All tasks of a run; times in cycles (µs)."""
-    shares = measures.utilization.threads
-    rows = [task_cells(recording, t, s) for t, s in zip(measures.tasks, shares, strict=True)]
-    figure = Figure(figsize=(13.0, 0.6 + 0.36 * (len(rows) + 1)))
+    rows = [
+        task_cells(recording, t, s) for t, s in zip(measures.tasks, measures.shares, strict=True)
+    ]
+    figure = Figure(figsize=(11.5, 0.3 + 0.32 * (len(rows) + 1)))
     axis = figure.add_axes((0.01, 0.02, 0.98, 0.96))
     axis.set_axis_off()
     table = axis.table(cellText=rows, colLabels=TASK_COLUMNS, loc="center", cellLoc="right")
