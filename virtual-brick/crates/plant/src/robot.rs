@@ -26,7 +26,7 @@ pub struct Robot {
 struct Step {
     dt: f64,
     laws: [StepCurrent; MOTORS],
-    mass: MassMatrix,
+    inverse: MassMatrix,
     before: Vector,
     free: Vector,
 }
@@ -164,11 +164,12 @@ impl Robot {
             right[k] += dt * (torque * laws[k].offset - viscous * before[k]);
             right[load_coordinate(&self.motors, k)] -= dt * motor.load_torque();
         }
-        let free = mass.solve(&right);
+        let inverse = mass.inverse();
+        let free = inverse.multiply(&right);
         Step {
             dt,
             laws,
-            mass,
+            inverse,
             before,
             free,
         }
@@ -176,7 +177,7 @@ impl Robot {
 
     fn constrained(&self, step: &Step) -> Vector {
         let mut velocity = step.free;
-        let none = Constraint::friction(&step.mass, [(0, 1.0), (0, 0.0)], 0.0);
+        let none = Constraint::friction(&step.inverse, [(0, 1.0), (0, 0.0)], 0.0);
         let mut constraints = [none; CONSTRAINTS];
         let mut frictions = [None; MOTORS];
         let mut count = 0;
@@ -215,7 +216,7 @@ impl Robot {
             parameters.coulomb_friction
         };
         let direction = [(k, 1.0), (k, 0.0)];
-        (bound > 0.0).then(|| Constraint::friction(&step.mass, direction, bound * step.dt))
+        (bound > 0.0).then(|| Constraint::friction(&step.inverse, direction, bound * step.dt))
     }
 
     fn stops(&self, k: usize, step: &Step) -> [Option<Constraint>; 2] {
@@ -224,7 +225,7 @@ impl Robot {
         };
         let (lowest, highest) = motor.play_velocities(step.dt);
         let direction = [(k, 1.0), (MOTORS + k, -1.0)];
-        let stop = |target, bounds| Some(Constraint::new(&step.mass, direction, target, bounds));
+        let stop = |target, bounds| Some(Constraint::new(&step.inverse, direction, target, bounds));
         [
             stop(lowest, (0.0, f64::INFINITY)),
             stop(highest, (f64::NEG_INFINITY, 0.0)),
@@ -236,7 +237,7 @@ impl Robot {
             return [None, None];
         };
         let friction = |direction, force: f64| {
-            (force > 0.0).then(|| Constraint::friction(&step.mass, direction, force * step.dt))
+            (force > 0.0).then(|| Constraint::friction(&step.inverse, direction, force * step.dt))
         };
         let parameters = vehicle.parameters();
         let castor = vehicle.castor_direction(&step.before, &step.free);

@@ -16,7 +16,7 @@ const ITERATIONS: usize = 60;
 /// degree per second is about 1e-5).
 const SMALL_IMPULSE: f64 = 1e-14;
 
-/// Symmetric mass matrix: diagonal but for at most one coupled pair.
+/// Symmetric mass matrix or its inverse: diagonal but for at most one coupled pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MassMatrix {
     pub diagonal: Vector,
@@ -36,18 +36,19 @@ impl MassMatrix {
         product
     }
 
-    pub fn solve(&self, right: &Vector) -> Vector {
-        let mut solution = [0.0; COORDINATES];
-        for (index, value) in solution.iter_mut().enumerate() {
-            *value = right[index] / self.diagonal[index];
-        }
+    pub fn inverse(&self) -> Self {
+        let mut inverse = Self {
+            diagonal: self.diagonal.map(|mass| 1.0 / mass),
+            pair: None,
+        };
         if let Some((first, second, coupling)) = self.pair {
             let (one, two) = (self.diagonal[first], self.diagonal[second]);
             let determinant = one * two - coupling * coupling;
-            solution[first] = (two * right[first] - coupling * right[second]) / determinant;
-            solution[second] = (one * right[second] - coupling * right[first]) / determinant;
+            inverse.diagonal[first] = two / determinant;
+            inverse.diagonal[second] = one / determinant;
+            inverse.pair = Some((first, second, -coupling / determinant));
         }
-        solution
+        inverse
     }
 }
 
@@ -64,8 +65,9 @@ pub(crate) struct Constraint {
 }
 
 impl Constraint {
+    /// `inverse` is that of the mass matrix.
     pub fn new(
-        mass: &MassMatrix,
+        inverse: &MassMatrix,
         direction: [(usize, f64); 2],
         target: f64,
         bounds: (f64, f64),
@@ -74,7 +76,7 @@ impl Constraint {
         for (index, factor) in direction {
             unit[index] += factor;
         }
-        let response = mass.solve(&unit);
+        let response = inverse.multiply(&unit);
         let mobility: f64 = (0..COORDINATES).map(|i| unit[i] * response[i]).sum();
         let (lowest, highest) = bounds;
         let stiffness = 1.0 / mobility;
@@ -90,8 +92,8 @@ impl Constraint {
     }
 
     /// Friction of at most `bound` (N m s) along `direction`.
-    pub fn friction(mass: &MassMatrix, direction: [(usize, f64); 2], bound: f64) -> Self {
-        Self::new(mass, direction, 0.0, (-bound, bound))
+    pub fn friction(inverse: &MassMatrix, direction: [(usize, f64); 2], bound: f64) -> Self {
+        Self::new(inverse, direction, 0.0, (-bound, bound))
     }
 
     /// The impulse is strictly inside its bounds: what it holds stays.
