@@ -3,6 +3,8 @@
 
 --  Quantities of the vehicle, each a type of its own.
 
+with Controller_Design;
+
 package Quantities with Pure is
 
    type Volts is new Float;
@@ -11,11 +13,8 @@ package Quantities with Pure is
 
    type Degrees is range -2 ** 31 .. 2 ** 31 - 1;
 
-   --  A motor without load turns with 116 degrees per second per volt, so a speed can be stated as
-   --  the voltage that would keep it up. Controllers compare voltages.
-   Speed_Per_Volt : constant := 116.0;
-
    function To_Volts (Speed : Degrees_Per_Second) return Volts is
-     (Volts (Speed * (1.0 / Speed_Per_Volt)));
+     (Volts (Speed * (1.0 / Controller_Design.Speed_Per_Volt)));
+   --  The voltage that would keep up a speed without load. Controllers compare voltages.
 
 end Quantities;

@@ -25,8 +25,8 @@ package Speed_Controller is
    type Tunable_Parameters is record
       Proportional_Gain     : Float;
       Integral_Gain_Per_Job : Float;
-      Saturation            : Quantities.Volts;
       Tracking_Gain_Per_Job : Float;
+      Saturation            : Quantities.Volts;
    end record with Convention => C;
    --  Saturation: the largest voltage that the motors can get. Beyond it the integral stops.
 

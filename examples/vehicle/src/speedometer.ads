@@ -5,16 +5,18 @@
 --
 --  One count is one degree. Over a single period of 4 ms a difference can only be a multiple of
 --  250 degrees per second, which is 2.2 V in the loop: the plain difference of the last two
---  readings would show a wheel at 4 V as 250 or 500 degrees per second. Over a window of four
---  periods the step is 62.5 degrees per second at the price of 8 ms mean delay.
+--  readings would show a wheel at 4 V as 250 or 500 degrees per second. Over a window of eight
+--  periods the step is 31 degrees per second at the price of 16 ms mean delay, which the design
+--  takes into account.
 
+with Controller_Design;
 with NXT;
 with NXT.Motor_Encoders;
 with Quantities;
 
 package Speedometer is
 
-   Window : constant := 4;
+   Window : constant := Controller_Design.Speed_Window;
    --  Periods between the two readings of a difference.
 
    type Motor_Speeds is array (NXT.Motor_Id) of Quantities.Degrees_Per_Second;

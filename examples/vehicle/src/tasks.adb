@@ -2,6 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with Ada.Real_Time;  use Ada.Real_Time;
+with Controller_Design;
 with Driving;
 with NXT.AVR;
 with Panel;
@@ -12,7 +13,7 @@ package body Tasks is
    --  are asked for at the begin of a control period, outputs are sent in its middle.
    First_Release : constant Time := NXT.AVR.First_Release + Milliseconds (100);
 
-   Control_Period : constant Time_Span := Milliseconds (4);
+   Control_Period : constant Time_Span := Milliseconds (Controller_Design.Sample_Time_Ms);
    Display_Period : constant Time_Span := Milliseconds (500);
 
    task body Control_Task is
