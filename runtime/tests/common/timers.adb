@@ -12,6 +12,8 @@ package body Timers is
    Once   : constant Word := 16#C040#;
    Cyclic : constant Word := 16#C000#;
 
+   Free   : constant Word := 16#8000#;
+
    Compare_Event      : constant Word := 2#1_0000#;
    Enable_And_Trigger : constant Word := 2#101#;
 
@@ -33,6 +35,13 @@ package body Timers is
    begin
       Start (Timer, Cyclic, Counts);
    end Start_Cyclic;
+
+   procedure Start_Stopwatch (Timer : in out Channel) is
+   begin
+      PMC_Peripheral_Clock_Enable := TC1_And_TC2;
+      Timer.Mode := Free;
+      Timer.Control := Enable_And_Trigger;
+   end Start_Stopwatch;
 
    procedure Acknowledge (Timer : Channel) is
       Discarded : Word with Volatile;

@@ -36,6 +36,9 @@ package Timers is
    procedure Start_Cyclic (Timer : in out Channel; Counts : Word);
    --  Request an interrupt every Counts * 2 cycles of the processor
 
+   procedure Start_Stopwatch (Timer : in out Channel);
+   --  Let Value count every 2 cycles of the processor, modulo 2**16
+
    procedure Acknowledge (Timer : Channel);
    --  Withdraw the request
 

@@ -1,0 +1,12 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  No_Dependence => Ada.Calendar
+
+with Ada.Calendar;
+
+procedure Calendar is
+   Now : Ada.Calendar.Time := Ada.Calendar.Clock;
+begin
+   null;
+end Calendar;

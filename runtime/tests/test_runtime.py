@@ -1,0 +1,348 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Observable behaviour of the run-time: each program of this folder on the virtual brick."""
+
+from __future__ import annotations
+
+import math
+import struct
+import subprocess
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from conftest import (
+    CYCLES_PER_MS,
+    CYCLES_PER_SECOND,
+    IDLE,
+    RUNTIME,
+    UNITS_PER_SECOND,
+    Run,
+    Runner,
+    build,
+)
+
+REJECTED = Path(__file__).parent / "rejected"
+
+# A halted program is one that the last-chance handler stopped
+RUNNING = "reached"
+
+
+def assert_repeats(journal: str, pattern: str, at_least: int) -> None:
+    """`journal` is `pattern` over and over, cut anywhere, and holds it `at_least` times."""
+    assert journal.count(pattern) >= at_least
+    assert (pattern * (len(journal) // len(pattern) + 1)).startswith(journal)
+
+
+class TestDispatching:
+    def test_a_released_task_of_higher_priority_runs_at_once(self, run: Runner) -> None:
+        """Releases nest by priority, and each releaser goes on when the released has blocked."""
+        result = run("preemption")
+        assert result.stop.reason == RUNNING
+        journal = result.journal()
+        assert journal.startswith("s")
+        assert_repeats(journal[1:55], "lmhHML", 9)
+
+    def test_equal_priorities_run_in_the_order_of_their_release(self, run: Runner) -> None:
+        """Three equals run first in, first out, and a delay until the past passes the turn."""
+        journal = run("fifo").journal()
+        assert journal.startswith("123.")
+        assert_repeats(journal[3:], ".cabcabcab", 5)
+
+    def test_a_preempted_task_goes_on_before_its_equals(self, run: Runner) -> None:
+        """A busy task that is preempted 190 times never leaves the processor to its equal."""
+        result = run("preempted_first")
+        assert result.brick.read_int("ticks", "u32") > 190
+        assert result.brick.read_int("first", "u32") > 100_000
+        assert result.brick.read_int("second", "u32") == 0
+
+    def test_sequential_elaboration_starts_tasks_last(self, run: Runner) -> None:
+        """Under the sequential policy tasks start after all elaboration, highest first."""
+        assert run("sequential").journal() == "e21mn"
+
+
+class TestTime:
+    PERIODS_UNITS = (28_908, 42_048, 147_168, 1_051_200)
+    TASKS = ("cyclic__one", "cyclic__two", "cyclic__three", "cyclic__four")
+
+    @pytest.fixture(scope="class")
+    def periodic(self, run: Runner) -> Run:
+        return run("periodic", cycles=2_000 * CYCLES_PER_MS)
+
+    def test_periods_do_not_drift(self, periodic: Run) -> None:
+        """Each nominal release is the epoch plus a whole number of periods, exactly."""
+        for task, period in zip(self.TASKS, self.PERIODS_UNITS, strict=True):
+            releases = periodic.events("release", periodic.thread_index(task))["value"][1:]
+            start = 5 * UNITS_PER_SECOND // 1_000
+            assert len(releases) > 30
+            cycles = [
+                math.ceil((start + job * period) * 16 / 7) for job in range(len(releases))
+            ]
+            epoch = int(releases[0]) - cycles[0]
+            assert [int(release) - epoch for release in releases] == cycles
+
+    def test_no_job_is_lost(self, periodic: Run) -> None:
+        """Two seconds hold as many jobs as periods."""
+        jobs = periodic.words("jobs", 4)
+        for count, period in zip(jobs, self.PERIODS_UNITS, strict=True):
+            assert count == (1_995 * UNITS_PER_SECOND // 1_000 - 10_000) // period + 1
+
+    def test_a_task_never_wakes_up_early(self, periodic: Run) -> None:
+        """The clock has always reached the wake-up time after a delay."""
+        assert all(late >= 0 for late in periodic.words("lateness", 4, "<i4"))
+
+    def test_the_highest_task_starts_within_350_cycles(self, periodic: Run) -> None:
+        """From nominal release to the switch, phase of the clock included, within 20 cycles."""
+        index = periodic.thread_index("cyclic__one")
+        starts = periodic.events("thread_running", index)["at"]
+        latencies = []
+        for release in periodic.events("release", index)["value"][1:]:
+            later = starts[starts >= release]
+            if len(later):
+                latencies.append(int(later[0]) - int(release))
+        assert len(latencies) > 1_000
+        assert max(latencies) <= 350 + 16
+
+    def test_the_idle_processor_stops(self, run: Runner) -> None:
+        """With nothing to do for seconds, the alarm alone runs the processor, once in 1.4 s."""
+        result = run("preemption", cycles=10 * round(CYCLES_PER_SECOND))
+        wake_ups = result.events("processor_resumed")
+        last_job = result.events("completion")["at"].max()
+        assert len(wake_ups[wake_ups["at"] > last_job]) <= 10 / 1.384 + 1
+
+    def test_the_clock_survives_the_wrap_of_the_counter(self, run: Runner) -> None:
+        """The 32-bit count wraps at 1 430 s; readings every 100 s go on rising evenly."""
+        result = run("long_run", cycles=round(2_050 * CYCLES_PER_SECOND))
+        assert result.brick.read_int("jobs", "u32") == 20
+        for index, reading in enumerate(result.words("readings", 20, "<i8"), start=1):
+            assert 0 <= reading - index * 100 * UNITS_PER_SECOND <= 400
+
+
+class TestProtectedObjects:
+    def test_the_ceiling_keeps_out_tasks_up_to_it(self, run: Runner) -> None:
+        """Inside the object, only a task above the ceiling preempts; the others by priority."""
+        assert_repeats(run("ceiling").journal(), "(12a)lb;", 20)
+
+    def test_a_caller_above_the_ceiling_gets_program_error(self, run: Runner) -> None:
+        """The task at the ceiling passes, the one above stops the program."""
+        result = run("ceiling_violation")
+        assert result.journal() == "ta"
+        assert result.failure() == ("ceiling violation", 0)
+
+    def test_blocking_in_a_protected_action_gets_program_error(self, run: Runner) -> None:
+        """A delay is detected even when the ceiling is the caller's own priority."""
+        result = run("blocking_in_action")
+        assert result.journal() == "s"
+        assert result.failure() == ("delay in a protected action", 0)
+
+    def test_the_opener_of_an_entry_executes_its_body(self, run: Runner) -> None:
+        """The waiting task goes on at once when it is higher than the opener, else afterwards."""
+        result = run("entries")
+        assert_repeats(result.journal(), "wpg1lpgh2", 5)
+
+    def test_entry_parameters_reach_the_caller(self, run: Runner) -> None:
+        """The consumer has received the sum of what both producers sent."""
+        result = run("entries", cycles=104 * CYCLES_PER_MS)
+        assert result.brick.read_int("received", "i32") == 10 * 1 + 9 * 2
+
+    def test_a_second_task_on_an_entry_gets_program_error(self, run: Runner) -> None:
+        """Max_Entry_Queue_Length is 1."""
+        result = run("second_waiter")
+        assert result.journal() == "12"
+        assert result.failure() == ("second task on the queue of an entry", 0)
+
+    def test_a_suspension_object_keeps_one_release(self, run: Runner) -> None:
+        """Set twice it lets one pass and is false again; a second task may not wait."""
+        result = run("second_suspended")
+        assert result.journal() == "01002"
+        text, _ = result.failure() or ("", 0)
+        assert text == "suspension in a protected action or of a second task"
+
+
+class TestInterrupts:
+    def test_a_higher_level_interrupts_a_handler(self, run: Runner) -> None:
+        """Handlers nest by level only; the released task runs after the outermost."""
+        assert_repeats(run("nested_interrupts").journal(), "([]|t)s;[](|t)s.", 8)
+
+    def test_an_interrupt_ceiling_keeps_out_handlers_up_to_it(self, run: Runner) -> None:
+        """A higher handler comes through, equal and lower ones wait until the object is left."""
+        assert_repeats(run("interrupt_ceiling").journal(), "(h)l,[]hl;", 15)
+
+
+class TestFailures:
+    def test_a_range_violation_reaches_the_hook_with_file_and_line(self, run: Runner) -> None:
+        """The hook of the drivers is called once, then the processor halts."""
+        result = run("range_check")
+        source = (Path(__file__).parent / "range_check" / "failing_task.adb").read_text()
+        line = 1 + source.split("\n").index(
+            next(text for text in source.split("\n") if "the failing line" in text)
+        )
+        assert result.journal() == "0123456789!"
+        assert result.failure() == ("failing_task.adb", line)
+        assert result.text_at(result.brick.read_int("hook_message", "u32")) == "failing_task.adb"
+        assert result.brick.read_int("hook_line", "i32") == line
+        assert result.stop.reason == "halted"
+
+    def test_a_raise_statement_gives_its_message(self, run: Runner) -> None:
+        """Without a hook the processor halts all the same."""
+        result = run("raise_statement")
+        assert result.failure() == ("words of the programmer", 0)
+        assert result.stop.reason == "halted"
+
+    def test_a_local_handler_takes_an_exception(self, run: Runner) -> None:
+        """A handled exception goes on after the handler, an unhandled one halts."""
+        result = run("local_handler")
+        assert result.journal() == "acd"
+        text, line = result.failure() or ("", 0)
+        assert text == "local_handler.adb"
+        assert line == 24
+
+
+class TestMemory:
+    def test_stacks_have_the_requested_size(self, run: Runner) -> None:
+        """The control blocks tell the Storage_Size of each task; the linker's map has it, too."""
+        result = run("stacks")
+        threads = result.brick.threads()
+        sizes = {thread.base_priority: thread.stack_size for thread in threads}
+        assert sizes == {7: 4096, 10: 400, 11: 3_000, 13: 512, 3: 600, 4: 600}
+        for thread in threads[1:]:
+            assert 40 <= thread.stack_used <= thread.stack_size
+
+    def test_the_high_water_mark_sees_deep_use(self, run: Runner) -> None:
+        """2000 bytes of local data show in the task that has them, not in the others."""
+        used = {t.base_priority: t.stack_used for t in run("stacks").brick.threads()}
+        assert 2_000 <= used[11] <= 2_200
+        assert used[10] <= 200
+
+    def test_a_task_that_ends_is_terminated(self, run: Runner) -> None:
+        """So is the environment task after the main procedure; the others go on."""
+        states = {t.base_priority: t.state for t in run("stacks").brick.threads()}
+        assert states == {7: 5, 10: 2, 11: 2, 13: 5, 3: 2, 4: 2}
+
+    def test_arithmetic_of_tasks_does_not_mix(self, run: Runner) -> None:
+        """Two tasks compute in floating point while one preempts the other 500 times."""
+        result = run("arithmetic", cycles=300 * CYCLES_PER_MS)
+        assert result.brick.read_int("rounds", "u32") == 500
+
+        expected_float = 0.0
+        for index in range(1, 501):
+            square = struct.unpack("f", struct.pack("f", float(index) ** 2))[0]
+            term = struct.unpack("f", struct.pack("f", 1.0 / square))[0]
+            expected_float = struct.unpack("f", struct.pack("f", expected_float + term))[0]
+        assert result.brick.read_float("sum_of_floats", "f32") == expected_float
+
+        expected_double = 0.0
+        for index in range(2_000):
+            expected_double += (-4.0 if index % 2 else 4.0) / (2 * index + 1)
+        assert result.brick.read_float("sum_of_doubles", "f64") == expected_double
+        assert result.brick.read_int("product", "i64") == math.factorial(20)
+        address, _ = result.brick.symbol("text")
+        assert result.brick.read_memory(address, 12) == b"< 1234.....>"
+
+
+class TestImages:
+    @pytest.mark.parametrize("image", ["ram", "flash"])
+    @pytest.mark.parametrize("code", ["arm", "thumb"])
+    def test_both_images_and_both_states_behave_alike(
+        self, run: Runner, image: str, code: str
+    ) -> None:
+        """The same program from RAM and from flash, in ARM and in Thumb state."""
+        journal = run("entries", image=image, code=code).journal()
+        assert_repeats(journal, "wpg1lpgh2", 5)
+
+    def test_a_program_is_idle_between_its_jobs(self, run: Runner) -> None:
+        """The observer sees the idle processor as no thread at all."""
+        result = run("entries")
+        running = result.events("thread_running")["subject"]
+        assert (running == IDLE).any()
+        assert all(a != b for a, b in pairwise(running.tolist()))
+
+
+class TestFigures:
+    """Costs in cycles of programs in RAM and ARM state; goals of the run-time."""
+
+    FIELDS = (
+        "stopwatch", "protected_call", "round_trip", "suspend_to_next", "entry_opened",
+        "to_handler", "to_task", "to_handler_max", "to_task_max", "interrupts",
+    )  # fmt: skip
+
+    @pytest.fixture(scope="class")
+    def figures(self, run: Runner) -> dict[str, int]:
+        result = run("figures")
+        return dict(zip(self.FIELDS, result.words("results", len(self.FIELDS)), strict=True))
+
+    @pytest.mark.parametrize(
+        ("figure", "limit_cycles"),
+        [("suspend_to_next", 90), ("entry_opened", 300), ("to_handler", 80), ("to_task", 300)],
+    )
+    def test_a_primitive_costs_at_most_its_goal(
+        self, figures: dict[str, int], figure: str, limit_cycles: int
+    ) -> None:
+        """As measured by the program itself, less the reading of the stopwatch."""
+        assert 0 < figures[figure] - figures["stopwatch"] <= limit_cycles
+
+    def test_a_protected_procedure_costs_at_most_60_cycles(self, figures: dict[str, int]) -> None:
+        """Lock and unlock without contention, less a plain call, mean of 100."""
+        assert 0 < figures["protected_call"] <= 60 * 100
+
+
+def compile_rejected(source: Path, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Compile one program that violates the profile."""
+    return subprocess.run(
+        ["arm-linux-gnueabi-gcc-12", "-c", f"--RTS={RUNTIME}", "-gnatA", "-mcpu=arm7tdmi",
+         "-mfloat-abi=soft", "-gnatw.X", str(source)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )  # fmt: skip
+
+
+REJECTED_PROGRAMS = {
+    "abort_statement.adb": "No_Abort_Statements",
+    "allocated_task.ads": "No_Task_Allocators",
+    "calendar.adb": "No_Calendar",
+    "complex_barrier.adb": "Simple_Barriers",
+    "dynamic_attachment.adb": "not declared",
+    "dynamic_priority.adb": "No_Dynamic_Priorities",
+    "local_object.adb": "No_Local_Protected_Objects",
+    "local_task.adb": "No_Task_Hierarchy",
+    "propagated_handler.adb": "No_Exception_Propagation",
+    "relative_delay.adb": "No_Relative_Delay",
+    "requeue_statement.adb": "No_Requeue_Statements",
+    "select_statement.adb": "No_Select_Statements",
+    "size_unknown.adb": "No_Implicit_Heap_Allocations",
+    "task_entry.ads": "Max_Task_Entries",
+    "timing_event.adb": "not a predefined library unit",
+    "two_entries.ads": "not allowed in configurable run-time mode",
+}
+
+
+@pytest.mark.parametrize(("program", "reason"), REJECTED_PROGRAMS.items())
+def test_a_violation_of_the_profile_does_not_compile(
+    program: str, reason: str, tmp_path: Path
+) -> None:
+    """The compiler refuses the program and says which rule it violates."""
+    build("preemption")
+    result = compile_rejected(REJECTED / program, tmp_path)
+    assert result.returncode != 0
+    assert reason in result.stderr
+
+
+def test_every_rejected_program_is_tested() -> None:
+    """No file of the folder is left out, but for specifications of bodies and the heap."""
+    bodies = {path.name for path in REJECTED.glob("*.adb")}
+    alone = {path.name for path in REJECTED.glob("*.ads")} - {f"{name[:-1]}s" for name in bodies}
+    assert bodies | alone == set(REJECTED_PROGRAMS) | {"heap.adb"}
+
+
+def test_an_allocator_does_not_link(tmp_path: Path) -> None:
+    """There is no heap: the allocation subprogram does not exist."""
+    build("preemption")
+    assert compile_rejected(REJECTED / "heap.adb", tmp_path).returncode == 0
+    symbols = subprocess.run(
+        ["arm-none-eabi-nm", str(tmp_path / "heap.o"), str(RUNTIME / "adalib" / "libgnat.a")],
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    assert "U __gnat_malloc" in symbols
+    assert "T __gnat_malloc" not in symbols
