@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The module as a Python program sees it."""
 
+import ast
 import json
 import struct
 import threading
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -85,7 +88,7 @@ def test_a_probe_is_sampled_into_a_signal() -> None:
     samples = struct.unpack(f"<{len(values) // 8}d", values)
     assert len(instants) == len(samples) >= 10
     assert list(samples) == sorted(samples) and samples[-1] > samples[1] > samples[0] == 0.0
-    assert all(late - early >= MILLISECOND - 8 for early, late in zip(instants, instants[1:]))
+    assert all(late - early >= MILLISECOND - 8 for early, late in pairwise(instants))
 
 
 def test_an_unknown_symbol_is_an_image_error() -> None:
@@ -118,7 +121,7 @@ def test_a_refused_image_is_an_image_error() -> None:
 
 def test_a_refused_configuration_names_the_field() -> None:
     """The path of the field is in the text."""
-    with pytest.raises(ConfigurationError, match="battery.voltage"):
+    with pytest.raises(ConfigurationError, match=r"battery\.voltage"):
         VirtualBrick(configuration(battery={"kind": "aa", "voltage": "high"}), elf(COUNTING))
     with pytest.raises(ConfigurationError, match="wheels"):
         VirtualBrick(configuration(wheels=2), elf(COUNTING))
@@ -196,3 +199,16 @@ def test_a_program_without_the_run_time_has_no_threads_and_says_why() -> None:
     brick = counting()
     assert brick.threads() == [] == brick.thread_names()
     assert "ravenbrick_running_thread" in str(brick.threads_unobserved)
+
+
+def test_the_stub_file_names_exactly_what_the_module_has() -> None:
+    """Classes and their public members are the same in the stub and in the module."""
+    tree = ast.parse((Path(__file__).parents[1] / "virtual_brick.pyi").read_text())
+    for stub in (node for node in tree.body if isinstance(node, ast.ClassDef)):
+        members = {item.name for item in stub.body if isinstance(item, ast.FunctionDef)}
+        built = getattr(virtual_brick, stub.name)
+        present = {name for name in vars(built) if not name.startswith("_")}
+        assert {name for name in members if not name.startswith("_")} == present, stub.name
+    classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
+    exported = {name for name, item in vars(virtual_brick).items() if isinstance(item, type)}
+    assert classes == exported
