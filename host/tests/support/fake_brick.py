@@ -68,6 +68,7 @@ class VirtualBrick:
     """As the real module's; `fault_ms` makes every run end in a fault at that instant."""
 
     fault_ms: int | None = None
+    threads_unobserved: str | None = None
 
     def __init__(self, configuration_json: str, elf: bytes) -> None:
         self._configuration = json.loads(configuration_json)
@@ -104,10 +105,7 @@ class VirtualBrick:
         return ["vehicle.adb:12", *[""] * 7]
 
     def threads(self) -> list[Thread]:
-        return list(reversed(THREADS))
-
-    def thread_names(self) -> list[str]:
-        return [thread.name for thread in THREADS]
+        return list(THREADS)
 
     def events(self) -> bytes:
         records: list[tuple[int, int, int, int]] = []

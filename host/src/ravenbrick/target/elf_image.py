@@ -76,6 +76,25 @@ class ElfImage:
         """Bytes of all sections of a kind."""
         return sum(section.size for section in self.sections if section.kind == kind)
 
+    def task_objects(self) -> dict[str, Symbol]:
+        """Task name -> its object (control block and stack), for each single Ada task.
+
+        Under the Ravenscar profile GNAT gives tasks no image, but the object of a task `t` of the
+        package `p` is the symbol `p__t`, and its body `p__tTKB`.
+        """
+        return {
+            name.rpartition("__")[2]: symbol
+            for name, symbol in sorted(self.symbols.items())
+            if symbol.size and f"{name}TKB" in self.symbols
+        }
+
+    def task_at(self, address: int) -> str | None:
+        """Name of the task whose object holds the address."""
+        for name, symbol in self.task_objects().items():
+            if symbol.address <= address < symbol.address + symbol.size:
+                return name
+        return None
+
 
 def _refuse(path: Path, problem: str, advice: str = _BUILD) -> ImageFileError:
     return ImageFileError(f"{path}: {problem}; {advice}")

@@ -29,10 +29,15 @@ _KINDS = (
 
 @dataclass(frozen=True)
 class TaskStack:
-    """A task's stack: what robot.toml says, what the image has, what a run used (None: no run)."""
+    """A task's stack, bytes; None for what is not known.
+
+    `declared_bytes`: robot.toml. `object_bytes`: stack and control block, from the link.
+    `storage_size_bytes`, `used_bytes`: Storage_Size and high-water mark, from a run.
+    """
 
     name: str
     declared_bytes: int | None
+    object_bytes: int | None
     storage_size_bytes: int | None
     used_bytes: int | None
 
@@ -89,6 +94,15 @@ def _parts(map_file: Path) -> dict[str, dict[str, int]]:
     return {name: sizes[name] for name in sorted(sizes)}
 
 
+def _linked_tasks(image: ElfImage, robot: Robot) -> tuple[TaskStack, ...]:
+    objects = {name: symbol.size for name, symbol in image.task_objects().items()}
+    declared = {task.name.lower(): task.stack_bytes for task in robot.tasks}
+    return tuple(
+        TaskStack(name, declared.get(name), objects.get(name), None, None)
+        for name in dict.fromkeys([*declared, *objects])
+    )
+
+
 def memory_report(image: ElfImage, robot: Robot) -> MemoryReport:
     """Report of an image; raises `ImageFileError` when it does not fit."""
     text, data, bss = (image.size_of(kind) for kind in ("text", "data", "bss"))
@@ -108,23 +122,25 @@ def memory_report(image: ElfImage, robot: Robot) -> MemoryReport:
         bss=bss,
         used=used,
         available=region.size,
-        tasks=tuple(TaskStack(t.name, t.stack_bytes, None, None) for t in robot.tasks),
+        tasks=_linked_tasks(image, robot),
         parts=_parts(map_file) if map_file.is_file() else {},
     )
 
 
 def with_stacks(report: MemoryReport, threads: Sequence[Thread]) -> MemoryReport:
     """The report with each task's Storage_Size and high-water mark as a run found them."""
-    declared = {task.name.lower(): task.declared_bytes for task in report.tasks}
-    earlier = {task.name.lower(): task.used_bytes or 0 for task in report.tasks}
+    known = {task.name.lower(): task for task in report.tasks}
+    nothing = TaskStack("", None, None, None, None)
     seen = [
         TaskStack(
             thread.name,
-            declared.get(thread.name.lower()),
+            before.declared_bytes,
+            before.object_bytes,
             thread.stack_bytes,
-            max(thread.stack_used_bytes, earlier.get(thread.name.lower(), 0)),
+            max(thread.stack_used_bytes, before.used_bytes or 0),
         )
         for thread in threads
+        for before in [known.get(thread.name.lower(), nothing)]
     ]
     names = {thread.name.lower() for thread in threads}
     unseen = [task for task in report.tasks if task.name.lower() not in names]

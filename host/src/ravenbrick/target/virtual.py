@@ -65,7 +65,7 @@ class VirtualTarget:
             stop=stop,
             events=decode_events(brick.events()),
             signals=_signals(brick),
-            threads=_threads(brick),
+            threads=_threads(brick, image),
             pictures=tuple(pictures),
             digest=brick.trace_digest(),
         )
@@ -82,6 +82,11 @@ class VirtualTarget:
             raise ToolMissingError(
                 f"the module 'virtual_brick' has another clock ({brick.clock_hz}); "
                 "run 'make setup' to build the one of this version"
+            )
+        if brick.threads_unobserved is not None:
+            raise ImageFileError(
+                f"{image.path}: its tasks cannot be observed ({brick.threads_unobserved}); "
+                "link it with the project's run-time"
             )
         return brick
 
@@ -133,11 +138,14 @@ def _signals(brick: Any) -> dict[str, Signal]:
     }
 
 
-def _threads(brick: Any) -> tuple[Thread, ...]:
-    """In the order of the events' `subject`."""
-    found = {thread.name: thread for thread in brick.threads()}
+def _threads(brick: Any, image: ElfImage) -> tuple[Thread, ...]:
+    """A thread's position is the subject of its events."""
     return tuple(
-        Thread(name, t.base_priority, t.stack_size, t.stack_used)
-        for name in brick.thread_names()
-        if (t := found.get(name)) is not None
+        Thread(
+            thread.name or image.task_at(thread.address) or f"task at 0x{thread.address:08X}",
+            thread.base_priority,
+            thread.stack_size,
+            thread.stack_used,
+        )
+        for thread in brick.threads()
     )

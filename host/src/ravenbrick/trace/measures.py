@@ -207,7 +207,7 @@ def measure_run(robot: Robot, scenario: Scenario, recording: Recording) -> RunMe
 def check_survival(scenario: Scenario, recording: Recording) -> None:
     """Raise when the program failed (`RunFaultError`) or an input never came (`ScenarioError`)."""
     stop, clock = recording.stop, recording.clock
-    if stop.reason in ("fault", "halted"):
+    if stop.reason not in ("reached", "power_off"):
         picture = "\n".join(line for line in recording.pictures[-1].text if line.strip())
         raise RunFaultError(
             f"scenario '{scenario.name}': the program stopped after "
