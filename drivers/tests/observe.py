@@ -106,8 +106,8 @@ class Brick:
         return commands
 
     def motors(self, at_ms: float) -> dict[str, tuple[int, bool]]:
-        """Duty cycle and brake of each motor commanded before an instant."""
-        return {
+        """Duty cycle and brake of each motor at an instant; the co-processor begins with brakes."""
+        return {motor: (0, True) for motor in MOTORS} | {
             command.motor: (command.duty, command.brake)
             for command in self.motor_commands()
             if command.at_ms < at_ms

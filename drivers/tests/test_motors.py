@@ -20,6 +20,21 @@ def test_motors_obey_the_commands(brick: Callable[..., Brick]) -> None:
     assert device.motors(at_ms=600) == {"A": (0, True), "B": (0, True), "C": (0, True)}
 
 
+def test_motor_objects_obey(brick: Callable[..., Brick]) -> None:
+    """Power and direction are kept apart, and a stopped motor does not reverse."""
+    device = brick("motor_objects")
+    device.run(690)
+    instants = (290, 390, 490, 590, 690)
+    assert [device.motors(at_ms=at)["B"] for at in instants] == [
+        (25, True),
+        (-25, True),
+        (-60, True),
+        (0, True),
+        (0, False),
+    ]
+    assert device.integer("moving") == 0
+
+
 @pytest.mark.parametrize("angle", [0.0, 1.0, -1.0, 12.0])
 def test_an_encoder_counts_degrees(brick: Callable[..., Brick], angle: float) -> None:
     """A motor turned by hand reads as its angle in degrees, with its sign."""
