@@ -54,10 +54,12 @@ impl fmt::Display for TraceError {
                 "a record at cycle {at_cycles} came after one at cycle {previous_cycles}; records \
                  must be in the order of time"
             ),
-            Self::WrongSampleLength { expected, given } => write!(
-                f,
-                "a sample has {given} values; {expected} signals are declared"
-            ),
+            Self::WrongSampleLength { expected, given } => {
+                write!(
+                    f,
+                    "a sample has {given} values; {expected} signals are declared"
+                )
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The parts joined: the only place that knows chip, board and plant together.
 
-use at91sam7s::board::{Board, ChipEvent};
+use at91sam7s::board::ChipEvent;
 use at91sam7s::{AddressError, Chip, ChipConfiguration};
 use nxt::{BoardEvent, BoardEventKind, BoardFault, InputError, NxtBoard, PowerOffReason};
 use trace::{Event, EventKind};
@@ -19,7 +19,10 @@ pub(crate) enum Observed {
     /// To be recorded.
     Event(Event),
     /// To be recorded; the supply is off, with a sentence why.
-    PowerOff(Event, &'static str),
+    PowerOff {
+        event: Event,
+        sentence: &'static str,
+    },
     /// The clock of the run-time begins.
     ClockStarted { at_cycles: u64 },
     /// The program asked for what the board does not model: the run ends.
@@ -90,7 +93,7 @@ pub(crate) fn observed(event: &BoardEvent) -> Observed {
                 subject: 0,
                 value,
             };
-            return Observed::PowerOff(event, sentence);
+            return Observed::PowerOff { event, sentence };
         }
     };
     Observed::Event(Event {
@@ -124,10 +127,4 @@ const fn power_off(reason: PowerOffReason) -> (i64, &'static str) {
 pub(crate) fn apply_input(chip: &mut Machine, input: &Input) -> Result<(), InputError> {
     let now = chip.now();
     chip.board_mut().set_input(now, &input.name, input.value)
-}
-
-/// The chip has its supply.
-#[inline]
-pub(crate) fn powered(chip: &Machine) -> bool {
-    chip.board().powered()
 }

@@ -39,8 +39,14 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// Look at a step from the instruction at `before`; a dead end when the run cannot go on.
+    /// The step from the instruction at `before` may have led to a dead end.
     #[inline]
+    pub(crate) fn concerned(&self, before: u32, cpu: &Cpu) -> bool {
+        let after = cpu.next_instruction_address();
+        (after == before) | (after < VECTORS_END) | self.arrival.is_some()
+    }
+
+    /// Look at a step that is of concern; a dead end when the run cannot go on.
     pub(crate) fn check(
         &mut self,
         before: u32,
@@ -63,7 +69,6 @@ impl Guard {
     }
 
     /// Near the vectors: remember an arrival, and find out that the vector arrived at is unset.
-    #[cold]
     fn at_vector(
         &mut self,
         before: u32,
@@ -122,7 +127,6 @@ impl Guard {
 
     /// The core came back to the same instruction. With interrupts masked and the same state of
     /// the core as the last time, this goes on for ever.
-    #[cold]
     fn endless_loop(&mut self, cpu: &Cpu, image: &Image) -> Option<DeadEnd> {
         let status = cpu.cpsr();
         let abnormal_mode = matches!(cpu.mode(), Some(Mode::Undefined | Mode::Abort));

@@ -19,7 +19,6 @@ pub(crate) struct Recorder {
     observer: Option<ThreadObserver>,
     probes: Vec<Probe>,
     pending: Vec<Event>,
-    power_off: &'static str,
     row: Vec<f64>,
     signal_period_cycles: u64,
     next_sample_cycles: u64,
@@ -43,7 +42,6 @@ impl Recorder {
             observer,
             probes: Vec::new(),
             pending: Vec::new(),
-            power_off: "",
             row: Vec::new(),
             signal_period_cycles: configuration.signal_period_cycles,
             next_sample_cycles: 0,
@@ -52,11 +50,6 @@ impl Recorder {
 
     pub(crate) fn next_sample_cycles(&self) -> u64 {
         self.next_sample_cycles
-    }
-
-    /// Why the supply is off, in a sentence; empty while it is on.
-    pub(crate) fn power_off(&self) -> &'static str {
-        self.power_off
     }
 
     pub(crate) fn add_probe(&mut self, probe: Probe) {
@@ -96,33 +89,41 @@ impl Recorder {
     /// Something waits to be collected.
     #[inline]
     pub(crate) fn has_news(&self, chip: &Machine) -> bool {
-        chip.has_watch_hits() || chip.board().has_events()
+        chip.has_watch_hits() | chip.board().has_events()
     }
 
     /// Record what happened since the last call. Of one instant, the board's and the chip's
     /// events come before those of threads.
     ///
     /// # Errors
-    /// The stop when the trace is full or the board met what it does not model.
+    /// The stop when the supply is off, the board met what it does not model or the trace is full.
     pub(crate) fn collect(&mut self, chip: &mut Machine) -> Result<(), Stop> {
-        let mut fault = None;
+        let mut end = None;
         for event in assembly::take_events(chip) {
             match assembly::observed(&event) {
                 Observed::Event(event) => self.pending.push(event),
-                Observed::PowerOff(event, sentence) => {
-                    self.pending.push(event);
-                    self.power_off = sentence;
-                }
                 Observed::ClockStarted { at_cycles } => {
                     if let Some(observer) = &mut self.observer {
                         observer.clock_started(at_cycles);
                     }
                 }
-                Observed::Fault {
-                    at_cycles,
-                    fault: what,
-                } => {
-                    fault.get_or_insert((at_cycles, what.to_string()));
+                Observed::PowerOff { event, sentence } => {
+                    self.pending.push(event);
+                    let message = sentence.to_owned();
+                    let (reason, at_cycles) = (StopReason::PowerOff, event.at_cycles);
+                    end.get_or_insert(Stop {
+                        reason,
+                        at_cycles,
+                        message,
+                    });
+                }
+                Observed::Fault { at_cycles, fault } => {
+                    let message = fault.to_string();
+                    end.get_or_insert(Stop {
+                        reason: StopReason::Fault,
+                        at_cycles,
+                        message,
+                    });
                 }
             }
         }
@@ -130,14 +131,7 @@ impl Recorder {
             self.observe_writes(chip);
         }
         self.write_pending(chip.now())?;
-        match fault {
-            Some((at_cycles, message)) => Err(Stop {
-                reason: StopReason::Fault,
-                at_cycles,
-                message,
-            }),
-            None => Ok(()),
-        }
+        end.map_or(Ok(()), Err)
     }
 
     fn write_pending(&mut self, now: u64) -> Result<(), Stop> {

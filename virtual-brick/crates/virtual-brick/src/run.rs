@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The run: processor steps and skipped idle time between inputs and samples.
 
+use arm7tdmi::Step;
 use at91sam7s::ResetCause;
 
 use crate::assembly;
@@ -36,7 +37,7 @@ impl VirtualBrick {
                 message: error.to_string(),
             })?;
             self.recorder.input_applied(now, &input);
-            self.record()?;
+            self.recorder.collect(&mut self.chip)?;
         }
         if self.recorder.next_sample_cycles() <= now {
             self.recorder.sample(&self.chip)?;
@@ -54,45 +55,59 @@ impl VirtualBrick {
         while self.chip.now() < end {
             if self.chip.processor_stopped() {
                 self.chip.skip_to_next_event(end);
-                self.record()?;
                 self.after_step(self.cpu.next_instruction_address())?;
                 continue;
             }
             let before = self.cpu.next_instruction_address();
             let step = self.cpu.step(&mut self.chip);
-            if self.recorder.has_news(&self.chip) {
-                self.record()?;
-            }
             self.after_step(before)?;
-            if let Some(end) = self
-                .guard
-                .check(before, step, &self.cpu, &self.chip, &self.image)
-            {
-                let at_cycles = self.chip.now();
-                return Err(Stop {
-                    reason: end.reason,
-                    at_cycles,
-                    message: end.message,
-                });
+            if self.guard.concerned(before, &self.cpu) {
+                self.look_for_dead_end(before, step)?;
             }
         }
         Ok(())
     }
 
-    fn record(&mut self) -> Result<(), Stop> {
-        self.recorder.collect(&mut self.chip)
+    #[cold]
+    fn look_for_dead_end(&mut self, before: u32, step: Step) -> Result<(), Stop> {
+        let end = self
+            .guard
+            .check(before, step, &self.cpu, &self.chip, &self.image);
+        end.map_or(Ok(()), |end| {
+            let at_cycles = self.chip.now();
+            Err(Stop {
+                reason: end.reason,
+                at_cycles,
+                message: end.message,
+            })
+        })
     }
 
-    /// End the run at the first fault of the chip or when the supply is off; follow a reset.
+    /// Record what happened, end the run at the first fault of the chip, follow a reset.
     #[inline]
     fn after_step(&mut self, instruction: u32) -> Result<(), Stop> {
-        if let Some(cause) = self.chip.take_reset() {
-            return self.reset(cause);
+        if self.recorder.has_news(&self.chip) | self.chip.fault().is_some() {
+            self.attend(instruction)?;
         }
-        if self.chip.fault().is_none() && assembly::powered(&self.chip) {
+        match self.chip.take_reset() {
+            Some(cause) => self.reset(cause),
+            None => Ok(()),
+        }
+    }
+
+    #[cold]
+    fn attend(&mut self, instruction: u32) -> Result<(), Stop> {
+        self.recorder.collect(&mut self.chip)?;
+        let Some(fault) = self.chip.fault() else {
             return Ok(());
-        }
-        Err(self.chip_stop(instruction))
+        };
+        let place = crate::guard::place(&self.image, instruction);
+        let message = format!("{fault}; by the instruction at {place}");
+        Err(Stop {
+            reason: StopReason::Fault,
+            at_cycles: fault.at_cycles,
+            message,
+        })
     }
 
     /// A reset starts a flash image again; a RAM image is gone with its start by the boot monitor.
@@ -111,25 +126,5 @@ impl VirtualBrick {
             at_cycles: self.chip.now(),
             message,
         })
-    }
-
-    #[cold]
-    fn chip_stop(&mut self, instruction: u32) -> Stop {
-        let at_cycles = self.chip.now();
-        let Some(fault) = self.chip.fault() else {
-            let message = self.recorder.power_off().to_owned();
-            return Stop {
-                reason: StopReason::PowerOff,
-                at_cycles,
-                message,
-            };
-        };
-        let place = crate::guard::place(&self.image, instruction);
-        let message = format!("{fault}; by the instruction at {place}");
-        Stop {
-            reason: StopReason::Fault,
-            at_cycles: fault.at_cycles,
-            message,
-        }
     }
 }

@@ -87,10 +87,12 @@ impl fmt::Display for ImageError {
                 f,
                 "the image is truncated: {length} bytes, {missing} missing; build it again"
             ),
-            Self::NotElf => write!(
-                f,
-                "the image is not an ELF file (no magic number 7F 45 4C 46 at its start)"
-            ),
+            Self::NotElf => {
+                write!(
+                    f,
+                    "the image is not an ELF file (no magic number 7F 45 4C 46 at its start)"
+                )
+            }
             Self::WrongMachine { found } => write!(
                 f,
                 "the image is not an executable for 32-bit little-endian ARM: it is {found}"
@@ -119,11 +121,13 @@ impl fmt::Display for ImageError {
             Self::UnknownSymbol { name, similar } if similar.is_empty() => {
                 write!(f, "the image has no symbol `{name}`")
             }
-            Self::UnknownSymbol { name, similar } => write!(
-                f,
-                "the image has no symbol `{name}`; similar: {}",
-                similar.join(", ")
-            ),
+            Self::UnknownSymbol { name, similar } => {
+                write!(
+                    f,
+                    "the image has no symbol `{name}`; similar: {}",
+                    similar.join(", ")
+                )
+            }
             Self::UnknownType { path, size } => write!(
                 f,
                 "the type of `{path}` ({size} bytes) is not known as a scalar; give its kind (i32, \
