@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Assignment of fixed priorities. Each function returns a set with priorities n (top) to 1."""
+
+from __future__ import annotations
+
+from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
+from ravenbrick.schedule.response_time import response_time_bound
+
+__all__ = ["audsley", "deadline_monotonic", "rate_monotonic"]
+
+
+def _names(tasks: list[Task]) -> list[str]:
+    return [task.name for task in tasks]
+
+
+def rate_monotonic(task_set: TaskSet) -> TaskSet:
+    """Shorter period, higher priority; equal periods in the user's order.
+
+    Optimal for independent synchronous tasks with D = T (Liu, Layland 1973).
+    """
+    return task_set.with_priorities(_names(sorted(task_set, key=lambda task: task.period)))
+
+
+def deadline_monotonic(task_set: TaskSet) -> TaskSet:
+    """Shorter deadline less release jitter, higher priority; equal ones in the user's order.
+
+    Optimal for D <= T without jitter (Leung, Whitehead 1982), and by D - J with jitter (Zuhily,
+    Burns 2007). Not optimal for D > T: use `audsley`.
+    """
+    order = sorted(task_set, key=lambda task: task.deadline - task.release_jitter)
+    return task_set.with_priorities(_names(order))
+
+
+def audsley(task_set: TaskSet, overheads: Overheads = NO_OVERHEADS) -> TaskSet | None:
+    """A feasible assignment by `response_time_bound` if there is one, otherwise None.
+
+    Fills the priorities from the bottom with the first task, latest deadline first, that meets
+    its deadline there. Optimal because the bound depends on which tasks are more urgent, not on
+    their order (Audsley 1991).
+    """
+    unassigned = sorted(task_set, key=lambda task: -(task.deadline - task.release_jitter))
+    assigned: list[Task] = []
+    while unassigned:
+        for candidate in unassigned:
+            others = [task for task in unassigned if task.name != candidate.name]
+            trial = task_set.with_priorities(_names([*others, candidate, *assigned]))
+            if response_time_bound(trial, trial.task(candidate.name), overheads).meets_deadline:
+                assigned.insert(0, candidate)
+                unassigned = others
+                break
+        else:
+            return None
+    return task_set.with_priorities(_names(assigned))

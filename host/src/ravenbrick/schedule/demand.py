@@ -1,0 +1,193 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The load that a job meets in its busy period, as a step function of the window's length."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ravenbrick.errors import ExitCode, RavenbrickError
+from ravenbrick.schedule.blocking import Blocking, blocking_candidates
+from ravenbrick.schedule.model import Overheads, Task, TaskSet
+from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
+
+__all__ = ["AnalysisLimitError", "ClockLoad", "Source", "Window", "window_of"]
+
+STEP_LIMIT = 1_000_000
+
+
+class AnalysisLimitError(RavenbrickError):
+    """The exact answer would take too many steps; the sentence says what to change."""
+
+    exit_code = ExitCode.USAGE
+
+
+@dataclass(frozen=True)
+class Source:
+    """An interfering task: a job each `period`, the first delayed by `jitter` into the window."""
+
+    task: Task
+    period: Time
+    jitter: Time
+    execution: Time
+    overhead: Time
+
+    def jobs(self, window: Time) -> int:
+        """Most jobs released in a half-open window of this length."""
+        return ceiling(window + self.jitter, self.period)
+
+
+@dataclass(frozen=True)
+class ClockLoad:
+    """Work of clock and alarm at the top priority, for all cyclic tasks of the set.
+
+    Tick-driven costs follow Burns, Tindell, Wellings 1995: with V ticks and K releases in the
+    window, V tick + min(V, K) tick_first + max(K - V, 0) tick_further.
+    """
+
+    released: tuple[tuple[Time, Time], ...]
+    overheads: Overheads
+
+    def releases(self, window: Time) -> int:
+        """Most releases by the clock in the window."""
+        return sum(ceiling(window + jitter, period) for period, jitter in self.released)
+
+    def time(self, window: Time) -> Time:
+        """Processor time of the clock's work in the window."""
+        costs = self.overheads
+        if not costs.alarm and not costs.tick_period:
+            return 0
+        releases = self.releases(window)
+        total: Time = releases * costs.alarm
+        if costs.tick_period:
+            ticks = ceiling(window, costs.tick_period)
+            total += ticks * costs.tick + min(ticks, releases) * costs.tick_first
+            total += max(releases - ticks, 0) * costs.tick_further
+        return total
+
+    @property
+    def utilization(self) -> Fraction:
+        """Long-term share of the processor."""
+        costs = self.overheads
+        rate = sum((1 / Fraction(period) for period, _ in self.released), Fraction(0))
+        total = rate * costs.alarm
+        if costs.tick_period:
+            ticks = 1 / Fraction(costs.tick_period)
+            total += ticks * costs.tick + min(ticks, rate) * costs.tick_first
+            total += max(rate - ticks, Fraction(0)) * costs.tick_further
+        return total
+
+    def periods(self) -> Iterator[Time]:
+        """Periods after which the load repeats."""
+        if self.overheads.alarm or self.overheads.tick_period:
+            yield from (period for period, _ in self.released)
+        if self.overheads.tick_period:
+            yield self.overheads.tick_period
+
+    def steps(self, limit: Time) -> Iterator[Time]:
+        """Window lengths up to `limit` just after which the load rises."""
+        if self.overheads.alarm or self.overheads.tick_period:
+            for period, jitter in self.released:
+                yield from _steps(period, jitter, limit)
+        if self.overheads.tick_period:
+            yield from _steps(self.overheads.tick_period, 0, limit)
+
+
+def _steps(period: Time, jitter: Time, limit: Time) -> Iterator[Time]:
+    count = jitter // period + 1
+    if (limit + jitter) // period > STEP_LIMIT:
+        raise AnalysisLimitError(
+            f"a window of {limit} has more than {STEP_LIMIT} releases; "
+            "use periods and deadlines that lie closer together"
+        )
+    while (instant := count * period - jitter) <= limit:
+        yield instant
+        count += 1
+
+
+@dataclass(frozen=True)
+class Window:
+    """What a job of `task` meets from the start of its busy period."""
+
+    task: Task
+    jitter: Time
+    own_overhead: Time
+    blockings: tuple[Blocking, ...]
+    sources: tuple[Source, ...]
+    clock: ClockLoad
+
+    @property
+    def blocking(self) -> Blocking:
+        """The longest blocking."""
+        return max(self.blockings, key=lambda blocking: blocking.time)
+
+    @property
+    def own(self) -> Time:
+        """Execution and overhead of one job of the task."""
+        return self.task.wcet + self.own_overhead
+
+    @property
+    def utilization(self) -> Fraction:
+        """Long-term share of the processor at the task's priority and above."""
+        total = Fraction(self.own) / Fraction(self.task.period) + self.clock.utilization
+        for source in self.sources:
+            total += Fraction(source.execution + source.overhead) / Fraction(source.period)
+        return total
+
+    @property
+    def repetition(self) -> Time:
+        """Length after which the pattern of releases repeats."""
+        periods = [self.task.period, *(source.period for source in self.sources)]
+        return common_multiple([*periods, *self.clock.periods()])
+
+    def interference(self, window: Time) -> Time:
+        """Work of the interfering tasks and the clock in a window."""
+        total = self.clock.time(window)
+        for source in self.sources:
+            total += source.jobs(window) * (source.execution + source.overhead)
+        return total
+
+    def completion(self, job: int, start: Time) -> Time:
+        """Smallest window in which blocking, interference and jobs 0..`job` are served.
+
+        `start` is a lower bound of it, from where the fixed-point iteration climbs.
+        """
+        fixed = self.blocking.time + (job + 1) * self.own
+        window = max(start, fixed)
+        for _ in range(STEP_LIMIT):
+            following = fixed + self.interference(window)
+            if following <= window:
+                return window
+            window = following
+        raise AnalysisLimitError(
+            f"the busy period of '{self.task.name}' takes more than {STEP_LIMIT} steps; "
+            "its utilisation is too close to 1"
+        )
+
+    def steps(self, limit: Time) -> list[Time]:
+        """Ends of the constant stretches of the interference up to `limit`, and `limit`."""
+        found = set(self.clock.steps(limit)) | {limit}
+        for source in self.sources:
+            found |= set(_steps(source.period, source.jitter, limit))
+        return sorted(exact(step) for step in found if step > 0)
+
+
+def window_of(task_set: TaskSet, task: Task, overheads: Overheads) -> Window:
+    """The worst window of `task`: synchronous release after the longest jitter and blocking."""
+    clocked = tuple(
+        (other.period, overheads.jitter(other)) for other in task_set if other.programs_alarm
+    )
+    sources = tuple(
+        Source(other, other.period, overheads.jitter(other), other.wcet, overheads.per_job(other))
+        for other in task_set.interfering(task)
+    )
+    return Window(
+        task,
+        overheads.jitter(task),
+        overheads.per_job(task),
+        blocking_candidates(task_set, task, overheads),
+        sources,
+        ClockLoad(clocked, overheads),
+    )
