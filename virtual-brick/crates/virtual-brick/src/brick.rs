@@ -86,7 +86,9 @@ impl VirtualBrick {
         }
         let layout = Layout::of(&image);
         let threads_unobserved = layout.as_ref().err().cloned();
-        let observer = layout.ok().map(ThreadObserver::new);
+        let observer = layout
+            .ok()
+            .map(|layout| ThreadObserver::new(layout, Some(Arc::clone(&image))));
         let mut recorder = Recorder::new(configuration, &chip, observer);
         recorder.watch_new_words(&mut chip);
         Ok(Self {

@@ -11,6 +11,14 @@ use support::elf::ElfBuilder;
 use support::{image, vehicle, RAM, VEHICLE};
 use virtual_brick::{Configuration, Image, VirtualBrick};
 
+fn cases(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
 fn small_image() -> Vec<u8> {
     let mut program = Program::new();
     program.poke(0x0020_8000, 1).stop();
@@ -18,7 +26,7 @@ fn small_image() -> Vec<u8> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(256))]
 
     #[test]
     fn random_bytes_as_an_image_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..512)) {
@@ -67,7 +75,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(96))]
 
     #[test]
     fn random_words_as_a_program_run_without_panic(

@@ -24,11 +24,15 @@ const STATE: u32 = BLOCK + 20;
 const WAKE: u32 = BLOCK + 24;
 
 fn brick(version: u32) -> VirtualBrick {
+    named_brick(version, 7)
+}
+
+fn named_brick(version: u32, name_length: u32) -> VirtualBrick {
     let mut program = Program::new();
     program.poke(PIT_MR, 0x010F_FFFF);
     for (address, value) in [
         (BLOCK + 4, NAME),
-        (BLOCK + 8, 7),
+        (BLOCK + 8, name_length),
         (PRIORITY, 5),
         (BLOCK + 32, STACK),
         (BLOCK + 36, 64),
@@ -50,6 +54,7 @@ fn brick(version: u32) -> VirtualBrick {
     let elf = image(&program)
         .segment(NAME, b"control\0")
         .words(LAYOUT, &layout)
+        .object("tasks__control_task", BLOCK - 8, 60)
         .object("ravenbrick_running_thread", RUNNING, 4)
         .object("ravenbrick_first_thread", FIRST, 4)
         .object("ravenbrick_thread_layout", LAYOUT, 44);
@@ -130,4 +135,15 @@ fn an_image_without_the_symbols_is_stated() {
     let reason = brick.threads_unobserved().unwrap();
     assert!(reason.contains("ravenbrick_running_thread"), "{reason}");
     assert_eq!(brick.image().entry(), RAM);
+}
+
+#[test]
+fn a_thread_without_a_name_has_that_of_the_object_that_holds_it() {
+    let mut brick = named_brick(1, 0);
+    brick.run_until(2_000);
+    assert_eq!(
+        brick.trace().names().all(NameSpace::Thread),
+        ["control_task"]
+    );
+    assert_eq!(brick.threads()[0].name, "control_task");
 }

@@ -25,6 +25,7 @@ pub struct Symbol {
 pub struct Symbols {
     by_name: BTreeMap<String, Symbol>,
     code_by_address: BTreeMap<u32, String>,
+    objects_by_address: BTreeMap<u32, (u32, String)>,
 }
 
 impl Symbols {
@@ -48,6 +49,10 @@ impl Symbols {
                     .code_by_address
                     .entry(address)
                     .or_insert_with(|| name.to_owned());
+            }
+            if kind == SymbolKind::Data {
+                let object = (symbol.size() as u32, name.to_owned());
+                symbols.objects_by_address.entry(address).or_insert(object);
             }
             let global = symbol.is_global();
             let known_global = global_names.get(name).copied();
@@ -89,6 +94,13 @@ impl Symbols {
     pub fn nearest_code(&self, address: u32) -> Option<(&str, u32)> {
         let (start, name) = self.code_by_address.range(..=address).next_back()?;
         Some((name, address - start))
+    }
+
+    /// The object of data in which `address` lies.
+    #[must_use]
+    pub fn object_at(&self, address: u32) -> Option<&str> {
+        let (start, (size, name)) = self.objects_by_address.range(..=address).next_back()?;
+        (address - start < *size).then_some(name)
     }
 
     /// The error for `name`, with the symbols whose names contain `part`.

@@ -9,6 +9,7 @@
 
 mod clock;
 mod layout;
+mod names;
 mod observer;
 mod report;
 #[cfg(test)]

@@ -2,15 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //! From writes of watched words to events: who runs, releases and completions of jobs.
 
+use std::sync::Arc;
+
 use trace::{Event, EventKind, NameSpace, Names, IDLE};
+
+use crate::image::Image;
 
 use super::clock::cycle_of;
 use super::layout::Layout;
+use super::names::ThreadNames;
 use super::Memory;
 
 /// A list longer than this is taken for a loop.
 const THREADS_MAX: usize = 256;
-const NAME_LENGTH_MAX: u32 = 128;
 
 const READY: u32 = 1;
 const DELAYED: u32 = 2;
@@ -36,6 +40,7 @@ pub(crate) struct ThreadObserver {
     running: u32,
     epoch_cycles: Option<u64>,
     new_watches: Vec<u32>,
+    pub(super) names: ThreadNames,
 }
 
 /// Where an observation goes.
@@ -56,15 +61,15 @@ impl Sink<'_> {
 }
 
 impl ThreadObserver {
-    pub(crate) fn new(layout: Layout) -> Self {
+    pub(crate) fn new(layout: Layout, image: Option<Arc<Image>>) -> Self {
         let new_watches = vec![layout.running_address, layout.first_address];
-        let threads = Vec::new();
         Self {
             layout,
-            threads,
+            threads: Vec::new(),
             running: IDLE,
             epoch_cycles: None,
             new_watches,
+            names: ThreadNames { layout, image },
         }
     }
 
@@ -183,7 +188,7 @@ impl ThreadObserver {
         if thread.named {
             return;
         }
-        if let Some(name) = read_name(&self.layout, thread.address, memory) {
+        if let Some(name) = self.names.of(thread.address, memory) {
             sink.names.rename(NameSpace::Thread, index as u32, &name);
             thread.named = true;
         }
@@ -228,19 +233,4 @@ impl ThreadObserver {
         let high = u64::from(memory.word(address.wrapping_add(4))?);
         Some(cycle_of(epoch_cycles, high << 32 | low))
     }
-}
-
-/// Name of a thread; none while its fields hold no printable text.
-pub(super) fn read_name(layout: &Layout, block: u32, memory: &impl Memory) -> Option<String> {
-    let address = memory.word(block.wrapping_add(layout.name_address))?;
-    let length = memory.word(block.wrapping_add(layout.name_length))?;
-    if address == 0 || length == 0 || length > NAME_LENGTH_MAX {
-        return None;
-    }
-    let mut bytes = vec![0; length as usize];
-    let printable = memory.read(address, &mut bytes)
-        && bytes
-            .iter()
-            .all(|byte| byte.is_ascii_graphic() || *byte == b' ');
-    printable.then(|| String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The threads as they are now.
 
-use super::observer::{read_name, ThreadObserver};
+use super::observer::ThreadObserver;
 use super::Memory;
 
 /// A thread of the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Thread {
-    /// Name given by the program; empty when it gave none.
+    /// Name given by the program, or that of the object that holds the control block; empty
+    /// when neither is known.
     pub name: String,
     /// Base priority.
     pub base_priority: u32,
@@ -38,7 +39,7 @@ impl ThreadObserver {
                 let stack_base = field(self.layout.stack_base);
                 let stack_size = field(self.layout.stack_size);
                 Thread {
-                    name: read_name(&self.layout, thread.address, memory).unwrap_or_default(),
+                    name: self.names.of(thread.address, memory).unwrap_or_default(),
                     base_priority: field(self.layout.base_priority),
                     stack_base,
                     stack_size,

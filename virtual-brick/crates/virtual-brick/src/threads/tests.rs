@@ -69,7 +69,7 @@ impl Bench {
                 memory.0.insert(address, *byte);
             }
         }
-        let mut observer = ThreadObserver::new(LAYOUT);
+        let mut observer = ThreadObserver::new(LAYOUT, None);
         observer.clock_started(1_000);
         Self {
             memory,
