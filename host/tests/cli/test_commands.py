@@ -238,7 +238,7 @@ def test_a_report_is_made_again_from_the_recordings(project: Path) -> None:
     answer = parsed(call("report", project, "--json"))
     assert answer["summary"]["lateral_deviation_with"] == pytest.approx(0.004, abs=1e-5)
     assert answer["summary"]["settling_time"] is None
-    assert "The first 50 ms" in Path(answer["report"]).read_text()
+    assert "first 50 ms" in Path(answer["report"]).read_text()
 
 
 def test_a_damaged_recording_is_refused(project: Path) -> None:
@@ -257,6 +257,7 @@ def test_the_demo_leaves_report_pictures_and_summary(demo: tuple[Path, Result]) 
         "lcd-1.png",
         "lcd-2.png",
         "path.png",
+        "schedule-cyclic.png",
         "schedule.png",
         "speeds.png",
         "step-response.png",
@@ -288,7 +289,7 @@ def test_the_report_stands_alone_and_says_what_it_must(demo: tuple[Path, Result]
     page = (demo[0] / "report.html").read_text()
     assert not re.search(r'(?:src|href)="(?!data:)', page)
     assert "<script" not in page and "@import" not in page
-    assert page.count('src="data:image/png;base64,') == 6
+    assert page.count('src="data:image/png;base64,') == 7
     for part in (
         "Step response",
         "continuous design",
@@ -298,7 +299,7 @@ def test_the_report_stands_alone_and_says_what_it_must(demo: tuple[Path, Result]
         "Path from above",
         "Tasks and schedule",
         "release jitter",
-        "The first 50 ms",
+        "first 50 ms",
         "The LCD",
         "high-water mark",
         "gave the same digest",
@@ -310,8 +311,8 @@ def test_the_report_stands_alone_and_says_what_it_must(demo: tuple[Path, Result]
 def test_progress_names_each_step_with_its_duration(demo: tuple[Path, Result]) -> None:
     """Without --json, every step is one numbered line."""
     result = demo[1]
-    assert re.search(r"\[1/7\] design and generate C +\d+\.\d\d s", result.stdout)
-    assert re.search(r"\[6/7\] run 'drive' again +\d+\.\d\d s +same trace digest", result.stdout)
+    assert re.search(r"\[1/8\] design and generate C +\d+\.\d\d s", result.stdout)
+    assert re.search(r"\[7/8\] run 'drive' again +\d+\.\d\d s +same trace digest", result.stdout)
     assert "report.html in a browser" in result.stdout
 
 

@@ -20,7 +20,7 @@ def _read(project: Path, robot: Robot, name: str = "drive") -> Scenario:
     return read_scenario(scenario_path(project, name), robot)
 
 
-@pytest.mark.parametrize("name", ["drive", "drive-open-loop", "step"])
+@pytest.mark.parametrize("name", ["drive", "drive-open-loop", "step", "step-with-friction"])
 def test_the_vehicles_scenarios_are_valid(project: Path, robot: Robot, name: str) -> None:
     """The files in the repository can be read."""
     assert _read(project, robot, name).name == name
@@ -49,7 +49,9 @@ def test_an_input_of_an_unknown_port_is_named_with_its_line(
 
 def test_a_scenario_that_is_not_there_lists_the_known_ones(project: Path, robot: Robot) -> None:
     """A mistyped name is answered with the names that exist."""
-    with pytest.raises(ScenarioError, match="known scenarios: drive, drive-open-loop, step"):
+    with pytest.raises(
+        ScenarioError, match="known scenarios: drive, drive-open-loop, step, step-with-friction"
+    ):
         _read(project, robot, "dirve")
 
 

@@ -104,6 +104,7 @@ def collect(
         drive=roles.get("drive"),
         open_loop=roles.get("open_loop"),
         step=roles.get("step"),
+        others=tuple(run for run in runs if run.scenario.role is None),
         same_digest_twice=same_digest_twice,
     )
 

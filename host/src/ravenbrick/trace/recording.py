@@ -89,7 +89,7 @@ class Stop:
     message: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recording:
     """One run of one image; a thread's index is the `subject` of its events."""
 

@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.motion import SPEED_FILTER
 from ravenbrick.trace.plots import (
+    cyclic_begin_cycles,
+    first_release_cycles,
     lcd_figure,
     path_figure,
     schedule_figure,
@@ -50,7 +52,13 @@ def figures_of(evidence: Evidence) -> Iterator[tuple[str, Figure]]:
     if paths:
         yield "path", path_figure(paths)
     if drive is not None:
-        yield "schedule", schedule_figure(evidence.robot, drive.recording)
+        recording = drive.recording
+        begin, cyclic = (
+            first_release_cycles(recording),
+            cyclic_begin_cycles(evidence.robot, recording),
+        )
+        yield "schedule", schedule_figure(evidence.robot, recording, begin)
+        yield "schedule-cyclic", schedule_figure(evidence.robot, recording, cyclic)
         yield "tasks", tasks_figure(drive.recording, drive.measures)
         for number, picture in enumerate(drive.recording.pictures, 1):
             yield f"lcd-{number}", lcd_figure(picture)
@@ -114,11 +122,12 @@ def _step_section(evidence: Evidence, images: dict[str, bytes]) -> str:
             ("sampled simulation", design.sampled),
         ):
             rows.append((name, _ms(response.settling_time), f"{100 * response.overshoot:.2f} %"))
-    assert evidence.step is not None
-    for motor, step in evidence.step.measures.steps.items():
-        settling = _ms(step.measures.settling_time)
-        overshoot = f"{100 * step.measures.overshoot:.2f} %"
-        rows.append((f"on the brick, motor {motor}", settling, overshoot))
+    for run in evidence.runs:
+        for motor, step in run.measures.steps.items():
+            settling = _ms(step.measures.settling_time)
+            overshoot = f"{100 * step.measures.overshoot:.2f} %"
+            name = f"on the brick, motor {motor} (scenario '{run.scenario.name}')"
+            rows.append((name, settling, overshoot))
     return (
         "<h2>Step response</h2>"
         "<p>One count of the encoder is 1°, so the difference of two counts 4 ms apart knows only "
@@ -183,7 +192,12 @@ def _schedule_section(run: Run, images: dict[str, bytes]) -> str:
         + _table(TASK_COLUMNS, rows)
         + f"<p>Interrupt handlers take {100 * shares.interrupts:.2f} % of the processor, the "
         f"kernel outside of tasks {100 * shares.kernel:.2f} %; it sleeps for "
-        f"{100 * shares.idle:.2f} %.</p>" + _image(images["schedule"], "The first 50 ms")
+        f"{100 * shares.idle:.2f} %.</p>"
+        + _image(images["schedule"], "The first 50 ms from the first release on")
+        + _image(
+            images["schedule-cyclic"],
+            "50 ms from the instant at which the last cyclic task begins its cycle",
+        )
     )
 
 

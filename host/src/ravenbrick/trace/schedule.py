@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -25,6 +26,7 @@ __all__ = [
     "Segment",
     "TaskMeasures",
     "Utilization",
+    "all_jobs",
     "jobs_of",
     "measure_task",
     "segments",
@@ -95,39 +97,62 @@ class Utilization:
         return 1.0 - self.idle
 
 
-def jobs_of(recording: Recording, thread: int) -> list[Job]:
-    """Jobs of a thread in the order of their releases.
+class _JobBuilder:
+    """Jobs of one thread, event by event."""
+
+    def __init__(self) -> None:
+        self._starts: dict[int, int] = {}
+        self._ends: dict[int, int] = {}
+        self._releases: list[int] = []
+        self._pending: int | None = None
+
+    def select(self, at: int) -> None:
+        """The thread gets the processor."""
+        if self._pending is not None:
+            self._starts[self._pending], self._pending = at, None
+
+    def release(self, at: int, nominal: int, running: bool) -> None:
+        """A job is released; when the thread is running already, it starts at once."""
+        self._releases.append(nominal)
+        if running:
+            self._starts[nominal] = max(at, nominal)
+        else:
+            self._pending = nominal
+
+    def complete(self, at: int, nominal: int) -> None:
+        """The job of this nominal release is done."""
+        self._ends[nominal] = at
+
+    def jobs(self) -> list[Job]:
+        """All jobs in the order of their releases."""
+        return [Job(r, self._starts.get(r), self._ends.get(r)) for r in self._releases]
+
+
+@lru_cache(maxsize=8)
+def all_jobs(recording: Recording) -> tuple[list[Job], ...]:
+    """Jobs of every thread, by the thread's index, in the order of their releases.
 
     A completion names the nominal release of its job; the first execution of a job is the first
     selection of the thread after its release event, or the release itself when it already ran.
     """
-    starts: dict[int, int] = {}
-    ends: dict[int, int] = {}
-    releases: list[int] = []
-    pending: int | None = None
-    running = False
-    for at, kind, subject, value in _scheduling_events(recording):
-        if kind == EventKind.THREAD_RUNNING:
-            running = subject == thread
-            if running and pending is not None:
-                starts[pending], pending = at, None
-        elif subject != thread:
-            continue
-        elif kind == EventKind.RELEASE:
-            releases.append(value)
-            if running:
-                starts[value] = max(at, value)
-            else:
-                pending = value
-        elif kind == EventKind.COMPLETION:
-            ends[value] = at
-    return [Job(release, starts.get(release), ends.get(release)) for release in releases]
-
-
-def _scheduling_events(recording: Recording) -> list[tuple[int, int, int, int]]:
+    builders = [_JobBuilder() for _ in recording.threads]
     kinds = (EventKind.THREAD_RUNNING, EventKind.RELEASE, EventKind.COMPLETION)
-    events: list[tuple[int, int, int, int]] = recording.of_kind(*kinds).tolist()
-    return events
+    running = IDLE
+    for at, kind, subject, value in recording.of_kind(*kinds).tolist():
+        if kind == EventKind.THREAD_RUNNING:
+            running = subject
+            if subject != IDLE:
+                builders[subject].select(at)
+        elif kind == EventKind.RELEASE:
+            builders[subject].release(at, value, running == subject)
+        else:
+            builders[subject].complete(at, value)
+    return tuple(builder.jobs() for builder in builders)
+
+
+def jobs_of(recording: Recording, thread: int) -> list[Job]:
+    """Jobs of one thread."""
+    return all_jobs(recording)[thread]
 
 
 def _misses(jobs: list[Job], deadline_cycles: int | None, end_cycles: int) -> int:
@@ -193,6 +218,7 @@ class _Processor:
             self.stopped = kind == EventKind.PROCESSOR_STOPPED
 
 
+@lru_cache(maxsize=8)
 def segments(recording: Recording) -> list[Segment]:
     """The run cut into intervals with one owner each, without gaps, from cycle 0 to the stop."""
     events = recording.of_kind(

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.scenario import Scenario
@@ -39,12 +41,14 @@ class Evidence:
     drive: Run | None
     open_loop: Run | None
     step: Run | None
+    others: tuple[Run, ...]
     same_digest_twice: bool | None
 
     @property
     def runs(self) -> tuple[Run, ...]:
         """The runs that there are."""
-        return tuple(run for run in (self.drive, self.open_loop, self.step) if run is not None)
+        main = (self.drive, self.open_loop, self.step)
+        return (*(run for run in main if run is not None), *self.others)
 
     @property
     def step_record(self) -> StepRecord | None:
@@ -109,6 +113,23 @@ def _deviation(run: Run | None) -> float | None:
     return run.measures.path.lateral_deviation if run and run.measures.path else None
 
 
+def _simulation_difference(evidence: Evidence) -> float | None:
+    """Largest difference of the true speed from the sampled simulation, per set-point."""
+    step, design = evidence.step_record, evidence.design
+    if step is None or design is None or not step.measures.setpoint:
+        return None
+    simulated = design.sampled
+    within = step.times <= simulated.times[-1]
+    expected = np.interp(step.times[within], simulated.times, simulated.values)
+    measured = step.true[within] / step.measures.setpoint
+    return float(np.max(np.abs(measured - expected)))
+
+
+def _ratio(evidence: Evidence) -> float | None:
+    with_controller, without = _deviation(evidence.drive), _deviation(evidence.open_loop)
+    return with_controller / without if with_controller is not None and without else None
+
+
 def summary(evidence: Evidence) -> dict[str, Any]:
     """All figures; the keys are stable, a figure that was not measured is null."""
     step, drive = evidence.step_record, evidence.drive
@@ -119,6 +140,8 @@ def summary(evidence: Evidence) -> dict[str, Any]:
         "overshoot": step.measures.overshoot if step else None,
         "lateral_deviation_with": _deviation(drive),
         "lateral_deviation_without": _deviation(evidence.open_loop),
+        "lateral_deviation_ratio": _ratio(evidence),
+        "simulation_difference": _simulation_difference(evidence),
         "trace_digest": drive.recording.digest if drive else None,
         "same_digest_twice": evidence.same_digest_twice,
         "cpu_utilization": drive.measures.utilization.busy if drive else None,

@@ -13,23 +13,30 @@ from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import (
     INTERRUPT_OWNER,
     KERNEL_OWNER,
+    all_jobs,
     jobs_of,
     segments,
 )
 
-__all__ = ["schedule_begin_cycles", "schedule_figure"]
+__all__ = ["cyclic_begin_cycles", "first_release_cycles", "schedule_figure"]
 
 SHOWN_US = 50_000
 
 
-def schedule_begin_cycles(recording: Recording) -> int:
+def first_release_cycles(recording: Recording) -> int:
     """The first release of any task: before it, the brick starts up."""
-    first = [
-        jobs[0].release_cycles
-        for i in range(len(recording.threads))
-        if (jobs := jobs_of(recording, i))
+    firsts = [jobs[0].release_cycles for jobs in all_jobs(recording) if jobs]
+    return min(firsts, default=0)
+
+
+def cyclic_begin_cycles(robot: Robot, recording: Recording) -> int:
+    """When the last cyclic task begins its cycle: its first job only waits for that instant."""
+    begins = [
+        jobs[1].release_cycles
+        for thread, jobs in zip(recording.threads, all_jobs(recording), strict=True)
+        if len(jobs) > 1 and (task := robot.task(thread.name)) and task.release == "cyclic"
     ]
-    return min(first, default=0)
+    return max(begins, default=0)
 
 
 def _lanes(recording: Recording) -> dict[int, int]:
@@ -98,11 +105,10 @@ def _plot_releases(
                 axis.plot([due, due], [lane - 0.42, lane - 0.3], color="#b3372f", linewidth=1.2)
 
 
-def schedule_figure(robot: Robot, recording: Recording) -> Figure:
-    """The first 50 ms from the first release on; arrows are releases, red ticks deadlines."""
+def schedule_figure(robot: Robot, recording: Recording, begin: int) -> Figure:
+    """50 ms from the cycle `begin` on; arrows are releases, red ticks deadlines."""
     lanes = _lanes(recording)
     figure, (axis,) = new_figure(10.0, 0.9 + 0.55 * len(lanes))
-    begin = schedule_begin_cycles(recording)
     _plot_execution(axis, recording, lanes, begin)
     for thread in range(len(recording.threads)):
         _plot_releases(axis, robot, recording, lanes[thread], thread, begin)
@@ -112,7 +118,8 @@ def schedule_figure(robot: Robot, recording: Recording) -> Figure:
     axis.set_xlim(0, SHOWN_US / 1000)
     axis.set_ylim(-0.6, len(lanes) - 0.4)
     axis.grid(axis="y", visible=False)
-    axis.set_xlabel("time after the first release (ms); arrow: release, red tick: deadline")
+    start = recording.clock.seconds(begin)
+    axis.set_xlabel(f"time after {start:.6f} s (ms); arrow: release, red tick: deadline")
     return figure
 
 
