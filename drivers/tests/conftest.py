@@ -13,34 +13,12 @@ from typing import Any
 
 import pytest
 import virtual_brick
-from observe import Brick
+
+from drivers.tests.observe import Brick, bench
 
 TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent.parent
 BUILD = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build"))
-
-NXT_MOTOR = {
-    "resistance": 6.8562,
-    "torque_constant": 0.31739,
-    "electric_constant": 0.46839,
-    "viscous_friction": 0.0011278,
-    "inertia": 0.000842,
-    "coulomb_friction": 0.0,
-    "static_friction": 0.0,
-    "backlash": 0.0,
-}
-
-CONFIGURATION: dict[str, Any] = {
-    "seed": 1,
-    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
-    "motors": {
-        "A": {"parameters": NXT_MOTOR, "held_by_hand": True, "hand_rate": 4.0},
-        "B": {"parameters": NXT_MOTOR},
-        "C": {"parameters": NXT_MOTOR},
-    },
-    "body": {"kind": "bench"},
-    "sensors": {"1": {"kind": "touch"}},
-}
 
 
 @pytest.fixture(scope="session")
@@ -79,8 +57,9 @@ def image(run_time: None) -> Callable[[str], bytes]:
 @pytest.fixture
 def brick(image: Callable[[str], bytes]) -> Callable[..., Brick]:
     """From the name of a test program to a brick that is about to start it."""
+
     def start(name: str, **changes: Any) -> Brick:
-        configuration = json.dumps(CONFIGURATION | changes)
+        configuration = json.dumps(bench() | changes)
         return Brick(virtual_brick.VirtualBrick(configuration, image(name)))
 
     return start

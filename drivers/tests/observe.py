@@ -20,6 +20,37 @@ CELL, MARGIN, GLYPH_WIDTH = 6, 2, 5
 MOTORS = "ABC"
 CLOCK_NUMERATOR, CLOCK_DENOMINATOR = 336_384_000, 7
 
+NXT_MOTOR = {
+    "resistance": 6.8562,
+    "torque_constant": 0.31739,
+    "electric_constant": 0.46839,
+    "viscous_friction": 0.0011278,
+    "inertia": 0.000842,
+    "coulomb_friction": 0.0,
+    "static_friction": 0.0,
+    "backlash": 0.0,
+}
+
+
+def bench() -> dict[str, Any]:
+    """Three motors of the NXT set, A held by hand, B and C free; a touch sensor on port 1."""
+    return {
+        "seed": 1,
+        "battery": battery(8.0),
+        "motors": {
+            "A": {"parameters": NXT_MOTOR, "held_by_hand": True, "hand_rate": 4.0},
+            "B": {"parameters": NXT_MOTOR},
+            "C": {"parameters": NXT_MOTOR},
+        },
+        "body": {"kind": "bench"},
+        "sensors": {"1": {"kind": "touch"}},
+    }
+
+
+def battery(volts: float) -> dict[str, Any]:
+    """A rechargeable pack without internal resistance."""
+    return {"kind": "li_ion", "voltage": volts, "internal_resistance": 0.0}
+
 
 def read_font() -> dict[tuple[int, ...], str]:
     """The letter of each shape: five columns, lowest bit on top."""
@@ -74,6 +105,10 @@ class Brick:
         """An array of 32-bit signed objects."""
         data = self.bytes(symbol)
         return list(struct.unpack(f"<{len(data) // 4}i", data))
+
+    def number(self, symbol: str) -> float:
+        """A single-precision object."""
+        return float(struct.unpack("<f", self.bytes(symbol))[0])
 
     def bytes(self, symbol: str) -> bytes:
         """The memory of an object."""

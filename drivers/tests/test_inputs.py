@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from observe import Brick
+
+from drivers.tests.observe import Brick, battery
 
 BUTTONS = {"orange": 1, "left": 2, "grey": 3, "right": 4}
 MILLIVOLTS_PER_COUNT = 13.848
@@ -61,8 +62,7 @@ def test_each_button_is_told_from_the_others(brick: Callable[..., Brick], name: 
 @pytest.mark.parametrize("volts", [6.6, 7.2, 8.0, 9.0])
 def test_the_battery_is_measured(brick: Callable[..., Brick], volts: float) -> None:
     """The voltage is right to two counts of the converter."""
-    battery = {"kind": "li_ion", "voltage": volts, "internal_resistance": 0.0}
-    device = brick("inputs", battery=battery)
+    device = brick("inputs", battery=battery(volts))
     device.run(STARTED_MS)
     tolerance = 2 * MILLIVOLTS_PER_COUNT
     assert device.integer("battery") == pytest.approx(volts * 1000, abs=tolerance)

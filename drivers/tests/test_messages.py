@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from observe import Brick
+
+from drivers.tests.observe import Brick
 
 STAY_ON, SWITCH_OFF = 0x00, 0x5A
 PWM_KHZ = 8

@@ -8,7 +8,8 @@ import math
 from collections.abc import Callable
 
 import pytest
-from observe import Brick
+
+from drivers.tests.observe import Brick
 
 
 def test_motors_obey_the_commands(brick: Callable[..., Brick]) -> None:
