@@ -26,6 +26,8 @@ pub(crate) struct DeadEnd {
 struct Arrival {
     step: Step,
     from: u32,
+    /// r0 to r14 and the status on arrival.
+    state: [u32; 16],
 }
 
 /// Watches each step.
@@ -81,14 +83,27 @@ impl Guard {
         let after = cpu.next_instruction_address();
         if let Step::Exception(exception) = step {
             self.note_abnormal(exception, cpu);
-            self.arrival = Some(Arrival { step, from: before });
+            self.arrival = Some(Arrival {
+                step,
+                from: before,
+                state: state(cpu),
+            });
         } else if before >= VECTORS_END && after < VECTORS_END {
-            self.arrival = Some(Arrival { step, from: before });
+            self.arrival = Some(Arrival {
+                step,
+                from: before,
+                state: state(cpu),
+            });
         }
         let arrival = arrival?;
-        if step != Step::Instruction || before >= VECTORS_END || after != before + 4 {
+        let passed_by = step == Step::Instruction
+            && before < VECTORS_END
+            && after == before + 4
+            && state(cpu) == arrival.state;
+        if !passed_by {
             return None;
         }
+        // The copy is looked at through the bus, which knows what memory appears at 0.
         let word = chip.clone().fetch_word(before, Cycle::Nonsequential).ok()?;
         if !UNSET.contains(&word) {
             return None;
@@ -152,6 +167,12 @@ impl Guard {
         };
         Some(DeadEnd { reason, message })
     }
+}
+
+fn state(cpu: &Cpu) -> [u32; 16] {
+    let mut state = cpu.registers();
+    state[15] = cpu.cpsr();
+    state
 }
 
 fn name(exception: Exception) -> &'static str {
