@@ -25,7 +25,11 @@ def make_elf(
     text_size: int = 64,
     data_size: int = 16,
     bss_size: int = 128,
-    symbols: tuple[str, ...] = ("vehicle_setpoint_left", "vehicle_setpoint_right"),
+    symbols: tuple[str, ...] = (
+        "vehicle_setpoint_left",
+        "vehicle_setpoint_right",
+        "nxt__fonts__shapes",
+    ),
     machine: int = 40,
 ) -> bytes:
     """An executable with .text, .data, .bss and named words in .bss."""

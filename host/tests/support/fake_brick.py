@@ -19,6 +19,9 @@ MILLISECOND = HERTZ / 1000
 RUNNING, RELEASE, COMPLETION, ENTERED, LEFT, STOPPED, RESUMED = 1, 3, 4, 5, 6, 10, 11
 IDLE = 0xFFFF_FFFF
 TIME_CONSTANT = 0.1
+LINE = "vehicle.adb:12"
+# Letter number n is drawn as the number n in its first column; a blank is blank.
+FONT = b"".join(bytes([number, 0, 0, 0, 0]) for number in range(95))
 SPEED = 4.0 * math.radians(116)
 
 
@@ -99,10 +102,17 @@ class VirtualBrick:
         return Stop("reached", cycles, "")
 
     def lcd(self) -> bytes:
-        return bytes((row // 8 + column // 6) % 2 for row in range(64) for column in range(100))
+        """The text of `LINE` in the first line, in the letters of `FONT`."""
+        rows = [[0] * 100 for _ in range(64)]
+        for place, letter in enumerate(LINE):
+            glyph = FONT[5 * (ord(letter) - 32) :][:5]
+            for column in range(5):
+                for row in range(8):
+                    rows[row][2 + 6 * place + column] = glyph[column] >> row & 1
+        return b"".join(bytes(row) for row in rows)
 
-    def lcd_text(self) -> list[str]:
-        return ["vehicle.adb:12", *[""] * 7]
+    def read_memory(self, address: int, length: int) -> bytes:
+        return FONT[:length]
 
     def threads(self) -> list[Thread]:
         return list(THREADS)

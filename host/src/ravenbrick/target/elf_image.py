@@ -88,13 +88,6 @@ class ElfImage:
             if symbol.size and f"{name}TKB" in self.symbols
         }
 
-    def task_at(self, address: int) -> str | None:
-        """Name of the task whose object holds the address."""
-        for name, symbol in self.task_objects().items():
-            if symbol.address <= address < symbol.address + symbol.size:
-                return name
-        return None
-
 
 def _refuse(path: Path, problem: str, advice: str = _BUILD) -> ImageFileError:
     return ImageFileError(f"{path}: {problem}; {advice}")

@@ -15,6 +15,7 @@ from ravenbrick.errors import ImageFileError, ProjectFileError, ToolMissingError
 from ravenbrick.target.clock import Clock
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.target.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
 from ravenbrick.target.protocol import Progress, no_progress
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.scenario import Scenario
@@ -58,14 +59,14 @@ class VirtualTarget:
         brick = self._assemble(robot, scenario, image)
         self._schedule(brick, scenario)
         self._probe(brick, robot, image)
-        stop, pictures = self._play(brick, scenario, progress)
+        stop, pictures = self._play(brick, scenario, image, progress)
         return Recording(
             scenario=scenario.name,
             clock=MASTER_CLOCK,
             stop=stop,
             events=decode_events(brick.events()),
             signals=_signals(brick),
-            threads=_threads(brick, image),
+            threads=_threads(brick),
             pictures=tuple(pictures),
             digest=brick.trace_digest(),
         )
@@ -109,7 +110,7 @@ class VirtualTarget:
             brick.add_probe(setpoint.symbol, setpoint.type)
 
     def _play(
-        self, brick: Any, scenario: Scenario, progress: Progress
+        self, brick: Any, scenario: Scenario, image: ElfImage, progress: Progress
     ) -> tuple[Stop, list[Picture]]:
         instants = set(range(SLICE_MS, scenario.duration_ms, SLICE_MS))
         instants |= {scenario.duration_ms, *scenario.pictures_ms}
@@ -120,14 +121,15 @@ class VirtualTarget:
             if stop.reason != "reached":
                 break
             if at_ms in scenario.pictures_ms:
-                pictures.append(_picture(brick))
-        pictures.append(_picture(brick))
+                pictures.append(_picture(brick, image))
+        pictures.append(_picture(brick, image))
         return Stop(stop.reason, stop.at_cycles, stop.message), pictures
 
 
-def _picture(brick: Any) -> Picture:
+def _picture(brick: Any, image: ElfImage) -> Picture:
     pixels = np.frombuffer(brick.lcd(), dtype=np.uint8).reshape(64, 100).astype(bool)
-    text = tuple(brick.lcd_text()) if hasattr(brick, "lcd_text") else ()
+    font = image.symbols.get(FONT_SYMBOL)
+    text = lcd_text(pixels, brick.read_memory(font.address, FONT_SIZE)) if font else ()
     return Picture(brick.cycles, pixels, text)
 
 
@@ -138,11 +140,11 @@ def _signals(brick: Any) -> dict[str, Signal]:
     }
 
 
-def _threads(brick: Any, image: ElfImage) -> tuple[Thread, ...]:
+def _threads(brick: Any) -> tuple[Thread, ...]:
     """A thread's position is the subject of its events."""
     return tuple(
         Thread(
-            thread.name or image.task_at(thread.address) or f"task at 0x{thread.address:08X}",
+            thread.name or f"task at 0x{thread.address:08X}",
             thread.base_priority,
             thread.stack_size,
             thread.stack_used,

@@ -205,7 +205,8 @@ def _lcd_section(run: Run, images: dict[str, bytes]) -> str:
     text = '<h2>The LCD</h2><div class="pictures">'
     for number, picture in enumerate(run.recording.pictures, 1):
         at = run.recording.clock.seconds(picture.at_cycles)
-        text += _image(images[f"lcd-{number}"], f"after {at:.3f} s")
+        read = " / ".join(line for line in picture.text if line)
+        text += _image(images[f"lcd-{number}"], f"after {at:.3f} s" + (f": {read}" if read else ""))
     return text + "</div>"
 
 
