@@ -9,27 +9,23 @@
         .arm
         .section .text.failure, "ax"
 
-        .global undefined_instruction, software_interrupt, prefetch_abort, data_abort
-        .global fast_interrupt
-undefined_instruction:
+        .global ravenbrick_undefined_instruction, ravenbrick_software_interrupt
+        .global ravenbrick_prefetch_abort, ravenbrick_data_abort
+ravenbrick_undefined_instruction:
         sub     r1, lr, #4
         ldr     r0, =undefined_text
         b       __gnat_last_chance_handler
-software_interrupt:
+ravenbrick_software_interrupt:
         sub     r1, lr, #4
         ldr     r0, =software_text
         b       __gnat_last_chance_handler
-prefetch_abort:
+ravenbrick_prefetch_abort:
         sub     r1, lr, #4
         ldr     r0, =prefetch_text
         b       __gnat_last_chance_handler
-data_abort:
+ravenbrick_data_abort:
         sub     r1, lr, #8
         ldr     r0, =data_text
-        b       __gnat_last_chance_handler
-fast_interrupt:
-        sub     r1, lr, #4
-        ldr     r0, =fast_text
         b       __gnat_last_chance_handler
 
 /* r0: address of a file name or a message that ends with NUL; r1: line, or code address of a
@@ -37,7 +33,7 @@ fast_interrupt:
         .global __gnat_last_chance_handler
         .type   __gnat_last_chance_handler, %function
 __gnat_last_chance_handler:
-        msr     cpsr_c, #(MODE_SUPERVISOR | ALL_MASKED)
+        msr     cpsr_c, #(MODE_SUPERVISOR | IRQ_MASKED)
         ldr     sp, =ravenbrick_handler_stack_top
         ldr     r2, =ravenbrick_failure
         stmia   r2, {r0, r1}
@@ -56,7 +52,6 @@ undefined_text: .asciz  "undefined instruction"
 software_text:  .asciz  "software interrupt"
 prefetch_text:  .asciz  "prefetch abort"
 data_text:      .asciz  "data abort"
-fast_text:      .asciz  "fast interrupt"
 
 /* Where the program failed: text and line, zero while it has not */
         .section .bss.ravenbrick_failure, "aw", %nobits

@@ -1,17 +1,32 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* Interrupt entry and exit. Handlers run in Supervisor mode on the handlers' stack with
-   interrupts of higher levels unmasked; the interrupted registers wait on the stack of IRQ mode,
-   one frame per nesting level. The way out of the outermost handler preempts the interrupted
-   thread when a more urgent one has become ready. */
+/* Exception vectors with the interrupt entry and exit right behind them: there is no fast
+   interrupt whose vector would be in the way. The start-up copies all of it to the beginning of
+   the RAM, where it runs at address 0; only the first vector, the entry point of the image, is
+   also used in place. Nothing here may refer to other code relative to itself.
+
+   Handlers run in Supervisor mode on the handlers' stack with interrupts of higher levels
+   unmasked; the interrupted registers wait on the stack of IRQ mode, one frame per nesting level.
+   The way out of the outermost handler preempts the interrupted thread when a more urgent one
+   has become ready. */
 
 #include "layout.h"
 
 #define FRAME_SIZE 24
 
         .arm
-        .section .text.ravenbrick_interrupt, "ax"
+        .section .vectors, "ax"
+        .global _start, ravenbrick_vectors
+_start:
+ravenbrick_vectors:
+        ldr     pc, =ravenbrick_reset
+        ldr     pc, =ravenbrick_undefined_instruction
+        ldr     pc, =ravenbrick_software_interrupt
+        ldr     pc, =ravenbrick_prefetch_abort
+        ldr     pc, =ravenbrick_data_abort
+        nop
+
         .global ravenbrick_interrupt
         .type   ravenbrick_interrupt, %function
 ravenbrick_interrupt:
@@ -20,9 +35,8 @@ ravenbrick_interrupt:
         mov     r12, #0
         ldr     r1, [r12, #AIC_IVR]     /* address of the source's handler record */
         str     r1, [r12, #AIC_IVR]     /* protect mode: this takes the interrupt */
-        ldr     r3, =ravenbrick_kernel
         mrs     r2, spsr
-        ldr     r3, [r3, #KERNEL_CURRENT]
+        ldr     r3, [r12, #(KERNEL + KERNEL_CURRENT)]
         ldr     r12, [r3, #THREAD_ACTIVE]
         stmfd   sp!, {r2, r12}
         ldmia   r1, {r0, r1, r2}        /* object, code, urgency */
@@ -34,24 +48,24 @@ ravenbrick_interrupt:
         ldmfd   sp!, {r3, lr}
 
         msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
-        mov     r2, #0
-        str     r2, [r2, #AIC_EOICR]
+        mov     r1, #0
+        str     r1, [r1, #AIC_EOICR]
         ldmfd   sp!, {r2, r12}
-        ldr     r1, =ravenbrick_kernel
         str     r12, [r3, #THREAD_ACTIVE]
         and     r0, r2, #MODE_MASK
-        cmp     r0, #MODE_SYSTEM
+        cmp     r0, #MODE_SYSTEM_BITS
         bne     1f                      /* a handler was interrupted */
-        ldr     r0, [r1, #KERNEL_READY_HEAD]
+        ldr     r0, [r1, #(KERNEL + KERNEL_READY_HEAD)]
         ldr     lr, [r0, #THREAD_ACTIVE]
         cmp     lr, r12
         bgt     preempt
 1:      msr     spsr_cxsf, r2
         ldmfd   sp!, {r0-r3, r12, pc}^
 
-/* r0: the thread to run; r1: kernel; r2: interrupted status; r3: the interrupted thread;
+/* r0: the thread to run; r1: 0; r2: interrupted status; r3: the interrupted thread;
    r12: its urgency; the interrupted r0-r3, r12 and pc on the stack of IRQ mode */
 preempt:
+        mov     r1, #KERNEL
         ldr     lr, [r1, #KERNEL_RUNNING]
         cmp     lr, #0
         add     sp, sp, #FRAME_SIZE
@@ -85,9 +99,16 @@ take:   msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
         str     r0, [r1, #KERNEL_CURRENT]
         ldr     sp, [r0, #THREAD_STACK_POINTER]
         ldmfd   sp!, {r4-r11, lr}
+        msr     cpsr_c, #MODE_SYSTEM
         bx      lr
 
+        .ltorg
+        .global ravenbrick_vectors_end
+ravenbrick_vectors_end:
+        .size   ravenbrick_interrupt, . - ravenbrick_interrupt
+
 /* Return address of a preempted thread: on its stack r0-r3, r12, pc, status, lr */
+        .section .text.ravenbrick_resume, "ax"
 resume: mov     r0, sp
         ldr     lr, [sp, #28]
         add     sp, sp, #32
@@ -97,4 +118,3 @@ resume: mov     r0, sp
         ldr     lr, [r0, #20]
         ldmia   r0, {r0-r3, r12}
         movs    pc, lr
-        .size   ravenbrick_interrupt, . - ravenbrick_interrupt

@@ -3,14 +3,16 @@
 
 /* Processor modes and flags, and offsets of the records that Ada and assembly share */
 
-#define MODE_IRQ 0x12
-#define MODE_SUPERVISOR 0x13
-#define MODE_SYSTEM 0x1F
 #define MODE_MASK 0x1F
-#define IRQ_MASKED 0x80
-#define ALL_MASKED 0xC0
+#define MODE_SYSTEM_BITS 0x1F
 
-        /* Ravenbrick.Threads.Thread */
+/* The fast interrupt has no source on this board and stays masked */
+#define MODE_IRQ (0x12 | 0x40)
+#define MODE_SUPERVISOR (0x13 | 0x40)
+#define MODE_SYSTEM (0x1F | 0x40)
+#define IRQ_MASKED 0x80
+
+/* Ravenbrick.Threads.Thread */
 #define THREAD_STACK_POINTER 0
 #define THREAD_ACTIVE 4
 #define THREAD_NEXT 8
@@ -24,12 +26,17 @@
 #define THREAD_STACK_SIZE 52
 #define CONTROL_BLOCK_SIZE 64
 
-        /* Ravenbrick.Threads.Kernel_State */
+/* Ravenbrick.Threads.Kernel_State and where the RAM shown at address 0 has it */
+#define KERNEL 0x200
 #define KERNEL_RUNNING 0
 #define KERNEL_CURRENT 4
 #define KERNEL_READY_HEAD 8
+#define KERNEL_FIRST_CREATED 12
+#define KERNEL_SENTINEL 16
+#define KERNEL_IDLE 72
+#define KERNEL_SIZE 128
 
-        /* Registers of the chip, relative to address 0 modulo 2**32 */
+/* Registers of the chip, relative to address 0 modulo 2**32 */
 #define AIC_IVR (-0xF00)
 #define AIC_EOICR (-0xED0)
 #define PMC_SCDR (-0x3FC)

@@ -24,4 +24,14 @@ package body Ravenbrick.Processor is
            Volatile => True);
    end Restore_Interrupts;
 
+   procedure Mask_In_Thread is
+   begin
+      Asm ("msr cpsr_c, #0xDF", Clobber => "memory", Volatile => True);
+   end Mask_In_Thread;
+
+   procedure Unmask_In_Thread is
+   begin
+      Asm ("msr cpsr_c, #0x5F", Clobber => "memory", Volatile => True);
+   end Unmask_In_Thread;
+
 end Ravenbrick.Processor;

@@ -25,15 +25,21 @@ package Ravenbrick.Processor is
      with Inline_Always;
    --  Whether the status belongs to a thread, not to an interrupt handler
 
-   procedure Switch (From, To : not null Threads.Thread_Id)
+   procedure Mask_In_Thread with Inline_Always;
+   procedure Unmask_In_Thread with Inline_Always;
+   --  The same for callers that are known to be threads
+
+   procedure Switch
+     (From, To : not null Threads.Thread_Id; Kernel : in out Threads.Kernel_State)
      with Import, Convention => C, External_Name => "ravenbrick_switch";
    --  Save the caller's context in From, make To the running thread and load its context.
-   --  Interrupts are masked on call and on return.
+   --  Interrupts are masked on call and unmasked on return.
 
-   procedure Switch_To_Idle (From : not null Threads.Thread_Id)
+   procedure Switch_To_Idle
+     (From : not null Threads.Thread_Id; Kernel : in out Threads.Kernel_State)
      with Import, Convention => C, External_Name => "ravenbrick_switch_to_idle";
    --  Save the caller's context in From and stop the processor until an interrupt.
-   --  Interrupts are masked on call and on return.
+   --  Interrupts are masked on call and unmasked on return.
 
    procedure Thread_Start
      with Import, Convention => C, External_Name => "ravenbrick_thread_start";

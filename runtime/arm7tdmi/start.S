@@ -1,41 +1,21 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* Exception vectors, the first of which is the entry point, and the way from the entry point to the main procedure */
+/* The way from the entry point to the main procedure */
 
 #include "layout.h"
 
         .arm
-        .section .vectors, "ax"
-        .global _start, ravenbrick_vectors
-_start:
-ravenbrick_vectors:
-        ldr     pc, 1f
-        ldr     pc, 1f + 4
-        ldr     pc, 1f + 8
-        ldr     pc, 1f + 12
-        ldr     pc, 1f + 16
-        nop
-        ldr     pc, 1f + 24
-        ldr     pc, 1f + 28
-1:      .word   reset
-        .word   undefined_instruction
-        .word   software_interrupt
-        .word   prefetch_abort
-        .word   data_abort
-        .word   0
-        .word   ravenbrick_interrupt
-        .word   fast_interrupt
-        .global ravenbrick_vectors_end
-ravenbrick_vectors_end:
-
 /* Supervisor mode, interrupts masked by us; the loader's stack is not used */
         .section .text.start, "ax"
-reset:  msr     cpsr_c, #(MODE_IRQ | ALL_MASKED)
+        .global ravenbrick_reset
+        .type   ravenbrick_reset, %function
+ravenbrick_reset:
+        msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
         ldr     sp, =ravenbrick_interrupt_stack_top
-        msr     cpsr_c, #(MODE_SUPERVISOR | ALL_MASKED)
+        msr     cpsr_c, #(MODE_SUPERVISOR | IRQ_MASKED)
         ldr     sp, =ravenbrick_handler_stack_top
-        msr     cpsr_c, #(MODE_SYSTEM | ALL_MASKED)
+        msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
         ldr     sp, =ravenbrick_environment_stack_top
 
         bl      ravenbrick_start_board  /* first: power-on runs at 32 kHz */
@@ -61,6 +41,7 @@ reset:  msr     cpsr_c, #(MODE_IRQ | ALL_MASKED)
         msr     cpsr_c, #MODE_SYSTEM
         bl      main
         b       ravenbrick_terminate
+        .size   ravenbrick_reset, . - ravenbrick_reset
 
 /* words from r1 to r0 until r0 = r2, unless they are there already */
 copy:   cmp     r0, r1

@@ -6,7 +6,7 @@
 #include "layout.h"
 
         .section .bss.ravenbrick_kernel, "aw", %nobits
-        .balign 4
+        .balign 8
         .global ravenbrick_kernel
         .global ravenbrick_running_thread
         .global ravenbrick_first_thread
@@ -21,6 +21,7 @@ ravenbrick_running_thread:
 ravenbrick_first_thread:
         .space  4
         .size   ravenbrick_first_thread, 4
+        .space  KERNEL_SIZE - KERNEL_SENTINEL
         .size   ravenbrick_kernel, . - ravenbrick_kernel
 
         .section .rodata.ravenbrick_thread_layout, "a"

@@ -5,6 +5,7 @@ with System;
 
 with Ravenbrick.Alarm;
 with Ravenbrick.Clock;
+with Ravenbrick.Failures;
 with Ravenbrick.Interrupts;
 with Ravenbrick.Processor;
 with Ravenbrick.Registers;
@@ -57,10 +58,12 @@ package body Ravenbrick.Delays is
    end Insert;
 
    procedure Delay_Until (Wake : Units) is
-      Self     : constant not null Thread_Id := Kernel.Current;
-      Previous : Processor.Status;
+      Self : constant not null Thread_Id := Kernel.Current;
    begin
-      Processor.Mask_Interrupts (Previous);
+      if In_Protected_Action (Self.Active) then
+         Failures.Stop (Failures.Blocking'Address);
+      end if;
+      Processor.Mask_In_Thread;
       Self.Wake := Units'Min (Wake, Latest);
       Self.State := Delayed;
       if Wake > Clock.Now then
@@ -70,7 +73,6 @@ package body Ravenbrick.Delays is
          Self.State := Ready;
          Yield;
       end if;
-      Processor.Restore_Interrupts (Previous);
    end Delay_Until;
 
    --  The alarm has the lowest interrupt priority: it only makes threads ready, which every

@@ -13,6 +13,6 @@ package Ravenbrick.Delays is
 
    procedure Delay_Until (Wake : Threads.Units);
    --  Block the running thread until the clock has reached Wake; when it already has, the
-   --  thread only lets its equals run first. Outside protected actions.
+   --  thread only lets its equals run first. Program_Error in a protected action.
 
 end Ravenbrick.Delays;

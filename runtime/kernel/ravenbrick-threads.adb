@@ -7,12 +7,6 @@ with Ravenbrick.Processor;
 
 package body Ravenbrick.Threads is
 
-   Idle : aliased Thread with Export, Convention => C, External_Name => "ravenbrick_idle_thread";
-   --  Current while no thread is ready; has no context and no stack
-
-   Sentinel : aliased Thread;
-   --  Last of the ready queue, less urgent than any thread
-
    Environment_Name : constant String := "environment";
 
    Environment_Stack : Storage_Element
@@ -36,9 +30,9 @@ package body Ravenbrick.Threads is
    procedure Initialize is
       Self : constant not null Thread_Id := Environment'Access;
    begin
-      Idle.Active := -1;
-      Sentinel.Active := -1;
-      Kernel.Ready_Head := Sentinel'Access;
+      Kernel.Idle.Active := -1;
+      Kernel.Sentinel.Active := -1;
+      Kernel.Ready_Head := Kernel.Sentinel'Access;
       Set_Environment_Priority (System.Default_Priority);
       Self.Name := Environment_Name'Address;
       Self.Name_Length := Environment_Name'Length;
@@ -121,15 +115,28 @@ package body Ravenbrick.Threads is
       end if;
    end Insert_First;
 
+   procedure Release (Woken : not null Thread_Id) is
+      Self : constant not null Thread_Id := Kernel.Current;
+   begin
+      if Woken.Active > Self.Active then
+         Woken.State := Ready;
+         Insert_First (Self);
+         Processor.Switch (Self, Woken, Kernel);
+      else
+         Make_Ready (Woken);
+         Processor.Unmask_In_Thread;
+      end if;
+   end Release;
+
    procedure Block is
       Self : constant not null Thread_Id := Kernel.Current;
       Next : constant not null Thread_Id := Kernel.Ready_Head;
    begin
-      if Next = Sentinel'Access then
-         Processor.Switch_To_Idle (Self);
-      else
+      if Next /= Kernel.Sentinel'Access then
          Kernel.Ready_Head := Next.Next;
-         Processor.Switch (Self, Next);
+         Processor.Switch (Self, Next, Kernel);
+      else
+         Processor.Switch_To_Idle (Self, Kernel);
       end if;
    end Block;
 
@@ -140,7 +147,9 @@ package body Ravenbrick.Threads is
       if Next.Active > Self.Active then
          Kernel.Ready_Head := Next.Next;
          Insert_First (Self);
-         Processor.Switch (Self, Next);
+         Processor.Switch (Self, Next, Kernel);
+      else
+         Processor.Unmask_In_Thread;
       end if;
    end Preempt;
 
@@ -151,14 +160,15 @@ package body Ravenbrick.Threads is
       if Next.Active >= Self.Active then
          Kernel.Ready_Head := Next.Next;
          Make_Ready (Self);
-         Processor.Switch (Self, Next);
+         Processor.Switch (Self, Next, Kernel);
+      else
+         Processor.Unmask_In_Thread;
       end if;
    end Yield;
 
    procedure Terminate_Current is
-      Previous : Processor.Status;
    begin
-      Processor.Mask_Interrupts (Previous);
+      Processor.Mask_In_Thread;
       Kernel.Current.State := Terminated;
       Block;
       raise Program_Error;

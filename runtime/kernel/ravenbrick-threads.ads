@@ -9,6 +9,7 @@
 
 with Interfaces;
 with System;
+with System.Storage_Elements; use System.Storage_Elements;
 
 package Ravenbrick.Threads is
    pragma Preelaborate;
@@ -101,14 +102,23 @@ package Ravenbrick.Threads is
       --  As Running, or the idle pseudo-thread: never null
 
       Ready_Head : Thread_Id;
+      pragma Volatile (Ready_Head);
       --  Ready threads without the running one, most urgent first; ends with a sentinel
 
       First_Created : Thread_Id;
       --  All threads, latest first; read from outside
-   end record
-     with Volatile, Convention => C;
 
-   Kernel : Kernel_State with Import, Convention => C, External_Name => "ravenbrick_kernel";
+      Sentinel : aliased Thread;
+      --  Last of the ready queue, less urgent than any thread
+
+      Idle : aliased Thread;
+      --  Current while no thread is ready; has no context and no stack
+   end record
+     with Convention => C;
+
+   Kernel : Kernel_State with Import, Address => To_Address (16#200#);
+   --  Fixed by the linker script in the part of the RAM that is shown at address 0 as well, so
+   --  that an instruction reaches it without loading its address first
 
    Environment : aliased Thread;
    --  Runs the elaboration and the main procedure
@@ -132,14 +142,19 @@ package Ravenbrick.Threads is
 
    --  The operations below are called with interrupts masked
 
-   procedure Make_Ready (Woken : not null Thread_Id) with Inline;
+   procedure Make_Ready (Woken : not null Thread_Id);
    --  Append to the ready queue of its priority; does not dispatch
+
+   --  Those that follow are called by threads only, and return with interrupts unmasked
+
+   procedure Release (Woken : not null Thread_Id) with Inline;
+   --  Make Woken ready and let it run before the caller if it is more urgent
 
    procedure Block with Inline;
    --  Leave the processor to the most urgent ready thread, or to none. Returns when another
    --  has made the caller ready and it is dispatched again. The caller has set its own State.
 
-   procedure Preempt with Inline;
+   procedure Preempt;
    --  Let a more urgent ready thread run before the caller
 
    procedure Yield;

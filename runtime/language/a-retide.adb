@@ -10,9 +10,6 @@ package body Ada.Real_Time.Delays is
 
    procedure Delay_Until (T : Time) is
    begin
-      if Ravenbrick.Threads.In_Protected_Action (Ravenbrick.Threads.Kernel.Current.Active) then
-         raise Program_Error with "delay in a protected action";
-      end if;
       Ravenbrick.Delays.Delay_Until (Ravenbrick.Threads.Units (T));
    end Delay_Until;
 

@@ -1,10 +1,12 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ravenbrick.Failures;
 with Ravenbrick.Processor; use Ravenbrick.Processor;
 
 package body Ada.Synchronous_Task_Control is
 
+   use Ravenbrick;
    use Ravenbrick.Threads;
 
    procedure Set_True (S : in out Suspension_Object) is
@@ -15,14 +17,16 @@ package body Ada.Synchronous_Task_Control is
       Released := S.Waiting;
       if Released = null then
          S.State := True;
+         Restore_Interrupts (Previous);
       else
          S.Waiting := null;
-         Make_Ready (Released);
          if In_Thread (Previous) then
-            Preempt;
+            Release (Released);
+         else
+            Make_Ready (Released);
+            Restore_Interrupts (Previous);
          end if;
       end if;
-      Restore_Interrupts (Previous);
    end Set_True;
 
    procedure Set_False (S : in out Suspension_Object) is
@@ -33,21 +37,23 @@ package body Ada.Synchronous_Task_Control is
    function Current_State (S : Suspension_Object) return Boolean is (S.State);
 
    procedure Suspend_Until_True (S : in out Suspension_Object) is
-      Self     : constant not null Thread_Id := Kernel.Current;
-      Previous : Status;
+      Self : constant not null Thread_Id := Kernel.Current;
    begin
-      Mask_Interrupts (Previous);
-      if S.Waiting /= null or else In_Protected_Action (Self.Active) then
-         raise Program_Error with "suspension in a protected action or of a second task";
+      if In_Protected_Action (Self.Active) then
+         Failures.Stop (Failures.Blocking'Address);
+      end if;
+      Mask_In_Thread;
+      if S.Waiting /= null then
+         Failures.Stop (Failures.Second_Suspended'Address);
       end if;
       if S.State then
          S.State := False;
+         Unmask_In_Thread;
       else
          S.Waiting := Self;
          Self.State := Suspended;
          Block;
       end if;
-      Restore_Interrupts (Previous);
    end Suspend_Until_True;
 
 end Ada.Synchronous_Task_Control;

@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ravenbrick.Failures;
 with Ravenbrick.Threads;
 
 package body Ada.Task_Identification is
@@ -13,7 +14,7 @@ package body Ada.Task_Identification is
    function To_Thread (T : Task_Id) return not null Thread_Id is
    begin
       if T = null then
-         raise Program_Error with "null task id";
+         Ravenbrick.Failures.Stop (Ravenbrick.Failures.Null_Task_Id'Address);
       end if;
       return System.Tasking.To_Thread (System.Tasking.Task_Id (T));
    end To_Thread;

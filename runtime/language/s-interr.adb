@@ -3,6 +3,7 @@
 
 with Ada.Unchecked_Conversion;
 
+with Ravenbrick.Failures;
 with Ravenbrick.Interrupts;
 
 package body System.Interrupts is
@@ -22,7 +23,7 @@ package body System.Interrupts is
    begin
       for Item of Handlers loop
          if Is_Reserved (Item.Interrupt) or else Is_Handler_Attached (Item.Interrupt) then
-            raise Program_Error with "interrupt reserved or attached twice";
+            Ravenbrick.Failures.Stop (Ravenbrick.Failures.Interrupt_Taken'Address);
          end if;
          declare
             Procedure_Of_Object : constant Closure := To_Closure (Item.Handler);

@@ -3,6 +3,7 @@
 
 with Ada.Unchecked_Conversion;
 
+with Ravenbrick.Failures;
 with Ravenbrick.Threads;
 
 package body System.Secondary_Stack is
@@ -45,7 +46,7 @@ package body System.Secondary_Stack is
    begin
       if Stack = null then
          if Taken = Pool_Count then
-            raise Storage_Error with "no secondary stack left";
+            Ravenbrick.Failures.Stop (Ravenbrick.Failures.No_Secondary_Stack'Address);
          end if;
          Stack := To_Stack (SSE."+" (Pool, SSE.Storage_Offset (Taken) * Bytes_Each));
          Taken := Taken + 1;
@@ -61,7 +62,7 @@ package body System.Secondary_Stack is
         (Storage_Size + Alignment - 1) / Alignment * Alignment;
    begin
       if Rounded > SSE.Storage_Count (Stack.Default_Chunk_Size) - Stack.Used then
-         raise Storage_Error with "secondary stack exhausted";
+         Ravenbrick.Failures.Stop (Ravenbrick.Failures.Secondary_Stack_Full'Address);
       end if;
       Addr := SSE."+" (Stack.Bytes'Address, Stack.Used);
       Stack.Used := Stack.Used + Rounded;

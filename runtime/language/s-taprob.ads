@@ -3,7 +3,7 @@
 
 --  Protected objects without entries: immediate ceiling locking (Ada RM D.3). On one processor
 --  nobody else can be inside when a caller has reached the ceiling, so that a lock is a change
---  of the caller's urgency.
+--  of the caller's urgency. The compiler puts the common case of it in line.
 
 with Ravenbrick.Threads;
 
@@ -39,30 +39,46 @@ package System.Tasking.Protected_Objects is
    --  Set the ceiling; Unspecified_Priority stands for Priority'Last
 
    procedure Lock (Object : Protection_Access);
+   pragma Inline_Always (Lock);
    --  Enter a protected action; Program_Error when the caller is above the ceiling
 
-   procedure Lock_Read_Only (Object : Protection_Access) renames Lock;
+   procedure Lock_Read_Only (Object : Protection_Access);
+   pragma Inline_Always (Lock_Read_Only);
    --  Enter a protected function
 
    procedure Unlock (Object : Protection_Access);
+   pragma Inline_Always (Unlock);
    --  Leave the protected action, and the processor to a more urgent thread made ready in it
 
    --  For the child package
 
-   procedure Leave (Object : not null Protection_Access) with Inline;
+   procedure Leave (Object : not null Protection_Access);
    --  As Unlock, but keep the processor
 
 private
 
+   subtype Urgency is Ravenbrick.Threads.Urgency;
+
    type Protection is limited record
-      Ceiling : Ravenbrick.Threads.Urgency;
+      Ceiling : Urgency;
       --  Inside the protected action
 
-      Caller : Ravenbrick.Threads.Urgency;
-      --  To which the thread inside returns
+      Span : Urgency;
+      --  How far below the ceiling a caller may be that needs no mask of interrupts
 
-      Mask : Ravenbrick.Threads.Urgency;
+      Caller : Urgency;
+      --  To which the thread inside returns; below 0: to the complement of it, with the mask of
+      --  interrupts lowered
+
+      Mask : Urgency;
       --  To which the mask of interrupts returns
-   end record;
+   end record
+     with Suppress_Initialization;
+
+   --  The rare cases of Lock and Unlock
+
+   procedure Lock_With_Mask (Object : not null Protection_Access);
+   procedure Lower_Mask (Object : not null Protection_Access; Caller : out Urgency);
+   procedure Dispatch;
 
 end System.Tasking.Protected_Objects;

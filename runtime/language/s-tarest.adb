@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ravenbrick.Failures;
 with Ravenbrick.Processor;
 with Ravenbrick.Threads;
 
@@ -53,7 +54,7 @@ package body System.Tasking.Restricted.Stages is
       Created : constant not null Thread_Id := To_Thread (Created_Task);
    begin
       if Stack_Address = Null_Address then
-         raise Storage_Error with "task whose stack size is not static";
+         Ravenbrick.Failures.Stop (Ravenbrick.Failures.Stack_Not_Static'Address);
       end if;
       Create
         (Created    => Created,
@@ -117,7 +118,7 @@ package body System.Tasking.Restricted.Stages is
       Elaborated : Boolean with Import, Address => Created.Entry_Parameters;
    begin
       if not Elaborated then
-         raise Program_Error with "task activated before its body is elaborated";
+         Ravenbrick.Failures.Stop (Ravenbrick.Failures.Not_Elaborated'Address);
       end if;
    end Check_Elaborated;
 
@@ -126,7 +127,6 @@ package body System.Tasking.Restricted.Stages is
       Source   : Thread_Id := To_Thread (Chain.T_ID);
       First    : Thread_Id;
       Next     : Thread_Id;
-      Previous : Ravenbrick.Processor.Status;
    begin
       Chain.T_ID := null;
 
@@ -141,7 +141,7 @@ package body System.Tasking.Restricted.Stages is
          Source := Next;
       end loop;
 
-      Ravenbrick.Processor.Mask_Interrupts (Previous);
+      Ravenbrick.Processor.Mask_In_Thread;
       while First /= null loop
          Next := First.Next;
          Make_Ready (First);
@@ -151,8 +151,9 @@ package body System.Tasking.Restricted.Stages is
          Activator := Self;
          Self.State := Suspended;
          Block;
+      else
+         Ravenbrick.Processor.Unmask_In_Thread;
       end if;
-      Ravenbrick.Processor.Restore_Interrupts (Previous);
    end Activate;
 
    procedure Activate_Restricted_Tasks (Chain_Access : Activation_Chain_Access) is
@@ -168,18 +169,17 @@ package body System.Tasking.Restricted.Stages is
    end Activate_All_Tasks_Sequential;
 
    procedure Complete_Restricted_Activation is
-      Previous : Ravenbrick.Processor.Status;
-      Waiting  : Thread_Id;
+      Waiting : Thread_Id;
    begin
-      Ravenbrick.Processor.Mask_Interrupts (Previous);
+      Ravenbrick.Processor.Mask_In_Thread;
       Not_Activated := Not_Activated - 1;
       Waiting := Activator;
       if Not_Activated = 0 and then Waiting /= null then
          Activator := null;
-         Make_Ready (Waiting);
-         Preempt;
+         Release (Waiting);
+      else
+         Ravenbrick.Processor.Unmask_In_Thread;
       end if;
-      Ravenbrick.Processor.Restore_Interrupts (Previous);
    end Complete_Restricted_Activation;
 
    --  A task that ends violates No_Task_Termination; it silently stops to exist, as Ada RM D.13

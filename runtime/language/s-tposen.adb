@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ravenbrick.Failures;
 with Ravenbrick.Processor;
 
 package body System.Tasking.Protected_Objects.Single_Entry is
@@ -36,6 +37,11 @@ package body System.Tasking.Protected_Objects.Single_Entry is
       Lock (Object.Common'Access);
    end Lock_Entry;
 
+   procedure Lock_Read_Only_Entry (Object : Protection_Entry_Access) is
+   begin
+      Lock (Object.Common'Access);
+   end Lock_Read_Only_Entry;
+
    procedure Unlock_Entry (Object : Protection_Entry_Access) is
    begin
       Unlock (Object.Common'Access);
@@ -66,15 +72,13 @@ package body System.Tasking.Protected_Objects.Single_Entry is
    end Service_Entry;
 
    procedure Wait (Object : not null Protection_Entry_Access) is
-      Self     : constant not null Thread_Id := Kernel.Current;
-      Previous : Ravenbrick.Processor.Status;
+      Self : constant not null Thread_Id := Kernel.Current;
    begin
       Object.Waiting := Self;
-      Ravenbrick.Processor.Mask_Interrupts (Previous);
+      Ravenbrick.Processor.Mask_In_Thread;
       Leave (Object.Common'Access);
       Self.State := Blocked_On_Entry;
       Block;
-      Ravenbrick.Processor.Restore_Interrupts (Previous);
    end Wait;
 
    procedure Protected_Single_Entry_Call
@@ -83,7 +87,7 @@ package body System.Tasking.Protected_Objects.Single_Entry is
       Self : constant not null Thread_Id := Kernel.Current;
    begin
       if In_Protected_Action (Self.Active) then
-         raise Program_Error with "entry call in a protected action";
+         Ravenbrick.Failures.Stop (Ravenbrick.Failures.Blocking'Address);
       end if;
       Lock (Object.Common'Access);
       if Object.Code.Barrier (Object.Info, The_Entry) then
@@ -93,7 +97,7 @@ package body System.Tasking.Protected_Objects.Single_Entry is
          Self.Entry_Parameters := Uninterpreted_Data;
          Wait (Object);
       else
-         raise Program_Error with "second task on the queue of an entry";
+         Ravenbrick.Failures.Stop (Ravenbrick.Failures.Entry_Queue_Full'Address);
       end if;
    end Protected_Single_Entry_Call;
 

@@ -21,12 +21,15 @@ package System.Tasking.Protected_Objects.Single_Entry is
    --  Set ceiling and entry; Compiler_Info goes to barrier and body
 
    procedure Lock_Entry (Object : Protection_Entry_Access);
+   pragma Inline_Always (Lock_Entry);
    --  As Lock
 
-   procedure Lock_Read_Only_Entry (Object : Protection_Entry_Access) renames Lock_Entry;
+   procedure Lock_Read_Only_Entry (Object : Protection_Entry_Access);
+   pragma Inline_Always (Lock_Read_Only_Entry);
    --  As Lock_Read_Only
 
    procedure Unlock_Entry (Object : Protection_Entry_Access);
+   pragma Inline_Always (Unlock_Entry);
    --  As Unlock; the entry is not looked at
 
    procedure Service_Entry (Object : Protection_Entry_Access);

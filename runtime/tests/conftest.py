@@ -18,8 +18,9 @@ import virtual_brick
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-BUILD = ROOT / "build" / "runtime" / "tests"
-RUNTIME = ROOT / "build" / "runtime" / "ravenscar"
+PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
+BUILD = PRODUCTS / "runtime" / "tests"
+RUNTIME = PRODUCTS / "runtime" / "ravenscar"
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 
 CYCLES_PER_SECOND = 336_384_000 / 7
@@ -38,7 +39,7 @@ EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", 
 
 @cache
 def _make_runtime() -> None:
-    subprocess.run(["make", "-s", "-j2", "-C", str(ROOT / "runtime")], check=True)
+    subprocess.run(["make", "-s", "-j2", "-C", str(ROOT / "runtime"), f"BUILD={PRODUCTS / 'runtime'}"], check=True)
 
 
 @cache
@@ -51,7 +52,7 @@ def build(name: str, image: str = "ram", code: str = "arm") -> Path:
          f"-XTEST={name}", f"-XIMAGE={image}", f"-XCODE={code}", f"-XBUILD={folder}"],
         check=True,
         cwd=HERE,
-        env=os.environ | {"LC_ALL": "C"},
+        env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(RUNTIME)},
     )  # fmt: skip
     return folder / name / image / f"{name}.elf"
 

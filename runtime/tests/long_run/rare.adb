@@ -3,6 +3,8 @@
 
 with Ada.Real_Time; use Ada.Real_Time;
 
+with Handshake;
+
 package body Rare is
 
    use type Interfaces.Integer_64;
@@ -12,6 +14,8 @@ package body Rare is
       Second  : Seconds_Count;
       Part    : Time_Span;
    begin
+      delay until Time_Of (0, Milliseconds (500));
+      Handshake.Send;
       for Reading of Readings loop
          delay until Next;
          Split (Clock, Second, Part);

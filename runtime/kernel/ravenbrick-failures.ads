@@ -1,0 +1,41 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  The end of a program that violates a rule which only the run-time can check. The text takes
+--  the place of the file name that the compiler's own checks report.
+
+with System;
+
+package Ravenbrick.Failures is
+   pragma Preelaborate;
+
+   procedure Stop (Text : System.Address; Line : Integer := 0)
+     with Import, Convention => C, External_Name => "__gnat_last_chance_handler", No_Return;
+   --  Tell the application's hook, then halt with interrupts masked. Text ends with NUL.
+
+   Ceiling_Violated : constant String := "Program_Error: ceiling violated" & ASCII.NUL;
+   --  RM D.3 (13)
+
+   Blocking : constant String := "Program_Error: blocking in protected action" & ASCII.NUL;
+   --  RM 9.5.1 (8), detected as pragma Detect_Blocking asks for
+
+   Entry_Queue_Full : constant String := "Program_Error: second caller of entry" & ASCII.NUL;
+   --  Max_Entry_Queue_Length => 1, RM D.7
+
+   Second_Suspended : constant String := "Program_Error: second task suspended" & ASCII.NUL;
+   --  RM D.10 (10)
+
+   Not_Elaborated : constant String := "Program_Error: task body not elaborated" & ASCII.NUL;
+   --  RM 3.11 (14)
+
+   Interrupt_Taken : constant String := "Program_Error: interrupt reserved or taken" & ASCII.NUL;
+   --  RM C.3.1 (10)
+
+   Null_Task_Id : constant String := "Program_Error: null task id" & ASCII.NUL;
+   --  RM C.7.1 (15)
+
+   No_Secondary_Stack : constant String := "Storage_Error: no secondary stack" & ASCII.NUL;
+   Secondary_Stack_Full : constant String := "Storage_Error: secondary stack full" & ASCII.NUL;
+   Stack_Not_Static : constant String := "Storage_Error: task stack not static" & ASCII.NUL;
+
+end Ravenbrick.Failures;
