@@ -4,16 +4,21 @@
 
 /// A value with the carry that goes with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Shifted {
-    pub(crate) value: u32,
-    pub(crate) carry: bool,
+pub struct Shifted {
+    /// The shifted value.
+    pub value: u32,
+    /// Carry out of the shifter.
+    pub carry: bool,
 }
 
-/// Kinds of shift as encoded in bits 6:5 of the instruction.
-pub(crate) const LSL: u32 = 0;
-pub(crate) const LSR: u32 = 1;
-pub(crate) const ASR: u32 = 2;
-pub(crate) const ROR: u32 = 3;
+/// Logical left; the kinds are encoded as in bits 6:5 of the instruction.
+pub const LSL: u32 = 0;
+/// Logical right.
+pub const LSR: u32 = 1;
+/// Arithmetic right.
+pub const ASR: u32 = 2;
+/// Rotation right.
+pub const ROR: u32 = 3;
 
 #[inline(always)]
 const fn bit(value: u32, number: u32) -> bool {
@@ -22,7 +27,7 @@ const fn bit(value: u32, number: u32) -> bool {
 
 /// Shift by a constant of 0 to 31; 0 encodes LSL #0, LSR #32, ASR #32 and RRX.
 #[inline(always)]
-pub(crate) fn shift_by_constant(kind: u32, value: u32, amount: u32, carry: bool) -> Shifted {
+pub fn shift_by_constant(kind: u32, value: u32, amount: u32, carry: bool) -> Shifted {
     match (kind & 3, amount) {
         (LSL, 0) => Shifted { value, carry },
         (ROR, 0) => Shifted {
@@ -61,7 +66,7 @@ fn shift_below_32(kind: u32, value: u32, amount: u32) -> Shifted {
 
 /// Shift by the low byte of a register, 0 to 255; 0 leaves value and carry alone.
 #[inline]
-pub(crate) fn shift_by_register(kind: u32, value: u32, amount: u32, carry: bool) -> Shifted {
+pub fn shift_by_register(kind: u32, value: u32, amount: u32, carry: bool) -> Shifted {
     match (kind & 3, amount) {
         (_, 0) => Shifted { value, carry },
         (_, 1..=31) => shift_below_32(kind, value, amount),
@@ -86,7 +91,7 @@ pub(crate) fn shift_by_register(kind: u32, value: u32, amount: u32, carry: bool)
 
 /// The 8-bit constant of a data processing instruction, rotated right by twice `rotation`.
 #[inline(always)]
-pub(crate) fn rotated_constant(constant: u32, rotation: u32, carry: bool) -> Shifted {
+pub fn rotated_constant(constant: u32, rotation: u32, carry: bool) -> Shifted {
     let value = constant.rotate_right(2 * rotation);
     let carry = if rotation == 0 { carry } else { bit(value, 31) };
     Shifted { value, carry }
@@ -94,15 +99,18 @@ pub(crate) fn rotated_constant(constant: u32, rotation: u32, carry: bool) -> Shi
 
 /// Sum with the flags it produces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Sum {
-    pub(crate) value: u32,
-    pub(crate) carry: bool,
-    pub(crate) overflow: bool,
+pub struct Sum {
+    /// The sum modulo 2^32.
+    pub value: u32,
+    /// Carry out of bit 31.
+    pub carry: bool,
+    /// Signed overflow.
+    pub overflow: bool,
 }
 
 /// `a + b + carry`; subtraction is `add(a, !b, true)`.
 #[inline(always)]
-pub(crate) fn add(a: u32, b: u32, carry: bool) -> Sum {
+pub fn add(a: u32, b: u32, carry: bool) -> Sum {
     let wide = u64::from(a) + u64::from(b) + u64::from(carry);
     let value = wide as u32;
     Sum {

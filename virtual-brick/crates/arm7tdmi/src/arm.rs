@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! ARM state: decoding by bits 27:20 and 7:4, data processing, branches and traps.
+//! ARM state: handlers of the formats, data processing, branches and traps.
 
 use crate::alu::{add, rotated_constant, shift_by_constant, shift_by_register, Shifted, Sum};
 use crate::arm_transfer::{halfword_transfer, single_transfer, swap};
@@ -8,6 +8,7 @@ use crate::arm_transfer::{SIGNED_BYTE, SIGNED_HALFWORD, UNSIGNED_HALFWORD};
 use crate::block_transfer::block_data_transfer;
 use crate::bus::Bus;
 use crate::cpu::{Cpu, Step};
+use crate::format::{arm_format, arm_index, ArmFormat, HalfwordTransfer, OperandKind};
 use crate::multiply::{multiply, multiply_long};
 use crate::registers::psr;
 use crate::status::{mrs, msr_constant, msr_register};
@@ -23,7 +24,7 @@ impl<B: Bus> Decoder<B> {
         let mut table = [undefined as Handler<B>; 4096];
         let mut index = 0;
         while index < 4096 {
-            table[index] = decode(index as u32);
+            table[index] = handler(index as u32);
             index += 1;
         }
         table
@@ -39,7 +40,7 @@ impl Cpu {
             self.advance_arm();
             return Step::Instruction;
         }
-        let index = ((opcode >> 16) & 0xFF0) | ((opcode >> 4) & 0xF);
+        let index = arm_index(opcode);
         let handler = (&Decoder::<B>::TABLE)[index as usize];
         handler(self, bus, opcode)
     }
@@ -72,70 +73,57 @@ macro_rules! instance_of_32 {
     };
 }
 
-/// Format of an instruction, from bits 27:20 and 7:4 (DDI 0029E, figure 4-1).
-const fn decode<B: Bus>(index: u32) -> Handler<B> {
-    let (high, low) = (index >> 4, index & 0xF);
-    match (high, low) {
-        (0b0001_0010, 0b0001) => branch_and_exchange,
-        (0b0000_0000..=0b0000_1111, 0b1001) => decode_multiply(high),
-        (0b0001_0000 | 0b0001_0100, 0b1001) => swap,
-        (0b0000_0000..=0b0001_1111, 0b1011 | 0b1101 | 0b1111) => decode_halfword(high, low),
-        (0b0000_0000..=0b0001_1111, 0b1001) => undefined,
-        (0b0001_0000 | 0b0001_0100, 0b0000) => mrs,
-        (0b0001_0010 | 0b0001_0110, 0b0000) => msr_register,
-        (0b0011_0010 | 0b0011_0110, _) => msr_constant,
-        (0b0000_0000..=0b0011_1111, _) => decode_data_processing(high, low),
-        (0b0110_0000..=0b0111_1111, _) if low & 1 != 0 => undefined,
-        (0b0100_0000..=0b0101_1111, _) => {
-            instance_of_32!(high & 0x1F, single_transfer, false)
+/// The handler of the format that an index of the table encodes.
+const fn handler<B: Bus>(index: u32) -> Handler<B> {
+    match arm_format(index) {
+        ArmFormat::BranchExchange => branch_and_exchange,
+        ArmFormat::Multiply { accumulate: false } => multiply::<B, false>,
+        ArmFormat::Multiply { accumulate: true } => multiply::<B, true>,
+        ArmFormat::MultiplyLong { signed, accumulate } => match (signed, accumulate) {
+            (false, false) => multiply_long::<B, false, false>,
+            (false, true) => multiply_long::<B, false, true>,
+            (true, false) => multiply_long::<B, true, false>,
+            (true, true) => multiply_long::<B, true, true>,
+        },
+        ArmFormat::Swap => swap,
+        ArmFormat::HalfwordTransfer(transfer) => match transfer {
+            HalfwordTransfer::Store => halfword_transfer::<B, false, UNSIGNED_HALFWORD>,
+            HalfwordTransfer::Load => halfword_transfer::<B, true, UNSIGNED_HALFWORD>,
+            HalfwordTransfer::LoadSignedByte => halfword_transfer::<B, true, SIGNED_BYTE>,
+            HalfwordTransfer::LoadSigned => halfword_transfer::<B, true, SIGNED_HALFWORD>,
+        },
+        ArmFormat::Mrs => mrs,
+        ArmFormat::MsrRegister => msr_register,
+        ArmFormat::MsrConstant => msr_constant,
+        ArmFormat::DataProcessing(kind) => data_processing_handler(index >> 4 & 0x1F, kind),
+        ArmFormat::SingleTransfer {
+            register_offset: false,
+        } => {
+            instance_of_32!(index >> 4 & 0x1F, single_transfer, false)
         }
-        (0b0110_0000..=0b0111_1111, _) => {
-            instance_of_32!(high & 0x1F, single_transfer, true)
+        ArmFormat::SingleTransfer {
+            register_offset: true,
+        } => {
+            instance_of_32!(index >> 4 & 0x1F, single_transfer, true)
         }
-        (0b1000_0000..=0b1001_1111, _) if high & 1 != 0 => block_data_transfer::<B, true>,
-        (0b1000_0000..=0b1001_1111, _) => block_data_transfer::<B, false>,
-        (0b1010_0000..=0b1010_1111, _) => branch::<B, false>,
-        (0b1011_0000..=0b1011_1111, _) => branch::<B, true>,
-        (0b1111_0000..=0b1111_1111, _) => software_interrupt,
-        _ => undefined,
+        ArmFormat::BlockTransfer { load: false } => block_data_transfer::<B, false>,
+        ArmFormat::BlockTransfer { load: true } => block_data_transfer::<B, true>,
+        ArmFormat::Branch { link: false } => branch::<B, false>,
+        ArmFormat::Branch { link: true } => branch::<B, true>,
+        ArmFormat::SoftwareInterrupt => software_interrupt,
+        ArmFormat::Undefined => undefined,
     }
 }
 
-const fn decode_multiply<B: Bus>(high: u32) -> Handler<B> {
-    match high >> 1 {
-        0b000_0000 => multiply::<B, false>,
-        0b000_0001 => multiply::<B, true>,
-        0b000_0100 => multiply_long::<B, false, false>,
-        0b000_0101 => multiply_long::<B, false, true>,
-        0b000_0110 => multiply_long::<B, true, false>,
-        0b000_0111 => multiply_long::<B, true, true>,
-        _ => undefined,
-    }
-}
-
-/// Signed stores do not exist; stores have the halfword pattern only.
-const fn decode_halfword<B: Bus>(high: u32, low: u32) -> Handler<B> {
-    match (high & 1 != 0, low) {
-        (false, 0b1011) => halfword_transfer::<B, false, UNSIGNED_HALFWORD>,
-        (true, 0b1011) => halfword_transfer::<B, true, UNSIGNED_HALFWORD>,
-        (true, 0b1101) => halfword_transfer::<B, true, SIGNED_BYTE>,
-        (true, 0b1111) => halfword_transfer::<B, true, SIGNED_HALFWORD>,
-        _ => undefined,
-    }
-}
-
-/// The compare operations without S belong to the status and branch-exchange formats.
-const fn decode_data_processing<B: Bus>(high: u32, low: u32) -> Handler<B> {
-    let operation = high & 0x1F;
-    if operation & 0b11001 == 0b10000 {
-        return undefined;
-    }
-    if high & 0b10_0000 != 0 {
-        instance_of_32!(operation, data_processing, CONSTANT)
-    } else if low & 1 == 0 {
-        instance_of_32!(operation, data_processing, SHIFT_BY_CONSTANT)
-    } else {
-        instance_of_32!(operation, data_processing, SHIFT_BY_REGISTER)
+const fn data_processing_handler<B: Bus>(operation: u32, kind: OperandKind) -> Handler<B> {
+    match kind {
+        OperandKind::Constant => instance_of_32!(operation, data_processing, CONSTANT),
+        OperandKind::ShiftByConstant => {
+            instance_of_32!(operation, data_processing, SHIFT_BY_CONSTANT)
+        }
+        OperandKind::ShiftByRegister => {
+            instance_of_32!(operation, data_processing, SHIFT_BY_REGISTER)
+        }
     }
 }
 

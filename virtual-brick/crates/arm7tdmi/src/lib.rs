@@ -7,15 +7,23 @@
 //! memory that answers in one cycle the totals are those of the instruction cycle tables of the
 //! ARM7TDMI data sheet (ARM DDI 0029E, chapter 10).
 //!
+//! [`Instruction`] decodes opcodes on the same formats and states their bus cycles, for analysis
+//! without running.
+//!
 //! [`Cpu`] is plain data: it can be cloned, compared and inspected at any instruction boundary.
 
-mod alu;
+pub mod alu;
 mod arm;
 mod arm_transfer;
 mod block_transfer;
 pub mod bus;
+pub mod cost;
 mod cpu;
+mod decode_arm;
+mod decode_thumb;
 mod exceptions;
+mod format;
+pub mod instruction;
 mod multiply;
 mod pipeline;
 mod registers;
@@ -27,5 +35,7 @@ mod timing;
 pub use bus::{Abort, Bus, Cycle, Width};
 pub use cpu::{Cpu, Step};
 pub use exceptions::Exception;
+pub use instruction::Instruction;
 pub use registers::{psr, Mode};
+pub use status::condition_passes;
 pub use timing::TimingProfile;

@@ -4,6 +4,7 @@
 
 use crate::bus::Bus;
 use crate::cpu::{Cpu, Step};
+use crate::instruction::MultiplyKind;
 
 /// Cycles of the array when leading ones end it early as leading zeros do.
 #[inline]
@@ -27,6 +28,18 @@ pub(crate) const fn unsigned_cycles(multiplier: u32) -> u32 {
     }
 }
 
+/// Internal cycles of a multiplication: the array's, one more for a long product, one more to
+/// accumulate.
+#[inline(always)]
+pub(crate) const fn internal_cycles(kind: MultiplyKind, multiplier: u32) -> u32 {
+    let array = if kind.signed {
+        signed_cycles(multiplier)
+    } else {
+        unsigned_cycles(multiplier)
+    };
+    array + kind.long as u32 + kind.accumulate as u32
+}
+
 /// MUL and MLA: 1S + mI, one I more to accumulate. C and V keep their values.
 pub(crate) fn multiply<B: Bus, const ACCUMULATE: bool>(
     cpu: &mut Cpu,
@@ -36,12 +49,15 @@ pub(crate) fn multiply<B: Bus, const ACCUMULATE: bool>(
     cpu.advance_arm();
     let multiplier = cpu.registers.get(opcode >> 8);
     let mut result = cpu.registers.get(opcode).wrapping_mul(multiplier);
-    let mut cycles = signed_cycles(multiplier);
     if ACCUMULATE {
         result = result.wrapping_add(cpu.registers.get(opcode >> 12));
-        cycles += 1;
     }
-    bus.internal(cycles);
+    let kind = MultiplyKind {
+        long: false,
+        signed: true,
+        accumulate: ACCUMULATE,
+    };
+    bus.internal(internal_cycles(kind, multiplier));
     if opcode & (1 << 20) != 0 {
         cpu.set_nz(result);
     }
@@ -57,19 +73,21 @@ pub(crate) fn multiply_long<B: Bus, const SIGNED: bool, const ACCUMULATE: bool>(
     cpu.advance_arm();
     let (low, high) = (opcode >> 12, opcode >> 16);
     let (multiplicand, multiplier) = (cpu.registers.get(opcode), cpu.registers.get(opcode >> 8));
-    let (mut result, mut cycles) = if SIGNED {
-        let product = i64::from(multiplicand as i32) * i64::from(multiplier as i32);
-        (product as u64, 1 + signed_cycles(multiplier))
+    let mut result = if SIGNED {
+        (i64::from(multiplicand as i32) * i64::from(multiplier as i32)) as u64
     } else {
-        let product = u64::from(multiplicand) * u64::from(multiplier);
-        (product, 1 + unsigned_cycles(multiplier))
+        u64::from(multiplicand) * u64::from(multiplier)
     };
     if ACCUMULATE {
         let high_half = u64::from(cpu.registers.get(high)) << 32;
         result = result.wrapping_add(high_half | u64::from(cpu.registers.get(low)));
-        cycles += 1;
     }
-    bus.internal(cycles);
+    let kind = MultiplyKind {
+        long: true,
+        signed: SIGNED,
+        accumulate: ACCUMULATE,
+    };
+    bus.internal(internal_cycles(kind, multiplier));
     if opcode & (1 << 20) != 0 {
         let any_low_bit = u32::from(result as u32 != 0);
         cpu.set_nz((result >> 32) as u32 | any_low_bit);

@@ -49,6 +49,12 @@ const fn condition_table() -> [u16; 16] {
     table
 }
 
+/// Does `condition` (0 to 15) hold for `flags` (NZCV as a number, N the highest bit)?
+#[inline]
+pub const fn condition_passes(condition: u32, flags: u32) -> bool {
+    (CONDITIONS[(condition & 15) as usize] >> (flags & 15)) & 1 != 0
+}
+
 impl Cpu {
     /// Does `condition` (0 to 15) hold for the current flags?
     #[inline(always)]

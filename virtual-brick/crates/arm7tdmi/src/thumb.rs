@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Thumb state: decoding by bits 15:6, arithmetic and branches.
+//! Thumb state: handlers of the formats, arithmetic and branches.
 
 use crate::alu::{add, shift_by_constant, shift_by_register, Shifted};
 use crate::arm::Handler;
 use crate::bus::Bus;
 use crate::cpu::{Cpu, Step};
+use crate::format::{thumb_format, ConstantOperation, ThumbFormat};
 use crate::multiply::signed_cycles;
 use crate::thumb_transfer::{
     load_relative, multiple, push_pop, transfer_constant, transfer_register, transfer_stack,
@@ -20,7 +21,7 @@ impl<B: Bus> Decoder<B> {
         let mut table = [undefined as Handler<B>; 1024];
         let mut index = 0;
         while index < 1024 {
-            table[index] = decode(index as u32);
+            table[index] = handler(index as u32);
             index += 1;
         }
         table
@@ -43,76 +44,83 @@ impl Cpu {
     }
 }
 
-/// Format of an instruction, from bits 15:6 (DDI 0029E, figure 5-1).
-const fn decode<B: Bus>(index: u32) -> Handler<B> {
-    let (top, next) = (index >> 5, (index >> 3) & 3);
-    match top {
-        0b00000 => shift::<B, 0>,
-        0b00001 => shift::<B, 1>,
-        0b00010 => shift::<B, 2>,
-        0b00011 => match next {
-            0b00 => add_subtract::<B, false, false>,
-            0b01 => add_subtract::<B, false, true>,
-            0b10 => add_subtract::<B, true, false>,
-            _ => add_subtract::<B, true, true>,
+/// The handler of the format that an index of the table encodes.
+const fn handler<B: Bus>(index: u32) -> Handler<B> {
+    match thumb_format(index) {
+        ThumbFormat::Shift(kind) => shift_handler(kind),
+        ThumbFormat::AddSubtract { constant, minus } => match (constant, minus) {
+            (false, false) => add_subtract::<B, false, false>,
+            (false, true) => add_subtract::<B, false, true>,
+            (true, false) => add_subtract::<B, true, false>,
+            (true, true) => add_subtract::<B, true, true>,
         },
-        0b00100 => constant::<B, MOVE>,
-        0b00101 => constant::<B, COMPARE>,
-        0b00110 => constant::<B, ADD>,
-        0b00111 => constant::<B, SUBTRACT>,
-        0b01000 => decode_register_operation(index),
-        0b01001 => load_relative,
-        0b01010 | 0b01011 => decode_transfer_register(index),
-        0b01100 => transfer_constant::<B, 0b00>,
-        0b01101 => transfer_constant::<B, 0b01>,
-        0b01110 => transfer_constant::<B, 0b10>,
-        0b01111 => transfer_constant::<B, 0b11>,
-        0b10000 => transfer_constant::<B, HALFWORD_CONSTANT>,
-        0b10001 => transfer_constant::<B, { HALFWORD_CONSTANT + 1 }>,
-        0b10010 => transfer_stack::<B, false>,
-        0b10011 => transfer_stack::<B, true>,
-        0b10100 => load_address::<B, 15>,
-        0b10101 => load_address::<B, 13>,
-        0b10110 | 0b10111 => decode_stack(index),
-        0b11000 => multiple::<B, false>,
-        0b11001 => multiple::<B, true>,
-        0b11010 | 0b11011 => decode_conditional(index),
-        0b11100 => branch,
-        0b11110 => long_branch_prefix,
-        0b11111 => long_branch_suffix,
-        _ => undefined,
+        ThumbFormat::Constant(operation) => match operation {
+            ConstantOperation::Move => constant::<B, MOVE>,
+            ConstantOperation::Compare => constant::<B, COMPARE>,
+            ConstantOperation::Add => constant::<B, ADD>,
+            ConstantOperation::Subtract => constant::<B, SUBTRACT>,
+        },
+        ThumbFormat::Register(operation) => register_handler(operation),
+        ThumbFormat::HighRegister(operation) => match operation {
+            ConstantOperation::Add => high_register::<B, ADD>,
+            ConstantOperation::Compare => high_register::<B, COMPARE>,
+            _ => high_register::<B, MOVE>,
+        },
+        ThumbFormat::BranchExchange => branch_and_exchange,
+        ThumbFormat::LoadRelative => load_relative,
+        ThumbFormat::TransferRegister(kind) => transfer_register_handler(kind),
+        ThumbFormat::TransferConstant(kind) => transfer_constant_handler(kind),
+        ThumbFormat::TransferStack { load: false } => transfer_stack::<B, false>,
+        ThumbFormat::TransferStack { load: true } => transfer_stack::<B, true>,
+        ThumbFormat::LoadAddress { stack: false } => load_address::<B, 15>,
+        ThumbFormat::LoadAddress { stack: true } => load_address::<B, 13>,
+        ThumbFormat::AddToStackPointer => add_to_stack_pointer,
+        ThumbFormat::PushPop { load: false } => push_pop::<B, false>,
+        ThumbFormat::PushPop { load: true } => push_pop::<B, true>,
+        ThumbFormat::Multiple { load: false } => multiple::<B, false>,
+        ThumbFormat::Multiple { load: true } => multiple::<B, true>,
+        ThumbFormat::ConditionalBranch => conditional_branch,
+        ThumbFormat::SoftwareInterrupt => software_interrupt,
+        ThumbFormat::Branch => branch,
+        ThumbFormat::LongBranchPrefix => long_branch_prefix,
+        ThumbFormat::LongBranchSuffix => long_branch_suffix,
+        ThumbFormat::Undefined => undefined,
     }
 }
 
-/// Formats 4 and 5: operations between registers.
-const fn decode_register_operation<B: Bus>(index: u32) -> Handler<B> {
-    match index & 0x1F {
-        0x00 => logical::<B, AND>,
-        0x01 => logical::<B, EOR>,
-        0x02 => shift_register::<B, 0>,
-        0x03 => shift_register::<B, 1>,
-        0x04 => shift_register::<B, 2>,
-        0x05 => arithmetic::<B, ADC>,
-        0x06 => arithmetic::<B, SBC>,
-        0x07 => shift_register::<B, 3>,
-        0x08 => logical::<B, TST>,
-        0x09 => arithmetic::<B, NEG>,
-        0x0A => arithmetic::<B, CMP>,
-        0x0B => arithmetic::<B, CMN>,
-        0x0C => logical::<B, ORR>,
-        0x0D => multiply,
-        0x0E => logical::<B, BIC>,
-        0x0F => logical::<B, MVN>,
-        0x10..=0x13 => high_register::<B, ADD>,
-        0x14..=0x17 => high_register::<B, COMPARE>,
-        0x18..=0x1B => high_register::<B, MOVE>,
-        _ => branch_and_exchange,
+const fn shift_handler<B: Bus>(kind: u32) -> Handler<B> {
+    match kind {
+        0 => shift::<B, 0>,
+        1 => shift::<B, 1>,
+        _ => shift::<B, 2>,
     }
 }
 
-/// Formats 7 and 8: bits 11:9 select width and direction.
-const fn decode_transfer_register<B: Bus>(index: u32) -> Handler<B> {
-    match (index >> 3) & 7 {
+/// Format 4, by bits 9:6.
+const fn register_handler<B: Bus>(operation: u32) -> Handler<B> {
+    match operation {
+        0x0 => logical::<B, AND>,
+        0x1 => logical::<B, EOR>,
+        0x2 => shift_register::<B, 0>,
+        0x3 => shift_register::<B, 1>,
+        0x4 => shift_register::<B, 2>,
+        0x5 => arithmetic::<B, ADC>,
+        0x6 => arithmetic::<B, SBC>,
+        0x7 => shift_register::<B, 3>,
+        0x8 => logical::<B, TST>,
+        0x9 => arithmetic::<B, NEG>,
+        0xA => arithmetic::<B, CMP>,
+        0xB => arithmetic::<B, CMN>,
+        0xC => logical::<B, ORR>,
+        0xD => multiply,
+        0xE => logical::<B, BIC>,
+        _ => logical::<B, MVN>,
+    }
+}
+
+/// Formats 7 and 8, by bits 11:9.
+const fn transfer_register_handler<B: Bus>(kind: u32) -> Handler<B> {
+    match kind {
         0 => transfer_register::<B, 0>,
         1 => transfer_register::<B, 1>,
         2 => transfer_register::<B, 2>,
@@ -124,22 +132,15 @@ const fn decode_transfer_register<B: Bus>(index: u32) -> Handler<B> {
     }
 }
 
-/// Formats 13 and 14.
-const fn decode_stack<B: Bus>(index: u32) -> Handler<B> {
-    match index >> 2 {
-        0b1011_0000 => add_to_stack_pointer,
-        0b1011_0100 | 0b1011_0101 => push_pop::<B, false>,
-        0b1011_1100 | 0b1011_1101 => push_pop::<B, true>,
-        _ => undefined,
-    }
-}
-
-/// Formats 16 and 17: condition 14 has no meaning, 15 is SWI.
-const fn decode_conditional<B: Bus>(index: u32) -> Handler<B> {
-    match (index >> 2) & 15 {
-        0xE => undefined,
-        0xF => software_interrupt,
-        _ => conditional_branch,
+/// Formats 9 and 10: twice the width (word, byte, halfword), plus one for a load.
+const fn transfer_constant_handler<B: Bus>(kind: u32) -> Handler<B> {
+    match kind {
+        0 => transfer_constant::<B, 0b00>,
+        1 => transfer_constant::<B, 0b01>,
+        2 => transfer_constant::<B, 0b10>,
+        3 => transfer_constant::<B, 0b11>,
+        4 => transfer_constant::<B, HALFWORD_CONSTANT>,
+        _ => transfer_constant::<B, { HALFWORD_CONSTANT + 1 }>,
     }
 }
 

@@ -3,7 +3,8 @@
 //! The single-step vectors: one instruction each, with the state before and after, the writes
 //! and the cycles by kind. The format is described in conformance/cpu/README.md.
 
-use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Mode, TimingProfile, Width};
+use super::counts::Counts;
+use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Instruction, Mode, TimingProfile, Width};
 
 const MAGIC: u32 = 0x3156_3741;
 const HEADER_WORDS: usize = 4;
@@ -102,6 +103,33 @@ impl Class {
 }
 
 impl Record {
+    /// Does the static statement of the instruction's cycles equal the vector's counts?
+    pub fn check_cost(&self, class: &Class) -> Result<(), String> {
+        let instruction = if class.thumb {
+            Instruction::thumb(self.opcode() as u16)
+        } else {
+            Instruction::arm(self.opcode())
+        };
+        let mut cpu = Cpu::with_profile(class.profile());
+        self.load(&mut cpu, class.thumb);
+        let expected = Counts::stated(&instruction, &cpu);
+        let found = self.counts();
+        if expected == found {
+            return Ok(());
+        }
+        Err(format!("{instruction:X?}: {found:?}, stated {expected:?}"))
+    }
+
+    fn counts(&self) -> Counts {
+        Counts {
+            code_nonsequential: self.0[77],
+            code_sequential: self.0[78],
+            data_nonsequential: self.0[79],
+            data_sequential: self.0[80],
+            internal: self.0[81],
+        }
+    }
+
     fn opcode(&self) -> u32 {
         self.0[0]
     }
@@ -153,13 +181,7 @@ impl Record {
     }
 
     fn compare_bus(&self, bus: &VectorBus) -> Vec<String> {
-        let expected = Counts {
-            code_nonsequential: self.0[77],
-            code_sequential: self.0[78],
-            data_nonsequential: self.0[79],
-            data_sequential: self.0[80],
-            internal: self.0[81],
-        };
+        let expected = self.counts();
         let mut differences = Vec::new();
         if bus.counts != expected || expected.total() != self.0[76] {
             differences.push(format!(
@@ -213,25 +235,6 @@ fn state_places() -> [Place; STATE_WORDS] {
     places
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Counts {
-    code_nonsequential: u32,
-    code_sequential: u32,
-    data_nonsequential: u32,
-    data_sequential: u32,
-    internal: u32,
-}
-
-impl Counts {
-    fn total(&self) -> u32 {
-        self.code_nonsequential
-            + self.code_sequential
-            + self.data_nonsequential
-            + self.data_sequential
-            + self.internal
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Write {
     address: u32,
@@ -276,18 +279,8 @@ impl VectorBus {
             self.fills_left -= 1;
             return false;
         }
-        match cycle {
-            Cycle::Nonsequential => self.counts.code_nonsequential += 1,
-            Cycle::Sequential => self.counts.code_sequential += 1,
-        }
+        self.counts.count_code(cycle);
         true
-    }
-
-    fn count_data(&mut self, cycle: Cycle) {
-        match cycle {
-            Cycle::Nonsequential => self.counts.data_nonsequential += 1,
-            Cycle::Sequential => self.counts.data_sequential += 1,
-        }
     }
 
     /// The opcode is injected into the first fetch only; memory does not hold it.
@@ -320,7 +313,7 @@ impl Bus for VectorBus {
     }
 
     fn read(&mut self, address: u32, width: Width, cycle: Cycle) -> Result<u32, Abort> {
-        self.count_data(cycle);
+        self.counts.count_data(cycle);
         let word = memory_word(address);
         Ok(match width {
             Width::Byte => (word >> (8 * (address & 3))) & 0xFF,
@@ -330,7 +323,7 @@ impl Bus for VectorBus {
     }
 
     fn write(&mut self, address: u32, width: Width, value: u32, cycle: Cycle) -> Result<(), Abort> {
-        self.count_data(cycle);
+        self.counts.count_data(cycle);
         let (size, mask) = match width {
             Width::Byte => (1, 0xFF),
             Width::Halfword => (2, 0xFFFF),

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Bus cycles of an instruction, stated without running it (DDI 0029E, chapter 10). The core makes
+//! these cycles one by one; tests hold both to each other for every format.
+
+use crate::instruction::{
+    BlockTransfer, DataProcessing, Instruction, Multiply, MultiplyKind, Operand, Operation,
+};
+use crate::multiply::internal_cycles;
+use crate::timing::TimingProfile;
+
+/// Data cycles of one direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DataCycles {
+    /// N-cycles.
+    pub nonsequential: u32,
+    /// S-cycles.
+    pub sequential: u32,
+}
+
+impl DataCycles {
+    const NONE: Self = Self {
+        nonsequential: 0,
+        sequential: 0,
+    };
+    const ONE: Self = Self {
+        nonsequential: 1,
+        sequential: 0,
+    };
+
+    const fn block(count: u32) -> Self {
+        Self {
+            nonsequential: 1,
+            sequential: count - 1,
+        }
+    }
+
+    /// All accesses.
+    pub const fn count(self) -> u32 {
+        self.nonsequential + self.sequential
+    }
+}
+
+/// Cycles of one instruction after the fetch it starts with: that fetch is of the opcode two
+/// ahead, an S-cycle unless the instruction before it stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BusCycles {
+    /// Times the pipeline is filled: an N-cycle fetch at the target and an S-cycle one after it.
+    pub refills: u32,
+    /// Data reads.
+    pub reads: DataCycles,
+    /// Data writes.
+    pub writes: DataCycles,
+    /// Fewest internal cycles.
+    pub internal_min: u32,
+    /// Most internal cycles; differs from the fewest only for multiplications.
+    pub internal_max: u32,
+    /// The fetch of the next instruction is an N-cycle.
+    pub next_fetch_nonsequential: bool,
+}
+
+impl BusCycles {
+    /// An instruction whose condition failed.
+    pub const SKIPPED: Self = Self {
+        refills: 0,
+        reads: DataCycles::NONE,
+        writes: DataCycles::NONE,
+        internal_min: 0,
+        internal_max: 0,
+        next_fetch_nonsequential: false,
+    };
+
+    const fn new(refills: u32, internal: u32) -> Self {
+        Self {
+            refills,
+            internal_min: internal,
+            internal_max: internal,
+            ..Self::SKIPPED
+        }
+    }
+
+    const fn load(reads: DataCycles, loads_pc: bool) -> Self {
+        Self {
+            reads,
+            ..Self::new(loads_pc as u32, 1)
+        }
+    }
+
+    const fn store(writes: DataCycles) -> Self {
+        Self {
+            writes,
+            next_fetch_nonsequential: true,
+            ..Self::SKIPPED
+        }
+    }
+
+    /// Most cycles with a memory that answers every access in one, the first fetch included.
+    pub const fn most_without_wait_states(self) -> u32 {
+        let data = self.reads.count() + self.writes.count();
+        1 + 2 * self.refills + data + self.internal_max
+    }
+}
+
+impl MultiplyKind {
+    /// Internal cycles with this value in the multiplier register.
+    pub const fn internal_cycles(self, multiplier: u32) -> u32 {
+        internal_cycles(self, multiplier)
+    }
+}
+
+impl Instruction {
+    /// Cycles of the instruction when its condition passes, for accesses that are not aborted.
+    pub const fn cycles(&self, profile: TimingProfile) -> BusCycles {
+        match &self.operation {
+            Operation::DataProcessing(processing) => data_processing(processing),
+            Operation::Multiply(product) => multiply(product),
+            Operation::Transfer(transfer) if transfer.load => {
+                BusCycles::load(DataCycles::ONE, transfer.register == 15)
+            }
+            Operation::Transfer(_) => BusCycles::store(DataCycles::ONE),
+            Operation::Swap { destination, .. } => BusCycles {
+                writes: DataCycles::ONE,
+                ..BusCycles::load(DataCycles::ONE, *destination == 15)
+            },
+            Operation::BlockTransfer(block) => block_transfer(block),
+            Operation::ReadStatus { destination } => BusCycles::new((*destination == 15) as u32, 0),
+            Operation::LoadAddress { .. }
+            | Operation::LongBranchPrefix { .. }
+            | Operation::WriteStatus => BusCycles::SKIPPED,
+            Operation::Branch { .. }
+            | Operation::BranchExchange { .. }
+            | Operation::LongBranchSuffix { .. }
+            | Operation::SoftwareInterrupt => BusCycles::new(1, 0),
+            Operation::Undefined => BusCycles::new(1, profile.undefined_internal_cycles),
+        }
+    }
+}
+
+const fn data_processing(processing: &DataProcessing) -> BusCycles {
+    let shift = matches!(processing.second, Operand::ShiftedByRegister { .. }) as u32;
+    let branches = processing.destination == 15 && !processing.operation.compares();
+    BusCycles::new(branches as u32, shift)
+}
+
+const fn multiply(product: &Multiply) -> BusCycles {
+    let low = matches!(product.low, Some(15)) as u32;
+    BusCycles {
+        refills: (product.destination == 15) as u32 + low,
+        internal_min: internal_cycles(product.kind, 0),
+        internal_max: internal_cycles(product.kind, 0x5555_5555),
+        ..BusCycles::SKIPPED
+    }
+}
+
+const fn block_transfer(block: &BlockTransfer) -> BusCycles {
+    let data = DataCycles::block(block.list.count_ones());
+    if block.load {
+        BusCycles::load(data, block.list >> 15 & 1 != 0)
+    } else {
+        BusCycles::store(data)
+    }
+}
