@@ -10,6 +10,7 @@ package body NXT.AVR is
 
    use Ada.Real_Time;
    use type AVR_IO.Power_Command;
+   use type AVR_IO.Verdict;
    use type TWI.Transfer_Status;
 
    Stack_Size : constant := 1_024;
@@ -94,15 +95,17 @@ package body NXT.AVR is
       Inputs_Next  : Boolean := True;
    end record;
 
-   procedure Take_Readings (Valid : out Boolean) is
-      Frame  : AVR_IO.Input_Frame;
-      Values : AVR_IO.Inputs;
+   procedure Take_Readings (Intact : out Boolean) is
+      Frame     : AVR_IO.Input_Frame;
+      Values    : AVR_IO.Inputs;
+      Judgement : AVR_IO.Verdict;
    begin
       TWI.Fetch (Frame);
-      AVR_IO.Decode (Frame, Values, Valid);
-      if Valid then
+      AVR_IO.Decode (Frame, Values, Judgement);
+      if Judgement = AVR_IO.Valid then
          Shared.Put_Inputs (Values);
       end if;
+      Intact := Judgement /= AVR_IO.Corrupt;
    end Take_Readings;
 
    --  Judge the transfer of the period before. One that has not ended by now never will.

@@ -96,12 +96,14 @@ package body NXT.AVR_IO is
    function Word_At (Frame : Input_Frame; Place : Positive) return Unsigned_16 is
      (Unsigned_16 (Frame (Place)) + 256 * Unsigned_16 (Frame (Place + 1)));
 
-   procedure Decode (Frame : Input_Frame; Values : out Inputs; Valid : out Boolean) is
+   procedure Decode (Frame : Input_Frame; Values : out Inputs; Judgement : out Verdict) is
       Battery : constant Unsigned_16 := Word_At (Frame, 11);
    begin
       Values := (others => <>);
-      Valid := Sum (Frame) = 16#FF# and then (Battery and Battery_Mask) /= 0;
-      if Valid then
+      Judgement := (if Sum (Frame) /= 16#FF# then Corrupt
+                    elsif (Battery and Battery_Mask) = 0 then Not_Sampled
+                    else Valid);
+      if Judgement = Valid then
          for Sensor in Sensor_Id loop
             Values.Sensors (Sensor) :=
               ADC_Value (Word_At (Frame, 1 + 2 * Sensor_Id'Pos (Sensor)) mod 1024);

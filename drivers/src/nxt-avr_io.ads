@@ -58,9 +58,12 @@ package NXT.AVR_IO is
 
    function Encode (Values : Outputs) return Output_Frame;
 
-   procedure Decode (Frame : Input_Frame; Values : out Inputs; Valid : out Boolean);
-   --  Valid: the sum is right and the co-processor has begun to sample (before that it sends
-   --  zeros, and a battery that runs the brick never reads zero). If not, Values are the defaults.
+   type Verdict is (Valid, Not_Sampled, Corrupt);
+   --  Not_Sampled: the sum is right, but the co-processor has not begun to sample. Until then it
+   --  sends zeros, and a battery that runs the brick never reads zero. Corrupt: the sum is wrong.
+
+   procedure Decode (Frame : Input_Frame; Values : out Inputs; Judgement : out Verdict);
+   --  Values are the defaults unless Judgement is Valid.
 
    function Decoded_Button (Reading : Interfaces.Unsigned_16) return Button_Id;
    --  The buttons are a voltage ladder; the orange one adds 16#7FF#.

@@ -9,7 +9,7 @@ package body NXT.Display is
    use Interfaces;
    use NXT.LCD;
 
-   Canvas : Picture := (others => (others => 0));
+   Canvas : Picture;
    Column : Natural range 0 .. Char_Columns'Last + 1 := 0;
    Row    : Char_Rows := 0;
    --  Column one beyond the last: the next character begins a new row.
@@ -70,11 +70,15 @@ package body NXT.Display is
       end loop;
    end Put_Noupdate;
 
+   generic
+      type Number is range <>;
+   procedure Put_Number (V : Number; Width : Field_Width);
+
    --  Works on negative numbers, whose range is the larger one.
-   procedure Put_Noupdate (V : Long_Long_Integer; Width : Field_Width := 0) is
+   procedure Put_Number (V : Number; Width : Field_Width) is
       Image : String (1 .. 20);
       First : Natural := Image'Last + 1;
-      Rest  : Long_Long_Integer := (if V < 0 then V else -V);
+      Rest  : Number := (if V < 0 then V else -V);
    begin
       loop
          First := First - 1;
@@ -90,12 +94,15 @@ package body NXT.Display is
          Put_Noupdate (' ');
       end loop;
       Put_Noupdate (Image (First .. Image'Last));
-   end Put_Noupdate;
+   end Put_Number;
 
-   procedure Put_Noupdate (V : Integer; Width : Field_Width := 0) is
-   begin
-      Put_Noupdate (Long_Long_Integer (V), Width);
-   end Put_Noupdate;
+   procedure Put_Integer is new Put_Number (Integer);
+   procedure Put_Long_Long_Integer is new Put_Number (Long_Long_Integer);
+
+   procedure Put_Noupdate (V : Integer; Width : Field_Width := 0) renames Put_Integer;
+
+   procedure Put_Noupdate (V : Long_Long_Integer; Width : Field_Width := 0)
+     renames Put_Long_Long_Integer;
 
    subtype Digit_Count is Positive range 1 .. 8;
 
@@ -172,5 +179,5 @@ package body NXT.Display is
 
 begin
    LCD.Power_On;
-   Screen_Update;
+   Clear_Screen;
 end NXT.Display;

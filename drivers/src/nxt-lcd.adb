@@ -14,7 +14,7 @@ package body NXT.LCD is
    --  reset and power management).
    Reset_Time : constant Time_Span := Milliseconds (20);
 
-   Shown : Picture := (others => (others => 0));
+   Shown : Picture;
    --  What the transfer of Show reads.
 
    subtype Page_Address is SPI.Byte_Array (1 .. 3);

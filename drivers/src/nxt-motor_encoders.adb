@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ada.Interrupts.Names;
 with NXT.Priorities;
 with NXT.Registers.PIO;  use NXT.Registers, NXT.Registers.PIO;
 with NXT.Registers.PMC;
@@ -20,7 +21,7 @@ package body NXT.Motor_Encoders is
       function Count (Motor : Motor_Id) return Integer;
       function Current return Reading;
    private
-      procedure Handle_Edges with Attach_Handler => PIOA_Id;
+      procedure Handle_Edges with Attach_Handler => Ada.Interrupts.Names.PIOA;
       Counts : Encoder_Counts := (others => 0);
    end Encoders;
 

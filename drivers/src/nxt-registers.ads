@@ -19,7 +19,7 @@ package NXT.Registers with Pure is
    function Has (Value, Mask : Word) return Boolean is ((Value and Mask) /= 0);
    --  Whether at least one bit of Mask is set in Value.
 
-   --  Peripheral identifiers (datasheet, chapter Peripherals), which are also interrupt sources
+   --  Peripheral identifiers (datasheet, chapter Peripherals)
    PIOA_Id : constant := 2;
    SPI_Id  : constant := 5;
    TWI_Id  : constant := 9;

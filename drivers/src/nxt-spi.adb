@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ada.Interrupts.Names;
 with NXT.Priorities;
 with NXT.Registers.SPI;  use NXT.Registers, NXT.Registers.SPI;
 with NXT.SPI.Bus;
@@ -15,7 +16,7 @@ package body NXT.SPI is
       procedure Start (List : Segment_List);
       entry Await_Idle;
    private
-      procedure Handle_Interrupt with Attach_Handler => SPI_Id;
+      procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.SPI;
       procedure Feed (Part : Segment);
       procedure Finish_Segment;
 

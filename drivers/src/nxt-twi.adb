@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ada.Interrupts.Names;
 with NXT.Priorities;
 with NXT.Registers.TWI;  use NXT.Registers, NXT.Registers.TWI;
 with NXT.TWI.Bus;
@@ -18,7 +19,7 @@ package body NXT.TWI is
       procedure Fetch (Message : out Byte_Array);
       procedure Abandon;
    private
-      procedure Handle_Interrupt with Attach_Handler => TWI_Id;
+      procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.TWI;
       procedure Handle_Received_Byte;
       procedure Handle_Free_Transmitter;
       procedure Await_End_On_Bus;

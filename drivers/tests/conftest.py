@@ -28,38 +28,34 @@ def run_time() -> None:
 
 
 @pytest.fixture(scope="session")
-def image(run_time: None) -> Callable[[str], bytes]:
-    """From the name of a test program to its ELF."""
-    built: dict[str, bytes] = {}
+def image(run_time: None) -> Callable[[str, str], bytes]:
+    """From the name of a test program and the kind of image, ram or flash, to its ELF."""
+    built: dict[tuple[str, str], bytes] = {}
 
-    def build(name: str) -> bytes:
-        if name not in built:
+    def build(name: str, kind: str) -> bytes:
+        if (name, kind) not in built:
+            config = f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"
+            project = ["-P", TESTS / "test.gpr", f"-XTEST={name}", f"-XIMAGE={kind}"]
             done = subprocess.run(
-                [
-                    "gprbuild",
-                    "-q",
-                    "-j2",
-                    f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
-                    f"-P{TESTS / 'test.gpr'}",
-                    f"-XTEST={name}",
-                ],
+                ["gprbuild", "-q", "-j2", config, *project],
                 capture_output=True,
                 text=True,
                 check=False,
             )
             assert done.returncode == 0, done.stdout + done.stderr
-            built[name] = (BUILD / "drivers" / "tests" / name / f"{name}.elf").read_bytes()
-        return built[name]
+            elf = BUILD / "drivers" / "tests" / name / kind / f"{name}.elf"
+            built[name, kind] = elf.read_bytes()
+        return built[name, kind]
 
     return build
 
 
 @pytest.fixture
-def brick(image: Callable[[str], bytes]) -> Callable[..., Brick]:
+def brick(image: Callable[[str, str], bytes]) -> Callable[..., Brick]:
     """From the name of a test program to a brick that is about to start it."""
 
-    def start(name: str, **changes: Any) -> Brick:
+    def start(name: str, kind: str = "ram", **changes: Any) -> Brick:
         configuration = json.dumps(bench() | changes)
-        return Brick(virtual_brick.VirtualBrick(configuration, image(name)))
+        return Brick(virtual_brick.VirtualBrick(configuration, image(name, kind)))
 
     return start

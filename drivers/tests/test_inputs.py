@@ -26,12 +26,18 @@ def test_inputs_become_available_without_an_error(brick: Callable[..., Brick]) -
 
 
 def test_nothing_is_pressed_before_the_co_processor_samples(brick: Callable[..., Brick]) -> None:
-    """Frames of zeros, sent before the first sample, are neither a touch nor a battery."""
-    device = brick("inputs")
+    """Frames of zeros, which it sends at power-on, are neither a touch nor a battery."""
+    device = brick("inputs", kind="flash")
+    ready_ms = None
     for ms in range(20, 400, 2):
         device.run(ms)
         assert device.integer("touched") == 0
-        assert device.integer("battery") == 0 or device.integer("ready") == 1
+        if ready_ms is None and device.integer("ready"):
+            ready_ms = ms
+        assert (device.integer("battery") > 7_900) == (ready_ms is not None)
+    assert ready_ms is not None
+    assert ready_ms > 100
+    assert device.integer("errors") == 0
 
 
 def test_a_touch_is_seen_and_its_end_too(brick: Callable[..., Brick]) -> None:

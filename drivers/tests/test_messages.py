@@ -12,6 +12,7 @@ from drivers.tests.observe import Brick
 
 STAY_ON, SWITCH_OFF = 0x00, 0x5A
 PWM_KHZ = 8
+VALID, NOT_SAMPLED, CORRUPT = range(3)
 
 
 def with_sum(*values: int) -> bytes:
@@ -46,7 +47,7 @@ def test_the_greeting_is_the_one_expected(device: Brick) -> None:
 
 def test_input_frames_are_decoded_or_refused(device: Brick) -> None:
     """A right frame gives its values; a wrong sum and a frame before sampling are refused."""
-    assert device.integers("valid") == [1, 0, 0, 1]
+    assert device.integers("verdicts") == [VALID, CORRUPT, NOT_SAMPLED, VALID]
     assert device.integers("sensor_1") == [180, 1023, 1023, 1023]
     assert device.integers("button") == [4, 0, 0, 1]
     assert device.integers("battery_count") == [528, 0, 0, 1023]

@@ -22,6 +22,6 @@ base($1) == "collect2"     { linked = argument("-o")
 # Chatter of the drivers
 /^(COLLECT|COMPILER_PATH|LIBRARY_PATH|Configured with|Target:|Thread model)/ { next }
 /^(Using built-in|Supported LTO|gcc version|GNU (assembler|C|Ada|ld)|Reading specs)/ { next }
-/missing \.note\.GNU-stack|NOTE: This behaviour is deprecated/ { next }
+/^No errors$|missing \.note\.GNU-stack|NOTE: This behaviour is deprecated/ { next }
 
 /(error|warning|undefined|overflowed|cannot|failed|not found)/ || /^[^ ]+:[0-9]+:/ { print }

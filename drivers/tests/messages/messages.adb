@@ -40,8 +40,8 @@ procedure Messages is
       (1 .. 12 => 0, 13 => 16#FF#),
       (16#FF#, 3, 16#FF#, 3, 16#FF#, 3, 16#FF#, 3, 16#FE#, 16#0B#, 16#FF#, 16#27#, 16#C8#));
 
-   Valid   : Numbers := (others => -1) with
-     Volatile, Export, Convention => C, External_Name => "valid";
+   Verdicts : Numbers := (others => -1) with
+     Volatile, Export, Convention => C, External_Name => "verdicts";
    Sensor  : Numbers := (others => -1) with
      Volatile, Export, Convention => C, External_Name => "sensor_1";
    Button  : Numbers := (others => -1) with
@@ -52,11 +52,11 @@ procedure Messages is
      Volatile, Export, Convention => C, External_Name => "pack";
 
    Values : NXT.AVR_IO.Inputs;
-   Good   : Boolean;
+   Result : Verdict;
 begin
    for Sample in Samples'Range loop
-      Decode (Samples (Sample), Values, Good);
-      Valid (Sample) := Boolean'Pos (Good);
+      Decode (Samples (Sample), Values, Result);
+      Verdicts (Sample) := Verdict'Pos (Result);
       Sensor (Sample) := Integer (Values.Sensors (Sensor_1));
       Button (Sample) := Button_Id'Pos (Values.Pressed);
       Battery (Sample) := Integer (Values.Battery_Count);
