@@ -13,6 +13,6 @@ DEBIAN_PACKAGES=(
     make
     git
 )
-RUST_MINIMUM=1.85.0
+RUST_MINIMUM=1.86.0
 RUST_PACKAGES=(rustc-web cargo-web)
 PYTHON=/usr/bin/python3
