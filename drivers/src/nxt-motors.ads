@@ -3,6 +3,9 @@
 
 --  Motors as objects: a power and a direction that are set apart from each other.
 
+pragma Restrictions (No_Tagged_Type_Registration);
+--  No type is looked up by its external name
+
 with NXT.Motor_Controls;  use NXT.Motor_Controls;
 
 package NXT.Motors is
