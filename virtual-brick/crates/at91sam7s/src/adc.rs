@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Analogue to digital converter (AT91SAM7S datasheet, 6175M, chapter 36).
 //!
-//! Software trigger. A sequence converts the enabled channels in ascending order; each takes
+//! Triggered by software or by a rising edge of TIOA0, TIOA1 or TIOA2. A sequence converts the enabled channels in ascending order; each takes
 //! SHTIM + 1 converter clocks of sampling and 10 of conversion (8 in low resolution). Start-up
 //! time is spent before the first conversion after reset, and before each one in sleep mode.
 //! The converter runs whether or not its clock bit in the PMC is set (section 36.4.1).
@@ -13,6 +13,7 @@ use crate::NEVER;
 
 const NAME: &str = "ADC";
 const TRGEN: u32 = 1 << 0;
+const TRGSEL: u32 = 7 << 1;
 const LOWRES: u32 = 1 << 4;
 const SLEEP: u32 = 1 << 5;
 const DRDY: u32 = 1 << 16;
@@ -67,13 +68,19 @@ impl Adc {
         }
     }
 
-    fn trigger(&mut self, now: Cycles) {
+    /// Begin a sequence, unless one is running.
+    pub(crate) fn trigger(&mut self, now: Cycles) {
         if self.remaining != 0 || self.channels == 0 {
             return;
         }
         self.remaining = self.channels;
         self.ends = now + self.start_up() + self.conversion();
         self.warm = true;
+    }
+
+    /// Timer channel whose TIOA triggers conversions.
+    pub(crate) fn trigger_channel(&self) -> Option<usize> {
+        (self.mode & TRGEN != 0).then_some((self.mode & TRGSEL) as usize >> 1)
     }
 
     pub(crate) fn next_event(&self) -> Cycles {
@@ -160,10 +167,10 @@ impl Adc {
                 }
             }
             0x04 => {
-                if value & TRGEN != 0 {
+                if value & TRGEN != 0 && value & TRGSEL > 2 << 1 {
                     return Err(FaultKind::FeatureNotModelled {
                         peripheral: NAME,
-                        feature: "a hardware trigger",
+                        feature: "a hardware trigger other than TIOA0 to TIOA2",
                     });
                 }
                 self.mode = value & 0x0F1F_FF3F;

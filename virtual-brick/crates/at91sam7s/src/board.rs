@@ -1,7 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The border between the chip and the board: pins, the two-wire bus, the SPI lines, analogue
-//! inputs and time. The chip knows nothing of what is connected.
+//! The border between the chip and the board: pins, the two-wire bus, serial lines, the sound
+//! line, the USB, analogue inputs and time. The chip knows nothing of what is connected.
+//!
+//! Serial lines and the USB work in both directions. What the board has for the chip is asked
+//! for whenever the board was advanced, so the board puts the end of each character and packet
+//! in [`Board::next_event`]. The defaults of these methods are lines with nothing at the far end.
+
+use std::fmt;
 
 /// Master clock cycles since power-on.
 pub type Cycles = u64;
@@ -33,6 +39,140 @@ pub struct TwiReply {
     pub acknowledged: bool,
     /// How long the slave holds SCL low after this byte.
     pub stretch_cycles: Cycles,
+}
+
+/// A serial line of the chip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SerialPort {
+    /// USART0: RXD0 on PA5, TXD0 on PA6, RTS0 on PA7, CTS0 on PA8.
+    Usart0,
+    /// USART1: RXD1 on PA21, TXD1 on PA22, RTS1 on PA24, CTS1 on PA25.
+    Usart1,
+    /// Debug unit: DRXD on PA9, DTXD on PA10.
+    DebugUnit,
+}
+
+impl SerialPort {
+    /// The three lines.
+    pub const ALL: [Self; 3] = [Self::Usart0, Self::Usart1, Self::DebugUnit];
+}
+
+/// One character on a serial line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Character {
+    /// Its data bits, 5 to 9, without parity.
+    pub data: u16,
+    /// Duration of one bit.
+    pub bit_cycles: Cycles,
+}
+
+/// Bits on the data line of the synchronous serial controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SoundBits {
+    /// The bits; the first one sent is the highest of the `count` lowest bits.
+    pub bits: u32,
+    /// How many, 1 to 32.
+    pub count: u8,
+    /// Duration of one bit.
+    pub bit_cycles: Cycles,
+}
+
+/// Data of one USB packet, at most 64 bytes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct UsbPacket {
+    bytes: [u8; UsbPacket::CAPACITY],
+    length: u8,
+}
+
+impl UsbPacket {
+    /// Largest number of bytes in a packet of a full-speed bulk endpoint.
+    pub const CAPACITY: usize = 64;
+
+    /// A packet without data.
+    pub const EMPTY: Self = Self {
+        bytes: [0; Self::CAPACITY],
+        length: 0,
+    };
+
+    /// A packet of these bytes; nothing when there are more than 64.
+    pub fn new(data: &[u8]) -> Option<Self> {
+        let mut packet = Self::EMPTY;
+        packet.bytes.get_mut(..data.len())?.copy_from_slice(data);
+        packet.length = data.len() as u8;
+        Some(packet)
+    }
+
+    /// The bytes.
+    pub fn data(&self) -> &[u8] {
+        &self.bytes[..usize::from(self.length)]
+    }
+
+    /// Adds a byte; false when the packet is full.
+    pub(crate) fn push(&mut self, byte: u8) -> bool {
+        let Some(slot) = self.bytes.get_mut(usize::from(self.length)) else {
+            return false;
+        };
+        *slot = byte;
+        self.length += 1;
+        true
+    }
+}
+
+impl fmt::Debug for UsbPacket {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("UsbPacket").field(&self.data()).finish()
+    }
+}
+
+/// What the USB host puts on the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UsbSignal {
+    /// A bus reset has ended.
+    Reset,
+    /// The bus has been idle for 3 ms.
+    Suspend,
+    /// The host resumed the bus.
+    Resume,
+    /// Start of the frame of this number (11 bits).
+    StartOfFrame {
+        /// Frame number.
+        number: u16,
+    },
+    /// A transaction with an endpoint, answered through [`Board::usb_answer`].
+    Transaction {
+        /// Device address, 0 to 127.
+        address: u8,
+        /// Endpoint number.
+        endpoint: u8,
+        /// Its kind and data.
+        transaction: UsbTransaction,
+    },
+}
+
+/// Kind of a USB transaction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UsbTransaction {
+    /// Begin of a control transfer, with its request.
+    Setup([u8; 8]),
+    /// Data from the host.
+    Out(UsbPacket),
+    /// The host asks for data and acknowledges what it gets.
+    In,
+}
+
+/// How the device answered a transaction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UsbAnswer {
+    /// ACK: the data were taken.
+    Acknowledged,
+    /// NAK: not now.
+    NotReady,
+    /// STALL: the endpoint refuses.
+    Stalled,
+    /// Data for the host.
+    Data(UsbPacket),
+    /// No answer: nobody has this address or endpoint.
+    Silent,
 }
 
 /// What the chip reports to whoever watches the run.
@@ -79,4 +219,26 @@ pub trait Board {
     fn powered(&self) -> bool;
     /// Something an observer may want to record.
     fn observe(&mut self, now: Cycles, event: ChipEvent);
+
+    /// Bits left the synchronous serial controller on PA17; the last one ended at `now`. Called
+    /// only while the pin belongs to the controller.
+    fn sound_bits(&mut self, _now: Cycles, _sound: SoundBits) {}
+
+    /// A character left a serial line; its last stop bit ended at `now`. Called only while the
+    /// pin belongs to the line.
+    fn serial_sent(&mut self, _now: Cycles, _port: SerialPort, _character: Character) {}
+    /// A character whose stop bit reached the chip at `now`; nothing when there is none (any
+    /// more) at this time.
+    fn serial_received(&mut self, _now: Cycles, _port: SerialPort) -> Option<Character> {
+        None
+    }
+
+    /// What the host put on the USB by `now`; nothing when there is nothing (any more) at this
+    /// time. The board knows from PA16, or whatever switches its pull-up, whether a host is
+    /// there.
+    fn usb_signal(&mut self, _now: Cycles) -> Option<UsbSignal> {
+        None
+    }
+    /// How the device answered the transaction that [`Board::usb_signal`] gave last.
+    fn usb_answer(&mut self, _now: Cycles, _answer: UsbAnswer) {}
 }

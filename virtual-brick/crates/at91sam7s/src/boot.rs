@@ -4,18 +4,22 @@
 
 use crate::adc::Adc;
 use crate::aic::Aic;
-use crate::board::{Board, Cycles};
+use crate::board::{Board, Cycles, SerialPort};
 use crate::chip::Chip;
 use crate::mc::Mc;
 use crate::pio::Pio;
 use crate::pit::Pit;
 use crate::pmc::Pmc;
+use crate::pwmc::Pwmc;
 use crate::rstc::ResetCause;
 use crate::rtt::Rtt;
 use crate::slow_clock_cycles;
 use crate::spi::Spi;
+use crate::ssc::Ssc;
 use crate::tc::TimerBlock;
 use crate::twi::Twi;
+use crate::udp::Udp;
+use crate::usart::Usart;
 use crate::wdt::Wdt;
 
 impl<B: Board> Chip<B> {
@@ -53,6 +57,7 @@ impl<B: Board> Chip<B> {
             self.reset_peripherals(at);
         }
         self.update_pins(at);
+        self.update_modem_lines(false, at);
         self.refresh_all(at);
     }
 
@@ -70,6 +75,10 @@ impl<B: Board> Chip<B> {
         self.twi = Twi::new();
         self.spi = Spi::new();
         self.adc = Adc::new();
+        self.ssc = Ssc::new();
+        self.serial = SerialPort::ALL.map(Usart::new);
+        self.pwmc = Pwmc::new();
+        self.udp = Udp::new();
         self.ratio = slow_clock_cycles(1);
     }
 }

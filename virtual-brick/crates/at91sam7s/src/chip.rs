@@ -6,7 +6,7 @@ use std::fmt;
 
 use crate::adc::Adc;
 use crate::aic::{Aic, Outcome};
-use crate::board::{Board, ChipEvent, Cycles, PinOutputs};
+use crate::board::{Board, ChipEvent, Cycles, PinOutputs, SerialPort};
 use crate::event::{EventKind, Schedule};
 use crate::fault::{Fault, FaultKind};
 use crate::flash::{Flash, FLASH_BYTES};
@@ -14,13 +14,17 @@ use crate::mc::Mc;
 use crate::pio::{PeripheralLines, Pio};
 use crate::pit::Pit;
 use crate::pmc::Pmc;
+use crate::pwmc::Pwmc;
 use crate::rstc::{ResetCause, Rstc};
 use crate::rtt::Rtt;
 use crate::spi::Spi;
 use crate::sram::{Sram, WatchHit};
+use crate::ssc::Ssc;
 use crate::tc::TimerBlock;
 use crate::timing::ChipConfiguration;
 use crate::twi::Twi;
+use crate::udp::Udp;
+use crate::usart::Usart;
 use crate::wdt::{Expiry, Wdt};
 use crate::{slow_clock_cycles, NEVER};
 
@@ -78,10 +82,15 @@ pub struct Chip<B: Board> {
     pub(crate) twi: Twi,
     pub(crate) spi: Spi,
     pub(crate) adc: Adc,
+    pub(crate) ssc: Ssc,
+    pub(crate) serial: [Usart; 3],
+    pub(crate) pwmc: Pwmc,
+    pub(crate) udp: Udp,
     pub(crate) regulator_mode: u32,
     pub(crate) board: B,
     pub(crate) outputs: PinOutputs,
     pub(crate) timer_lines: PeripheralLines,
+    pub(crate) serial_lines: PeripheralLines,
     pub(crate) stopped: bool,
     pub(crate) stolen: Cycles,
     pub(crate) fault: Option<Fault>,
@@ -112,16 +121,22 @@ impl<B: Board> Chip<B> {
             twi: Twi::new(),
             spi: Spi::new(),
             adc: Adc::new(),
+            ssc: Ssc::new(),
+            serial: SerialPort::ALL.map(Usart::new),
+            pwmc: Pwmc::new(),
+            udp: Udp::new(),
             regulator_mode: 0,
             board,
             outputs: PinOutputs::default(),
             timer_lines: PeripheralLines::default(),
+            serial_lines: PeripheralLines::default(),
             stopped: false,
             stolen: 0,
             fault: None,
             reset: None,
         };
         chip.update_pins(0);
+        chip.update_modem_lines(false, 0);
         chip.refresh_all(0);
         chip
     }
@@ -317,6 +332,16 @@ impl<B: Board> Chip<B> {
             EventKind::TwoWire => self.serve_twi(at),
             EventKind::Serial => self.serve_spi(at),
             EventKind::Converter => self.serve_adc(at),
+            EventKind::Sound => self.serve_ssc(at),
+            EventKind::Characters => self.serve_serial(at),
+            EventKind::Periods => {
+                self.pwmc.advance(at);
+                self.refresh_pwmc(at);
+            }
+            EventKind::Usb => {
+                self.udp.advance(at);
+                self.refresh_udp(at);
+            }
             EventKind::Wake => self.wake(at),
         }
     }
@@ -326,6 +351,7 @@ impl<B: Board> Chip<B> {
             self.board.advance(at);
         }
         self.update_pins(at);
+        self.take_from_board(at);
         self.refresh_board(at);
     }
 
@@ -424,6 +450,7 @@ impl<B: Board> Chip<B> {
         let level = self.pit.interrupt()
             || self.rtt.interrupt()
             || self.wdt.interrupt()
+            || self.serial[2].interrupt()
             || self.pmc.interrupt(at)
             || self.flash.interrupt(at);
         self.set_line(SYSTEM, level, at, 0);
@@ -460,6 +487,10 @@ impl<B: Board> Chip<B> {
         self.refresh_twi(at);
         self.refresh_spi(at);
         self.refresh_adc(at);
+        self.refresh_ssc(at);
+        (0..3).for_each(|number| self.refresh_serial(number, at));
+        self.refresh_pwmc(at);
+        self.refresh_udp(at);
         self.refresh_pio(at, 0);
     }
 }

@@ -22,12 +22,16 @@ pub(crate) enum EventKind {
     TwoWire,
     Serial,
     Converter,
+    Sound,
+    Characters,
+    Periods,
+    Usb,
     Flash,
     Wake,
 }
 
 impl EventKind {
-    pub(crate) const ALL: [Self; 13] = [
+    pub(crate) const ALL: [Self; 17] = [
         Self::Board,
         Self::Clocks,
         Self::Watchdog,
@@ -39,6 +43,10 @@ impl EventKind {
         Self::TwoWire,
         Self::Serial,
         Self::Converter,
+        Self::Sound,
+        Self::Characters,
+        Self::Periods,
+        Self::Usb,
         Self::Flash,
         Self::Wake,
     ];

@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Pins and serial lines: what passes between the peripherals, the pins and the board.
-
-use arm7tdmi::bus::Width;
+//! Pins and SPI: what passes between the peripherals, the pins and the board.
 
 use crate::board::{Board, Cycles};
 use crate::chip::Chip;
 use crate::event::EventKind;
-use crate::fault::FaultKind;
 use crate::pio::PeripheralLines;
 use crate::spi;
 use crate::tc::Line;
@@ -39,8 +36,9 @@ impl<B: Board> Chip<B> {
     pub(crate) fn update_pins(&mut self, at: Cycles) {
         // A pin may trigger a channel whose output drives another pin, at most once per channel.
         for _ in 0..=TIMER_PINS.len() {
-            self.timer_lines = self.lines_of_timers();
-            let outputs = self.pio.outputs(self.timer_lines);
+            self.timers_drive(at);
+            self.serial_lines = self.lines_of_serial();
+            let outputs = self.pio.outputs(self.serial_lines, self.timer_lines);
             if outputs != self.outputs {
                 self.outputs = outputs;
                 self.board.outputs_changed(at, outputs);
@@ -58,6 +56,19 @@ impl<B: Board> Chip<B> {
         }
     }
 
+    /// Note the lines of the timers; a rising TIOA may trigger the converter.
+    fn timers_drive(&mut self, at: Cycles) {
+        let lines = self.lines_of_timers();
+        let risen = lines.level & !self.timer_lines.level;
+        self.timer_lines = lines;
+        if let Some(channel) = self.adc.trigger_channel() {
+            if risen >> TIMER_PINS[channel].0 & 1 != 0 {
+                self.adc.trigger(at);
+                self.refresh_adc(at);
+            }
+        }
+    }
+
     fn pins_changed(&mut self, changed: u32, at: Cycles) {
         let pins = self.pio.pins();
         for (number, (pin_a, pin_b)) in TIMER_PINS.into_iter().enumerate() {
@@ -71,6 +82,9 @@ impl<B: Board> Chip<B> {
                 .set(EventKind::TIMERS[number], channel.next_event());
             let level = channel.interrupt();
             self.set_line(12 + number as u8, level, at, 0);
+        }
+        if changed & Self::modem_pins() != 0 {
+            self.update_modem_lines(true, at);
         }
         for (pin, source) in INTERRUPT_PINS {
             if changed >> pin & 1 != 0 {
@@ -120,19 +134,15 @@ impl<B: Board> Chip<B> {
 
     /// Memory to transmit register, as long as the data controller may.
     fn feed_spi(&mut self, at: Cycles) {
-        while self.spi.wants_data() && self.fault.is_none() {
+        while self.spi.wants_data() {
             let size = self.spi.transfer_size();
             let pointer = self.spi.pdc.transmit.pointer();
-            let Some(value) = self.transfer_read(pointer, size) else {
-                let kind = FaultKind::TransferAddress {
-                    peripheral: spi::NAME,
-                };
-                return self.record_fault(kind, pointer, None);
+            let Some(value) = self.transfer_from(spi::NAME, pointer, size) else {
+                return;
             };
             self.spi.pdc.transmit.transferred(size);
-            self.stolen += self.configuration.timing.pdc_steal_cycles;
             if let Err(kind) = self.spi.transmit(value, at) {
-                self.record_fault(kind, pointer, None);
+                return self.record_fault(kind, pointer, None);
             }
         }
     }
@@ -145,39 +155,8 @@ impl<B: Board> Chip<B> {
         let size = self.spi.transfer_size();
         let pointer = self.spi.pdc.receive.pointer();
         let value = self.spi.take_received();
-        if pointer >> 20 != 2 && pointer >> 20 != self.sram_alias {
-            let kind = FaultKind::TransferAddress {
-                peripheral: spi::NAME,
-            };
-            return self.record_fault(kind, pointer, Some(value));
+        if self.transfer_to(spi::NAME, pointer, size, value, at) {
+            self.spi.pdc.receive.transferred(size);
         }
-        self.sram.write(at, pointer, width_of(size), value);
-        self.spi.pdc.receive.transferred(size);
-        self.stolen += self.configuration.timing.pdc_steal_cycles;
-    }
-
-    /// What the data controller reads from SRAM or flash.
-    fn transfer_read(&self, pointer: u32, size: u32) -> Option<u32> {
-        let window = pointer >> 20;
-        let word = if window == 2 || window == self.sram_alias {
-            self.sram.word(pointer)
-        } else if window < 2 {
-            self.flash.word(pointer)
-        } else {
-            return None;
-        };
-        Some(match size {
-            1 => word >> ((pointer & 3) * 8) & 0xFF,
-            2 => word >> ((pointer & 2) * 8) & 0xFFFF,
-            _ => word,
-        })
-    }
-}
-
-fn width_of(size: u32) -> Width {
-    match size {
-        1 => Width::Byte,
-        2 => Width::Halfword,
-        _ => Width::Word,
     }
 }

@@ -65,13 +65,14 @@ impl Pio {
         self.pins
     }
 
-    /// What the chip drives, given what its peripherals drive on their B lines.
-    pub(crate) fn outputs(&self, lines_b: PeripheralLines) -> PinOutputs {
+    /// What the chip drives, given what its peripherals drive on their A and B lines.
+    pub(crate) fn outputs(&self, lines_a: PeripheralLines, lines_b: PeripheralLines) -> PinOutputs {
         let own = self.pio_control & self.output & !(self.multi_drive & self.data);
-        let other = !self.pio_control & self.select_b & lines_b.driven;
+        let a = !self.pio_control & !self.select_b & lines_a.driven;
+        let b = !self.pio_control & self.select_b & lines_b.driven;
         PinOutputs {
-            driven: own | other,
-            level: (own & self.data) | (other & lines_b.level),
+            driven: own | a | b,
+            level: (own & self.data) | (a & lines_a.level) | (b & lines_b.level),
             pull_up: self.pull_up,
         }
     }

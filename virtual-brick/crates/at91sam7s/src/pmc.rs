@@ -72,6 +72,11 @@ impl Pmc {
         self.peripheral >> identifier & 1 != 0
     }
 
+    /// A clock of `PMC_SCER` is on.
+    pub(crate) fn system_clocked(&self, bit: u32) -> bool {
+        self.system & bit != 0
+    }
+
     fn status(&self, now: Cycles) -> u32 {
         let mut status = self.system & 7 << 8;
         for (at, bit) in [

@@ -9,25 +9,21 @@ use crate::fault::{Access, FaultKind};
 use crate::pins;
 use crate::pmc::Request;
 use crate::rstc::ResetCause;
-use crate::spi;
-use crate::twi;
+use crate::streams::SERIAL_CLOCKS;
+use crate::{pwmc, spi, ssc, twi};
 
 pub(crate) const SPI_BASE: u32 = 0xFFFE_0000;
-
-/// Peripherals in 16 KiB slots that are not modelled yet: (base address, name).
-const NOT_MODELLED: [(u32, &str); 5] = [
-    (0xFFFB_0000, "UDP"),
-    (0xFFFC_0000, "USART0"),
-    (0xFFFC_4000, "USART1"),
-    (0xFFFC_C000, "PWMC"),
-    (0xFFFD_4000, "SSC"),
-];
 
 /// A peripheral that answers at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Peripheral {
     Tc,
+    Udp,
     Twi,
+    Usart0,
+    Usart1,
+    Pwmc,
+    Ssc,
     Adc,
     Spi,
     Aic,
@@ -47,17 +43,16 @@ fn decode(address: u32) -> Access<(Peripheral, u32)> {
     let slot = address & 0xFFFF_C000;
     let peripheral = match slot {
         0xFFFA_0000 => Peripheral::Tc,
+        0xFFFB_0000 => Peripheral::Udp,
         0xFFFB_8000 => Peripheral::Twi,
+        0xFFFC_0000 => Peripheral::Usart0,
+        0xFFFC_4000 => Peripheral::Usart1,
+        0xFFFC_C000 => Peripheral::Pwmc,
+        0xFFFD_4000 => Peripheral::Ssc,
         0xFFFD_8000 => Peripheral::Adc,
         SPI_BASE => Peripheral::Spi,
         0xFFFF_C000 => return decode_system(address),
-        _ => {
-            let offset = address - slot;
-            return Err(match NOT_MODELLED.iter().find(|(base, _)| *base == slot) {
-                Some((_, peripheral)) => FaultKind::PeripheralNotModelled { peripheral, offset },
-                None => FaultKind::NoPeripheral,
-            });
-        }
+        _ => return Err(FaultKind::NoPeripheral),
     };
     Ok((peripheral, address - slot))
 }
@@ -116,6 +111,23 @@ impl<B: Board> Chip<B> {
                 self.refresh_pio(now, 0);
                 Ok(value)
             }
+            Peripheral::Udp => {
+                let value = self.udp.read(offset, now)?;
+                self.refresh_udp(now);
+                Ok(value)
+            }
+            Peripheral::Usart0 => self.read_serial(0, offset),
+            Peripheral::Usart1 => self.read_serial(1, offset),
+            Peripheral::Pwmc => {
+                let value = self.pwmc.read(offset, now)?;
+                self.refresh_pwmc(now);
+                Ok(value)
+            }
+            Peripheral::Ssc => {
+                let value = self.ssc.read(offset)?;
+                self.refresh_ssc(now);
+                Ok(value)
+            }
             _ => {
                 let value = self.read_system(peripheral, offset)?;
                 self.refresh_system(now);
@@ -124,10 +136,23 @@ impl<B: Board> Chip<B> {
         }
     }
 
+    fn read_serial(&mut self, number: usize, offset: u32) -> Access<u32> {
+        let value = self.serial[number].read(offset)?;
+        self.refresh_serial(number, self.now);
+        Ok(value)
+    }
+
+    fn read_debug_unit(&mut self, offset: u32) -> Access<u32> {
+        match dbgu::identifier(offset, self.configuration.chip_identifier) {
+            Some(value) => Ok(value),
+            None => self.read_serial(2, offset),
+        }
+    }
+
     fn read_system(&mut self, peripheral: Peripheral, offset: u32) -> Access<u32> {
         let now = self.now;
         match peripheral {
-            Peripheral::Dbgu => dbgu::read(offset, self.configuration.chip_identifier),
+            Peripheral::Dbgu => self.read_debug_unit(offset),
             Peripheral::Pmc => self.pmc.read(offset, now),
             Peripheral::Rstc => self.rstc.read(offset),
             Peripheral::Rtt => self.rtt.read(offset, now),
@@ -184,15 +209,46 @@ impl<B: Board> Chip<B> {
                 self.pio.write(offset, value)?;
                 self.update_pins(now);
             }
+            Peripheral::Udp => {
+                let clocked = self.udp_clocked();
+                self.udp.write(offset, value, now, clocked)?;
+                self.refresh_udp(now);
+            }
+            Peripheral::Usart0 => self.write_serial(0, offset, value)?,
+            Peripheral::Usart1 => self.write_serial(1, offset, value)?,
+            Peripheral::Pwmc => {
+                let clocked = self.pmc.clocked(pwmc::IDENTIFIER);
+                self.pwmc.write(offset, value, now, clocked)?;
+                self.refresh_pwmc(now);
+            }
+            Peripheral::Ssc => {
+                let clocked = self.pmc.clocked(ssc::IDENTIFIER);
+                self.ssc.write(offset, value, now, clocked)?;
+                self.refresh_ssc(now);
+            }
             _ => return self.write_system(peripheral, offset, value),
         }
         Ok(())
     }
 
+    fn write_serial(&mut self, number: usize, offset: u32, value: u32) -> Access<()> {
+        let unclocked = SERIAL_CLOCKS[number].filter(|clock| !self.pmc.clocked(*clock));
+        self.serial[number].write(offset, value, self.now, unclocked)?;
+        self.refresh_serial(number, self.now);
+        Ok(())
+    }
+
+    fn write_debug_unit(&mut self, offset: u32, value: u32) -> Access<()> {
+        match dbgu::identifier(offset, 0) {
+            Some(_) => Ok(()),
+            None => self.write_serial(2, offset, value),
+        }
+    }
+
     fn write_system(&mut self, peripheral: Peripheral, offset: u32, value: u32) -> Access<()> {
         let now = self.now;
         match peripheral {
-            Peripheral::Dbgu => dbgu::write(offset)?,
+            Peripheral::Dbgu => self.write_debug_unit(offset, value)?,
             Peripheral::Pmc => return self.write_clocks(offset, value),
             Peripheral::Rstc => {
                 let request = self.rstc.write(offset, value)?;

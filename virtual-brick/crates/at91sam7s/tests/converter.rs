@@ -6,7 +6,7 @@
 mod common;
 
 use arm7tdmi::bus::Width;
-use common::{read, running_chip, try_write, wait_for, write, TestChip, ADC, AIC};
+use common::{read, run_to, running_chip, try_write, wait_for, write, TestChip, ADC, AIC, TC0};
 
 const CR: u32 = ADC;
 const MR: u32 = ADC + 0x04;
@@ -73,7 +73,7 @@ fn unread_data_is_overrun() {
     for _ in 0..2 {
         write(&mut chip, CR, 2);
         let now = chip.now();
-        common::run_to(&mut chip, now + 2000);
+        run_to(&mut chip, now + 2000);
     }
     assert_eq!(read(&mut chip, SR), 0x000C_0000 | GOVRE | DRDY | 1 << 9 | 2);
     assert_eq!(read(&mut chip, SR) & (GOVRE | 1 << 9), 0);
@@ -98,13 +98,50 @@ fn end_of_conversion_interrupts() {
     wait_for(&mut chip, AIC + 0x10C, 1 << 4);
 }
 
+/// Timer channel 1 as a square wave of `period_cycles` on TIOA1, which rises in mid-period.
+fn square_wave(chip: &mut TestChip, period_cycles: u32) {
+    let channel = TC0 + 0x40;
+    write(chip, channel + 0x04, 1 << 15 | 1 << 14 | 2 << 18 | 1 << 16);
+    write(chip, channel + 0x14, period_cycles / 4);
+    write(chip, channel + 0x1C, period_cycles / 2);
+    write(chip, channel, 5);
+}
+
 #[test]
-fn a_hardware_trigger_is_a_fault() {
+fn each_rising_edge_of_tioa1_converts_all_enabled_channels_once() {
+    let mut chip = converter_chip(1 << 1 | 1 << 3);
+    write(&mut chip, MR, 0x020C_0403);
+    square_wave(&mut chip, 4000);
+    let mut results = 0;
+    for _ in 0..5 {
+        assert_eq!(read(&mut chip, SR) & 0xFF, 0);
+        wait_for(&mut chip, SR, 1 << 3);
+        assert_eq!(read(&mut chip, CDR + 4), 101);
+        assert_eq!(read(&mut chip, CDR + 12), 103);
+        results += 1;
+    }
+    assert_eq!(results, 5);
+    let took = chip.now();
+    assert!((18_000..24_000).contains(&took), "5 periods in {took}");
+}
+
+#[test]
+fn a_timer_that_is_not_selected_triggers_nothing() {
+    let mut chip = converter_chip(1 << 1);
+    write(&mut chip, MR, 0x020C_0405);
+    square_wave(&mut chip, 4000);
+    let now = chip.now();
+    run_to(&mut chip, now + 20_000);
+    assert_eq!(read(&mut chip, SR) & 0xFF, 0);
+}
+
+#[test]
+fn a_trigger_from_the_pin_is_a_fault() {
     let mut chip = converter_chip(1);
-    assert!(try_write(&mut chip, MR, Width::Word, 1).is_err());
+    assert!(try_write(&mut chip, MR, Width::Word, 6 << 1 | 1).is_err());
     assert!(chip
         .fault()
         .unwrap()
         .to_string()
-        .starts_with("ADC: a hardware trigger"));
+        .starts_with("ADC: a hardware trigger other than TIOA0 to TIOA2"));
 }

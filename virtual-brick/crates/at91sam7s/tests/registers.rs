@@ -76,7 +76,48 @@ fn modelled() -> BTreeMap<u32, u32> {
             .chain(words(0x120, 0x138))
             .chain([0x140, 0x144, 0x148]),
     );
-    let peripherals: [(u32, Table); 14] = [
+    let usart = |status| {
+        let offsets = words(0x00, 0x28)
+            .chain([0x40, 0x44, 0x4C])
+            .chain(words(0x100, 0x124));
+        with(constant(offsets), &[(0x14, status), (0x40, 0x174)])
+    };
+    let debug_unit = constant(
+        words(0x00, 0x20)
+            .chain([0x44, 0x48])
+            .chain(words(0x100, 0x124)),
+    );
+    let ssc = constant(
+        [0x00, 0x04, 0x10, 0x14, 0x18, 0x1C, 0x20, 0x24, 0x30, 0x34]
+            .into_iter()
+            .chain(words(0x38, 0x4C))
+            .chain(words(0x100, 0x124)),
+    );
+    let pwmc = constant(words(0x00, 0x1C).chain((0..4).flat_map(|n| {
+        let first = 0x200 + 0x20 * n;
+        words(first, first + 0x10)
+    })));
+    let udp = constant(
+        words(0x00, 0x08)
+            .chain(words(0x10, 0x20))
+            .chain([0x28])
+            .chain(words(0x30, 0x3C))
+            .chain(words(0x50, 0x5C))
+            .chain([0x74]),
+    );
+    let peripherals: [(u32, Table); 19] = [
+        (
+            0xFFFB_0000,
+            with(
+                udp,
+                &[(0x04, 0x10), (0x08, 0x100), (0x18, 0x1000), (0x74, 0x100)],
+            ),
+        ),
+        // CTS0 is pulled up; so are RI1, DSR1, DCD1 and CTS1.
+        (0xFFFC_0000, usart(0x0080_1818)),
+        (0xFFFC_4000, usart(0x00F0_1818)),
+        (0xFFFC_C000, pwmc),
+        (0xFFFD_4000, with(ssc, &[(0x40, 0xCC)])),
         (0xFFFA_0000, timer_table()),
         (
             0xFFFB_8000,
@@ -88,7 +129,10 @@ fn modelled() -> BTreeMap<u32, u32> {
         (0xFFFD_8000, with(adc, &[(0x1C, 0x000C_0000)])),
         (0xFFFE_0000, with(spi, &[(0x10, 0xF0)])),
         (0xFFFF_F000, aic),
-        (0xFFFF_F200, vec![(0x40, 0x270B_0941), (0x44, 0)]),
+        (
+            0xFFFF_F200,
+            with(debug_unit, &[(0x14, 0x1818), (0x40, 0x270B_0941)]),
+        ),
         (0xFFFF_F400, pio_table()),
         (
             0xFFFF_FC00,
@@ -125,7 +169,12 @@ fn every_other_word_of_a_modelled_slot_is_a_typed_fault() {
     let modelled = modelled();
     let slots = [
         0xFFFA_0000u32,
+        0xFFFB_0000,
         0xFFFB_8000,
+        0xFFFC_0000,
+        0xFFFC_4000,
+        0xFFFC_C000,
+        0xFFFD_4000,
         0xFFFD_8000,
         0xFFFE_0000,
         0xFFFF_C000,
@@ -153,28 +202,15 @@ fn every_other_word_of_a_modelled_slot_is_a_typed_fault() {
 }
 
 #[test]
-fn a_peripheral_that_is_not_modelled_yet_says_its_name() {
-    let names = [
-        (0xFFFB_0000u32, "UDP"),
-        (0xFFFC_0000, "USART0"),
-        (0xFFFC_4000, "USART1"),
-        (0xFFFC_C000, "PWMC"),
-        (0xFFFD_4000, "SSC"),
-    ];
-    for (base, name) in names {
-        let mut chip = running_chip();
-        assert!(try_write(&mut chip, base + 4, Width::Word, 0x601).is_err());
-        let text = chip.fault().unwrap().to_string();
-        assert_eq!(
-            text,
-            format!(
-                "{name} is not modelled yet (register offset 0x004); write of 0x00000601 to \
-                 {:#010x} at cycle {}",
-                base + 4,
-                chip.now()
-            )
-        );
-    }
+fn what_is_not_modelled_says_its_name_and_address() {
+    let mut chip = running_chip();
+    assert!(try_write(&mut chip, 0xFFFD_4000, Width::Word, 1).is_err());
+    let text = chip.fault().unwrap().to_string();
+    let expected = format!(
+        "SSC: reception is not modelled yet; write of 0x00000001 to 0xfffd4000 at cycle {}",
+        chip.now()
+    );
+    assert_eq!(text, expected);
 }
 
 #[test]
@@ -187,9 +223,9 @@ fn an_empty_slot_is_a_fault() {
 #[test]
 fn the_first_fault_is_kept() {
     let mut chip = running_chip();
-    assert!(try_read(&mut chip, 0xFFFD_4010, Width::Word).is_err());
-    assert!(try_read(&mut chip, 0xFFFC_0014, Width::Word).is_err());
-    assert_eq!(chip.fault().unwrap().address, 0xFFFD_4010);
+    assert!(try_read(&mut chip, 0xFFFD_4050, Width::Word).is_err());
+    assert!(try_read(&mut chip, 0xFFFC_0054, Width::Word).is_err());
+    assert_eq!(chip.fault().unwrap().address, 0xFFFD_4050);
 }
 
 #[test]
@@ -200,6 +236,11 @@ fn mask_registers_set_with_ier_and_clear_with_idr() {
         (0xFFFB_8024, 0xFFFB_8028, 0xFFFB_802C, 0x1C7),
         (0xFFFD_8024, 0xFFFD_8028, 0xFFFD_802C, 0xF_FFFF),
         (0xFFFE_0014, 0xFFFE_0018, 0xFFFE_001C, 0x3FF),
+        (0xFFFB_0010, 0xFFFB_0014, 0xFFFB_0018, 0x3B0F),
+        (0xFFFC_0008, 0xFFFC_000C, 0xFFFC_0010, 0x000F_3FFF),
+        (0xFFFC_C010, 0xFFFC_C014, 0xFFFC_C018, 0xF),
+        (0xFFFD_4044, 0xFFFD_4048, 0xFFFD_404C, 0xFFF),
+        (0xFFFF_F208, 0xFFFF_F20C, 0xFFFF_F210, 0xC000_1AFB),
         (0xFFFF_F120, 0xFFFF_F124, 0xFFFF_F110, 0xFFFF_FFFF),
         (0xFFFF_F440, 0xFFFF_F444, 0xFFFF_F448, 0xFFFF_FFFF),
         (0xFFFF_FC60, 0xFFFF_FC64, 0xFFFF_FC6C, 0x70D),
@@ -209,7 +250,9 @@ fn mask_registers_set_with_ier_and_clear_with_idr() {
         write(&mut chip, enable, 0xFFFF_FFFF);
         assert_eq!(read(&mut chip, mask), bits, "{mask:#010x}");
         write(&mut chip, disable, 0xFFFF_FFFE);
-        assert_eq!(read(&mut chip, mask), bits & 1, "{mask:#010x}");
+        // The end of a USB bus reset cannot be masked.
+        let fixed = if mask == 0xFFFB_0018 { 1 << 12 } else { 0 };
+        assert_eq!(read(&mut chip, mask), bits & 1 | fixed, "{mask:#010x}");
     }
 }
 
