@@ -33,37 +33,37 @@ ravenbrick_interrupt:
         sub     lr, lr, #4
         stmfd   sp!, {r0-r3, r12, lr}
         mov     r12, #0
-        ldr     r1, [r12, #AIC_IVR]     /* address of the source's handler record */
+        ldr     r1, [r12, #AIC_IVR]     /* the source's handler, as a thread */
         str     r1, [r12, #AIC_IVR]     /* protect mode: this takes the interrupt */
         mrs     r2, spsr
         ldr     r3, [r12, #(KERNEL + KERNEL_CURRENT)]
-        ldr     r12, [r3, #THREAD_ACTIVE]
-        stmfd   sp!, {r2, r12}
-        ldmia   r1, {r0, r1, r2}        /* object, code, urgency */
-        str     r2, [r3, #THREAD_ACTIVE]
+        str     r1, [r12, #(KERNEL + KERNEL_CURRENT)]
+        stmfd   sp!, {r2, r3}
+        ldmdb   r1, {r0, r1}            /* object, code */
         msr     cpsr_c, #MODE_SUPERVISOR
-        stmfd   sp!, {r3, lr}
+        str     lr, [sp, #-4]!
         mov     lr, pc
         bx      r1
-        ldmfd   sp!, {r3, lr}
+        ldr     lr, [sp], #4
 
         msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
         mov     r1, #0
         str     r1, [r1, #AIC_EOICR]
-        ldmfd   sp!, {r2, r12}
-        str     r12, [r3, #THREAD_ACTIVE]
+        ldmfd   sp!, {r2, r3}
+        str     r3, [r1, #(KERNEL + KERNEL_CURRENT)]
         and     r0, r2, #MODE_MASK
         cmp     r0, #MODE_SYSTEM_BITS
         bne     1f                      /* a handler was interrupted */
         ldr     r0, [r1, #(KERNEL + KERNEL_READY_HEAD)]
+        ldr     r12, [r3, #THREAD_ACTIVE]
         ldr     lr, [r0, #THREAD_ACTIVE]
         cmp     lr, r12
         bgt     preempt
 1:      msr     spsr_cxsf, r2
         ldmfd   sp!, {r0-r3, r12, pc}^
 
-/* r0: the thread to run; r1: 0; r2: interrupted status; r3: the interrupted thread;
-   r12: its urgency; the interrupted r0-r3, r12 and pc on the stack of IRQ mode */
+/* r0: the thread to run; r2: interrupted status; r3: the interrupted thread; r12: its urgency;
+   the interrupted r0-r3, r12 and pc on the stack of IRQ mode */
 preempt:
         mov     r1, #KERNEL
         ldr     lr, [r1, #KERNEL_RUNNING]
@@ -71,16 +71,13 @@ preempt:
         add     sp, sp, #FRAME_SIZE
         beq     take                    /* the idle loop has no context */
         msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
-        str     lr, [sp, #-4]!
-        sub     sp, sp, #28
-        ldr     lr, =resume
         stmfd   sp!, {r4-r11, lr}
-        str     sp, [r3, #THREAD_STACK_POINTER]
         ldr     lr, =ravenbrick_interrupt_stack_top - FRAME_SIZE
         ldmia   lr, {r4-r9}
-        mov     r10, r2
-        add     lr, sp, #36
-        stmia   lr, {r4-r10}
+        ldr     r10, =resume
+        stmfd   sp!, {r2, r4-r9}
+        str     r10, [sp, #-4]!
+        str     sp, [r3, #THREAD_STACK_POINTER]
 
         /* the interrupted thread goes before its equals (RM D.2.3 (10)) */
         mov     r4, r0
@@ -98,22 +95,20 @@ take:   msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
         str     r0, [r1, #KERNEL_RUNNING]
         str     r0, [r1, #KERNEL_CURRENT]
         ldr     sp, [r0, #THREAD_STACK_POINTER]
-        ldmfd   sp!, {r4-r11, lr}
-        msr     cpsr_c, #MODE_SYSTEM
-        bx      lr
+        ldr     pc, [sp], #4
 
         .ltorg
         .global ravenbrick_vectors_end
 ravenbrick_vectors_end:
         .size   ravenbrick_interrupt, . - ravenbrick_interrupt
 
-/* Return address of a preempted thread: on its stack r0-r3, r12, pc, status, lr */
+/* Where a preempted thread goes on: on its stack status, r0-r3, r12, pc; r4-r11, lr */
         .section .text.ravenbrick_resume, "ax"
 resume: mov     r0, sp
-        ldr     lr, [sp, #28]
-        add     sp, sp, #32
+        add     sp, sp, #28
+        ldmfd   sp!, {r4-r11, lr}
         msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
-        ldr     r1, [r0, #24]
+        ldr     r1, [r0], #4
         msr     spsr_cxsf, r1
         ldr     lr, [r0, #20]
         ldmia   r0, {r0-r3, r12}

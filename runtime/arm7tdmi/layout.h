@@ -13,9 +13,9 @@
 #define IRQ_MASKED 0x80
 
 /* Ravenbrick.Threads.Thread */
-#define THREAD_STACK_POINTER 0
-#define THREAD_ACTIVE 4
-#define THREAD_NEXT 8
+#define THREAD_ACTIVE 0
+#define THREAD_STACK_POINTER 8
+#define THREAD_NEXT 12
 #define THREAD_BASE_PRIORITY 20
 #define THREAD_STATE 24
 #define THREAD_NAME 28

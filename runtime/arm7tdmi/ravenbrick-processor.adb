@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with System;
 with System.Machine_Code; use System.Machine_Code;
 
 package body Ravenbrick.Processor is
@@ -33,5 +34,41 @@ package body Ravenbrick.Processor is
    begin
       Asm ("msr cpsr_c, #0x5F", Clobber => "memory", Volatile => True);
    end Unmask_In_Thread;
+
+   Line : constant String := ASCII.LF & ASCII.HT;
+
+   --  The offsets are those of layout.h: Stack_Pointer in a thread, Running and Current in the
+   --  kernel's state
+
+   procedure Switch (From, To : not null Threads.Thread_Id) is
+   begin
+      Asm ("adr   r3, 1f" & Line
+           & "str   r3, [sp, #-4]!" & Line
+           & "str   sp, [%0, #8]" & Line
+           & "str   %1, [%2, #0]" & Line
+           & "str   %1, [%2, #4]" & Line
+           & "ldr   sp, [%1, #8]" & Line
+           & "ldr   pc, [sp], #4" & ASCII.LF
+           & "1:" & ASCII.HT
+           & "msr   cpsr_c, #0x5F",
+           Inputs   => (Threads.Thread_Id'Asm_Input ("r", From),
+                        Threads.Thread_Id'Asm_Input ("r", To),
+                        System.Address'Asm_Input ("r", Threads.Kernel'Address)),
+           Clobber  => "r3,r4,r5,r6,r7,r8,r9,r10,r11,r12,lr,cc,memory",
+           Volatile => True);
+   end Switch;
+
+   procedure Switch_To_Idle (From : not null Threads.Thread_Id) is
+   begin
+      Asm ("adr   r3, 1f" & Line
+           & "str   r3, [sp, #-4]!" & Line
+           & "str   sp, [%0, #8]" & Line
+           & "b     ravenbrick_idle" & ASCII.LF
+           & "1:" & ASCII.HT
+           & "msr   cpsr_c, #0x5F",
+           Inputs   => Threads.Thread_Id'Asm_Input ("r", From),
+           Clobber  => "r3,r4,r5,r6,r7,r8,r9,r10,r11,r12,lr,cc,memory",
+           Volatile => True);
+   end Switch_To_Idle;
 
 end Ravenbrick.Processor;

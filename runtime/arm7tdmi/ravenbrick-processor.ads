@@ -29,20 +29,18 @@ package Ravenbrick.Processor is
    procedure Unmask_In_Thread with Inline_Always;
    --  The same for callers that are known to be threads
 
-   procedure Switch
-     (From, To : not null Threads.Thread_Id; Kernel : in out Threads.Kernel_State)
-     with Import, Convention => C, External_Name => "ravenbrick_switch";
+   procedure Switch (From, To : not null Threads.Thread_Id) with Inline_Always;
    --  Save the caller's context in From, make To the running thread and load its context.
    --  Interrupts are masked on call and unmasked on return.
+   --  A context is the address to go on at, on top of the thread's stack; the registers are on
+   --  the stack below it, saved and restored by the subprogram that calls Switch.
 
-   procedure Switch_To_Idle
-     (From : not null Threads.Thread_Id; Kernel : in out Threads.Kernel_State)
-     with Import, Convention => C, External_Name => "ravenbrick_switch_to_idle";
+   procedure Switch_To_Idle (From : not null Threads.Thread_Id) with Inline_Always;
    --  Save the caller's context in From and stop the processor until an interrupt.
    --  Interrupts are masked on call and unmasked on return.
 
    procedure Thread_Start
      with Import, Convention => C, External_Name => "ravenbrick_thread_start";
-   --  First instruction of every thread: calls its body with its argument
+   --  Where every thread starts: calls its body with its argument
 
 end Ravenbrick.Processor;

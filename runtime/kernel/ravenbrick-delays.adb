@@ -68,10 +68,10 @@ package body Ravenbrick.Delays is
       Self.State := Delayed;
       if Wake > Clock.Now then
          Insert (Self);
-         Block;
+         Block (Self);
       else
          Self.State := Ready;
-         Yield;
+         Yield (Self);
       end if;
    end Delay_Until;
 

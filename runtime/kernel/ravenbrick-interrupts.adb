@@ -11,13 +11,15 @@ package body Ravenbrick.Interrupts is
    use Ravenbrick.Threads;
 
    type Handler is record
-      Object : System.Address;
-      Code   : System.Address;
-      Active : Urgency;
+      Object          : System.Address;
+      Code            : System.Address;
+      Active          : aliased Urgency;
+      Secondary_Stack : System.Address;
    end record
      with Convention => C;
-   --  A vector of the controller is the address of one of these; the interrupt entry in
-   --  arm7tdmi/ uses the layout
+   --  A vector of the controller is the address of one of these records' Active. There it looks
+   --  like the beginning of a thread, and is the current one while the handler is executed. The
+   --  interrupt entry in arm7tdmi/ uses the layout.
 
    type Handler_Table is array (Source_Id) of aliased Handler;
 
@@ -49,14 +51,16 @@ package body Ravenbrick.Interrupts is
    procedure Initialize is
    begin
       Spurious :=
-        (System.Null_Address, Ignore'Address,
-         To_Protected_Urgency (System.Interrupt_Priority'Last));
+        (Object          => System.Null_Address,
+         Code            => Ignore'Address,
+         Active          => To_Protected_Urgency (System.Interrupt_Priority'Last),
+         Secondary_Stack => System.Null_Address);
       AIC.Disable := Word'Last;
       AIC.Clear := Word'Last;
       AIC.Control := Protect_Mode;
-      AIC.Spurious := Address_Of (Spurious'Address);
+      AIC.Spurious := Address_Of (Spurious.Active'Address);
       for Source in Source_Id loop
-         AIC.Source_Vector (Source) := Address_Of (Spurious'Address);
+         AIC.Source_Vector (Source) := Address_Of (Spurious.Active'Address);
          if Source <= 7 then
             AIC.End_Of := 0;
          end if;
@@ -72,10 +76,11 @@ package body Ravenbrick.Interrupts is
       Bit   : constant Word := Shift_Left (1, Natural (Source));
       Level : constant Word := Word (Priority - System.Interrupt_Priority'First);
    begin
-      Handlers (Source) := (Object, Code, To_Protected_Urgency (Priority));
+      Handlers (Source) :=
+        (Object, Code, To_Protected_Urgency (Priority), System.Null_Address);
       AIC.Disable := Bit;
       AIC.Source_Mode (Source) := Level;
-      AIC.Source_Vector (Source) := Address_Of (Handlers (Source)'Address);
+      AIC.Source_Vector (Source) := Address_Of (Handlers (Source).Active'Address);
       AIC.Clear := Bit;
       for Other in Priority .. System.Interrupt_Priority'Last loop
          At_Or_Below (Other) := At_Or_Below (Other) or Bit;

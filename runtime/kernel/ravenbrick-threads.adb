@@ -15,11 +15,12 @@ package body Ravenbrick.Threads is
      with Import, Convention => C, External_Name => "ravenbrick_environment_stack_size";
    --  The address is the value: symbols of the linker script
 
-   type Context is array (1 .. 9) of System.Address;
-   --  What Processor.Switch saves: r4 to r11, then the address to return to
+   type First_Context is array (1 .. 3) of System.Address;
+   --  What Processor.Thread_Start finds on the stack: its own address, argument and code
 
    procedure Record_Created (Created : not null Thread_Id);
-   procedure Insert_First (Preempted : not null Thread_Id) with Inline;
+   procedure Insert_First (Preempted : not null Thread_Id; Rank : Urgency) with Inline;
+   --  Put a thread whose urgency is Rank before its equals (RM D.2.3 (10))
 
    procedure Record_Created (Created : not null Thread_Id) is
    begin
@@ -61,12 +62,10 @@ package body Ravenbrick.Threads is
       Word : constant := 4;
       Top  : constant System.Address :=
         To_Address ((To_Integer (Stack_Base) + Integer_Address (Stack_Size)) / 8 * 8);
-      Bottom : constant System.Address := Top - Storage_Offset (Context'Length * Word);
-      First  : Context with Import, Address => Bottom;
+      Bottom : constant System.Address := Top - Storage_Offset (First_Context'Length * Word);
+      First  : First_Context with Import, Address => Bottom;
    begin
-      First (1) := Code;
-      First (2) := Argument;
-      First (9) := Processor.Thread_Start'Address;
+      First := (Processor.Thread_Start'Address, Argument, Code);
       Created.Stack_Pointer := Bottom;
       Created.Base_Priority := Priority;
       Created.Active := To_Urgency (Priority);
@@ -96,8 +95,7 @@ package body Ravenbrick.Threads is
       Woken.State := Ready;
    end Make_Ready;
 
-   procedure Insert_First (Preempted : not null Thread_Id) is
-      Rank     : constant Urgency := Preempted.Active;
+   procedure Insert_First (Preempted : not null Thread_Id; Rank : Urgency) is
       Previous : Thread_Id := Kernel.Ready_Head;
       Follower : Thread_Id;
    begin
@@ -115,52 +113,51 @@ package body Ravenbrick.Threads is
       end if;
    end Insert_First;
 
-   procedure Release (Woken : not null Thread_Id) is
-      Self : constant not null Thread_Id := Kernel.Current;
+   procedure Release (Self, Woken : not null Thread_Id) is
+      Rank : constant Urgency := Self.Active;
    begin
-      if Woken.Active > Self.Active then
+      if Woken.Active > Rank then
          Woken.State := Ready;
-         Insert_First (Self);
-         Processor.Switch (Self, Woken, Kernel);
+         Insert_First (Self, Rank);
+         Processor.Switch (Self, Woken);
       else
          Make_Ready (Woken);
          Processor.Unmask_In_Thread;
       end if;
    end Release;
 
-   procedure Block is
-      Self : constant not null Thread_Id := Kernel.Current;
+   procedure Block (Self : not null Thread_Id) is
       Next : constant not null Thread_Id := Kernel.Ready_Head;
    begin
       if Next /= Kernel.Sentinel'Access then
          Kernel.Ready_Head := Next.Next;
-         Processor.Switch (Self, Next, Kernel);
+         Processor.Switch (Self, Next);
       else
-         Processor.Switch_To_Idle (Self, Kernel);
+         Processor.Switch_To_Idle (Self);
       end if;
    end Block;
 
    procedure Preempt is
       Self : constant not null Thread_Id := Kernel.Current;
       Next : constant not null Thread_Id := Kernel.Ready_Head;
+      Rank : constant Urgency := Self.Active;
    begin
-      if Next.Active > Self.Active then
+      if Next.Active > Rank then
          Kernel.Ready_Head := Next.Next;
-         Insert_First (Self);
-         Processor.Switch (Self, Next, Kernel);
+         Insert_First (Self, Rank);
+         Processor.Switch (Self, Next);
       else
          Processor.Unmask_In_Thread;
       end if;
    end Preempt;
 
-   procedure Yield is
-      Self : constant not null Thread_Id := Kernel.Current;
+   procedure Yield (Self : not null Thread_Id) is
       Next : constant not null Thread_Id := Kernel.Ready_Head;
    begin
       if Next.Active >= Self.Active then
          Kernel.Ready_Head := Next.Next;
          Make_Ready (Self);
-         Processor.Switch (Self, Next, Kernel);
+         Processor.Switch (Self, Next);
       else
          Processor.Unmask_In_Thread;
       end if;
@@ -170,7 +167,7 @@ package body Ravenbrick.Threads is
    begin
       Processor.Mask_In_Thread;
       Kernel.Current.State := Terminated;
-      Block;
+      Block (Kernel.Current);
       raise Program_Error;
    end Terminate_Current;
 

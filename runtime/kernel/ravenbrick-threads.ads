@@ -43,11 +43,13 @@ package Ravenbrick.Threads is
    type Thread_Id is access all Thread;
 
    type Thread is limited record
-      Stack_Pointer : System.Address;
-      --  Of the saved context while the thread does not run
-
       Active : Urgency;
       pragma Volatile (Active);
+
+      Secondary_Stack : System.Address;
+
+      Stack_Pointer : System.Address;
+      --  While the thread does not run; it points to the address where the thread goes on
 
       Next : Thread_Id;
       --  In the ready queue, the alarm queue or the activation chain: never in two of them
@@ -55,8 +57,7 @@ package Ravenbrick.Threads is
       Entry_Parameters : System.Address;
       --  Of the protected entry call that the thread waits for
 
-      Secondary_Stack : System.Address;
-      Base_Priority   : Integer;
+      Base_Priority : Integer;
 
       State : Thread_State;
       pragma Volatile (State);
@@ -78,11 +79,11 @@ package Ravenbrick.Threads is
    --  Starts as zeros: threads are static, and no elaboration may touch them once the kernel runs
 
    for Thread use record
-      Stack_Pointer    at 0 range 0 .. 31;
-      Active           at 4 range 0 .. 31;
-      Next             at 8 range 0 .. 31;
-      Entry_Parameters at 12 range 0 .. 31;
-      Secondary_Stack  at 16 range 0 .. 31;
+      Active           at 0 range 0 .. 31;
+      Secondary_Stack  at 4 range 0 .. 31;
+      Stack_Pointer    at 8 range 0 .. 31;
+      Next             at 12 range 0 .. 31;
+      Entry_Parameters at 16 range 0 .. 31;
       Base_Priority    at 20 range 0 .. 31;
       State            at 24 range 0 .. 31;
       Name             at 28 range 0 .. 31;
@@ -99,7 +100,8 @@ package Ravenbrick.Threads is
       --  Null while the processor idles; read from outside
 
       Current : Thread_Id;
-      --  As Running, or the idle pseudo-thread: never null
+      --  Never null: as Running, the idle pseudo-thread, or the beginning of a thread that stands
+      --  for the interrupt handler being executed (see Ravenbrick.Interrupts)
 
       Ready_Head : Thread_Id;
       pragma Volatile (Ready_Head);
@@ -140,24 +142,24 @@ package Ravenbrick.Threads is
    --  Prepare a thread that will call Code (Argument) on the stack of Stack_Size bytes. It is
    --  recorded as created, but is not ready.
 
-   --  The operations below are called with interrupts masked
+   --  The operations below are called with interrupts masked. Self is Kernel.Current.
 
    procedure Make_Ready (Woken : not null Thread_Id);
    --  Append to the ready queue of its priority; does not dispatch
 
    --  Those that follow are called by threads only, and return with interrupts unmasked
 
-   procedure Release (Woken : not null Thread_Id) with Inline;
+   procedure Release (Self, Woken : not null Thread_Id) with Inline;
    --  Make Woken ready and let it run before the caller if it is more urgent
 
-   procedure Block with Inline;
+   procedure Block (Self : not null Thread_Id) with Inline;
    --  Leave the processor to the most urgent ready thread, or to none. Returns when another
    --  has made the caller ready and it is dispatched again. The caller has set its own State.
 
    procedure Preempt;
    --  Let a more urgent ready thread run before the caller
 
-   procedure Yield;
+   procedure Yield (Self : not null Thread_Id);
    --  Put the caller at the tail of the queue of its priority (RM D.2.3 (8))
 
    procedure Terminate_Current

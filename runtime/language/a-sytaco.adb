@@ -1,40 +1,55 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ada.Unchecked_Conversion;
+
 with Ravenbrick.Failures;
 with Ravenbrick.Processor; use Ravenbrick.Processor;
+with Ravenbrick.Threads;
 
 package body Ada.Synchronous_Task_Control is
 
    use Ravenbrick;
    use Ravenbrick.Threads;
+   use System.Storage_Elements;
+
+   False_Content : constant Integer_Address := 0;
+   True_Content  : constant Integer_Address := 1;
+
+   function To_Content is new Ada.Unchecked_Conversion (Thread_Id, Integer_Address);
+   function To_Thread is new Ada.Unchecked_Conversion (Integer_Address, Thread_Id);
 
    procedure Set_True (S : in out Suspension_Object) is
       Previous : Status;
-      Released : Thread_Id;
+      Content  : Integer_Address;
    begin
       Mask_Interrupts (Previous);
-      Released := S.Waiting;
-      if Released = null then
-         S.State := True;
+      Content := S.Content;
+      if Content <= True_Content then
+         S.Content := True_Content;
          Restore_Interrupts (Previous);
       else
-         S.Waiting := null;
-         if In_Thread (Previous) then
-            Release (Released);
-         else
-            Make_Ready (Released);
+         S.Content := False_Content;
+         if not In_Thread (Previous) then
+            Make_Ready (To_Thread (Content));
             Restore_Interrupts (Previous);
+         else
+            Release (Kernel.Current, To_Thread (Content));
          end if;
       end if;
    end Set_True;
 
    procedure Set_False (S : in out Suspension_Object) is
+      Previous : Status;
    begin
-      S.State := False;
+      Mask_Interrupts (Previous);
+      if S.Content = True_Content then
+         S.Content := False_Content;
+      end if;
+      Restore_Interrupts (Previous);
    end Set_False;
 
-   function Current_State (S : Suspension_Object) return Boolean is (S.State);
+   function Current_State (S : Suspension_Object) return Boolean is (S.Content = True_Content);
 
    procedure Suspend_Until_True (S : in out Suspension_Object) is
       Self : constant not null Thread_Id := Kernel.Current;
@@ -43,16 +58,15 @@ package body Ada.Synchronous_Task_Control is
          Failures.Stop (Failures.Blocking'Address);
       end if;
       Mask_In_Thread;
-      if S.Waiting /= null then
-         Failures.Stop (Failures.Second_Suspended'Address);
-      end if;
-      if S.State then
-         S.State := False;
+      if S.Content = False_Content then
+         S.Content := To_Content (Self);
+         Self.State := Suspended;
+         Block (Self);
+      elsif S.Content = True_Content then
+         S.Content := False_Content;
          Unmask_In_Thread;
       else
-         S.Waiting := Self;
-         Self.State := Suspended;
-         Block;
+         Failures.Stop (Failures.Second_Suspended'Address);
       end if;
    end Suspend_Until_True;
 

@@ -3,7 +3,7 @@
 
 --  Suspension objects (Ada RM D.10)
 
-private with Ravenbrick.Threads;
+private with System.Storage_Elements;
 
 package Ada.Synchronous_Task_Control is
    pragma Preelaborate;
@@ -24,9 +24,9 @@ package Ada.Synchronous_Task_Control is
 private
 
    type Suspension_Object is limited record
-      State   : Boolean := False;
-      Waiting : Ravenbrick.Threads.Thread_Id;
+      Content : System.Storage_Elements.Integer_Address := 0;
    end record
      with Volatile;
+   --  0 when false, 1 when true, otherwise the address of the thread that is suspended
 
 end Ada.Synchronous_Task_Control;

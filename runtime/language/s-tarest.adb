@@ -150,7 +150,7 @@ package body System.Tasking.Restricted.Stages is
       if Not_Activated > 0 then
          Activator := Self;
          Self.State := Suspended;
-         Block;
+         Block (Self);
       else
          Ravenbrick.Processor.Unmask_In_Thread;
       end if;
@@ -176,7 +176,7 @@ package body System.Tasking.Restricted.Stages is
       Waiting := Activator;
       if Not_Activated = 0 and then Waiting /= null then
          Activator := null;
-         Release (Waiting);
+         Release (Kernel.Current, Waiting);
       else
          Ravenbrick.Processor.Unmask_In_Thread;
       end if;

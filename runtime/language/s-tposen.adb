@@ -78,7 +78,7 @@ package body System.Tasking.Protected_Objects.Single_Entry is
       Ravenbrick.Processor.Mask_In_Thread;
       Leave (Object.Common'Access);
       Self.State := Blocked_On_Entry;
-      Block;
+      Block (Self);
    end Wait;
 
    procedure Protected_Single_Entry_Call
