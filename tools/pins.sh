@@ -6,6 +6,7 @@
 DEBIAN_PACKAGES=(
     gnat-12-arm-linux-gnueabi
     gcc-arm-none-eabi
+    gdb-multiarch
     gprbuild
     python3-venv
     gcc
