@@ -8,10 +8,12 @@ import math
 from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
+from typing import Literal
 
 __all__ = ["Time", "ceiling", "common_multiple", "exact", "shown"]
 
 Time = int | Fraction
+Toward = Literal["nearest", "up", "down"]
 
 
 def exact(value: object) -> Time:
@@ -47,9 +49,11 @@ def common_multiple(times: Iterable[Time]) -> Time:
     return exact(Fraction(numerator, denominator))
 
 
-def shown(time: Time, digits: int = 6) -> str:
-    """Decimal text; exact where it has at most `digits` decimals, else rounded to them."""
+def shown(time: Time, digits: int = 6, toward: Toward = "nearest") -> str:
+    """Decimal text; exact where it has at most `digits` decimals, else rounded as told."""
     if isinstance(time, int):
         return str(time)
-    text = f"{Decimal(time.numerator) / Decimal(time.denominator):.{digits}f}"
+    parts = time * 10**digits
+    count = {"nearest": round(parts), "up": math.ceil(parts), "down": math.floor(parts)}[toward]
+    text = f"{Decimal(count).scaleb(-digits):f}"
     return text.rstrip("0").rstrip(".")

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -16,8 +17,10 @@ __all__ = [
     "Interference",
     "ResponseTimeBound",
     "Terms",
+    "interference_parts",
     "is_schedulable",
     "non_preemptive_bounds",
+    "overhead_parts",
     "response_time_bound",
     "response_time_bounds",
 ]
@@ -108,21 +111,32 @@ def _too_long(task: Task) -> AnalysisLimitError:
     )
 
 
-def _terms(window: Window, job: int, completion: Time) -> Terms:
-    counts = [(source, source.jobs(completion)) for source in window.sources]
+def interference_parts(counts: Sequence[tuple[Source, int]]) -> tuple[Interference, ...]:
+    """Execution of the interfering jobs, task by task; tasks without a job are left out."""
+    return tuple(Interference(s.task.name, n, n * s.execution) for s, n in counts if n)
+
+
+def overhead_parts(counts: Sequence[tuple[Source, int]]) -> tuple[Time, Time]:
+    """What the jobs cost in context switches and in interrupt entries."""
     switches: Time = 0
     entries: Time = 0
-    own = Source(window.task, window.task.period, 0, 0, window.own_overhead)
-    for source, count in [*counts, (own, job + 1)]:
+    for source, count in counts:
         if source.task.release == "interrupt":
             entries += count * source.overhead
         else:
             switches += count * source.overhead
+    return switches, entries
+
+
+def _terms(window: Window, job: int, completion: Time) -> Terms:
+    counts = [(source, source.jobs(completion)) for source in window.sources]
+    own = Source(window.task, window.task.period, 0, 0, window.own_overhead)
+    switches, entries = overhead_parts([*counts, (own, job + 1)])
     return Terms(
         job,
         window.task.wcet,
         job * window.task.wcet,
-        tuple(Interference(s.task.name, n, n * s.execution) for s, n in counts if n),
+        interference_parts(counts),
         window.blocking,
         switches,
         entries,

@@ -1,0 +1,233 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Task sets from TOML or JSON files; the format is described in the schedulability guide."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.errors import ProjectFileError
+from ravenbrick.schedule.assignment import audsley, deadline_monotonic, rate_monotonic
+from ravenbrick.schedule.located_json import read_json
+from ravenbrick.schedule.model import (
+    NO_OVERHEADS,
+    RELEASES,
+    CriticalSection,
+    Overheads,
+    Task,
+    TaskSet,
+    TaskSetError,
+)
+from ravenbrick.schedule.quantity import Time, exact
+from ravenbrick.target.located_toml import KeyPath, LocatedToml, read_toml
+
+__all__ = ["TaskFile", "read_task_file"]
+
+SCHEMA_VERSION = 1
+ASSIGNMENTS = ("declared", "rate_monotonic", "deadline_monotonic", "audsley")
+_ROOT = ("schema_version", "name", "unit", "priorities", "overheads", "tasks")
+_TASK = (
+    "name",
+    "description",
+    "release",
+    "period",
+    "minimum_interrelease_time",
+    "wcet",
+    "deadline",
+    "priority",
+    "release_jitter",
+    "phase",
+    "blocking",
+    "sections",
+)
+_SECTION = ("resource", "duration", "start")
+_PRIORITY_LIMIT = 10**6
+
+
+@dataclass(frozen=True)
+class TaskFile:
+    """A task set with its name, the unit of its times and the costs of the run-time."""
+
+    path: Path
+    name: str
+    unit: str
+    priorities: str
+    task_set: TaskSet
+    overheads: Overheads
+
+
+@dataclass(frozen=True)
+class _Table:
+    """One table of the file; errors name file, line and field."""
+
+    document: LocatedToml
+    path: KeyPath
+    values: dict[str, Any]
+
+    def error(self, name: str, problem: str) -> ProjectFileError:
+        return self.document.error((*self.path, name), problem)
+
+    def only(self, known: Iterable[str]) -> None:
+        """Refuse fields that do not exist."""
+        names = list(known)
+        for name in self.values:
+            if name not in names:
+                close = difflib.get_close_matches(name, names, 1)
+                advice = f"did you mean '{close[0]}'?" if close else f"known: {', '.join(names)}"
+                raise self.error(name, f"unknown field; {advice}")
+
+    def required(self, name: str) -> Any:
+        if name not in self.values:
+            raise self.error(name, "is missing; add it")
+        return self.values[name]
+
+    def text(self, name: str, default: str | None = None) -> str:
+        value = self.required(name) if default is None else self.values.get(name, default)
+        if not isinstance(value, str) or not (value or default == ""):
+            raise self.error(name, f"is {value!r}; expected a text in quotes")
+        return value
+
+    def choice(self, name: str, allowed: Iterable[str], default: str) -> str:
+        value = self.text(name, default)
+        if value not in allowed:
+            raise self.error(name, f"is '{value}'; expected one of {', '.join(allowed)}")
+        return value
+
+    def time(self, name: str, default: Time | None = None) -> Time:
+        value = self.required(name) if default is None else self.values.get(name, default)
+        try:
+            return exact(value)
+        except ValueError as error:
+            advice = "expected a number, or a text such as '1/3'"
+            raise self.error(name, f"{error}; {advice}") from None
+
+    def whole(self, name: str, limit: int) -> int:
+        value = self.required(name)
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= limit:
+            raise self.error(name, f"is {value!r}; expected a whole number from 0 to {limit}")
+        return value
+
+    def table(self, name: str) -> _Table:
+        value = self.values.get(name, {})
+        if not isinstance(value, dict):
+            raise self.error(name, "expected a table")
+        return _Table(self.document, (*self.path, name), value)
+
+    def tables(self, name: str) -> list[_Table]:
+        value = self.values.get(name, [])
+        if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+            raise self.error(name, "expected a list of tables")
+        return [
+            _Table(self.document, (*self.path, name, index), item)
+            for index, item in enumerate(value)
+        ]
+
+
+def _section(table: _Table) -> CriticalSection:
+    table.only(_SECTION)
+    return CriticalSection(table.text("resource"), table.time("duration"), table.time("start", 0))
+
+
+def _task(table: _Table, declared: bool) -> Task:
+    table.only(_TASK)
+    name = table.text("name")
+    release = table.choice("release", RELEASES, "cyclic")
+    expected = "period" if release == "cyclic" else "minimum_interrelease_time"
+    other = "minimum_interrelease_time" if release == "cyclic" else "period"
+    if other in table.values:
+        raise table.error(other, f"a task released as '{release}' has a '{expected}' instead")
+    period = table.time(expected)
+    sections = tuple(_section(part) for part in table.tables("sections"))
+    if declared and "priority" not in table.values:
+        raise table.error("priority", "is missing; add it, or 'priorities' at the head of the file")
+    priority = table.whole("priority", _PRIORITY_LIMIT) if declared else 0
+    times: dict[str, Any] = {}
+    for key in ("deadline", "phase"):
+        if key in table.values:
+            times[key] = table.time(key)
+    for key in ("release_jitter", "blocking"):
+        times[key] = table.time(key, 0)
+    if "deadline" in times and times["deadline"] <= 0:
+        raise table.error("deadline", f"is {times['deadline']}; expected more than 0")
+    try:
+        return Task(
+            name,
+            period,
+            table.time("wcet"),
+            priority,
+            release=release,  # type: ignore[arg-type]
+            sections=sections,
+            **times,
+        )
+    except TaskSetError as error:
+        field = expected if error.field == "period" else error.field
+        raise table.error(field, error.problem) from None
+
+
+def _overheads(table: _Table) -> Overheads:
+    known = [item.name for item in fields(Overheads)]
+    table.only(known)
+    times = {name: table.time(name) for name in known if name in table.values}
+    try:
+        return Overheads(**times)
+    except TaskSetError as error:
+        raise table.error(error.field, error.problem) from None
+
+
+def _assigned(root: _Table, rule: str, task_set: TaskSet, overheads: Overheads) -> TaskSet:
+    if rule == "declared":
+        return task_set
+    if rule == "audsley":
+        found = audsley(task_set, overheads)
+        if found is None:
+            raise root.error(
+                "priorities",
+                "no assignment of priorities meets all deadlines; "
+                "write 'deadline_monotonic' to see which are missed",
+            )
+        return found
+    return (rate_monotonic if rule == "rate_monotonic" else deadline_monotonic)(task_set)
+
+
+def _unique_names(tables: list[_Table]) -> None:
+    seen: set[str] = set()
+    for table in tables:
+        name = table.text("name")
+        if name in seen:
+            raise table.error("name", f"the task '{name}' is there twice; rename one")
+        seen.add(name)
+
+
+def read_task_file(path: Path) -> TaskFile:
+    """Read a task set from TOML, or from JSON when the name ends in `.json`.
+
+    Raises `ProjectFileError`, which names file, line and field.
+    """
+    if path.suffix == ".json":
+        document = read_json(path)
+    else:
+        document = read_toml(path, missing="name a task-set file")
+    root = _Table(document, (), document.values)
+    root.only(_ROOT)
+    version = root.required("schema_version")
+    if version != SCHEMA_VERSION or isinstance(version, bool):
+        raise root.error("schema_version", f"is {version!r}; expected {SCHEMA_VERSION}")
+    rule = root.choice("priorities", ASSIGNMENTS, "declared")
+    overheads = _overheads(root.table("overheads")) if "overheads" in root.values else NO_OVERHEADS
+    tables = root.tables("tasks")
+    if not tables:
+        raise root.error("tasks", "there is no task; add one with [[tasks]]")
+    _unique_names(tables)
+    task_set = TaskSet(tuple(_task(table, rule == "declared") for table in tables))
+    return TaskFile(
+        path,
+        root.text("name", path.stem),
+        root.text("unit", "ms"),
+        rule,
+        _assigned(root, rule, task_set, overheads),
+        overheads,
+    )
