@@ -47,3 +47,13 @@ def test_an_unhandled_exception_names_its_place(brick: Callable[..., Brick]) -> 
     text = device.text()
     assert text[0] == "Program failed"
     assert "".join(text[2:4]) == f"last_chance.adb:{failing_line()}"
+
+
+def test_the_greeting_keeps_the_brick_on(brick: Callable[..., Brick]) -> None:
+    """The co-processor switches off after 298 s, but only a program that did not greet it."""
+    mute = brick("messages", signal_period_cycles=48_000_000)
+    assert mute.run_to_end(310_000).reason == "power_off"
+    assert mute.cycles(290_000) < mute.device.cycles < mute.cycles(300_000)
+    greeting = brick("inputs", signal_period_cycles=48_000_000)
+    greeting.run(310_000)
+    assert greeting.integer("errors") == 0
