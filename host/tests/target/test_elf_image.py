@@ -89,6 +89,8 @@ def test_the_memory_report_adds_up(tmp_path: Path, robot: Robot) -> None:
 
 def test_the_memory_report_sums_the_link_map_by_part(tmp_path: Path, robot: Robot) -> None:
     """Each input section is counted for the part of the program that it comes from."""
+    (robot.directory / "generated").mkdir()
+    (robot.directory / "generated" / "functional.c").touch()
     image = _image(tmp_path)
     image.path.with_suffix(".map").write_text(
         "Discarded input sections\n\n .text 0x00000000 0x1000 drivers/gone.o\n\n"
@@ -97,12 +99,14 @@ def test_the_memory_report_sums_the_link_map_by_part(tmp_path: Path, robot: Robo
         " .text.very_long_name_of_a_section\n"
         "                0x00202020       0x10 /t/build/drivers/objects/nxt.o\n"
         " .bss            0x00203000       0x40 /t/build/vehicle/objects/arm/tasks.o\n"
+        " .text.step      0x00202040       0x18 libvehicle.a(functional.o)\n"
         " .rodata.x       0x00202030        0x8 /usr/lib/gcc/libgcc.a(_udivsi3.o)\n"
     )
     assert memory_report(image, robot).parts == {
         "application": {"text": 0, "data": 0, "bss": 64},
         "compiler's library": {"text": 8, "data": 0, "bss": 0},
         "drivers": {"text": 16, "data": 0, "bss": 0},
+        "generated C": {"text": 24, "data": 0, "bss": 0},
         "run-time": {"text": 32, "data": 0, "bss": 0},
     }
 

@@ -65,11 +65,14 @@ class MemoryReport:
         return asdict(self)
 
 
-def _part(file: str) -> str:
-    """The part of the program that an object file belongs to."""
-    for name in ("runtime", "drivers", "generated"):
+def _part(file: str, generated: frozenset[str]) -> str:
+    """The part of the program that an object file belongs to; `generated`: stems of C files."""
+    member = re.search(r"([^/(]+)\.o\)?$", file)
+    if member and member.group(1) in generated:
+        return "generated C"
+    for name in ("runtime", "drivers"):
         if re.search(rf"(^|[/_]){name}[/_]|lib{name}", file):
-            return {"runtime": "run-time", "generated": "generated C"}.get(name, name)
+            return "run-time" if name == "runtime" else name
     return "compiler's library" if "libgcc" in file else "application"
 
 
@@ -80,7 +83,7 @@ def _section_kind(name: str) -> str | None:
     return None
 
 
-def _parts(map_file: Path) -> dict[str, dict[str, int]]:
+def _parts(map_file: Path, generated: frozenset[str]) -> dict[str, dict[str, int]]:
     text = map_file.read_text("utf-8", "replace")
     _head, _marker, body = text.partition("Linker script and memory map")
     joined = re.sub(r"^( \.\S+)\n\s+(?=0x)", r"\1 ", body, flags=re.MULTILINE)
@@ -90,7 +93,7 @@ def _parts(map_file: Path) -> dict[str, dict[str, int]]:
     for name, address, size, file in _PLACED.findall(joined):
         kind = _section_kind(name)
         if kind and int(address, 16):
-            sizes[_part(file)][kind] += int(size, 16)
+            sizes[_part(file, generated)][kind] += int(size, 16)
     return {name: sizes[name] for name in sorted(sizes)}
 
 
@@ -114,6 +117,7 @@ def memory_report(image: ElfImage, robot: Robot) -> MemoryReport:
             "stacks or code, or build a flash image with '--image flash'"
         )
     map_file = image.path.with_suffix(".map")
+    generated = frozenset(file.stem for file in (robot.directory / "generated").glob("*.c"))
     return MemoryReport(
         image=image.path.name,
         kind=image.kind,
@@ -123,7 +127,7 @@ def memory_report(image: ElfImage, robot: Robot) -> MemoryReport:
         used=used,
         available=region.size,
         tasks=_linked_tasks(image, robot),
-        parts=_parts(map_file) if map_file.is_file() else {},
+        parts=_parts(map_file, generated) if map_file.is_file() else {},
     )
 
 

@@ -72,9 +72,9 @@ def _table(head: Cells, rows: Sequence[Cells]) -> str:
     return f'<div class="scroll"><table><tr>{cells}</tr>{body}</table></div>'
 
 
-def _image(content: bytes, caption: str) -> str:
+def _image(content: bytes, caption: str, description: str = "") -> str:
     source = data_uri(content, "image/png")
-    alternative = escape(caption, quote=True)
+    alternative = escape(description or caption, quote=True)
     return (
         f'<figure><img src="{source}" alt="{alternative}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
@@ -82,7 +82,7 @@ def _image(content: bytes, caption: str) -> str:
 
 
 def _length(metres: float | None) -> str:
-    return "not measured" if metres is None else f"{1000 * metres:.1f} mm"
+    return "not measured" if metres is None else f"{1000 * metres:.3g} mm"
 
 
 def _key_figures(evidence: Evidence) -> str:
@@ -206,7 +206,7 @@ def _lcd_section(run: Run, images: dict[str, bytes]) -> str:
     for number, picture in enumerate(run.recording.pictures, 1):
         at = run.recording.clock.seconds(picture.at_cycles)
         read = " / ".join(line for line in picture.text if line)
-        text += _image(images[f"lcd-{number}"], f"after {at:.3f} s" + (f": {read}" if read else ""))
+        text += _image(images[f"lcd-{number}"], f"after {at:.3f} s", read)
     return text + "</div>"
 
 

@@ -32,6 +32,12 @@ def _cycles(recording: Recording, cycles: float | None) -> str:
     return f"{cycles:,.0f} ({microseconds:,.1f} µs)".replace(",", " ")
 
 
+def _deadline(recording: Recording, task: TaskMeasures) -> str:
+    if task.deadline_cycles is None:
+        return "none"
+    return f"{1000 * recording.clock.seconds(task.deadline_cycles):,.0f} ms"
+
+
 def task_cells(recording: Recording, task: TaskMeasures, share: float) -> tuple[str, ...]:
     """The row of a task: cycles with microseconds in brackets."""
     return (
@@ -41,7 +47,7 @@ def task_cells(recording: Recording, task: TaskMeasures, share: float) -> tuple[
         _cycles(recording, task.response_time_cycles_mean),
         _cycles(recording, task.response_time_cycles_max),
         _cycles(recording, task.release_jitter_cycles),
-        _cycles(recording, task.deadline_cycles),
+        _deadline(recording, task),
         str(task.deadline_misses) if task.deadline_cycles is not None else "none",
         f"{100 * share:.2f} %",
     )
