@@ -6,7 +6,10 @@
 use std::collections::VecDeque;
 
 use arm7tdmi::bus::{Abort, Bus, Cycle, Width};
-use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, TwiReply};
+use at91sam7s::board::{
+    Board, Character, ChipEvent, Cycles, PinLevels, PinOutputs, SerialPort, SoundBits, TwiReply,
+    UsbAnswer, UsbSignal,
+};
 use at91sam7s::{Chip, ChipConfiguration};
 
 pub const SRAM: u32 = 0x0020_0000;
@@ -29,6 +32,9 @@ pub enum Seen {
     TwiRead(u8),
     TwiStop,
     Spi { select: u8, frame: u16, bits: u8 },
+    Sound(SoundBits),
+    Sent(SerialPort, Character),
+    Usb(UsbAnswer),
     Pins { driven: u32, level: u32 },
     Chip(ChipEvent),
 }
@@ -40,6 +46,10 @@ pub struct ScriptedBoard {
     /// Pin levels from given times on.
     pub pins: VecDeque<(Cycles, PinLevels)>,
     pub levels: PinLevels,
+    /// Characters that reach the chip at given times.
+    pub characters: VecDeque<(Cycles, SerialPort, Character)>,
+    /// What the USB host does at given times.
+    pub usb: VecDeque<(Cycles, UsbSignal)>,
     pub slave_address: u8,
     pub slave_bytes: VecDeque<u8>,
     /// Number of written bytes that the slave acknowledges.
@@ -105,19 +115,57 @@ impl Board for ScriptedBoard {
     }
 
     fn next_event(&self) -> Cycles {
-        self.pins.front().map_or(Cycles::MAX, |(at, _)| *at)
+        let pins = self.pins.front().map(|(at, _)| *at);
+        let characters = self.characters.front().map(|(at, ..)| *at);
+        let usb = self.usb.front().map(|(at, _)| *at);
+        let times = [pins, characters, usb].into_iter().flatten();
+        times.min().unwrap_or(Cycles::MAX)
     }
 
     fn advance(&mut self, now: Cycles) {
-        while self.next_event() <= now {
-            let (at, levels) = self.pins.pop_front().expect("an event is due");
-            assert_eq!(at, now, "the chip serves the board at the exact cycle");
+        assert_eq!(
+            self.next_event(),
+            now,
+            "the chip serves the board at the exact cycle"
+        );
+        while self.pins.front().is_some_and(|(at, _)| *at <= now) {
+            let (_, levels) = self.pins.pop_front().expect("an event is due");
             self.levels = levels;
         }
     }
 
     fn powered(&self) -> bool {
         true
+    }
+
+    fn sound_bits(&mut self, now: Cycles, sound: SoundBits) {
+        self.log.push((now, Seen::Sound(sound)));
+    }
+
+    fn serial_sent(&mut self, now: Cycles, port: SerialPort, character: Character) {
+        self.log.push((now, Seen::Sent(port, character)));
+    }
+
+    fn serial_received(&mut self, now: Cycles, port: SerialPort) -> Option<Character> {
+        let (at, to, character) = *self.characters.front()?;
+        if at > now || to != port {
+            return None;
+        }
+        self.characters.pop_front();
+        Some(character)
+    }
+
+    fn usb_signal(&mut self, now: Cycles) -> Option<UsbSignal> {
+        let (at, signal) = *self.usb.front()?;
+        if at > now {
+            return None;
+        }
+        self.usb.pop_front();
+        Some(signal)
+    }
+
+    fn usb_answer(&mut self, now: Cycles, answer: UsbAnswer) {
+        self.log.push((now, Seen::Usb(answer)));
     }
 
     fn observe(&mut self, now: Cycles, event: ChipEvent) {

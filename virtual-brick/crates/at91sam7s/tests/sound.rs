@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Synchronous serial controller: the sound line.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use arm7tdmi::bus::{Bus, Width};
+use at91sam7s::board::SoundBits;
+use at91sam7s::FaultKind;
+use common::{bus_log, read, run_to, running_chip, try_write, write, Seen, TestChip, PIOA, SRAM};
+
+const SSC: u32 = 0xFFFD_4000;
+const CR: u32 = SSC;
+const CMR: u32 = SSC + 0x04;
+const TCMR: u32 = SSC + 0x18;
+const TFMR: u32 = SSC + 0x1C;
+const THR: u32 = SSC + 0x24;
+const SR: u32 = SSC + 0x40;
+const IER: u32 = SSC + 0x44;
+const TNPR: u32 = SSC + 0x118;
+const TNCR: u32 = SSC + 0x11C;
+const TPR: u32 = SSC + 0x108;
+const TCR: u32 = SSC + 0x10C;
+const PTCR: u32 = SSC + 0x120;
+const TXRDY: u32 = 1;
+const TXEMPTY: u32 = 2;
+const ENDTX: u32 = 4;
+const MSBF: u32 = 1 << 7;
+
+/// 32-bit words, highest bit first, `divider` half bit times, PA17 given to the controller.
+fn sound_chip(divider: u32) -> TestChip {
+    let mut chip = running_chip();
+    write(&mut chip, PIOA + 0x70, 1 << 17);
+    write(&mut chip, PIOA + 0x04, 1 << 17);
+    write(&mut chip, CR, 1 << 15);
+    write(&mut chip, CMR, divider);
+    write(&mut chip, TCMR, 4);
+    write(&mut chip, TFMR, 31 | 7 << 8 | MSBF);
+    write(&mut chip, CR, 1 << 8);
+    chip.board_mut().log.clear();
+    chip
+}
+
+fn sounds(chip: &TestChip, start: u64) -> Vec<(u64, u32)> {
+    let bits = |(at, seen)| match seen {
+        Seen::Sound(SoundBits { bits, .. }) => (at, bits),
+        other => panic!("{other:?}"),
+    };
+    bus_log(chip, start).into_iter().map(bits).collect()
+}
+
+#[test]
+fn a_word_lasts_its_bits_at_twice_the_divider_each() {
+    let mut chip = sound_chip(10);
+    assert_eq!(read(&mut chip, SR), 0x0001_00CF);
+    write(&mut chip, THR, 0xF0F0_1234);
+    let start = chip.now();
+    assert_eq!(read(&mut chip, SR) & 3, TXRDY);
+    run_to(&mut chip, start + 32 * 20 + 1);
+    let expected = SoundBits {
+        bits: 0xF0F0_1234,
+        count: 32,
+        bit_cycles: 20,
+    };
+    assert_eq!(bus_log(&chip, start), [(640, Seen::Sound(expected))]);
+    assert_eq!(read(&mut chip, SR) & 3, TXRDY | TXEMPTY);
+}
+
+#[test]
+fn words_of_two_buffers_follow_each_other_without_a_gap() {
+    let mut chip = sound_chip(4);
+    for (at, word) in (0..).zip([1u32, 2, 3, 4]) {
+        chip.load(SRAM + 4 * at, &word.to_le_bytes()).unwrap();
+    }
+    write(&mut chip, TPR, SRAM);
+    write(&mut chip, TCR, 2);
+    write(&mut chip, TNPR, SRAM + 8);
+    write(&mut chip, TNCR, 2);
+    write(&mut chip, PTCR, 1 << 8);
+    let start = chip.now() - 2;
+    run_to(&mut chip, start + 5 * 256);
+    let expected = [(256, 1), (512, 2), (768, 3), (1024, 4)];
+    assert_eq!(sounds(&chip, start), expected);
+}
+
+#[test]
+fn the_end_of_a_buffer_interrupts_while_the_last_words_are_shifted() {
+    let mut chip = sound_chip(4);
+    write(&mut chip, IER, ENDTX);
+    write(&mut chip, TNPR, SRAM);
+    write(&mut chip, TNCR, 3);
+    write(&mut chip, PTCR, 1 << 8);
+    let start = chip.now();
+    let pending = |chip: &mut TestChip| read(chip, 0xFFFF_F10C) & 1 << 8 != 0;
+    chip.internal(100);
+    assert!(!pending(&mut chip));
+    run_to(&mut chip, start + 270);
+    assert!(pending(&mut chip), "one word shifts, the last one waits");
+    assert_eq!(read(&mut chip, SR) & (ENDTX | TXEMPTY), ENDTX);
+}
+
+#[test]
+fn the_lowest_bit_leaves_first_unless_the_highest_is_chosen() {
+    let mut chip = sound_chip(4);
+    write(&mut chip, TFMR, 7);
+    write(&mut chip, THR, 0x0000_AB01);
+    let start = chip.now();
+    run_to(&mut chip, start + 100);
+    let expected = SoundBits {
+        bits: 0x80,
+        count: 8,
+        bit_cycles: 8,
+    };
+    assert_eq!(bus_log(&chip, start), [(64, Seen::Sound(expected))]);
+}
+
+#[test]
+fn a_pin_taken_back_mutes_the_line() {
+    let mut chip = sound_chip(4);
+    write(&mut chip, PIOA, 1 << 17);
+    write(&mut chip, THR, 0xFFFF_FFFF);
+    let now = chip.now();
+    run_to(&mut chip, now + 300);
+    assert_eq!(sounds(&chip, 0), []);
+    assert_eq!(
+        read(&mut chip, SR) & TXEMPTY,
+        TXEMPTY,
+        "the controller shifts all the same"
+    );
+}
+
+#[test]
+fn what_the_transmitter_does_not_have_is_a_fault() {
+    for (register, value, feature) in [
+        (CR, 1, "reception"),
+        (TCMR, 1, "a transmit clock from RK or TK"),
+        (TCMR, 7 << 8, "a transmit start other than continuous"),
+        (TFMR, 1 << 23, "frame synchronisation data"),
+    ] {
+        let mut chip = sound_chip(4);
+        assert!(try_write(&mut chip, register, Width::Word, value).is_err());
+        let kind = FaultKind::FeatureNotModelled {
+            peripheral: "SSC",
+            feature,
+        };
+        assert_eq!(chip.fault().unwrap().kind, kind);
+    }
+}
