@@ -7,31 +7,45 @@ from __future__ import annotations
 import numpy as np
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.number_format import FixedFormat, Rounding
 from ravenbrick.model.program import (
     Binary,
+    Bounded,
     Cast,
     Clamp,
     DataType,
     Expression,
     Kind,
     Literal,
+    NumberFormat,
     Program,
     Read,
+    Rescale,
+    Rounded,
+    Select,
     Slot,
     Statement,
+    Table,
+    expression_type,
 )
 
-__all__ = ["C_KEYWORDS", "c_literal", "c_statement", "c_variable"]
+__all__ = ["ACCUMULATOR", "C_KEYWORDS", "c_literal", "c_statement", "c_variable", "format_suffix"]
 
 C_KEYWORDS = frozenset(
     """auto break case char const continue default do double else enum extern float for goto if
     inline int long register restrict return short signed sizeof static struct switch typedef
     union unsigned void volatile while work u y""".split()
 )
+ACCUMULATOR = "accumulator"
 
 
-def c_literal(value: float, data_type: DataType) -> str:
-    """The shortest decimal text that reads back as the same number of the format."""
+def c_literal(value: float, data_type: NumberFormat) -> str:
+    """The shortest decimal text that reads back as the same number of the format.
+
+    Of a fixed-point format the value is the raw one.
+    """
+    if isinstance(data_type, FixedFormat):
+        return str(int(value))
     number = data_type.scalar(value)
     if not np.isfinite(number):
         raise DesignError(f"the constant {value} is not finite in {data_type.value}")
@@ -56,30 +70,58 @@ def c_variable(program: Program, slot: Slot) -> str:
             return slot.name
 
 
+def format_suffix(expression: Expression) -> str:
+    """The last part of a helper's name: the expression's format, such as real32."""
+    return expression_type(expression).value.removesuffix("_T")
+
+
 def _c_expression(program: Program, expression: Expression, *, nested: bool = False) -> str:
     match expression:
         case Read(slot=slot):
-            return c_variable(program, slot)
+            text = c_variable(program, slot)
+            narrow = isinstance(slot.data_type, FixedFormat) and slot.data_type.width < 32
+            return f"(int32_T){text}" if nested and narrow else text
         case Literal(value=value, data_type=data_type):
             text = c_literal(value, data_type)
             return f"({text})" if text.startswith("-") else text
         case Cast(value=value, data_type=data_type):
             return f"({data_type.value})({_c_expression(program, value)})"
         case Binary(operator=operator, left=left, right=right):
-            first = _c_expression(program, left, nested=True)
-            second = _c_expression(program, right, nested=True)
-            text = f"{first} {operator} {second}"
-            return f"({text})" if nested else text
-        case Clamp():
+            text = _c_infix(program, operator, left, right)
+        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            test = _c_infix(program, condition.operator, condition.left, condition.right)
+            first = _c_expression(program, chosen, nested=True)
+            second = _c_expression(program, otherwise, nested=True)
+            text = f"({test}) ? {first} : {second}"
+        case Rounded(value=value):
+            return f"nearest_{format_suffix(value)}({_c_expression(program, value)})"
+        case Table(value=value, name=name, breakpoints=breakpoints):
+            arrays = f"{name}_breakpoints, {name}_values, {name}_slopes"
+            inner = _c_expression(program, value)
+            return f"look_up_{format_suffix(value)}({arrays}, {len(breakpoints)}U, {inner})"
+        case Rescale(value=value, bits=bits, rounding=Rounding.NEAREST):
+            return f"nearest_quotient({_c_expression(program, value, nested=True)}, {1 << bits})"
+        case Rescale(value=value, bits=bits):
+            text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
+        case Clamp() | Bounded():
             raise DesignError("a limit inside an expression cannot become C; give it its own block")
+    return f"({text})" if nested else text
+
+
+def _c_infix(program: Program, operator: str, left: Expression, right: Expression) -> str:
+    first = _c_expression(program, left, nested=True)
+    second = _c_expression(program, right, nested=True)
+    return f"{first} {operator} {second}"
 
 
 def c_statement(program: Program, statement: Statement) -> list[str]:
     """Lines of C, without indentation, that do what the statement does."""
     target = c_variable(program, statement.target)
     expression = statement.expression
+    if isinstance(expression, Bounded):
+        return _c_bounded(program, statement, expression)
     if not isinstance(expression, Clamp):
-        return [f"{target} = {_c_expression(program, expression)};"]
+        return [f"{target} = {_c_assigned(program, expression, statement.target)};"]
     value = _c_expression(program, expression.value, nested=True)
     limit = _c_expression(program, expression.limit, nested=True)
     return [
@@ -91,3 +133,36 @@ def c_statement(program: Program, statement: Statement) -> list[str]:
         f"  {target} = {value};",
         "}",
     ]
+
+
+def _c_assigned(program: Program, expression: Expression, target: Slot) -> str:
+    """The expression converted to the target's type; only integers need it."""
+    text = _c_expression(program, expression)
+    form = target.data_type
+    if not isinstance(form, FixedFormat) or isinstance(expression, Literal):
+        return text
+    width = expression.slot.data_type.size_bytes * 8 if isinstance(expression, Read) else 32
+    if width == form.width:
+        return text
+    simple = isinstance(expression, Read)
+    return f"({form.value}){text}" if simple else f"({form.value})({text})"
+
+
+def _c_bounded(program: Program, statement: Statement, bounded: Bounded) -> list[str]:
+    target = c_variable(program, statement.target)
+    form = statement.target.data_type
+    cast = f"({form.value})" if form.size_bytes < 4 else ""
+    return [
+        f"{ACCUMULATOR} = {_c_expression(program, bounded.value)};",
+        f"if ({ACCUMULATOR} > {bounded.high}) {{",
+        f"  {target} = {bounded.high};",
+        f"}} else if ({ACCUMULATOR} < {_signed(bounded.low)}) {{",
+        f"  {target} = {_signed(bounded.low)};",
+        "} else {",
+        f"  {target} = {cast}{ACCUMULATOR};",
+        "}",
+    ]
+
+
+def _signed(value: int) -> str:
+    return f"({value})" if value < 0 else str(value)

@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ravenbrick import __version__
-from ravenbrick.codegen.c_text import C_KEYWORDS, c_literal, c_statement
+from ravenbrick.codegen.c_helpers import helper_functions, table_arrays
+from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS, c_literal, c_statement
 from ravenbrick.codegen.rtwtypes import RTWTYPES
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
-from ravenbrick.model.program import Kind, Program, Slot, Statement
+from ravenbrick.model.number_format import FixedFormat
+from ravenbrick.model.program import Bounded, Kind, Program, Slot, Statement, is_fixed_point
 
 __all__ = ["GeneratedCode", "generate_c"]
 
@@ -44,14 +46,17 @@ class GeneratedCode:
         return paths
 
 
-def generate_c(diagram: Diagram) -> GeneratedCode:
+def generate_c(diagram: Diagram | Program) -> GeneratedCode:
     """C99 for one step of the diagram; the same diagram gives the same bytes.
+
+    A fixed-point program (`to_fixed_point(...).program`) becomes integer C: each variable's comment
+    names its format, a raw value stands for itself times 2**-n of `sfix16_En<n>`.
 
     Inputs `<model>_U` and outputs `<model>_Y` are defined by the application. The reentrant entry
     points work on an instance's state; the parameters `<model>_P` are shared. Neither heap nor C
     library is used.
     """
-    program = diagram.lower()
+    program = diagram.lower() if isinstance(diagram, Diagram) else diagram
     _check_names(program)
     digest = hashlib.sha256(repr(program).encode()).hexdigest()
     head = _head(program, digest)
@@ -67,8 +72,9 @@ def generate_c(diagram: Diagram) -> GeneratedCode:
 
 def _check_names(program: Program) -> None:
     slots = (*program.inputs, *program.outputs, *program.parameters, *program.states)
+    reserved = C_KEYWORDS | {ACCUMULATOR} if is_fixed_point(program) else C_KEYWORDS
     for slot in (*slots, *program.signals):
-        if slot.name in C_KEYWORDS:
+        if slot.name in reserved:
             raise DesignError(f"block '{slot.block}': '{slot.name}' is a word of C; rename it")
     if not program.inputs or not program.outputs:
         raise DesignError(f"diagram '{program.name}' needs at least one Inport and one Outport")
@@ -146,6 +152,7 @@ def _source_file(program: Program) -> str:
     lines += _layout_checks(f"Parameters_{name}", program.parameters)
     lines += ["", *_parameters(program)]
     lines += [f"D_Work_{name} {name}_DW;", ""]
+    lines += helper_functions(program)
     lines += [f"void {name}_initialize_instance(D_Work_{name} *work)", "{"]
     lines += [
         f"  work->{slot.name} = {c_literal(slot.initial, slot.data_type)};"
@@ -194,6 +201,10 @@ def _block_type(statement: Statement) -> str:
     return _BLOCK_NAMES.get(statement.block_type, statement.block_type)
 
 
+def _scaling(slot: Slot) -> str:
+    return f" /* {slot.data_type} */" if isinstance(slot.data_type, FixedFormat) else ""
+
+
 def _step(program: Program) -> list[str]:
     name = program.name
     lines = [
@@ -201,7 +212,10 @@ def _step(program: Program) -> list[str]:
         f"  ExternalOutputs_{name} *y)",
         "{",
     ]
-    lines += [f"  {slot.data_type.value} {slot.name};" for slot in program.signals]
+    lines += table_arrays(program)
+    lines += [f"  {slot.data_type.value} {slot.name};{_scaling(slot)}" for slot in program.signals]
+    if any(isinstance(statement.expression, Bounded) for statement in program.statements):
+        lines.append(f"  int32_T {ACCUMULATOR};")
     for statement in program.statements:
         update = "Update of " if statement.target.kind is Kind.STATE else ""
         kind = _block_type(statement)

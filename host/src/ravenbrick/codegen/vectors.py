@@ -12,7 +12,8 @@ import numpy.typing as npt
 from ravenbrick.codegen.c_text import c_literal
 from ravenbrick.errors import DesignError
 from ravenbrick.model import DataType, Diagram, Execution
-from ravenbrick.model.program import Slot
+from ravenbrick.model.number_format import FixedFormat
+from ravenbrick.model.program import Program, Slot, is_fixed_point
 
 __all__ = ["StepVectors", "check_program", "random_vectors"]
 
@@ -21,40 +22,58 @@ __all__ = ["StepVectors", "check_program", "random_vectors"]
 class StepVectors:
     """Successive steps of one instance: `inputs` (steps, inputs), `outputs` (steps, outputs),
 
-    both float32, columns in the order of the diagram's ports.
+    columns in the order of the diagram's ports: float32, or raw int32 of a fixed-point program,
+    whose outports are named in `integer_ports`.
     """
 
     model: str
-    inputs: npt.NDArray[np.float32]
-    outputs: npt.NDArray[np.float32]
+    inputs: npt.NDArray[np.generic]
+    outputs: npt.NDArray[np.generic]
+    integer_ports: tuple[str, ...] = ()
 
 
 def random_vectors(
-    diagram: Diagram, count: int, seed: int, largest: float = 12.0, exact_share: float = 0.25
+    diagram: Diagram | Program,
+    count: int,
+    seed: int,
+    largest: float = 12.0,
+    exact_share: float = 0.25,
 ) -> StepVectors:
     """`count` steps with inputs between -`largest` and `largest`, the same for the same seed.
 
     A share of the inputs is held from the step before or is 0, so that limits are reached and left
-    and differences cancel.
+    and differences cancel. Inputs of a fixed-point program take all values of their formats.
     """
     execution = Execution(diagram)
     program = execution.program
-    _require_real32((*program.inputs, *program.outputs))
+    integers = is_fixed_point(program)
     generator = np.random.default_rng(seed)
-    inputs = generator.uniform(-largest, largest, (count, len(program.inputs))).astype(np.float32)
-    choice = generator.random(inputs.shape)
-    inputs[choice < exact_share / 2] = 0.0
+    shape = (count, len(program.inputs))
+    if integers:
+        low, high = np.transpose([_limits(slot) for slot in program.inputs])
+        inputs = generator.integers(low, high, shape, dtype=np.int32, endpoint=True)
+    else:
+        _require_real32((*program.inputs, *program.outputs))
+        inputs = generator.uniform(-largest, largest, shape).astype(np.float32)
+    choice = generator.random(shape)
+    inputs[choice < exact_share / 2] = 0
     held = choice > 1 - exact_share
     for step in range(1, count):
         inputs[step] = np.where(held[step], inputs[step - 1], inputs[step])
-    outputs = np.empty((count, len(program.outputs)), dtype=np.float32)
+    outputs = np.empty((count, len(program.outputs)), dtype=inputs.dtype)
     for step in range(count):
         row = {
-            slot.name: float(value)
+            slot.name: value.item()
             for slot, value in zip(program.inputs, inputs[step], strict=True)
         }
         outputs[step] = list(execution.step(row).values())
-    return StepVectors(program.name, inputs, outputs)
+    ports = tuple(slot.name for slot in program.outputs) if integers else ()
+    return StepVectors(program.name, inputs, outputs, ports)
+
+
+def _limits(slot: Slot) -> tuple[int, int]:
+    assert isinstance(slot.data_type, FixedFormat)
+    return slot.data_type.limits
 
 
 def _require_real32(slots: tuple[Slot, ...]) -> None:
@@ -71,6 +90,8 @@ def check_program(vectors: StepVectors) -> str:
     Afterwards `<model>_check_steps` holds the number of steps done and `<model>_check_failures`
     that of the steps with any other bit in an output. Without C library, for host and brick.
     """
+    if vectors.integer_ports:
+        return _integer_check_program(vectors)
     name, count = vectors.model, len(vectors.inputs)
     rows = []
     for given, expected in zip(vectors.inputs, vectors.outputs, strict=True):
@@ -118,6 +139,52 @@ void {name}_check(void)
     if (differs != 0U) {{
       {name}_check_failures = {name}_check_failures + 1U;
     }}
+    {name}_check_steps = step + 1U;
+  }}
+}}
+"""
+
+
+def _integer_check_program(vectors: StepVectors) -> str:
+    name, count = vectors.model, len(vectors.inputs)
+    rows = [
+        f"  {{ {{ {', '.join(map(str, given))} }}, {{ {', '.join(map(str, expected))} }} }}"
+        for given, expected in zip(vectors.inputs, vectors.outputs, strict=True)
+    ]
+    tests = "\n".join(
+        f"    differs |= (uint32_T)(result.{port} != check_steps[step].outputs.{port});"
+        for port in vectors.integer_ports
+    )
+    return f"""\
+#include "{name}.h"
+
+typedef struct {{
+  ExternalInputs_{name} inputs;
+  ExternalOutputs_{name} outputs;
+}} Check_Step;
+
+static const Check_Step check_steps[{count}] = {{
+{("," + chr(10)).join(rows)}
+}};
+
+volatile uint32_T {name}_check_steps;
+volatile uint32_T {name}_check_failures;
+
+extern void {name}_check(void);
+
+void {name}_check(void)
+{{
+  D_Work_{name} work;
+  uint32_T step;
+  {name}_check_steps = 0U;
+  {name}_check_failures = 0U;
+  {name}_initialize_instance(&work);
+  for (step = 0U; step < {count}U; step++) {{
+    ExternalOutputs_{name} result;
+    uint32_T differs = 0U;
+    {name}_step_instance(&work, &check_steps[step].inputs, &result);
+{tests}
+    {name}_check_failures = {name}_check_failures + differs;
     {name}_check_steps = step + 1U;
   }}
 }}

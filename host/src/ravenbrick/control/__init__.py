@@ -10,6 +10,13 @@ from ravenbrick.control.discretisation import DiscretisationMethod, discretise
 from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
 from ravenbrick.control.estimator import LoopSpecification, pi_with_estimator
 from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
+from ravenbrick.control.peak_gain import peak_gain
+from ravenbrick.control.rounding_error import (
+    ClosedLoopBound,
+    PlantInLoop,
+    closed_loop_bound,
+    one_step_errors,
+)
 from ravenbrick.control.sampled import SampledLoop, StepResponse
 from ravenbrick.control.tuning import (
     DiscretePi,
@@ -21,6 +28,7 @@ from ravenbrick.control.tuning import (
 )
 
 __all__ = [
+    "ClosedLoopBound",
     "Design",
     "DiscretePi",
     "DiscretisationMethod",
@@ -29,15 +37,19 @@ __all__ = [
     "LoopSpecification",
     "Margins",
     "PiGains",
+    "PlantInLoop",
     "RunMeasures",
     "SampledLoop",
     "StepMetrics",
     "StepResponse",
+    "closed_loop_bound",
     "discretise",
     "encoder_run",
     "finish_design",
     "margins",
     "measure_runs",
+    "one_step_errors",
+    "peak_gain",
     "pi_by_damping",
     "pi_by_lambda",
     "pi_diagram",

@@ -21,8 +21,11 @@ from ravenbrick.model.blocks import (
 )
 from ravenbrick.model.diagram import Diagram, DiagramError
 from ravenbrick.model.encoder import Encoder, SpeedWindow
-from ravenbrick.model.execution import Execution, linearise
+from ravenbrick.model.execution import Execution
+from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
+from ravenbrick.model.linearisation import linearise
 from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
+from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
 from ravenbrick.model.program import DataType, Program
 
 __all__ = [
@@ -37,17 +40,23 @@ __all__ = [
     "DiscreteTransferFunction",
     "Encoder",
     "Execution",
+    "FixedFormat",
+    "FixedPoint",
+    "FixedPointOptions",
     "Gain",
     "Inport",
     "IntegrationMethod",
+    "Interval",
     "MotorParameters",
     "Outport",
     "Parameter",
     "Program",
+    "Rounding",
     "Saturation",
     "SpeedLoop",
     "SpeedWindow",
     "Sum",
     "UnitDelay",
     "linearise",
+    "to_fixed_point",
 ]

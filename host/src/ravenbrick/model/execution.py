@@ -1,30 +1,35 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Executing a program: bit for bit in its number formats, or with affine forms."""
+"""Executing a program bit for bit in its number formats."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-import control
 import numpy as np
-import numpy.typing as npt
 
-from ravenbrick.model.diagram import Diagram, DiagramError
+from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.program import (
     Binary,
+    Bounded,
     Cast,
     Clamp,
+    Comparison,
     Expression,
     Kind,
     Literal,
     Program,
     Read,
+    Rescale,
+    Rounded,
+    Select,
     Slot,
+    Table,
+    expression_type,
 )
 
-__all__ = ["Execution", "linearise"]
+__all__ = ["Execution"]
 
 _Key = tuple[Kind, str]
 
@@ -37,7 +42,9 @@ class Execution:
     """One instance of a diagram: its parameters and states, in the diagram's number formats.
 
     Every operation is a numpy scalar operation, rounded as IEEE 754 says, so the results have the
-    same bits as those of the generated C on a machine with IEEE arithmetic.
+    same bits as those of the generated C on a machine with IEEE arithmetic. A fixed-point program
+    takes and gives raw integers; a value beyond 32 bits raises `OverflowError`, because its
+    formats promise that there is none.
     """
 
     def __init__(self, diagram: Diagram | Program) -> None:
@@ -83,10 +90,9 @@ def _evaluate(expression: Expression, values: Mapping[_Key, Any]) -> Any:
         case Literal(value=value, data_type=data_type):
             return data_type.scalar(value)
         case Binary(operator=operator, left=left, right=right):
-            first, second = _evaluate(left, values), _evaluate(right, values)
-            if operator == "+":
-                return first + second
-            return first - second if operator == "-" else first * second
+            return _operate(operator, _evaluate(left, values), _evaluate(right, values))
+        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            return _evaluate(chosen if _holds(condition, values) else otherwise, values)
         case Clamp(value=inner, limit=limit):
             number, bound = _evaluate(inner, values), _evaluate(limit, values)
             if number > bound:
@@ -94,53 +100,58 @@ def _evaluate(expression: Expression, values: Mapping[_Key, Any]) -> Any:
             return -bound if number < -bound else number
         case Cast(value=inner, data_type=data_type):
             return data_type.scalar(_evaluate(inner, values))
+        case Rounded(value=inner):
+            return _nearest(_evaluate(inner, values))
+        case Table(value=inner):
+            return _look_up(expression, _evaluate(inner, values))
+        case Rescale(value=inner, bits=bits, rounding=rounding):
+            return rounding.divide(_evaluate(inner, values), bits)
+        case Bounded(value=inner, low=low, high=high):
+            return min(max(_evaluate(inner, values), low), high)
 
 
-_Vector = npt.NDArray[np.float64]
+def _operate(operator: str, first: Any, second: Any) -> Any:
+    if operator == "*":
+        result = first * second
+    else:
+        result = first + second if operator == "+" else first - second
+    if isinstance(result, int) and not -(2**31) <= result < 2**31:
+        raise OverflowError(f"{first} {operator} {second} = {result} does not fit into 32 bits")
+    return result
 
 
-def linearise(diagram: Diagram | Program) -> control.StateSpace:
-    """The linear system that the diagram is as long as no limit is reached.
-
-    States, inputs and outputs in the program's order. Raises `DiagramError` for a product of two
-    signals. Exact: affine forms run through the program's own statements.
-    """
-    program = diagram.lower() if isinstance(diagram, Diagram) else diagram
-    variables = (*program.states, *program.inputs)
-    width = len(variables) + 1
-    values: dict[_Key, _Vector] = {}
-    for index, slot in enumerate(variables):
-        values[_key(slot)] = np.eye(width)[index]
-    for slot in program.parameters:
-        values[_key(slot)] = slot.initial * np.eye(width)[-1]
-    for statement in program.statements:
-        values[_key(statement.target)] = _affine(statement.expression, values, width)
-    order = len(program.states)
-    states = np.array([values[_key(slot)] for slot in program.states]).reshape(order, width)
-    outputs = np.array([values[_key(slot)] for slot in program.outputs])
-    return control.ss(
-        states[:, :order],
-        states[:, order:-1],
-        outputs[:, :order],
-        outputs[:, order:-1],
-        program.sample_time,
-    )
+def _holds(condition: Comparison, values: Mapping[_Key, Any]) -> bool:
+    left, right = _evaluate(condition.left, values), _evaluate(condition.right, values)
+    match condition.operator:
+        case "<":
+            return bool(left < right)
+        case "<=":
+            return bool(left <= right)
+        case ">":
+            return bool(left > right)
+        case _:
+            return bool(left >= right)
 
 
-def _affine(expression: Expression, values: Mapping[_Key, _Vector], width: int) -> _Vector:
-    match expression:
-        case Read(slot=slot):
-            return values[slot.kind, slot.name]
-        case Literal(value=value):
-            return np.asarray(value * np.eye(width)[-1])
-        case Binary(operator="*", left=left, right=right):
-            first, second = _affine(left, values, width), _affine(right, values, width)
-            if first[:-1].any() and second[:-1].any():
-                raise DiagramError("a product of two signals is not linear")
-            constant, other = (second, first) if first[:-1].any() else (first, second)
-            return np.asarray(constant[-1] * other)
-        case Binary(operator=operator, left=left, right=right):
-            sign = 1.0 if operator == "+" else -1.0
-            return _affine(left, values, width) + sign * _affine(right, values, width)
-        case Clamp(value=inner) | Cast(value=inner):
-            return _affine(inner, values, width)
+def _nearest(value: Any) -> Any:
+    """Nearest whole number, halves away from zero; as the C does it, by a cut and a test."""
+    kind = type(value)
+    if not abs(value) < 2 ** (23 if kind is np.float32 else 52):
+        return value
+    whole = kind(int(value))
+    rest = value - whole
+    if rest >= kind(0.5):
+        return whole + kind(1.0)
+    return whole - kind(1.0) if rest <= kind(-0.5) else whole
+
+
+def _look_up(table: Table, value: Any) -> Any:
+    data_type = expression_type(table)
+    index = 0
+    while index + 1 < len(table.breakpoints) and value >= data_type.scalar(
+        table.breakpoints[index + 1]
+    ):
+        index += 1
+    slope = data_type.scalar(table.slopes[index])
+    rise = slope * (value - data_type.scalar(table.breakpoints[index]))
+    return data_type.scalar(table.values[index]) + rise

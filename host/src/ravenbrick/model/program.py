@@ -13,19 +13,30 @@ from enum import Enum
 
 import numpy as np
 
+from ravenbrick.model.number_format import FixedFormat, Rounding
+
 __all__ = [
     "Binary",
+    "Bounded",
     "Cast",
     "Clamp",
+    "Comparison",
     "DataType",
     "Expression",
     "Kind",
     "Literal",
+    "NumberFormat",
     "Program",
     "Read",
+    "Rescale",
+    "Rounded",
+    "Select",
     "Slot",
     "Statement",
+    "Table",
+    "children",
     "expression_type",
+    "is_fixed_point",
 ]
 
 
@@ -46,6 +57,9 @@ class DataType(Enum):
         return 4 if self is DataType.REAL32 else 8
 
 
+NumberFormat = DataType | FixedFormat
+
+
 class Kind(Enum):
     """Where a value lives."""
 
@@ -62,7 +76,7 @@ class Slot:
 
     kind: Kind
     name: str
-    data_type: DataType
+    data_type: NumberFormat
     block: str
     initial: float = 0.0
     unit: str = ""
@@ -71,10 +85,10 @@ class Slot:
 
 @dataclass(frozen=True)
 class Literal:
-    """A constant, rounded to `data_type`."""
+    """A constant, rounded to `data_type`; of a fixed-point format it is the raw value."""
 
     value: float
-    data_type: DataType
+    data_type: NumberFormat
 
 
 @dataclass(frozen=True)
@@ -109,7 +123,64 @@ class Cast:
     data_type: DataType
 
 
-Expression = Literal | Read | Binary | Clamp | Cast
+@dataclass(frozen=True)
+class Comparison:
+    """`left operator right`; operator is one of < <= > >=. A condition, not a number."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True)
+class Select:
+    """`chosen` if the condition holds, else `otherwise`."""
+
+    condition: Comparison
+    chosen: Expression
+    otherwise: Expression
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """The nearest whole number, halves away from zero, exactly; NaN and large values pass."""
+
+    value: Expression
+
+
+@dataclass(frozen=True)
+class Table:
+    """`values[i] + slopes[i] * (value - breakpoints[i])`, i the last with breakpoint <= value.
+
+    Before the first breakpoint i is 0. `name` is that of the arrays in the C.
+    """
+
+    value: Expression
+    name: str
+    breakpoints: tuple[float, ...]
+    values: tuple[float, ...]
+    slopes: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Rescale:
+    """A fixed-point value divided by 2**bits and rounded."""
+
+    value: Expression
+    bits: int
+    rounding: Rounding
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """A fixed-point value limited to [low, high], raw. Stands only at the top of a statement."""
+
+    value: Expression
+    low: int
+    high: int
+
+
+Expression = Literal | Read | Binary | Clamp | Cast | Select | Rounded | Table | Rescale | Bounded
 
 
 @dataclass(frozen=True)
@@ -136,7 +207,12 @@ class Program:
     statements: tuple[Statement, ...]
 
 
-def expression_type(expression: Expression) -> DataType:
+def is_fixed_point(program: Program) -> bool:
+    """Whether the program computes with integers."""
+    return any(isinstance(slot.data_type, FixedFormat) for slot in program.inputs + program.outputs)
+
+
+def expression_type(expression: Expression) -> NumberFormat:
     """The format of an expression's result."""
     match expression:
         case Literal(data_type=data_type) | Cast(data_type=data_type):
@@ -145,5 +221,22 @@ def expression_type(expression: Expression) -> DataType:
             return slot.data_type
         case Binary(left=left):
             return expression_type(left)
-        case Clamp(value=value):
-            return expression_type(value)
+        case Select(chosen=chosen):
+            return expression_type(chosen)
+        case _:
+            return expression_type(expression.value)
+
+
+def children(expression: Expression) -> tuple[Expression, ...]:
+    """The expressions directly inside an expression."""
+    match expression:
+        case Literal() | Read():
+            return ()
+        case Binary(left=left, right=right):
+            return left, right
+        case Clamp(value=value, limit=limit):
+            return value, limit
+        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            return condition.left, condition.right, chosen, otherwise
+        case _:
+            return (expression.value,)

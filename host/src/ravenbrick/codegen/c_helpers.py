@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Functions and tables that some expressions need beside them in the C."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ravenbrick.codegen.c_text import c_literal, format_suffix
+from ravenbrick.model.number_format import Rounding
+from ravenbrick.model.program import (
+    DataType,
+    Expression,
+    Program,
+    Rescale,
+    Rounded,
+    Table,
+    children,
+    expression_type,
+)
+
+__all__ = ["helper_functions", "table_arrays"]
+
+_QUOTIENT = """\
+/* Quotient to the nearest whole number, halves away from zero; the divisor is even. */
+static int32_T nearest_quotient(int32_T value, int32_T divisor)
+{
+  const int32_T half = divisor / 2;
+  return (value + ((value < 0) ? -half : half)) / divisor;
+}
+"""
+
+_NEAREST = """\
+/* Nearest whole number, halves away from zero. */
+static {real} nearest_{suffix}({real} value)
+{{
+  {real} whole = value;
+  if ((value > -{limit}) && (value < {limit})) {{
+    {real} rest;
+    whole = ({real})({integer})value;
+    rest = value - whole;
+    if (rest >= {half}) {{
+      whole += {one};
+    }} else if (rest <= -{half}) {{
+      whole -= {one};
+    }} else {{
+      /* whole is the nearest */
+    }}
+  }}
+  return whole;
+}}
+"""
+
+_LOOK_UP = """\
+/* Straight lines between the points of a table, the outer ones prolonged. */
+static {real} look_up_{suffix}(const {real} breakpoints[], const {real} values[],
+  const {real} slopes[], uint32_T count, {real} value)
+{{
+  uint32_T index = 0U;
+  while (((index + 1U) < count) && (value >= breakpoints[index + 1U])) {{
+    index = index + 1U;
+  }}
+  return values[index] + (slopes[index] * (value - breakpoints[index]));
+}}
+"""
+
+
+def _nodes(program: Program) -> Iterator[Expression]:
+    waiting = [statement.expression for statement in reversed(program.statements)]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting.extend(reversed(children(node)))
+
+
+def _words(expression: Expression) -> dict[str, str]:
+    single = expression_type(expression) is DataType.REAL32
+    return {
+        "real": expression_type(expression).value,
+        "suffix": format_suffix(expression),
+        "integer": "int32_T" if single else "int64_T",
+        "limit": "8388608.0F" if single else "4503599627370496.0",
+        "half": "0.5F" if single else "0.5",
+        "one": "1.0F" if single else "1.0",
+    }
+
+
+def helper_functions(program: Program) -> list[str]:
+    """Lines with the static functions that the step function calls, each once."""
+    found: dict[str, None] = {}
+    for node in _nodes(program):
+        if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
+            found[_QUOTIENT] = None
+        elif isinstance(node, Rounded):
+            found[_NEAREST.format(**_words(node.value))] = None
+        elif isinstance(node, Table):
+            found[_LOOK_UP.format(**_words(node.value))] = None
+    return list(found)
+
+
+def table_arrays(program: Program) -> list[str]:
+    """Lines inside the step function with the tables' numbers."""
+    lines: dict[str, None] = {}
+    for node in _nodes(program):
+        if not isinstance(node, Table):
+            continue
+        form = expression_type(node.value)
+        for part, numbers in (
+            ("breakpoints", node.breakpoints),
+            ("values", node.values),
+            ("slopes", node.slopes),
+        ):
+            head = f"  static const {form.value} {node.name}_{part}[{len(numbers)}] = {{"
+            words = ",\n".join(f"    {c_literal(number, form)}" for number in numbers)
+            lines[f"{head}\n{words}\n  }};"] = None
+    return list(lines)

@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The proof that goes with fixed-point C: formats, ranges, and bounds of the rounding error."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from ravenbrick import __version__
+from ravenbrick.codegen.gappa import gappa_script
+from ravenbrick.codegen.generator import GeneratedCode, generate_c
+from ravenbrick.control.rounding_error import (
+    ClosedLoopBound,
+    PlantInLoop,
+    closed_loop_bound,
+    one_step_errors,
+)
+from ravenbrick.model.fixed_point import FixedPoint
+from ravenbrick.model.number_format import FixedFormat
+from ravenbrick.model.program import Slot
+
+__all__ = ["FixedPointProof", "generate_fixed_c", "prove"]
+
+
+@dataclass(frozen=True, eq=False)
+class FixedPointProof:
+    """What is proved of a fixed-point program; `closed_loop` only with a plant."""
+
+    fixed: FixedPoint
+    one_step: dict[str, float]
+    closed_loop: ClosedLoopBound | None
+
+    def results(self) -> dict[str, Any]:
+        """Plain values for JSON; SI units and V."""
+        program = self.fixed.program
+        return {
+            "model": program.name,
+            "sample_time": program.sample_time,
+            "rounding": self.fixed.options.rounding.value,
+            "variables": [self._variable(slot) for slot in self._slots()],
+            "gains": [self._gain(slot) for slot in program.parameters],
+            "overflow": "none for any value of the inputs' formats, by induction over the steps",
+            "one_step_error": self.one_step,
+            "closed_loop": self._loop(),
+        }
+
+    def _slots(self) -> tuple[Slot, ...]:
+        program = self.fixed.program
+        return program.inputs + program.outputs + program.states + program.signals
+
+    def _variable(self, slot: Slot) -> dict[str, Any]:
+        form = slot.data_type
+        assert isinstance(form, FixedFormat)
+        raw = self.fixed.raw_ranges[slot.kind, slot.name]
+        return {
+            "name": slot.name,
+            "kind": slot.kind.value,
+            "format": str(form),
+            "lowest": form.real(int(raw.low)),
+            "highest": form.real(int(raw.high)),
+        }
+
+    def _gain(self, slot: Slot) -> dict[str, Any]:
+        form = slot.data_type
+        assert isinstance(form, FixedFormat)
+        real = {s.name: s.initial for s in self.fixed.source.parameters}[slot.name]
+        held = form.real(int(slot.initial))
+        return {
+            "name": slot.name,
+            "format": str(form),
+            "raw": int(slot.initial),
+            "wanted": real,
+            "held": held,
+            "error": held - real,
+        }
+
+    def _loop(self) -> dict[str, Any] | None:
+        bound = self.closed_loop
+        if bound is None:
+            return None
+        rows = zip(bound.sources, bound.peak_gains, bound.shares, strict=True)
+        return {
+            "unit": bound.unit,
+            "bound": bound.total,
+            "sources": [
+                {
+                    "block": source.block,
+                    "rounded": source.what,
+                    "lsb": source.lsb,
+                    "largest_error_lsb": source.size if source.active else 0.0,
+                    "peak_gain": gain,
+                    "share": share,
+                }
+                for source, gain, share in rows
+            ],
+        }
+
+    def text(self) -> str:
+        """The same for reading."""
+        results = self.results()
+        lines = [
+            f"Fixed-point proof of '{results['model']}', sample time "
+            f"{results['sample_time'] * 1000:g} ms, rounding {results['rounding']}",
+            "",
+            "Range of each variable for any inputs of their formats and any number of steps:",
+        ]
+        for row in results["variables"]:
+            lines.append(
+                f"  {row['kind']:8} {row['name']:24} {row['format']:14} "
+                f"{row['lowest']:14.6g} to {row['highest']:.6g}"
+            )
+        lines += ["No result exceeds its format or 32 bits.", "", "Gains as held:"]
+        for row in results["gains"]:
+            lines.append(
+                f"  {row['name']:24} {row['format']:14} {row['raw']:12d} = {row['held']:.9g} "
+                f"(wanted {row['wanted']:.9g}, error {row['error']:+.3g})"
+            )
+        lines += ["", "One step against real numbers, inputs and states in their ranges:"]
+        lines += [f"  |error of {name}| <= {e:.6g}" for name, e in self.one_step.items()]
+        return "\n".join([*lines, *self._loop_text(), ""])
+
+    def _loop_text(self) -> list[str]:
+        loop = self._loop()
+        if loop is None:
+            return ["", "In the loop: no plant was given, so no bound for all time is stated."]
+        lines = ["", "In the loop with the plant, for all time while no limit is reached:"]
+        for row in loop["sources"]:
+            what = "a rounded state would count" if row["rounded"] == "state" else row["rounded"]
+            lines.append(
+                f"  {row['block']:24} {what:28} peak gain {row['peak_gain']:8.4g}, "
+                f"error <= {row['largest_error_lsb']:g} LSB of {row['lsb']:.6g}: {row['share']:.6g}"
+            )
+        return [*lines, f"  |error of the observed signal| <= {loop['bound']:.6g} {loop['unit']}"]
+
+
+def prove(fixed: FixedPoint, plant: PlantInLoop | None = None) -> FixedPointProof:
+    """Bounds of the rounding errors in one step and, with a plant, for all time.
+
+    The ranges were proved when the formats were chosen.
+    """
+    loop = None if plant is None else closed_loop_bound(fixed, plant)
+    return FixedPointProof(fixed, one_step_errors(fixed), loop)
+
+
+def generate_fixed_c(fixed: FixedPoint, plant: PlantInLoop | None = None) -> GeneratedCode:
+    """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`."""
+    code = generate_c(fixed.program)
+    proof = prove(fixed, plant)
+    name = fixed.program.name
+    record = {
+        "generator": f"ravenbrick {__version__}",
+        "input_digest": code.digest,
+        "source_digest": hashlib.sha256(repr(fixed.source).encode()).hexdigest(),
+        **proof.results(),
+    }
+    files = {
+        **code.files,
+        f"{name}_proof.json": json.dumps(record, indent=1) + "\n",
+        f"{name}_proof.txt": proof.text(),
+        f"{name}.gappa": gappa_script(fixed, proof.one_step),
+    }
+    return GeneratedCode(files, code.digest)

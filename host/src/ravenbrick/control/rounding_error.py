@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What rounding can do to a fixed-point controller: in one step, and in the loop for all time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+import numpy.typing as npt
+
+from ravenbrick.control.peak_gain import peak_gain
+from ravenbrick.errors import DesignError
+from ravenbrick.model.fixed_point import FixedPoint
+from ravenbrick.model.linearisation import (
+    ErrorSource,
+    fraction_of,
+    linearise_with_errors,
+    lsb_of,
+)
+from ravenbrick.model.number_format import FixedFormat, Interval
+from ravenbrick.model.program import (
+    Binary,
+    Clamp,
+    Expression,
+    Kind,
+    Literal,
+    Read,
+    Rescale,
+    Slot,
+    children,
+)
+
+__all__ = ["ClosedLoopBound", "PlantInLoop", "closed_loop_bound", "one_step_errors"]
+
+_Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PlantInLoop:
+    """A discrete plant around a diagram.
+
+    `system` goes from the diagram's outports, in order, to `measured`, names of inports, at the
+    diagram's sample time. The bound is for `observed_gain` times the first measured signal, in
+    `unit`.
+    """
+
+    system: control.StateSpace
+    measured: tuple[str, ...]
+    observed_gain: float = 1.0
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class ClosedLoopBound:
+    """|error of the observed signal| <= `total` for all time, as long as no limit is reached.
+
+    The error is the difference to the same loop without rounding, with the same gains. Per source
+    the peak gain from an error (in the source's unit) to the observed signal, and its share of the
+    total.
+    """
+
+    sources: tuple[ErrorSource, ...]
+    peak_gains: tuple[float, ...]
+    shares: tuple[float, ...]
+    total: float
+    unit: str
+
+    def peak_gain(self, block: str, what: str) -> float:
+        """The largest peak gain of the block's errors of this kind."""
+        found = [
+            gain
+            for source, gain in zip(self.sources, self.peak_gains, strict=True)
+            if (source.block, source.what) == (block, what)
+        ]
+        if not found:
+            raise KeyError(f"block '{block}' has no rounding of kind '{what}'")
+        return max(found)
+
+
+def closed_loop_bound(fixed: FixedPoint, plant: PlantInLoop) -> ClosedLoopBound:
+    """Worst-case peak gains of all rounding errors with the plant in the loop.
+
+    The controller alone has none: its integrator is not stable. Hilaire and Lopez, Reliable
+    implementation of linear filters with fixed-point arithmetic (SiPS 2013), use the same bound
+    for filters.
+    """
+    system, sources = linearise_with_errors(fixed.program)
+    loop = _error_loop(fixed, system, sources, plant)
+    gains = peak_gain(loop)[0]
+    shares = [
+        float(gain) * source.size * source.lsb if source.active else 0.0
+        for gain, source in zip(gains, sources, strict=True)
+    ]
+    return ClosedLoopBound(
+        sources, tuple(map(float, gains)), tuple(shares), sum(shares), plant.unit
+    )
+
+
+def _error_loop(
+    fixed: FixedPoint,
+    controller: control.StateSpace,
+    sources: tuple[ErrorSource, ...],
+    plant: PlantInLoop,
+) -> control.StateSpace:
+    """From the errors, in the units they stand for, to the observed signal."""
+    program = fixed.program
+    _check_plant(fixed, plant)
+    names = [slot.name for slot in program.inputs]
+    measured = [names.index(name) for name in plant.measured]
+    entry = np.diag([1.0 / lsb_of(program.inputs[place]) for place in measured])
+    errors = np.diag([1.0 / source.lsb for source in sources])
+    leave = np.diag([lsb_of(slot) for slot in program.outputs])
+    count = len(names)
+    system = plant.system
+    b_measured, b_error = controller.B[:, measured] @ entry, controller.B[:, count:] @ errors
+    c_out = leave @ controller.C
+    d_measured = leave @ controller.D[:, measured] @ entry
+    d_error = leave @ controller.D[:, count:] @ errors
+    matrix = np.block(
+        [
+            [system.A + system.B @ d_measured @ system.C, system.B @ c_out],
+            [b_measured @ system.C, controller.A],
+        ]
+    )
+    drive = np.vstack([system.B @ d_error, b_error])
+    row = np.hstack([plant.observed_gain * system.C[:1], np.zeros((1, len(controller.A)))])
+    still = np.zeros((1, drive.shape[1]))
+    return control.ss(matrix, drive, row, still, program.sample_time, remove_useless_states=False)
+
+
+def _check_plant(fixed: FixedPoint, plant: PlantInLoop) -> None:
+    program, system = fixed.program, plant.system
+    if system.dt != program.sample_time:
+        raise DesignError(
+            f"the plant has the sample time {system.dt}, the diagram {program.sample_time} s; "
+            "discretise it with a zero-order hold"
+        )
+    if (system.ninputs, system.noutputs) != (len(program.outputs), len(plant.measured)):
+        raise DesignError(
+            f"the plant has {system.ninputs} inputs and {system.noutputs} outputs; the diagram has "
+            f"{len(program.outputs)} outports and {len(plant.measured)} measured inports"
+        )
+    if np.any(system.D):
+        raise DesignError("the plant passes its input on at once; the loop would be algebraic")
+    known = [slot.name for slot in program.inputs]
+    for name in plant.measured:
+        if name not in known:
+            raise DesignError(f"'{name}' is no Inport; there are: {', '.join(known)}")
+
+
+def one_step_errors(fixed: FixedPoint) -> dict[str, float]:
+    """Bounds by outport of |fixed-point - real-number| output of one step from the same state.
+
+    For inputs and states in their declared ranges; rounded gains included. Limits do not let an
+    error grow.
+    """
+    return _ErrorPass(fixed).outputs()
+
+
+class _ErrorPass:
+    """Intervals of the real values and bounds of the errors, statement by statement."""
+
+    def __init__(self, fixed: FixedPoint) -> None:
+        self._fixed = fixed
+        self._block = ""
+        self._errors: dict[tuple[Kind, str], float] = {}
+        real = {slot.name: slot.initial for slot in fixed.source.parameters}
+        for slot in fixed.program.parameters:
+            assert isinstance(slot.data_type, FixedFormat)
+            error = abs(slot.data_type.real(int(slot.initial)) - real[slot.name])
+            self._errors[slot.kind, slot.name] = error
+
+    def outputs(self) -> dict[str, float]:
+        """Bounds by outport."""
+        for statement in self._fixed.program.statements:
+            self._block, target = statement.block, statement.target
+            if target.kind is not Kind.STATE:
+                self._errors[target.kind, target.name] = self._bound(statement.expression)[1]
+        return {
+            slot.name: self._errors[slot.kind, slot.name] for slot in self._fixed.program.outputs
+        }
+
+    def _bound(self, expression: Expression) -> tuple[Interval, float]:
+        match expression:
+            case Read(slot=slot):
+                return self._variable(slot)
+            case Literal(value=value, data_type=form):
+                assert isinstance(form, FixedFormat)
+                own = form.real(int(value))
+                real = self._fixed.constants.get((self._block, expression), own)
+                return Interval(real, real), abs(own - real)
+            case Binary(operator="*", left=left, right=right):
+                (first, e), (second, f) = self._bound(left), self._bound(right)
+                return first * second, first.size * f + second.size * e + e * f
+            case Binary(operator=operator, left=left, right=right):
+                (first, e), (second, f) = self._bound(left), self._bound(right)
+                return (first + second if operator == "+" else first - second), e + f
+            case Rescale(value=inner, rounding=rounding):
+                interval, error = self._bound(inner)
+                return interval, error + rounding.largest_error * _lsb(expression)
+            case Clamp(value=inner, limit=limit):
+                (interval, e), (bound, f) = self._bound(inner), self._bound(limit)
+                return interval.limited(-bound.size, bound.size), max(e, f)
+            case _:
+                return self._bound(children(expression)[0])
+
+    def _variable(self, slot: Slot) -> tuple[Interval, float]:
+        key = slot.kind, slot.name
+        return self._fixed.ranges[key], self._errors.get(key, 0.0)
+
+
+def _lsb(expression: Rescale) -> float:
+    return float(2.0 ** -fraction_of(expression))

@@ -1,0 +1,400 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A program in fixed point: formats from ranges, exact accumulators, proved free of overflow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from ravenbrick.errors import DesignError
+from ravenbrick.model.diagram import Diagram
+from ravenbrick.model.integer_ranges import Key, expression_range, integer_ranges, key
+from ravenbrick.model.number_format import FixedFormat, Interval, Rounding, finest_fraction
+from ravenbrick.model.program import (
+    Binary,
+    Bounded,
+    Cast,
+    Clamp,
+    Expression,
+    Kind,
+    Literal,
+    Program,
+    Read,
+    Rescale,
+    Slot,
+    Statement,
+)
+from ravenbrick.model.ranges import real_ranges
+
+__all__ = ["FixedPoint", "FixedPointOptions", "to_fixed_point"]
+
+_FINEST, _COARSEST = 30, 4
+_LEAST_GAIN_BITS = 10
+_LEAST_GAIN = 32
+
+
+class _TooFineError(Exception):
+    """The accumulator's fraction leaves no room for a sum."""
+
+
+@dataclass(frozen=True)
+class FixedPointOptions:
+    """What the choice of formats starts from.
+
+    `ranges` gives by block the largest size (or the interval) of each Inport and of each state
+    that is not bounded by itself; such a state saturates there. `formats` fixes a format by block
+    or parameter name. `gain_fraction` is the most fractional bits of a gain that keeps 10
+    significant bits with them.
+    """
+
+    ranges: Mapping[str, float | Interval]
+    formats: Mapping[str, FixedFormat] = field(default_factory=dict)
+    rounding: Rounding = Rounding.NEAREST
+    gain_fraction: int = 15
+
+    def intervals(self) -> dict[str, Interval]:
+        """The ranges as intervals."""
+        return {
+            name: value if isinstance(value, Interval) else Interval.around_zero(value)
+            for name, value in self.ranges.items()
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class FixedPoint:
+    """A fixed-point `program`, the `source` it computes, and what was found out on the way.
+
+    `accumulator_fraction` is that of sums and states in 32 bits. `raw_ranges` bounds every
+    variable for all 16-bit inputs, in raw units; no intermediate result exceeds 32 bits.
+    `ranges` are those of the source for the declared inputs; `constants` gives the value that a
+    literal of a block was rounded from.
+    """
+
+    program: Program
+    source: Program
+    options: FixedPointOptions
+    accumulator_fraction: int
+    ranges: Mapping[Key, Interval]
+    raw_ranges: Mapping[Key, Interval]
+    constants: Mapping[tuple[str, Literal], float]
+
+    def format(self, kind: Kind, name: str) -> FixedFormat:
+        """The format of a variable."""
+        program = self.program
+        slots = program.inputs + program.outputs + program.parameters + program.states
+        for slot in slots + program.signals:
+            if (slot.kind, slot.name) == (kind, name):
+                assert isinstance(slot.data_type, FixedFormat)
+                return slot.data_type
+        raise KeyError(f"no {kind.value} '{name}'")
+
+
+def to_fixed_point(diagram: Diagram | Program, options: FixedPointOptions) -> FixedPoint:
+    """Choose formats, rewrite the program with integers, prove that nothing overflows.
+
+    Inputs, outputs and gains have 16 bits, sums and states 32. The accumulator is as fine as the
+    widest sum allows, for every value that the 16-bit inputs can have. Raises `DesignError` that
+    names the block without a range or without a fixed-point form.
+    """
+    source = diagram.lower() if isinstance(diagram, Diagram) else diagram
+    known = {slot.block for slot in source.inputs + source.states}
+    for name in options.ranges:
+        if name not in known:
+            raise DesignError(
+                f"a range is given for '{name}', which is no Inport and has no state; "
+                f"there are: {', '.join(sorted(known))}"
+            )
+    ranges = real_ranges(source, options.intervals())
+    reason = ""
+    for fraction in range(_FINEST, _COARSEST - 1, -1):
+        try:
+            rewriting = _Rewriting(source, options, ranges, fraction)
+            program = rewriting.program()
+            raw_ranges = integer_ranges(program)
+            program = _without_idle_limits(program, raw_ranges)
+        except (_TooFineError, OverflowError) as error:
+            reason = str(error)
+            continue
+        constants = rewriting.constants
+        return FixedPoint(program, source, options, fraction, ranges, raw_ranges, constants)
+    raise DesignError(
+        f"diagram '{source.name}': no accumulator of 32 bits holds all sums ({reason}); "
+        "lower the ranges or the gains"
+    )
+
+
+def _without_idle_limits(program: Program, ranges: Mapping[Key, Interval]) -> Program:
+    """Leave out the limits that no value reaches."""
+    statements = []
+    for statement in program.statements:
+        bounded = statement.expression
+        if isinstance(bounded, Bounded):
+            allowed = Interval(bounded.low, bounded.high)
+            if expression_range(bounded.value, ranges, statement.block).within(allowed):
+                statement = replace(statement, expression=bounded.value)
+        statements.append(statement)
+    return replace(program, statements=tuple(statements))
+
+
+@dataclass(frozen=True)
+class _Scaled:
+    """An integer expression that stands for itself times 2**-fraction, with its real range."""
+
+    expression: Expression
+    fraction: int
+    interval: Interval
+
+    def finer(self, fraction: int) -> _Scaled:
+        """The same value with more fractional bits."""
+        if fraction == self.fraction:
+            return self
+        bits = fraction - self.fraction
+        factor = Literal(1 << bits, FixedFormat(32, bits))
+        return _Scaled(Binary("*", self.expression, factor), fraction, self.interval)
+
+
+class _Rewriting:
+    """One attempt with a certain fraction of the accumulator."""
+
+    def __init__(
+        self,
+        source: Program,
+        options: FixedPointOptions,
+        ranges: Mapping[Key, Interval],
+        fraction: int,
+    ) -> None:
+        self._source = source
+        self._options = options
+        self._ranges = ranges
+        self._fraction = fraction
+        self._slots: dict[Key, Slot] = {}
+        self._block = ""
+        self.constants: dict[tuple[str, Literal], float] = {}
+        self._narrow = _multiplied_sums(source)
+        for slot in source.inputs:
+            self._declare(slot, 16, finest_fraction(ranges[key(slot)], 16))
+        kept = _plain_stores(source)
+        for slot in source.states:
+            width = 16 if key(slot) in kept else 32
+            finest = finest_fraction(ranges[key(slot)], width)
+            self._declare(slot, width, finest if width == 16 else min(finest, fraction))
+
+    def _declare(self, slot: Slot, width: int, fraction: int) -> Slot:
+        chosen = self._options.formats.get(slot.block if slot.kind is not Kind.PARAMETER else "")
+        chosen = chosen or self._options.formats.get(slot.name) or FixedFormat(width, fraction)
+        known = self._slots.get(key(slot))
+        if known is not None:
+            if known.data_type != chosen:
+                raise DesignError(
+                    f"parameter '{slot.name}' needs the formats {known.data_type} and {chosen}; "
+                    "give the blocks parameters of their own"
+                )
+            return known
+        try:
+            initial = chosen.raw(slot.initial)
+        except DesignError as error:
+            raise DesignError(f"block '{slot.block}', '{slot.name}': {error}") from error
+        unit = f"{slot.unit}, {chosen}" if slot.unit else str(chosen)
+        self._slots[key(slot)] = replace(slot, data_type=chosen, initial=initial, unit=unit)
+        return self._slots[key(slot)]
+
+    def program(self) -> Program:
+        """The fixed-point program."""
+        statements = tuple(self._statement(statement) for statement in self._source.statements)
+        source, slots = self._source, self._slots
+        for slot in source.parameters:
+            if key(slot) not in slots:
+                raise DesignError(f"parameter '{slot.name}' is not used")
+        return Program(
+            name=source.name,
+            sample_time=source.sample_time,
+            inputs=tuple(slots[key(slot)] for slot in source.inputs),
+            outputs=tuple(slots[key(slot)] for slot in source.outputs),
+            parameters=tuple(slots[key(slot)] for slot in source.parameters),
+            states=tuple(slots[key(slot)] for slot in source.states),
+            signals=tuple(slots[key(slot)] for slot in source.signals),
+            statements=statements,
+        )
+
+    def _statement(self, statement: Statement) -> Statement:
+        self._block = statement.block
+        target = statement.target
+        value = self._convert(statement.expression)
+        if target.kind is Kind.STATE:
+            slot = self._slots[key(target)]
+        elif target.kind is Kind.OUTPUT:
+            slot = self._declare(target, 16, finest_fraction(self._ranges[key(target)], 16))
+        else:
+            slot = self._declare(target, 32, value.fraction)
+            if target.name in self._narrow and not isinstance(statement.expression, Read):
+                finest = finest_fraction(self._ranges[key(target)], 16)
+                if finest < value.fraction:
+                    self._slots.pop(key(target))
+                    slot = self._declare(target, 16, finest)
+        expression = self._fit(value, slot)
+        return replace(statement, target=slot, expression=expression)
+
+    def _fit(self, value: _Scaled, slot: Slot) -> Expression:
+        """The value in the target's format; states are limited to their ranges."""
+        wanted = slot.data_type
+        assert isinstance(wanted, FixedFormat)
+        expression = self._at_fraction(value, wanted.fraction).expression
+        low, high = wanted.limits
+        if slot.kind is Kind.STATE:
+            range_ = self._ranges[key(slot)]
+            low = max(low, math.floor(math.ldexp(range_.low, wanted.fraction)))
+            high = min(high, math.ceil(math.ldexp(range_.high, wanted.fraction)))
+        if isinstance(expression, Literal) or (slot.kind is Kind.SIGNAL and wanted.width == 32):
+            return expression
+        return Bounded(expression, low, high)
+
+    def _at_fraction(self, value: _Scaled, fraction: int) -> _Scaled:
+        if fraction >= value.fraction:
+            return value.finer(fraction)
+        bits = value.fraction - fraction
+        expression = Rescale(value.expression, bits, self._options.rounding)
+        return _Scaled(expression, fraction, value.interval)
+
+    def _convert(self, expression: Expression) -> _Scaled:
+        match expression:
+            case Read(slot=slot):
+                own = self._slots[key(slot)]
+                assert isinstance(own.data_type, FixedFormat)
+                return _Scaled(Read(own), own.data_type.fraction, self._ranges[key(slot)])
+            case Literal(value=number):
+                return self._constant(expression, self._literal_fraction(number))
+            case Cast(value=inner):
+                return self._convert(inner)
+            case Binary(operator="*", left=left, right=right):
+                return self._product(left, right)
+            case Binary(operator=operator, left=left, right=right):
+                return self._sum(operator, left, right)
+            case Clamp(value=inner, limit=limit):
+                value = self._convert(inner)
+                bound = self._constant(limit, value.fraction, 32)
+                size = bound.interval.size
+                clamp = Clamp(value.expression, bound.expression)
+                return _Scaled(clamp, value.fraction, value.interval.limited(-size, size))
+            case _:
+                raise DesignError(
+                    f"block '{self._block}' has no fixed-point form; use it in floating point or "
+                    "replace it by sums, gains, delays, integrators and saturations"
+                )
+
+    def _literal_fraction(self, value: float) -> int:
+        return min(finest_fraction(Interval(value, value), 16), self._fraction)
+
+    def _constant(self, expression: Expression, fraction: int, width: int = 16) -> _Scaled:
+        """A literal or parameter with a certain fraction."""
+        if isinstance(expression, Literal):
+            form = FixedFormat(width, fraction)
+            literal = Literal(form.raw(expression.value), form)
+            self.constants[self._block, literal] = expression.value
+            return _Scaled(literal, fraction, Interval(expression.value, expression.value))
+        assert isinstance(expression, Read)
+        slot = self._declare(expression.slot, width, fraction)
+        assert isinstance(slot.data_type, FixedFormat)
+        if width == 32 and slot.data_type.fraction != fraction:
+            raise DesignError(f"parameter '{slot.name}' must have {fraction} fractional bits")
+        return _Scaled(Read(slot), slot.data_type.fraction, self._ranges[key(expression.slot)])
+
+    def _sum(self, operator: str, left: Expression, right: Expression) -> _Scaled:
+        operands = [None if _is_constant(side) else self._convert(side) for side in (left, right)]
+        fraction = max(
+            (value.fraction for value in operands if value is not None), default=self._fraction
+        )
+        first, second = (
+            self._constant(side, fraction, 32) if value is None else value.finer(fraction)
+            for value, side in zip(operands, (left, right), strict=True)
+        )
+        interval = first.interval + second.interval
+        if operator == "-":
+            interval = first.interval - second.interval
+        if finest_fraction(interval, 32) < fraction:
+            raise _TooFineError(f"block '{self._block}' reaches {interval.size:.6g}")
+        expression = Binary(operator, first.expression, second.expression)
+        return _Scaled(expression, fraction, interval)
+
+    def _product(self, left: Expression, right: Expression) -> _Scaled:
+        if _is_constant(right):
+            left, right = right, left
+        if not _is_constant(left):
+            raise DesignError(
+                f"block '{self._block}' multiplies two signals, which has no fixed-point form"
+            )
+        value = self._convert(right)
+        interval = self._constant_range(left)
+        product = interval * value.interval
+        room = finest_fraction(product, 32)
+        gain_fraction = self._gain_fraction(interval)
+        if value.fraction + gain_fraction > room or value.fraction > self._fraction:
+            narrow = finest_fraction(value.interval, 16)
+            value = self._at_fraction(value, min(narrow, value.fraction))
+        gain_fraction = min(gain_fraction, room - value.fraction, self._fraction - value.fraction)
+        gain = self._constant(left, gain_fraction)
+        if interval.size and math.ldexp(interval.size, gain.fraction) < _LEAST_GAIN:
+            raise DesignError(
+                f"block '{self._block}': the gain {interval.size:.6g} keeps too few bits; "
+                "lower the ranges of the states that it drives"
+            )
+        expression = Binary("*", gain.expression, value.expression)
+        return _Scaled(expression, gain.fraction + value.fraction, product)
+
+    def _constant_range(self, expression: Expression) -> Interval:
+        if isinstance(expression, Literal):
+            return Interval(expression.value, expression.value)
+        assert isinstance(expression, Read)
+        return self._ranges[key(expression.slot)]
+
+    def _gain_fraction(self, interval: Interval) -> int:
+        needed = _LEAST_GAIN_BITS - 1 - math.floor(math.log2(interval.size or 1.0))
+        return min(finest_fraction(interval, 16), max(self._options.gain_fraction, needed))
+
+
+def _is_constant(expression: Expression) -> bool:
+    if isinstance(expression, Read):
+        return expression.slot.kind is Kind.PARAMETER
+    return isinstance(expression, Literal)
+
+
+def _multiplied_sums(program: Program) -> set[str]:
+    """Signals that a sum adds whose result is multiplied: they get 16 bits before the sum."""
+    multiplied = {
+        side.slot.name
+        for statement in program.statements
+        if isinstance(statement.expression, Binary) and statement.expression.operator == "*"
+        for side in (statement.expression.left, statement.expression.right)
+        if isinstance(side, Read) and side.slot.kind is Kind.SIGNAL
+    }
+    found: set[str] = set()
+    for statement in program.statements:
+        expression = statement.expression
+        if statement.target.name not in multiplied or statement.target.kind is not Kind.SIGNAL:
+            continue
+        if not isinstance(expression, Binary) or expression.operator == "*":
+            continue
+        inner = [expression]
+        while inner:
+            node = inner.pop()
+            for side in (node.left, node.right):
+                if isinstance(side, Binary) and side.operator != "*":
+                    inner.append(side)
+                elif isinstance(side, Read) and side.slot.kind is Kind.SIGNAL:
+                    found.add(side.slot.name)
+    products = {
+        statement.target.name
+        for statement in program.statements
+        if isinstance(statement.expression, Binary) and statement.expression.operator == "*"
+    }
+    return found & products
+
+
+def _plain_stores(program: Program) -> set[Key]:
+    """States whose update only stores a value, as in a delay."""
+    return {
+        key(statement.target)
+        for statement in program.statements
+        if statement.target.kind is Kind.STATE and isinstance(statement.expression, Read)
+    }

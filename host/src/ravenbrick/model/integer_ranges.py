@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Proof by interval arithmetic over the integers that a fixed-point program never overflows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
+from ravenbrick.model.program import (
+    Binary,
+    Bounded,
+    Clamp,
+    Expression,
+    Literal,
+    Program,
+    Read,
+    Rescale,
+    Slot,
+)
+from ravenbrick.model.ranges import Key, key
+
+__all__ = ["Key", "expression_range", "integer_ranges", "key"]
+
+_WORD = Interval(-(2**31), 2**31 - 1)
+_ROUNDS = 60
+
+
+def integer_ranges(program: Program) -> dict[Key, Interval]:
+    """Raw ranges of all variables, for any inputs of their formats and any number of steps.
+
+    By induction: the states' ranges grow from their initial values until one more step leaves
+    them as they are; a state that still grows gets its whole format, which the next step must
+    keep. Raises `OverflowError` that names the block whose result exceeds 32 bits or its format.
+    """
+    ranges: dict[Key, Interval] = {}
+    for slot in program.inputs:
+        ranges[key(slot)] = Interval(*_format(slot).limits)
+    for slot in program.parameters + program.states:
+        ranges[key(slot)] = Interval(slot.initial, slot.initial)
+    for last_chance in (False, True):
+        for _ in range(_ROUNDS):
+            before = {key(slot): ranges[key(slot)] for slot in program.states}
+            _pass(program, ranges)
+            for name, interval in before.items():
+                ranges[name] = ranges[name].hull(interval)
+            growing = [name for name, interval in before.items() if ranges[name] != interval]
+            if not growing:
+                return ranges
+        if last_chance:
+            break
+        for slot in program.states:
+            if key(slot) in growing:
+                ranges[key(slot)] = Interval(*_format(slot).limits)
+    raise OverflowError(f"the range of state '{growing[0][1]}' has no end")
+
+
+def _format(slot: Slot) -> FixedFormat:
+    assert isinstance(slot.data_type, FixedFormat)
+    return slot.data_type
+
+
+def _pass(program: Program, ranges: dict[Key, Interval]) -> None:
+    for statement in program.statements:
+        target = statement.target
+        result = expression_range(statement.expression, ranges, statement.block)
+        if not result.within(Interval(*_format(target).limits)):
+            raise OverflowError(f"block '{statement.block}' exceeds {target.data_type}")
+        ranges[key(target)] = result
+
+
+def expression_range(
+    expression: Expression, ranges: Mapping[Key, Interval], block: str
+) -> Interval:
+    """Raw range of an expression; raises `OverflowError` for a part beyond 32 bits."""
+    match expression:
+        case Read(slot=slot):
+            return ranges[slot.kind, slot.name]
+        case Literal(value=value):
+            result = Interval(value, value)
+        case Binary(operator=operator, left=left, right=right):
+            first, second = (
+                expression_range(left, ranges, block),
+                expression_range(right, ranges, block),
+            )
+            if operator == "*":
+                result = first * second
+            else:
+                result = first + second if operator == "+" else first - second
+        case Clamp(value=inner, limit=limit):
+            size = expression_range(limit, ranges, block).size
+            result = expression_range(inner, ranges, block).limited(-size, size)
+        case Bounded(value=inner, low=low, high=high):
+            result = expression_range(inner, ranges, block).limited(low, high)
+        case Rescale(value=inner, bits=bits, rounding=rounding):
+            result = _rescaled(expression_range(inner, ranges, block), bits, rounding, block)
+        case _:
+            raise OverflowError(f"block '{block}' is not in fixed point")
+    if not result.within(_WORD):
+        raise OverflowError(f"block '{block}' reaches {result.size:.0f}, beyond 32 bits")
+    return result
+
+
+def _rescaled(value: Interval, bits: int, rounding: Rounding, block: str) -> Interval:
+    """The C adds half a unit before it divides: that must fit as well."""
+    half = (1 << bits) >> 1 if rounding is Rounding.NEAREST else 0
+    if not Interval(value.low - half, value.high + half).within(_WORD):
+        raise OverflowError(f"block '{block}' leaves no room to round")
+    low, high = int(value.low), int(value.high)
+    return Interval(rounding.divide(low, bits), rounding.divide(high, bits))

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Formats, rounding, ranges and the proof that nothing overflows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from ravenbrick.errors import DesignError
+from ravenbrick.model import (
+    Diagram,
+    DiscreteTransferFunction,
+    Execution,
+    FixedFormat,
+    FixedPointOptions,
+    Gain,
+    Inport,
+    Interval,
+    Outport,
+    Rounding,
+    Sum,
+    UnitDelay,
+    to_fixed_point,
+)
+from ravenbrick.model.integer_ranges import integer_ranges
+from ravenbrick.model.number_format import finest_fraction
+from ravenbrick.model.program import Binary, Kind, Literal, Program, Read, Slot, Statement
+
+
+@pytest.mark.parametrize(
+    ("largest", "width", "fraction"),
+    [(10.0, 16, 11), (20.0, 16, 10), (9.0, 32, 27), (16.2, 32, 26), (0.361, 16, 16), (300.0, 16, 6)]
+)  # fmt: skip
+def test_the_finest_format_just_holds_the_range(largest: float, width: int, fraction: int) -> None:
+    """One more fractional bit would overflow."""
+    assert finest_fraction(Interval.around_zero(largest), width) == fraction
+    FixedFormat(width, fraction).raw(largest)
+    with pytest.raises(DesignError, match="does not fit"):
+        FixedFormat(width, fraction + 1).raw(largest)
+
+
+def test_a_power_of_two_fits_on_the_negative_side_only() -> None:
+    """-1 has 15 fractional bits, +1 only 14."""
+    assert finest_fraction(Interval(-1.0, 0.5), 16) == 15
+    assert finest_fraction(Interval(-1.0, 1.0), 16) == 14
+
+
+@pytest.mark.parametrize("rounding", list(Rounding))
+def test_rounding_errs_by_no_more_than_it_says(rounding: Rounding) -> None:
+    """All values around zero; zero itself is exact and signs are symmetric."""
+    for value in range(-64, 65):
+        error = abs(rounding.divide(value, 3) - value / 8)
+        assert error <= rounding.largest_error
+        assert rounding.divide(-value, 3) == -rounding.divide(value, 3)
+    assert rounding.divide(0, 3) == 0
+
+
+def test_the_range_of_a_filter_is_its_peak_gain() -> None:
+    """A first-order filter with gain 1 keeps the input's range; an oscillating one exceeds it."""
+    for pole, factor in ((0.9, 1.0), (-0.9, 19.0)):
+        diagram = Diagram("one", 0.01)
+        source = diagram.add(Inport("In"))
+        numerator = (0.0, 1.0 - pole) if pole < 0 else (0.0, 0.1)
+        block = diagram.add(
+            DiscreteTransferFunction("Filter", numerator=numerator, denominator=(1.0, -pole))
+        )
+        diagram.connect_chain(source, block, diagram.add(Outport("Out")))
+        fixed = to_fixed_point(diagram, FixedPointOptions({"In": 4.0}))
+        size = fixed.ranges[Kind.STATE, "Filter_DSTATE1"].size
+        assert size == pytest.approx(4.0 * factor, rel=1e-4)
+
+
+def test_a_filter_in_fixed_point_follows_the_real_one() -> None:
+    """Within a few LSB of the accumulator over 2000 random steps."""
+    diagram = Diagram("one", 0.01)
+    source = diagram.add(Inport("In"))
+    block = diagram.add(
+        DiscreteTransferFunction(
+            "Filter", numerator=(0.02, 0.04, 0.02), denominator=(1.0, -1.5625, 0.640625)
+        )
+    )
+    diagram.connect_chain(source, block, diagram.add(Outport("Out")))
+    fixed = to_fixed_point(diagram, FixedPointOptions({"In": 5.0}))
+    ports = fixed.format(Kind.INPUT, "In"), fixed.format(Kind.OUTPUT, "Out")
+    real, integer = Execution(diagram), Execution(fixed.program)
+    worst = 0.0
+    for value in np.random.default_rng(2).uniform(-5, 5, 2000):
+        raw = ports[0].raw(value)
+        wanted = real.step({"In": ports[0].real(raw)})["Out"]
+        got = ports[1].real(integer.step({"In": raw})["Out"])
+        worst = max(worst, abs(got - wanted))
+    assert worst < 20 * ports[1].lsb
+
+
+def test_delays_keep_sixteen_bits() -> None:
+    """A stored sample has the format of its range."""
+    diagram = Diagram("delays", 0.01)
+    source = diagram.add(Inport("In"))
+    memory = diagram.add(UnitDelay("Memory"))
+    diagram.connect_chain(source, memory, diagram.add(Outport("Out")))
+    fixed = to_fixed_point(diagram, FixedPointOptions({"In": 3.0}))
+    assert fixed.format(Kind.STATE, "Memory_DSTATE") == FixedFormat(16, 13)
+
+
+def test_a_huge_gain_is_refused_by_name() -> None:
+    """The sum of 1e9 V and 1 mV has no format."""
+    diagram = Diagram("wide", 0.01)
+    source, small = diagram.add(Inport("In")), diagram.add(Inport("Small"))
+    scale = diagram.add(Gain("Scale", gain=1e12))
+    total = diagram.add(Sum("Total"))
+    diagram.connect_chain(source, scale, total, diagram.add(Outport("Out")))
+    diagram.connect(small, total, 1)
+    with pytest.raises(DesignError, match="Total"):
+        to_fixed_point(diagram, FixedPointOptions({"In": 1.0, "Small": 1e-3}))
+
+
+def test_overflow_is_found_by_intervals_and_by_execution() -> None:
+    """A product of 16-bit numbers times 4 exceeds 32 bits for the largest input."""
+    narrow, wide = FixedFormat(16, 0), FixedFormat(32, 0)
+    source = Slot(Kind.INPUT, "In", narrow, "In")
+    target = Slot(Kind.OUTPUT, "Out", wide, "Out")
+    expression = Binary("*", Read(source), Literal(2**17, wide))
+    statement = Statement(target, expression, "Out", "Outport")
+    program = Program("over", 0.01, (source,), (target,), (), (), (), (statement,))
+    with pytest.raises(OverflowError, match="block 'Out' reaches"):
+        integer_ranges(program)
+    assert Execution(program).step({"In": 16383})["Out"] == 16383 * 2**17
+    with pytest.raises(OverflowError, match="does not fit into 32 bits"):
+        Execution(program).step({"In": 16384})
+
+
+def test_a_format_names_itself() -> None:
+    """As Simulink writes it."""
+    assert str(FixedFormat(16, 11)) == "sfix16_En11"
+    assert str(FixedFormat(32, -2)) == "sfix32_E2"
+    assert math.isclose(FixedFormat(16, 11).lsb, 0.000488, rel_tol=1e-3)
