@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from host.tests.conftest import VEHICLE, make_project
 from host.tests.support import fake_brick
+from host.tests.support.elf_maker import make_elf
 from typer.testing import CliRunner, Result
 
 from ravenbrick.cli.app import app
@@ -314,6 +315,26 @@ def test_progress_names_each_step_with_its_duration(demo: tuple[Path, Result]) -
     assert re.search(r"\[1/8\] design and generate C +\d+\.\d\d s", result.stdout)
     assert re.search(r"\[7/8\] run 'drive' again +\d+\.\d\d s +same trace digest", result.stdout)
     assert "report.html in a browser" in result.stdout
+
+
+def test_a_file_in_the_way_of_the_results_is_named(project: Path) -> None:
+    """What the system refuses is a sentence too."""
+    (Workspace.of(project).root / "out").write_text("not a folder")
+    sentence = failure(call("run", project, "drive"), ExitCode.USAGE)
+    assert "out" in sentence
+    assert "check that" in sentence
+
+
+def test_recordings_of_both_kinds_of_image_are_kept_apart(project: Path) -> None:
+    """A run from flash does not replace the one from RAM."""
+    image = Workspace.of(project).image("flash", "vehicle")
+    image.parent.mkdir()
+    image.write_bytes(make_elf(base=0x100000))
+    kept = {
+        parsed(call("run", project, "drive", "--image", kind, "--json"))["recording"]
+        for kind in ("ram", "flash")
+    }
+    assert len(kept) == 2
 
 
 def test_doctor_lists_what_is_there(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,7 @@ from typing import Annotated, Any, NoReturn, ParamSpec
 import typer
 
 from ravenbrick import __version__
-from ravenbrick.errors import ExitCode, RavenbrickError
+from ravenbrick.errors import ExitCode, RavenbrickError, UsageError
 
 __all__ = ["JsonOption", "app", "command"]
 
@@ -62,6 +62,13 @@ def _end(error: RavenbrickError, as_json: bool) -> NoReturn:
     raise typer.Exit(code)
 
 
+def _refused(error: OSError) -> RavenbrickError:
+    return UsageError(
+        f"{error.filename or 'a file'}: {error.strerror or type(error).__name__}; "
+        "check that it exists, that you may write there, and that the disk is not full"
+    )
+
+
 def _defect(error: Exception) -> RavenbrickError:
     where = traceback.extract_tb(error.__traceback__)[-1]
     place = f"{os.path.basename(where.filename)}:{where.lineno}"
@@ -85,6 +92,8 @@ def command(example: str) -> Callable[[Callable[Arguments, Result]], Callable[Ar
                 result = function(*args, **kwargs)
             except RavenbrickError as error:
                 _end(error, as_json)
+            except OSError as error:
+                _end(_refused(error), as_json)
             except KeyboardInterrupt:
                 typer.echo("ravenbrick: interrupted", err=True)
                 raise typer.Exit(int(ExitCode.INTERRUPTED)) from None

@@ -70,7 +70,7 @@ def play(
 ) -> Recording:
     """Run a scenario and keep the recording."""
     recording = target.run(robot, scenario, image, progress)
-    recording.save(workspace.recording(scenario.name))
+    recording.save(workspace.recording(scenario.name, image.kind))
     return recording
 
 

@@ -50,6 +50,7 @@ def run_command(
             for result in run.criteria
         ],
     )
-    reporter.print(f"recording: {workspace.shown(workspace.recording(chosen.name))}")
+    kept = workspace.recording(chosen.name, loaded.kind)
+    reporter.print(f"recording: {workspace.shown(kept)}")
     require_criteria(chosen, run.criteria)
-    return {**run_summary(run), "recording": str(workspace.recording(chosen.name))}
+    return {**run_summary(run), "recording": str(kept)}

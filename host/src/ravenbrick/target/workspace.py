@@ -54,9 +54,10 @@ class Workspace:
         """File of the image."""
         return self.build(kind) / f"{name}.elf"
 
-    def recording(self, scenario: str) -> Path:
-        """File of the last recording of a scenario."""
-        return self.results / "recordings" / f"{scenario}.npz"
+    def recording(self, scenario: str, kind: ImageKind = "ram") -> Path:
+        """File of the last recording of a scenario with one kind of image."""
+        name = scenario if kind == "ram" else f"{scenario}.{kind}"
+        return self.results / "recordings" / f"{name}.npz"
 
     def shown(self, path: Path) -> str:
         """A path as the user would type it from the tree's root."""
