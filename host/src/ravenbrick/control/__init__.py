@@ -6,11 +6,27 @@ from __future__ import annotations
 
 from ravenbrick.control.controller import pi_diagram
 from ravenbrick.control.design import Design, EstimatorComparison, finish_design
-from ravenbrick.control.discretisation import DiscretisationMethod, discretise
+from ravenbrick.control.discretisation import (
+    Discretisation,
+    DiscretisationMethod,
+    compare_discretisations,
+    discretise,
+)
 from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
 from ravenbrick.control.estimator import LoopSpecification, pi_with_estimator
 from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
 from ravenbrick.control.peak_gain import peak_gain
+from ravenbrick.control.regulator import (
+    Observer,
+    StateFeedback,
+    dlqr,
+    kalman,
+    lqg,
+    lqr,
+    observer_by_poles,
+    with_integrators,
+)
+from ravenbrick.control.robustness import Extreme, MonteCarlo, Tolerance, monte_carlo, worst_case
 from ravenbrick.control.rounding_error import (
     ClosedLoopBound,
     PlantInLoop,
@@ -31,23 +47,36 @@ __all__ = [
     "ClosedLoopBound",
     "Design",
     "DiscretePi",
+    "Discretisation",
     "DiscretisationMethod",
     "EncoderRun",
     "EstimatorComparison",
+    "Extreme",
     "LoopSpecification",
     "Margins",
+    "MonteCarlo",
+    "Observer",
     "PiGains",
     "PlantInLoop",
     "RunMeasures",
     "SampledLoop",
+    "StateFeedback",
     "StepMetrics",
     "StepResponse",
+    "Tolerance",
     "closed_loop_bound",
+    "compare_discretisations",
     "discretise",
+    "dlqr",
     "encoder_run",
     "finish_design",
+    "kalman",
+    "lqg",
+    "lqr",
     "margins",
     "measure_runs",
+    "monte_carlo",
+    "observer_by_poles",
     "one_step_errors",
     "peak_gain",
     "pi_by_damping",
@@ -57,4 +86,6 @@ __all__ = [
     "pi_family",
     "pi_with_estimator",
     "step_metrics",
+    "with_integrators",
+    "worst_case",
 ]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy.typing as npt
 
 from ravenbrick.errors import DesignError
 
-__all__ = ["DiscretisationMethod", "discretise"]
+__all__ = ["Discretisation", "DiscretisationMethod", "compare_discretisations", "discretise"]
 
 
 class DiscretisationMethod(Enum):
@@ -30,16 +31,53 @@ class DiscretisationMethod(Enum):
     MATCHED = "matched"
 
 
+@dataclass(frozen=True, eq=False)
+class Discretisation:
+    """A discrete system beside its original at `frequency` (rad/s).
+
+    `magnitude_ratio` is that of both frequency responses, `phase_difference` in rad.
+    """
+
+    method: DiscretisationMethod
+    system: control.TransferFunction
+    frequency: float
+    magnitude_ratio: float
+    phase_difference: float
+
+
+def compare_discretisations(
+    system: control.TransferFunction, sample_time: float, frequency: float
+) -> tuple[Discretisation, ...]:
+    """All methods that the system has, compared at one frequency (rad/s)."""
+    rows = []
+    wanted = complex(system(1j * frequency))
+    for method in DiscretisationMethod:
+        try:
+            result = discretise(system, sample_time, method)
+        except DesignError:
+            continue
+        ratio = complex(result(np.exp(1j * frequency * sample_time))) / wanted
+        rows.append(Discretisation(method, result, frequency, abs(ratio), float(np.angle(ratio))))
+    return tuple(rows)
+
+
 def discretise(
-    system: control.TransferFunction, sample_time: float, method: DiscretisationMethod
+    system: control.TransferFunction,
+    sample_time: float,
+    method: DiscretisationMethod,
+    exact_at: float | None = None,
 ) -> control.TransferFunction:
     """The discrete system at `sample_time` (s); raises `DesignError` if the result is not finite.
 
+    Tustin's method with `exact_at` (rad/s) is pre-warped: the responses agree at that frequency.
     `MATCHED` is done here, because python-control 0.10.2 divides 0 by 0 for an integrator.
     """
     if not sample_time > 0:
         raise DesignError(f"the sample time must be > 0 s, not {sample_time}")
-    if method is DiscretisationMethod.MATCHED:
+    if exact_at is not None:
+        _check_prewarping(method, exact_at, sample_time)
+        result = control.sample_system(system, sample_time, "bilinear", prewarp_frequency=exact_at)
+    elif method is DiscretisationMethod.MATCHED:
         result = _matched(system, sample_time)
     else:
         result = control.sample_system(system, sample_time, method.value)
@@ -49,23 +87,35 @@ def discretise(
     return result
 
 
+def _check_prewarping(method: DiscretisationMethod, frequency: float, sample_time: float) -> None:
+    if method is not DiscretisationMethod.TUSTIN:
+        raise DesignError(f"only Tustin's method is pre-warped, not {method.name}")
+    if not 0 < frequency < np.pi / sample_time:
+        raise DesignError(
+            f"the frequency to agree at must lie between 0 and {np.pi / sample_time:.6g} rad/s "
+            f"(half the sampling rate), not {frequency}"
+        )
+
+
 def _matched(system: control.TransferFunction, sample_time: float) -> control.TransferFunction:
     """Poles and zeros mapped; all but one zero at infinity go to -1; low frequencies agree.
 
-    With m poles at 0, s^m C(s) at s = 0 is made equal to ((z-1)/Ts)^m C(z) at z = 1.
+    With m more poles than zeros at 0, s^m C(s) at s = 0 is made equal to ((z-1)/Ts)^m C(z) at
+    z = 1.
     """
     poles, zeros = system.poles(), system.zeros()
-    if np.any(zeros == 0):
-        raise DesignError("a matched system with a zero at s = 0 has no low-frequency gain")
-    numerator = _polynomial(np.exp(zeros * sample_time))
+    flat = int(np.sum(zeros == 0))
+    numerator = _polynomial(np.exp(zeros[zeros != 0] * sample_time))
     for _ in range(len(poles) - len(zeros) - 1):
         numerator = np.polymul(numerator, [1.0, 1.0])
     integrators = int(np.sum(poles == 0))
     finite = _polynomial(np.exp(poles[poles != 0] * sample_time))
     denominator = np.polymul(finite, _polynomial(np.ones(integrators)))
     num, den = system.num[0][0], system.den[0][0]
-    wanted = num[-1] / den[len(den) - 1 - integrators]
-    present = np.polyval(numerator, 1.0) / (np.polyval(finite, 1.0) * sample_time**integrators)
+    wanted = num[len(num) - 1 - flat] / den[len(den) - 1 - integrators]
+    span = sample_time ** (integrators - flat)
+    present = np.polyval(numerator, 1.0) / (np.polyval(finite, 1.0) * span)
+    numerator = np.polymul(numerator, _polynomial(np.ones(flat)))
     return control.tf(np.real(numerator * (wanted / present)), np.real(denominator), sample_time)
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from ravenbrick.model.balancer import NXTWAY_GS, TwoWheeledBalancer
 from ravenbrick.model.blocks import (
     Block,
     Constant,
@@ -29,6 +30,7 @@ from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
 from ravenbrick.model.program import DataType, Program
 
 __all__ = [
+    "NXTWAY_GS",
     "NXT_MOTOR",
     "Block",
     "Constant",
@@ -56,6 +58,7 @@ __all__ = [
     "SpeedLoop",
     "SpeedWindow",
     "Sum",
+    "TwoWheeledBalancer",
     "UnitDelay",
     "linearise",
     "to_fixed_point",
