@@ -66,11 +66,10 @@ ravenbrick_interrupt:
    the interrupted r0-r3, r12 and pc on the stack of IRQ mode */
 preempt:
         mov     r1, #KERNEL
-        ldr     lr, [r1, #KERNEL_RUNNING]
-        cmp     lr, #0
+        cmn     r12, #1
         add     sp, sp, #FRAME_SIZE
-        beq     take                    /* the idle loop has no context */
         msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
+        beq     take                    /* the idle loop has no context */
         stmfd   sp!, {r4-r11, lr}
         ldr     lr, =ravenbrick_interrupt_stack_top - FRAME_SIZE
         ldmia   lr, {r4-r9}
@@ -89,8 +88,7 @@ preempt:
         str     r3, [r4, #THREAD_NEXT]
         str     r5, [r3, #THREAD_NEXT]
 
-take:   msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
-        ldr     r2, [r0, #THREAD_NEXT]
+take:   ldr     r2, [r0, #THREAD_NEXT]
         str     r2, [r1, #KERNEL_READY_HEAD]
         str     r0, [r1, #KERNEL_RUNNING]
         str     r0, [r1, #KERNEL_CURRENT]

@@ -28,8 +28,8 @@ package body Ravenbrick.Alarm is
    Longest_Coarse : constant := 65_000;
    Longest_Units  : constant := (Longest_Coarse + Coarse_Margin) * Units_Per_Coarse;
 
-   Spent_Counts : constant := 20;
-   --  Fine counts that surely pass between the reading of the clock and the trigger
+   Handler_Lead : constant := 16;
+   --  Fine counts that surely pass from the request until the handler reads the clock
 
    Shortest_Fine : constant := 2;
 
@@ -48,9 +48,9 @@ package body Ravenbrick.Alarm is
       TC0.Enable := Compare_Event;
    end Initialize;
 
-   procedure Set (Wake : Threads.Units) is
-      Remaining : constant Threads.Units := Wake - Clock.Now;
-      Near      : Word;
+   procedure Set (Remaining : Threads.Units; Spent : Fine_Count) is
+      Near  : Word;
+      Early : constant Word := Word (Spent + Handler_Lead);
    begin
       if Remaining >= Longest_Units then
          Trigger (Coarse_Mode, Longest_Coarse);
@@ -63,7 +63,7 @@ package body Ravenbrick.Alarm is
            * Fine_Counts_Per_Tick;
          Trigger
            (Fine_Mode,
-            (if Near > Spent_Counts + Shortest_Fine then Near - Spent_Counts else Shortest_Fine));
+            (if Near > Early + Shortest_Fine then Near - Early else Shortest_Fine));
       end if;
    end Set;
 

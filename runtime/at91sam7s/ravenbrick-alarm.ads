@@ -13,8 +13,11 @@ package Ravenbrick.Alarm is
    procedure Initialize;
    --  Clock the channel and let its compare event request the interrupt
 
-   procedure Set (Wake : Threads.Units) with Inline;
-   --  Ring at Wake or some time before it; interrupts are masked
+   subtype Fine_Count is Positive range 1 .. 100;
+
+   procedure Set (Remaining : Threads.Units; Spent : Fine_Count) with Inline;
+   --  Ring after Remaining or some time before; interrupts are masked. Spent times 2 cycles have
+   --  surely passed since the reading of the clock that Remaining was computed from.
 
    procedure Acknowledge with Inline;
    --  Withdraw the request

@@ -14,15 +14,15 @@ package body Ravenbrick.Clock is
    --  PITEN, no interrupt; PIV at its maximum makes PIIR one 32-bit count
 
    type Observation is record
-      Last  : Unsigned_32 := 0;
-      Wraps : Unsigned_32 := 0;
+      Last  : Count := 0;
+      Wraps : Count := 0;
    end record
      with Volatile;
 
    Seen : Observation;
 
-   function To_Units (Wraps, Count : Unsigned_32) return Units is
-     (Units_Per_Tick * Units (Shift_Left (Unsigned_64 (Wraps), 32) or Unsigned_64 (Count)))
+   function To_Units (Wraps, Low : Count) return Units is
+     (Units_Per_Tick * Units (Shift_Left (Unsigned_64 (Wraps), 32) or Unsigned_64 (Low)))
      with Inline_Always;
 
    procedure Start is
@@ -32,31 +32,36 @@ package body Ravenbrick.Clock is
       Discarded := PIT.Value_Clear;
    end Start;
 
-   procedure Observe is
-      Count : constant Unsigned_32 := PIT.Image;
+   procedure Observe (Now : out Units; At_Count : out Count) is
+      Wraps : Count := Seen.Wraps;
    begin
-      if Count < Seen.Last then
-         Seen.Wraps := Seen.Wraps + 1;
+      At_Count := PIT.Image;
+      if At_Count < Seen.Last then
+         Wraps := Wraps + 1;
+         Seen.Wraps := Wraps;
       end if;
-      Seen.Last := Count;
+      Seen.Last := At_Count;
+      Now := To_Units (Wraps, At_Count);
    end Observe;
 
+   function Since (Start : Count) return Units is
+     (Units (Count'(Units_Per_Tick * (PIT.Image - Start))));
+
    --  The order of the three reads matters: an interrupt that notes a wrap between them either
-   --  leaves a Last above Count, which is looked at again, or is in Wraps already
+   --  leaves a Last above the count, which is then read again, or is in Wraps already
 
    function Now return Units is
-      Last     : constant Unsigned_32 := Seen.Last;
-      Wraps    : constant Unsigned_32 := Seen.Wraps;
-      Count    : constant Unsigned_32 := PIT.Image;
+      Last     : constant Count := Seen.Last;
+      Wraps    : constant Count := Seen.Wraps;
+      Present  : Count := PIT.Image;
       Previous : Processor.Status;
       Result   : Units;
    begin
-      if Count >= Last then
-         return To_Units (Wraps, Count);
+      if Present >= Last then
+         return To_Units (Wraps, Present);
       end if;
       Processor.Mask_Interrupts (Previous);
-      Observe;
-      Result := To_Units (Seen.Wraps, Seen.Last);
+      Observe (Now => Result, At_Count => Present);
       Processor.Restore_Interrupts (Previous);
       return Result;
    end Now;

@@ -19,10 +19,15 @@ package body Ravenbrick.Delays is
    Sentinel : aliased Thread;
    --  Last of the queue: later than any thread
 
+   Spent_In_Delay : constant := 48;
+   Spent_In_Ring  : constant := 29;
+   --  Times 2 cycles pass between the reading of the clock and the start of the alarm, in ARM
+   --  state from RAM; from flash it is more
+
    Head : Thread_Id with Volatile, Suppress_Initialization;
    --  Delayed threads by wake-up time, equal times by arrival
 
-   procedure Insert (Sleeper : not null Thread_Id) with Inline;
+   procedure Insert (Sleeper : not null Thread_Id; Now : Units) with Inline;
    procedure Ring (Unused : System.Address) with Convention => C;
 
    procedure Initialize is
@@ -35,21 +40,22 @@ package body Ravenbrick.Delays is
          Priority => System.Interrupt_Priority'First,
          Code     => Ring'Address,
          Object   => System.Null_Address);
-      Alarm.Set (Head.Wake);
+      Alarm.Set (Sentinel.Wake, Spent => 1);
    end Initialize;
 
-   procedure Insert (Sleeper : not null Thread_Id) is
+   procedure Insert (Sleeper : not null Thread_Id; Now : Units) is
+      Wake     : constant Units := Sleeper.Wake;
       Previous : Thread_Id := Head;
       Follower : Thread_Id;
    begin
-      if Sleeper.Wake < Previous.Wake then
+      if Wake < Previous.Wake then
          Sleeper.Next := Previous;
          Head := Sleeper;
-         Alarm.Set (Sleeper.Wake);
+         Alarm.Set (Wake - Now, Spent => Spent_In_Delay);
       else
          loop
             Follower := Previous.Next;
-            exit when Sleeper.Wake < Follower.Wake;
+            exit when Wake < Follower.Wake;
             Previous := Follower;
          end loop;
          Sleeper.Next := Follower;
@@ -59,6 +65,7 @@ package body Ravenbrick.Delays is
 
    procedure Delay_Until (Wake : Units) is
       Self : constant not null Thread_Id := Kernel.Current;
+      Now  : Units;
    begin
       if In_Protected_Action (Self.Active) then
          Failures.Stop (Failures.Blocking'Address);
@@ -66,8 +73,9 @@ package body Ravenbrick.Delays is
       Processor.Mask_In_Thread;
       Self.Wake := Units'Min (Wake, Latest);
       Self.State := Delayed;
-      if Wake > Clock.Now then
-         Insert (Self);
+      Now := Clock.Now;
+      if Wake > Now then
+         Insert (Self, Now);
          Block (Self);
       else
          Self.State := Ready;
@@ -80,21 +88,23 @@ package body Ravenbrick.Delays is
    --  does not grow with the number of threads released together.
 
    procedure Ring (Unused : System.Address) is
-      Now      : constant Units := Clock.Now;
+      Now      : Units;
+      At_Count : Clock.Count;
       Previous : Processor.Status;
       Sleeper  : Thread_Id;
    begin
       Alarm.Acknowledge;
+      Processor.Mask_Interrupts (Previous);
+      Clock.Observe (Now, At_Count);
       loop
-         Processor.Mask_Interrupts (Previous);
          Sleeper := Head;
          exit when Sleeper.Wake > Now;
          Head := Sleeper.Next;
          Make_Ready (Sleeper);
          Processor.Restore_Interrupts (Previous);
+         Processor.Mask_Interrupts (Previous);
       end loop;
-      Clock.Observe;
-      Alarm.Set (Sleeper.Wake);
+      Alarm.Set (Sleeper.Wake - Now - Clock.Since (At_Count), Spent => Spent_In_Ring);
       Processor.Restore_Interrupts (Previous);
    end Ring;
 

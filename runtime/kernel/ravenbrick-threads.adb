@@ -1,8 +1,6 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with System.Storage_Elements; use System.Storage_Elements;
-
 with Ravenbrick.Processor;
 
 package body Ravenbrick.Threads is
@@ -113,12 +111,14 @@ package body Ravenbrick.Threads is
       end if;
    end Insert_First;
 
+   --  The caller is at least as urgent as the head of the queue, or it would not run
+
    procedure Release (Self, Woken : not null Thread_Id) is
-      Rank : constant Urgency := Self.Active;
    begin
-      if Woken.Active > Rank then
+      if Woken.Active > Self.Active then
          Woken.State := Ready;
-         Insert_First (Self, Rank);
+         Self.Next := Kernel.Ready_Head;
+         Kernel.Ready_Head := Self;
          Processor.Switch (Self, Woken);
       else
          Make_Ready (Woken);

@@ -144,7 +144,7 @@ package Ravenbrick.Threads is
 
    --  The operations below are called with interrupts masked. Self is Kernel.Current.
 
-   procedure Make_Ready (Woken : not null Thread_Id);
+   procedure Make_Ready (Woken : not null Thread_Id) with Inline;
    --  Append to the ready queue of its priority; does not dispatch
 
    --  Those that follow are called by threads only, and return with interrupts unmasked

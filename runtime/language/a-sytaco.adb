@@ -17,7 +17,19 @@ package body Ada.Synchronous_Task_Control is
    True_Content  : constant Integer_Address := 1;
 
    function To_Content is new Ada.Unchecked_Conversion (Thread_Id, Integer_Address);
+   pragma Warnings (Off, "possible aliasing problem*");
+   pragma Warnings (Off, "use -fno-strict-aliasing*");
+   pragma Warnings (Off, "or use *No_Strict_Aliasing*");
    function To_Thread is new Ada.Unchecked_Conversion (Integer_Address, Thread_Id);
+   pragma Warnings (On);
+
+   procedure Release_By_Thread (Woken : not null Thread_Id) with No_Inline;
+   --  Apart, because the exchange of contexts needs all registers saved
+
+   procedure Release_By_Thread (Woken : not null Thread_Id) is
+   begin
+      Release (Kernel.Current, Woken);
+   end Release_By_Thread;
 
    procedure Set_True (S : in out Suspension_Object) is
       Previous : Status;
@@ -30,11 +42,11 @@ package body Ada.Synchronous_Task_Control is
          Restore_Interrupts (Previous);
       else
          S.Content := False_Content;
-         if not In_Thread (Previous) then
+         if In_Thread (Previous) then
+            Release_By_Thread (To_Thread (Content));
+         else
             Make_Ready (To_Thread (Content));
             Restore_Interrupts (Previous);
-         else
-            Release (Kernel.Current, To_Thread (Content));
          end if;
       end if;
    end Set_True;

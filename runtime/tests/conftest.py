@@ -39,7 +39,8 @@ EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", 
 
 @cache
 def _make_runtime() -> None:
-    subprocess.run(["make", "-s", "-j2", "-C", str(ROOT / "runtime"), f"BUILD={PRODUCTS / 'runtime'}"], check=True)
+    products = f"BUILD={PRODUCTS / 'runtime'}"
+    subprocess.run(["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products], check=True)
 
 
 @cache

@@ -39,7 +39,7 @@ package Timers is
    procedure Start_Stopwatch (Timer : in out Channel);
    --  Let Value count every 2 cycles of the processor, modulo 2**16
 
-   procedure Acknowledge (Timer : Channel);
+   procedure Acknowledge (Timer : Channel) with Inline;
    --  Withdraw the request
 
 end Timers;
