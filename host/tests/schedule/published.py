@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-__all__ = ["HERSCHEL", "SETS"]
+__all__ = ["HERSCHEL", "HERSCHEL_PHASES", "SETS"]
 
 Row = tuple[object, ...]
 
@@ -144,3 +144,23 @@ SecondaryF_2 250.000 39.690 230.220 48.450 204.050 154.556 207.743
 Bkgnd_P 250.000 0.200 250.000 0.000 154.090 15.046 158.488
 """.strip().splitlines()
 ]
+
+# First arrivals in the published model, in ms; all others arrive at 0. Spw_Isr is left without a
+# phase, since its period of 39 ms would repeat with the others after 39 s only.
+HERSCHEL_PHASES = {
+    "Hk_SamplerIsr": "62.5",
+    "SwCyc_CycEndIsr": "200",
+    "FdirEvents": "20",
+    "NominalEvents_1": "20",
+    "MainCycle": "20",
+    "HkSampler_P_2": "62.5",
+    "HkSampler_P_1": "62.5",
+    "Acb_P": "200",
+    "IoCyc_P": "200",
+    "PrimaryF": "20",
+    "RCSControlF": "20",
+    "StsMon_P": "62.5",
+    "NominalEvents_2": "20",
+    "SecondaryF_1": "20",
+    "SecondaryF_2": "20",
+}

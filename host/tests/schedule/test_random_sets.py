@@ -7,6 +7,7 @@ from __future__ import annotations
 import itertools
 import random
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 from host.tests.schedule.random_sets import (
@@ -27,6 +28,7 @@ from ravenbrick.schedule.edf import (
 )
 from ravenbrick.schedule.model import Overheads, Task, TaskSet
 from ravenbrick.schedule.offsets import phased_response_time_bounds
+from ravenbrick.schedule.quantity import Time
 from ravenbrick.schedule.releases import critical_instant, random_releases
 from ravenbrick.schedule.response_time import (
     is_schedulable,
@@ -37,6 +39,7 @@ from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, small
 from ravenbrick.schedule.simulation import simulate
 
 SEEDS = range(60)
+ABOVE = Fraction(1_000_001, 1_000_000)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -176,7 +179,7 @@ def test_audsley_finds_an_assignment_exactly_when_one_exists(seed: int) -> None:
     assert found is None or is_schedulable(found)
 
 
-def scaled(task_set: TaskSet, factor: object, name: str = "") -> TaskSet:
+def scaled(task_set: TaskSet, factor: Time, name: str = "") -> TaskSet:
     tasks = []
     for task in task_set:
         if not name or task.name == name:
@@ -196,9 +199,11 @@ def test_largest_scaling_is_the_border_of_schedulability(seed: int) -> None:
     costs = Overheads() if seed % 2 else Overheads(0.125, 0.125, masked_section=0.5)
     task_set = with_sections(random_task_set(seed, longest=dice.choice((1.0, 2.0))), seed)
     factor = largest_scaling(task_set, costs).factor
-    assert factor is not None
+    if not factor:
+        assert not is_schedulable(scaled(task_set, Fraction(1, 10**6)), costs)
+        return
     assert is_schedulable(scaled(task_set, factor), costs)
-    assert not is_schedulable(scaled(task_set, factor * 1000001 / 1000000), costs)
+    assert not is_schedulable(scaled(task_set, factor * ABOVE), costs)
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -208,10 +213,10 @@ def test_largest_wcet_of_one_task_is_the_border_of_schedulability(seed: int) -> 
     for task in task_set:
         longest, _ = largest_wcet(task_set, task.name)
         if longest is None or longest == 0:
-            assert not is_schedulable(scaled(task_set, 1, task.name))
+            assert not is_schedulable(scaled(task_set, Fraction(1, 10**6), task.name))
             continue
         border = task_set.with_task(replace(task, wcet=longest))
-        beyond = task_set.with_task(replace(task, wcet=longest * 1000001 / 1000000))
+        beyond = task_set.with_task(replace(task, wcet=longest * ABOVE))
         assert is_schedulable(border) and not is_schedulable(beyond)
 
 

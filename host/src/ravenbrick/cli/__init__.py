@@ -11,6 +11,7 @@ from ravenbrick.cli.design import design_command
 from ravenbrick.cli.doctor import doctor_command
 from ravenbrick.cli.report import report_command
 from ravenbrick.cli.run import run_command
+from ravenbrick.cli.schedule import schedule_command
 
 __all__ = [
     "build_command",
@@ -20,6 +21,7 @@ __all__ = [
     "main",
     "report_command",
     "run_command",
+    "schedule_command",
 ]
 
 
