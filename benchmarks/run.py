@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Measure figures beside their peers and write `benchmarks/results.{json,md}`.
+
+Times are taken in one run on one machine and written as ratios; guest cycles and bytes are exact.
+A published peer is named with its source in `PUBLISHED`.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from tools import tables
+from tools.tables import Row, merge_rows
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "benchmarks" / "results.json"
+VEHICLE = ROOT / "examples" / "vehicle"
+REPEATS = 5
+
+# Value and source of peers that cannot run beside ours.
+PUBLISHED = {
+    "run-time text": (7292, "FreeRTOS 11.1 kernel with mutex, ARM -Os, compiled 2026"),
+    "voluntary switch": (95.3, "ChibiOS/RT 3.1.0 on LPC2148, project's reports"),
+    "protected procedure": (149, "ChibiOS/RT 2.4.0 mutex lock and unlock, AT91SAM7X256"),
+    "interrupt to handler": (89, "FreeRTOS ARM7 port, AT91SAM7S, textbook cycle model"),
+    "alarm to task": (534, "FreeRTOS ARM7 port, tick to vTaskDelayUntil, textbook cycle model"),
+}
+
+
+def figure_row(
+    figure: str, value: float, unit: str, peer: str | None = None, peer_value: float | None = None
+) -> Row:
+    """One row; the ratio is ours divided by the peer's."""
+    ratio = None if peer_value is None else value / peer_value
+    return {
+        "figure": figure,
+        "value": value,
+        "unit": unit,
+        "peer": peer,
+        "peer_value": peer_value,
+        "ratio": ratio,
+    }
+
+
+def ravenbrick(*arguments: str) -> Row:
+    """The JSON answer of a command."""
+    command = [str(ROOT / ".venv" / "bin" / "ravenbrick"), *arguments, "--json"]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    if result.returncode != 0:
+        raise SystemExit(f"{' '.join(command)}: {result.stdout}{result.stderr}")
+    answer: Row = json.loads(result.stdout)
+    return answer
+
+
+def vehicle_speed() -> Iterator[Row]:
+    """Virtual seconds per second of the drive, recording on, without building or drawing."""
+    from ravenbrick.target.elf_image import read_image
+    from ravenbrick.target.robot import read_robot
+    from ravenbrick.target.scenario import read_scenario, scenario_path
+    from ravenbrick.target.virtual import VirtualTarget
+
+    ravenbrick("build", str(VEHICLE))
+    robot = read_robot(VEHICLE)
+    scenario = read_scenario(scenario_path(VEHICLE, "drive"), robot)
+    image = read_image(ROOT / "build" / "vehicle" / "ram" / "vehicle.elf")
+    ratios = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        recording = VirtualTarget().run(robot, scenario, image)
+        elapsed = time.perf_counter() - start
+        ratios.append(recording.clock.seconds(recording.stop.at_cycles) / elapsed)
+    value = statistics.median(ratios)
+    yield figure_row("vehicle drive, traced", value, "virtual s per s", "the brick", 1.0)
+
+
+def vehicle_memory() -> Iterator[Row]:
+    """Bytes of the vehicle's RAM image and of the run-time in it."""
+    memory = ravenbrick("build", str(VEHICLE))["memory"]
+    free = "56 KB below the boot monitor"
+    yield figure_row("vehicle RAM image", memory["used"], "bytes", free, memory["available"])
+    value, source = PUBLISHED["run-time text"]
+    text = memory["parts"]["run-time"]["text"]
+    yield figure_row("run-time in the vehicle, ARM text", text, "bytes", source, value)
+
+
+FIGURES: list[Callable[[], Iterator[Row]]] = [vehicle_speed, vehicle_memory]
+
+
+def main() -> int:
+    """Measure, write results and tables."""
+    for number, measure in enumerate(FIGURES, 1):
+        rows = list(measure())
+        for row in rows:
+            print(f"[{number}/{len(FIGURES)}] {row['figure']}: {row['value']:.5g} {row['unit']}")
+        merge_rows(RESULTS, rows, ("figure", "peer"))
+    tables.main([])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
