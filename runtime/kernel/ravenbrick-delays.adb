@@ -40,7 +40,7 @@ package body Ravenbrick.Delays is
          Priority => System.Interrupt_Priority'First,
          Code     => Ring'Address,
          Object   => System.Null_Address);
-      Alarm.Set (Sentinel.Wake, Spent => 1);
+      Ring (System.Null_Address);
    end Initialize;
 
    procedure Insert (Sleeper : not null Thread_Id; Now : Units) is

@@ -127,6 +127,7 @@ package body System.Tasking.Restricted.Stages is
       Source   : Thread_Id := To_Thread (Chain.T_ID);
       First    : Thread_Id;
       Next     : Thread_Id;
+      Caller   : Urgency;
    begin
       Chain.T_ID := null;
 
@@ -141,12 +142,20 @@ package body System.Tasking.Restricted.Stages is
          Source := Next;
       end loop;
 
-      Ravenbrick.Processor.Mask_In_Thread;
+      --  Above all tasks until all are ready, so that the most urgent one starts first
+
+      Caller := Self.Active;
+      Self.Active := To_Protected_Urgency (System.Priority'Last);
       while First /= null loop
          Next := First.Next;
+         Ravenbrick.Processor.Mask_In_Thread;
          Make_Ready (First);
+         Ravenbrick.Processor.Unmask_In_Thread;
          First := Next;
       end loop;
+
+      Ravenbrick.Processor.Mask_In_Thread;
+      Self.Active := Caller;
       if Not_Activated > 0 then
          Activator := Self;
          Self.State := Suspended;

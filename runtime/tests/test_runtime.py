@@ -110,15 +110,11 @@ class TestTime:
             releases = periodic.events("release", periodic.thread_index(task))["value"][1:]
             start = 5 * UNITS_PER_SECOND // 1_000
             assert len(releases) > 30
-            cycles = [
-                math.ceil((start + job * period) * 16 / 7) for job in range(len(releases))
-            ]
+            cycles = [math.ceil((start + job * period) * 16 / 7) for job in range(len(releases))]
             epoch = int(releases[0]) - cycles[0]
             assert [int(release) - epoch for release in releases] == cycles
 
-    def test_six_tasks_released_together_have_started_within_1800_cycles(
-        self, run: Runner
-    ) -> None:
+    def test_six_tasks_released_together_have_started_within_1800_cycles(self, run: Runner) -> None:
         """From the common release until the lowest runs; each higher one delays itself again."""
         result = run("six_tasks")
         jobs = [releases_and_starts(result, f"six__t{number}") for number in range(1, 7)]
@@ -226,6 +222,14 @@ class TestInterrupts:
     def test_an_interrupt_ceiling_keeps_out_handlers_up_to_it(self, run: Runner) -> None:
         """A higher handler comes through, equal and lower ones wait until the object is left."""
         assert_repeats(run("interrupt_ceiling").journal(), "(h)l,[]hl;", 15)
+
+    def test_a_handler_opens_an_entry_for_the_waiting_task(self, run: Runner) -> None:
+        """Each interrupt of 100 runs the server once, at once, with the handler's data."""
+        result = run("handler_entry", cycles=102 * CYCLES_PER_MS)
+        journal = result.journal()
+        assert journal.startswith("b")
+        assert_repeats(journal[1:], "is", 99)
+        assert result.brick.read_int("served", "u32") >= 100
 
 
 class TestFailures:
