@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.codegen.c_build import ARM, START, WARNINGS, arm_image, host_library, run
+from host.tests.codegen.c_build import ARM, WARNINGS, arm_image, host_library, run
+from host.tests.codegen.emulation import run_on_arm
 
 from ravenbrick.codegen import check_program, generate_c, random_vectors
 from ravenbrick.control import DiscretePi, pi_diagram
@@ -227,28 +228,6 @@ def test_the_c_on_the_arm_equals_the_simulation_bit_for_bit(
     )
     model = write(DIAGRAMS[name], tmp_path, 1000, seed=11)
     image = arm_image(tmp_path, f"{model}_check", f"{model}.c", "check.c", options=options)
-    values = _emulate(emulation, image, f"{model}_check")
+    values = run_on_arm(emulation, image, f"{model}_check")
     assert values(f"{model}_check_steps") == 1000
     assert values(f"{model}_check_failures") == 0
-
-
-def _emulate(unicorn, image: Path, entry: str):  # type: ignore[no-untyped-def]
-    """Call `entry` of the image; returns a reader of 32-bit variables by name."""
-    from elftools.elf.elffile import ELFFile
-    from unicorn.arm_const import UC_ARM_REG_LR, UC_ARM_REG_SP
-
-    machine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_ARM)
-    machine.mem_map(0x0020_0000, 0x4_0000)
-    with image.open("rb") as file:
-        elf = ELFFile(file)
-        for segment in elf.iter_segments("PT_LOAD"):
-            machine.mem_write(segment["p_paddr"], segment.data())
-        symbols = {
-            symbol.name: symbol["st_value"]
-            for symbol in elf.get_section_by_name(".symtab").iter_symbols()
-        }
-    finish = START - 0x1000
-    machine.reg_write(UC_ARM_REG_SP, 0x0023_FFF0)
-    machine.reg_write(UC_ARM_REG_LR, finish)
-    machine.emu_start(symbols[entry], finish)
-    return lambda name: int.from_bytes(machine.mem_read(symbols[name], 4), "little")

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,11 +21,7 @@ from ravenbrick.model.program import Bounded, Kind, Program, Slot, Statement, is
 
 __all__ = ["GeneratedCode", "generate_c"]
 
-_BLOCK_NAMES = {
-    "DiscreteIntegrator": "Discrete integrator",
-    "DiscreteTransferFunction": "Discrete transfer function",
-    "UnitDelay": "Unit delay",
-}
+_ABBREVIATIONS = {"Pid": "PID"}
 
 
 @dataclass(frozen=True)
@@ -198,7 +195,9 @@ def _parameters(program: Program) -> list[str]:
 
 
 def _block_type(statement: Statement) -> str:
-    return _BLOCK_NAMES.get(statement.block_type, statement.block_type)
+    """The class name as words: DiscreteIntegrator becomes 'Discrete integrator'."""
+    first, *others = re.findall("[A-Z][a-z0-9]*", statement.block_type)
+    return " ".join([_ABBREVIATIONS.get(first, first), *map(str.lower, others)])
 
 
 def _scaling(slot: Slot) -> str:

@@ -21,24 +21,48 @@ from ravenbrick.model.blocks import (
     UnitDelay,
 )
 from ravenbrick.model.diagram import Diagram, DiagramError
+from ravenbrick.model.dynamic_blocks import (
+    ComplementaryFilter,
+    Delay,
+    DiscreteStateSpace,
+    MovingAverage,
+    PidController,
+    state_space_block,
+    transfer_function_block,
+)
 from ravenbrick.model.encoder import Encoder, SpeedWindow
 from ravenbrick.model.execution import Execution
 from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
 from ravenbrick.model.linearisation import linearise
 from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
+from ravenbrick.model.nonlinear_blocks import (
+    Backlash,
+    DeadZone,
+    LookupTable,
+    Quantiser,
+    RateLimit,
+    Relay,
+    Switch,
+)
 from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
 from ravenbrick.model.program import DataType, Program
+from ravenbrick.model.source_blocks import Pulse, Ramp, Sine, Step
 
 __all__ = [
     "NXTWAY_GS",
     "NXT_MOTOR",
+    "Backlash",
     "Block",
+    "ComplementaryFilter",
     "Constant",
     "Conversion",
     "DataType",
+    "DeadZone",
+    "Delay",
     "Diagram",
     "DiagramError",
     "DiscreteIntegrator",
+    "DiscreteStateSpace",
     "DiscreteTransferFunction",
     "Encoder",
     "Execution",
@@ -49,17 +73,30 @@ __all__ = [
     "Inport",
     "IntegrationMethod",
     "Interval",
+    "LookupTable",
     "MotorParameters",
+    "MovingAverage",
     "Outport",
     "Parameter",
+    "PidController",
     "Program",
+    "Pulse",
+    "Quantiser",
+    "Ramp",
+    "RateLimit",
+    "Relay",
     "Rounding",
     "Saturation",
+    "Sine",
     "SpeedLoop",
     "SpeedWindow",
+    "Step",
     "Sum",
+    "Switch",
     "TwoWheeledBalancer",
     "UnitDelay",
     "linearise",
+    "state_space_block",
     "to_fixed_point",
+    "transfer_function_block",
 ]

@@ -50,6 +50,11 @@ class Parameter:
 Value = float | Parameter
 
 
+def number(value: Value) -> float:
+    """The value to begin with."""
+    return value.value if isinstance(value, Parameter) else value
+
+
 @dataclass(frozen=True)
 class Block:
     """A block with at most one output port.
@@ -85,6 +90,10 @@ class Block:
         """State variables with their initial values."""
         return ()
 
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """Values computed before the output, under names that begin with the block's."""
+        return ()
+
     def output(self, inputs: Sequence[Expression]) -> Expression:
         """The output; inputs without feed-through must not be read."""
         raise NotImplementedError(f"block type {type(self).__name__} has no output")
@@ -92,8 +101,18 @@ class Block:
     def updates(
         self, inputs: Sequence[Expression], output: Expression
     ) -> tuple[tuple[Slot, Expression], ...]:
-        """New values of the states, in order of assignment."""
+        """New values of the states, in order of assignment.
+
+        All updates run after all outputs. Values that must be kept while states change go into
+        signals (`_local`) first.
+        """
         return ()
+
+    def _local(self, suffix: str) -> Slot:
+        return Slot(Kind.SIGNAL, f"{self.name}_{suffix}", self.data_type, self.name)
+
+    def _literal(self, value: float) -> Expression:
+        return Literal(value, self.data_type)
 
     def _state(self, suffix: str, initial: float) -> Slot:
         return Slot(Kind.STATE, f"{self.name}_{suffix}", self.data_type, self.name, initial=initial)
@@ -101,7 +120,7 @@ class Block:
     def _value(self, value: Value) -> Expression:
         if isinstance(value, Parameter):
             return Read(parameter_slot(value, self.data_type, self.name))
-        return Literal(value, self.data_type)
+        return self._literal(value)
 
 
 def parameter_slot(parameter: Parameter, data_type: DataType, block: str) -> Slot:
@@ -118,6 +137,7 @@ def parameter_slot(parameter: Parameter, data_type: DataType, block: str) -> Slo
 
 
 def _scaled(block: Block, factor: Value, value: Expression) -> Expression:
+    """The product, or the value itself for the factor 1."""
     if factor == 1.0:
         return value
     return Binary("*", block._value(factor), value)
@@ -244,9 +264,10 @@ class Saturation(Block):
     limit: Value = 1.0
 
     def __post_init__(self) -> None:
-        number = self.limit.value if isinstance(self.limit, Parameter) else self.limit
-        if not number >= 0:
-            raise ValueError(f"block '{self.name}': the limit must be >= 0, not {number}")
+        if not number(self.limit) >= 0:
+            raise ValueError(
+                f"block '{self.name}': the limit must be >= 0, not {number(self.limit)}"
+            )
 
     def values(self) -> tuple[Value, ...]:
         """The limit."""

@@ -173,6 +173,9 @@ class Diagram:
             if isinstance(block, Inport):
                 values[block.name] = block.output(inputs)
                 continue
+            for target, expression in block.intermediates(inputs):
+                signals.append(target)
+                statements.append(_of(block, target, expression))
             if isinstance(block, Outport):
                 target, expression = block.slot, inputs[0]
             else:
@@ -181,12 +184,15 @@ class Diagram:
                 expression = block.output(inputs)
                 signals.append(target)
                 values[block.name] = Read(target)
-            statements.append(Statement(target, expression, block.name, type(block).__name__))
+            statements.append(_of(block, target, expression))
         for block in ordered:
             inputs = self._inputs(block, values)
             output = values.get(block.name, Read(Slot(Kind.SIGNAL, "", block.data_type, "")))
-            for state, expression in block.updates(inputs, output):
-                statements.append(Statement(state, expression, block.name, type(block).__name__))
+            for target, expression in block.updates(inputs, output):
+                if target.kind is Kind.SIGNAL:
+                    signals.append(target)
+                statements.append(_of(block, target, expression))
+        self._check_names_of(signals)
         return Program(
             name=self.name,
             sample_time=self.sample_time,
@@ -198,6 +204,19 @@ class Diagram:
             statements=tuple(statements),
         )
 
+    def _check_names_of(self, signals: list[Slot]) -> None:
+        """Blocks with several values share their name with a suffix; none may be met twice."""
+        states = [state for block in self.blocks for state in block.states()]
+        for slots in (signals, states):
+            seen: dict[str, str] = {}
+            for slot in slots:
+                if slot.name in seen:
+                    raise DiagramError(
+                        f"blocks '{seen[slot.name]}' and '{slot.block}' both have a value "
+                        f"'{slot.name}'; rename one of them"
+                    )
+                seen[slot.name] = slot.block
+
     def _inputs(self, block: Block, values: dict[str, Expression]) -> list[Expression]:
         """Values at the inputs; those not yet computed are without feed-through."""
         inputs = []
@@ -206,3 +225,7 @@ class Diagram:
             pending = Read(Slot(Kind.SIGNAL, name, block.input_types[port], name))
             inputs.append(values.get(name, pending))
         return inputs
+
+
+def _of(block: Block, target: Slot, expression: Expression) -> Statement:
+    return Statement(target, expression, block.name, type(block).__name__)

@@ -396,5 +396,11 @@ def _plain_stores(program: Program) -> set[Key]:
     return {
         key(statement.target)
         for statement in program.statements
-        if statement.target.kind is Kind.STATE and isinstance(statement.expression, Read)
+        if statement.target.kind is Kind.STATE
+        and isinstance(statement.expression, Read)
+        and not _is_own_signal(statement.expression.slot, statement.block)
     }
+
+
+def _is_own_signal(slot: Slot, block: str) -> bool:
+    return slot.kind is Kind.SIGNAL and slot.block == block

@@ -1,0 +1,348 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Linear blocks with several states: delays, averages, filters, PID, state space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import control
+import numpy as np
+
+from ravenbrick.model.blocks import (
+    Block,
+    DiscreteTransferFunction,
+    Parameter,
+    Value,
+)
+from ravenbrick.model.program import Binary, DataType, Expression, Read, Slot
+
+__all__ = [
+    "ComplementaryFilter",
+    "Delay",
+    "DiscreteStateSpace",
+    "MovingAverage",
+    "PidController",
+    "state_space_block",
+    "transfer_function_block",
+]
+
+_LONGEST_DELAY = 256
+
+
+def _check_length(block: Block, length: int, least: int) -> None:
+    if not least <= length <= _LONGEST_DELAY:
+        raise ValueError(
+            f"block '{block.name}': the length must lie between {least} and {_LONGEST_DELAY} "
+            f"samples, not {length}"
+        )
+
+
+class _WithSamples(Block):
+    """A block that keeps the last inputs, the newest in the first state."""
+
+    def _kept(self) -> tuple[int, float]:
+        """How many, and their initial value."""
+        raise NotImplementedError
+
+    def states(self) -> tuple[Slot, ...]:
+        """Earlier inputs, newest first."""
+        count, initial = self._kept()
+        return tuple(self._state(f"DSTATE{index}", initial) for index in range(1, count + 1))
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """Each sample moves on by one, the oldest first."""
+        states = self.states()
+        moved = [
+            (states[index], Read(states[index - 1])) for index in range(len(states) - 1, 0, -1)
+        ]
+        return (*moved, (states[0], inputs[0]))
+
+
+@dataclass(frozen=True)
+class Delay(_WithSamples):
+    """The input of `length` steps before; time and memory grow with the length."""
+
+    length: int = 1
+    initial: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_length(self, self.length, 1)
+
+    def _kept(self) -> tuple[int, float]:
+        return self.length, self.initial
+
+    def feedthrough(self, port: int) -> bool:
+        """The output is a state alone."""
+        return False
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The oldest sample."""
+        return Read(self.states()[-1])
+
+
+@dataclass(frozen=True)
+class MovingAverage(_WithSamples):
+    """Mean of the last `length` inputs; those before the first step are `initial`.
+
+    All are added anew in each step, the newest first, so that no rounding error is kept.
+    """
+
+    length: int = 2
+    initial: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_length(self, self.length, 2)
+
+    def _kept(self) -> tuple[int, float]:
+        return self.length - 1, self.initial
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The sum times 1 / length."""
+        total = inputs[0]
+        for state in self.states():
+            total = Binary("+", total, Read(state))
+        return Binary("*", self._literal(1.0 / self.length), total)
+
+
+@dataclass(frozen=True)
+class ComplementaryFilter(Block):
+    """Angle from a rate (input 0) and a slow absolute measurement (input 1).
+
+    y = weight (y_before + step * rate) + (1 - weight) measurement; `step` is the sample time in s,
+    `weight` between 0 and 1 gives the time constant step * weight / (1 - weight).
+    """
+
+    weight: float = 0.98
+    step: float = 0.01
+    initial: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.weight <= 1:
+            raise ValueError(
+                f"block '{self.name}': the weight must lie between 0 and 1, not {self.weight}"
+            )
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """Rate, measurement."""
+        return (self.data_type,) * 2
+
+    def states(self) -> tuple[Slot, ...]:
+        """The last angle."""
+        return (self._state("DSTATE", self.initial),)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """Prediction and measurement, weighted."""
+        turned = Binary("*", self._literal(self.step), inputs[0])
+        predicted = Binary("+", Read(self.states()[0]), turned)
+        first = Binary("*", self._literal(self.weight), predicted)
+        return Binary("+", first, Binary("*", self._literal(1.0 - self.weight), inputs[1]))
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """Store the angle."""
+        return ((self.states()[0], output),)
+
+
+@dataclass(frozen=True)
+class PidController(Block):
+    """P + I + filtered D of input 0, both by forward Euler.
+
+    u = proportional e + i + d; i grows by integral_step e (+ input 1 with `tracking`, for
+    anti-windup); d = derivative_gain (e - x), x grows by filter_step (e - x). In terms of Kp, Ki,
+    Kd and the filter coefficient N in 1/s: see `of_gains`.
+    """
+
+    proportional: Value = 1.0
+    integral_step: Value = 0.0
+    derivative_gain: Value = 0.0
+    filter_step: float = 1.0
+    tracking: bool = False
+
+    def __post_init__(self) -> None:
+        if not 0 < self.filter_step < 2:
+            raise ValueError(
+                f"block '{self.name}': the derivative filter is stable for a filter coefficient "
+                f"times sample time between 0 and 2, not {self.filter_step}"
+            )
+
+    @classmethod
+    def of_gains(
+        cls,
+        name: str,
+        gains: tuple[float, float, float],
+        filter_coefficient: float,
+        sample_time: float,
+        *,
+        tracking: bool = False,
+    ) -> PidController:
+        """From (Kp, Ki in 1/s, Kd in s), N in 1/s and the sample time in s; all tunable."""
+        proportional, integral, derivative = gains
+        return cls(
+            name,
+            proportional=Parameter(f"{name}_Kp", proportional, "1", "proportional gain"),
+            integral_step=Parameter(
+                f"{name}_Ki_Ts", integral * sample_time, "1", "integral gain times sample time"
+            ),
+            derivative_gain=Parameter(
+                f"{name}_Kd_N", derivative * filter_coefficient, "1", "derivative gain times N"
+            ),
+            filter_step=filter_coefficient * sample_time,
+            tracking=tracking,
+        )
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """Error, and with tracking what the integrator is driven by besides."""
+        return (self.data_type,) * (2 if self.tracking else 1)
+
+    def feedthrough(self, port: int) -> bool:
+        """Only the error."""
+        return port == 0
+
+    def values(self) -> tuple[Value, ...]:
+        """The gains."""
+        return self.proportional, self.integral_step, self.derivative_gain
+
+    def states(self) -> tuple[Slot, ...]:
+        """Integral, filtered error."""
+        return self._state("ISTATE", 0.0), self._state("FSTATE", 0.0)
+
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """What the filter has not followed yet."""
+        return ((self._local("rest"), Binary("-", inputs[0], Read(self.states()[1]))),)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The three parts from left to right."""
+        integral, rest = Read(self.states()[0]), Read(self._local("rest"))
+        first = Binary("*", self._value(self.proportional), inputs[0])
+        last = Binary("*", self._value(self.derivative_gain), rest)
+        return Binary("+", Binary("+", first, integral), last)
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """Integral and filter."""
+        integral, filtered = self.states()
+        step: Expression = Binary("*", self._value(self.integral_step), inputs[0])
+        if self.tracking:
+            step = Binary("+", step, inputs[1])
+        follow = Binary("*", self._literal(self.filter_step), Read(self._local("rest")))
+        return (
+            (integral, Binary("+", Read(integral), step)),
+            (filtered, Binary("+", Read(filtered), follow)),
+        )
+
+
+@dataclass(frozen=True)
+class DiscreteStateSpace(Block):
+    """x_next = A x + B u, y = C x + D u with one output; one port per column of B.
+
+    `a` (n, n) and `b` (n, m) as rows, `c` (n), `d` (m). Zeros cost nothing.
+    """
+
+    a: tuple[tuple[float, ...], ...] = ((0.0,),)
+    b: tuple[tuple[float, ...], ...] = ((1.0,),)
+    c: tuple[float, ...] = (1.0,)
+    d: tuple[float, ...] = (0.0,)
+    initial: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        order, ports = len(self.a), len(self.d)
+        good = (
+            order > 0
+            and ports > 0
+            and all(len(row) == order for row in self.a)
+            and len(self.b) == order
+            and all(len(row) == ports for row in self.b)
+            and len(self.c) == order
+            and len(self.initial) in (0, order)
+        )
+        if not good:
+            raise ValueError(
+                f"block '{self.name}': the shapes of a, b, c, d and initial do not fit; for "
+                f"{order} states and {ports} inputs: ({order}, {order}), ({order}, {ports}), "
+                f"({order}), ({ports}), ({order})"
+            )
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """One port per input."""
+        return (self.data_type,) * len(self.d)
+
+    def feedthrough(self, port: int) -> bool:
+        """Where d is not 0."""
+        return self.d[port] != 0.0
+
+    def states(self) -> tuple[Slot, ...]:
+        """x."""
+        start = self.initial or (0.0,) * len(self.a)
+        return tuple(self._state(f"DSTATE{index}", value) for index, value in enumerate(start, 1))
+
+    def _row(self, weights: Sequence[float], values: Sequence[Expression]) -> Expression:
+        terms = [
+            Binary("*", self._literal(weight), value) if weight != 1.0 else value
+            for weight, value in zip(weights, values, strict=True)
+            if weight != 0.0
+        ]
+        if not terms:
+            return self._literal(0.0)
+        total = terms[0]
+        for term in terms[1:]:
+            total = Binary("+", total, term)
+        return total
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """C x + D u from left to right."""
+        return self._row((*self.c, *self.d), (*map(Read, self.states()), *inputs))
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """All next states are computed before the first is stored."""
+        states = self.states()
+        sources = (*map(Read, states), *inputs)
+        computed, stored = [], []
+        for index, (state, a, b) in enumerate(zip(states, self.a, self.b, strict=True), 1):
+            following = self._local(f"next{index}")
+            computed.append((following, self._row((*a, *b), sources)))
+            stored.append((state, Read(following)))
+        return (*computed, *stored)
+
+
+def state_space_block(
+    name: str, system: control.StateSpace, output: int = 0, data_type: DataType = DataType.REAL32
+) -> DiscreteStateSpace:
+    """One output of a discrete python-control system, such as an observer or an LQG controller."""
+    if not control.isdtime(system, strict=True):
+        raise ValueError(f"block '{name}': the system is continuous; discretise it first")
+    return DiscreteStateSpace(
+        name,
+        data_type,
+        a=tuple(map(tuple, np.asarray(system.A).tolist())),
+        b=tuple(map(tuple, np.asarray(system.B).tolist())),
+        c=tuple(np.asarray(system.C)[output].tolist()),
+        d=tuple(np.asarray(system.D)[output].tolist()),
+    )
+
+
+def transfer_function_block(
+    name: str, system: control.TransferFunction, data_type: DataType = DataType.REAL32
+) -> DiscreteTransferFunction:
+    """A discrete python-control transfer function with one input and one output."""
+    if not control.isdtime(system, strict=True):
+        raise ValueError(f"block '{name}': the system is continuous; discretise it first")
+    numerator, denominator = (np.trim_zeros(p[0][0], "f") for p in (system.num, system.den))
+    leading = denominator[0]
+    padding = (0.0,) * (len(denominator) - len(numerator))
+    return DiscreteTransferFunction(
+        name,
+        data_type,
+        numerator=(*padding, *(float(value / leading) for value in numerator)),
+        denominator=tuple(float(value / leading) for value in denominator),
+    )

@@ -1,0 +1,251 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Blocks with thresholds, steps and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ravenbrick.model.blocks import Block, Value, number
+from ravenbrick.model.program import (
+    Binary,
+    Comparison,
+    DataType,
+    Expression,
+    Read,
+    Rounded,
+    Select,
+    Slot,
+    Table,
+)
+
+__all__ = ["Backlash", "DeadZone", "LookupTable", "Quantiser", "RateLimit", "Relay", "Switch"]
+
+
+def _if(
+    left: Expression, operator: str, right: Expression, chosen: Expression, otherwise: Expression
+) -> Select:
+    return Select(Comparison(operator, left, right), chosen, otherwise)
+
+
+@dataclass(frozen=True)
+class DeadZone(Block):
+    """0 between `start` and `end`; outside the distance to the nearer of them."""
+
+    start: Value = -1.0
+    end: Value = 1.0
+
+    def __post_init__(self) -> None:
+        if not number(self.start) <= number(self.end):
+            raise ValueError(
+                f"block '{self.name}': the dead zone must begin at or below its end, "
+                f"not {number(self.start)} and {number(self.end)}"
+            )
+
+    def values(self) -> tuple[Value, ...]:
+        """Both ends."""
+        return self.start, self.end
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """Two tests."""
+        value, start, end = inputs[0], self._value(self.start), self._value(self.end)
+        below = _if(value, "<", start, Binary("-", value, start), self._literal(0.0))
+        return _if(value, ">", end, Binary("-", value, end), below)
+
+
+class _WithMemory(Block):
+    """A block whose only state is its last output."""
+
+    def _first(self) -> float:
+        return 0.0
+
+    def states(self) -> tuple[Slot, ...]:
+        """The last output."""
+        return (self._state("DSTATE", self._first()),)
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """Store the output."""
+        return ((self.states()[0], output),)
+
+
+@dataclass(frozen=True)
+class RateLimit(_WithMemory):
+    """The input, moving by at most `rising` up and `falling` down per step.
+
+    For rates per second multiply them by the sample time.
+    """
+
+    rising: Value = 1.0
+    falling: Value = 1.0
+    initial: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in (("rising", self.rising), ("falling", self.falling)):
+            if not number(value) >= 0:
+                raise ValueError(
+                    f"block '{self.name}': {name} must be >= 0, not {number(value)}; it is a size"
+                )
+
+    def values(self) -> tuple[Value, ...]:
+        """Both rates."""
+        return self.rising, self.falling
+
+    def _first(self) -> float:
+        return self.initial
+
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """The change that the input asks for."""
+        return ((self._local("change"), Binary("-", inputs[0], Read(self.states()[0]))),)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The input itself if it can be reached."""
+        change, last = Read(self._local("change")), Read(self.states()[0])
+        rising, falling = self._value(self.rising), self._value(self.falling)
+        down = Binary("-", last, falling)
+        fall = Binary("-", self._literal(0.0), falling)
+        slow = _if(change, "<", fall, down, inputs[0])
+        return _if(change, ">", rising, Binary("+", last, rising), slow)
+
+
+@dataclass(frozen=True)
+class Quantiser(Block):
+    """The nearest multiple of `interval`, halves away from zero.
+
+    Computed as interval * nearest(u * (1 / interval)).
+    """
+
+    interval: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.interval > 0:
+            raise ValueError(f"block '{self.name}': the interval must be > 0, not {self.interval}")
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """Two products around a rounding."""
+        steps = Binary("*", self._literal(1.0 / self.interval), inputs[0])
+        return Binary("*", self._literal(self.interval), Rounded(steps))
+
+
+@dataclass(frozen=True)
+class Relay(_WithMemory):
+    """`on_value` once the input is >= `on_above`, `off_value` once it is <= `off_below`.
+
+    Between them it stays as it is; it begins off.
+    """
+
+    on_above: Value = 0.0
+    off_below: Value = 0.0
+    on_value: Value = 1.0
+    off_value: Value = 0.0
+
+    def __post_init__(self) -> None:
+        if not number(self.off_below) <= number(self.on_above):
+            raise ValueError(
+                f"block '{self.name}': off_below {number(self.off_below)} must not be above "
+                f"on_above {number(self.on_above)}"
+            )
+
+    def values(self) -> tuple[Value, ...]:
+        """Thresholds and outputs."""
+        return self.on_above, self.off_below, self.on_value, self.off_value
+
+    def _first(self) -> float:
+        return number(self.off_value)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """Two tests, on first."""
+        keep = Read(self.states()[0])
+        off = _if(inputs[0], "<=", self._value(self.off_below), self._value(self.off_value), keep)
+        return _if(inputs[0], ">=", self._value(self.on_above), self._value(self.on_value), off)
+
+
+@dataclass(frozen=True)
+class Backlash(_WithMemory):
+    """A gear with play: the output follows when the input has crossed the gap of `width`."""
+
+    width: float = 1.0
+    initial: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.width >= 0:
+            raise ValueError(f"block '{self.name}': the width must be >= 0, not {self.width}")
+
+    def _first(self) -> float:
+        return self.initial
+
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """The outputs at which the input touches either side."""
+        half = self._literal(self.width / 2)
+        return (
+            (self._local("lower"), Binary("-", inputs[0], half)),
+            (self._local("upper"), Binary("+", inputs[0], half)),
+        )
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The last output, pushed into the gap's new place."""
+        last = Read(self.states()[0])
+        lower, upper = Read(self._local("lower")), Read(self._local("upper"))
+        return _if(last, "<", lower, lower, _if(last, ">", upper, upper, last))
+
+
+@dataclass(frozen=True)
+class Switch(Block):
+    """Input 0 while input 1 is >= `threshold`, else input 2."""
+
+    threshold: Value = 0.0
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """First value, control, second value."""
+        return (self.data_type,) * 3
+
+    def values(self) -> tuple[Value, ...]:
+        """The threshold."""
+        return (self.threshold,)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """One test."""
+        return _if(inputs[1], ">=", self._value(self.threshold), inputs[0], inputs[2])
+
+
+@dataclass(frozen=True)
+class LookupTable(Block):
+    """Straight lines through the points (`breakpoints`, `table`).
+
+    Outside the outer points the outer values hold, or with `extrapolate` the outer lines go on.
+    """
+
+    breakpoints: tuple[float, ...] = (0.0, 1.0)
+    table: tuple[float, ...] = (0.0, 1.0)
+    extrapolate: bool = False
+
+    def __post_init__(self) -> None:
+        if len(self.breakpoints) != len(self.table) or len(self.table) < 2:
+            raise ValueError(
+                f"block '{self.name}': the table needs as many values as breakpoints, at least 2, "
+                f"not {len(self.table)} and {len(self.breakpoints)}"
+            )
+        rounded = [self.data_type.scalar(point) for point in self.breakpoints]
+        for left, right in pairwise(rounded):
+            if not left < right:
+                raise ValueError(
+                    f"block '{self.name}': the breakpoints must rise, but {right} follows {left}"
+                )
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """A search and one line."""
+        points, table = self.breakpoints, self.table
+        slopes = [
+            (high - low) / (right - left)
+            for (left, right), (low, high) in zip(pairwise(points), pairwise(table), strict=True)
+        ]
+        lines = Table(inputs[0], self.name, points, table, (*slopes, slopes[-1]))
+        if self.extrapolate:
+            return lines
+        first, last = self._literal(points[0]), self._literal(points[-1])
+        upper = _if(inputs[0], ">=", last, self._literal(table[-1]), lines)
+        return _if(inputs[0], "<=", first, self._literal(table[0]), upper)
