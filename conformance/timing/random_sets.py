@@ -16,6 +16,7 @@ import gc
 import importlib.util
 import json
 import math
+import os
 import random
 import subprocess
 import sys
@@ -32,7 +33,8 @@ from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.response_time import response_time_bound
 from ravenbrick.schedule.simulation import simulate
 
-CRATE = Path(__file__).resolve().parent / "crate_bounds"
+ROOT = Path(__file__).resolve().parents[2]
+CRATE = ROOT / "conformance" / "timing" / "crate_bounds"
 Bounds = list[int | None]
 
 
@@ -106,7 +108,12 @@ def crate_bounds(sets: list[TaskSet]) -> Iterator[list[Bounds]]:
         for task_set in sets
     ]
     result = subprocess.run(
-        command, cwd=CRATE, input="\n".join(lines), capture_output=True, text=True
+        command,
+        cwd=CRATE,
+        env={"CARGO_TARGET_DIR": str(ROOT / "build" / "crate_bounds"), **os.environ},
+        input="\n".join(lines),
+        capture_output=True,
+        text=True,
     )
     if result.returncode:
         raise SystemExit(f"the crate's program failed:\n{result.stderr[-2000:]}")
