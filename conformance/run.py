@@ -109,6 +109,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
             "host/tests/codegen",
         ),
     ),
+    (
+        "timing",
+        pytest_suite("timing", "textbook cases, random task sets", "host/tests/schedule"),
+    ),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
 ]
 
