@@ -204,7 +204,7 @@ def block_diagram(name: str, data_type: DataType = DataType.REAL32) -> Diagram:
         diagram.connect(block, out)
         return diagram
     total = diagram.add(Sum("Total", data_type, signs="++"))
-    still = diagram.add(Gain("Still", data_type, gain=0.0))
+    still = diagram.add(Saturation("Still", data_type, limit=0.0))
     diagram.connect(source, still)
     diagram.connect(block, total)
     diagram.connect(still, total, 1)

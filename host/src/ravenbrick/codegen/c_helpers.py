@@ -23,16 +23,16 @@ __all__ = ["helper_functions", "table_arrays"]
 
 _QUOTIENT = """\
 /* Quotient to the nearest whole number, halves away from zero; the divisor is even. */
-static int32_T nearest_quotient(int32_T value, int32_T divisor)
-{
+static int32_T {model}_nearest_quotient(int32_T value, int32_T divisor)
+{{
   const int32_T half = divisor / 2;
   return (value + ((value < 0) ? -half : half)) / divisor;
-}
+}}
 """
 
 _NEAREST = """\
 /* Nearest whole number, halves away from zero. */
-static {real} nearest_{suffix}({real} value)
+static {real} {model}_nearest_{suffix}({real} value)
 {{
   {real} whole = value;
   if ((value > -{limit}) && (value < {limit})) {{
@@ -53,7 +53,7 @@ static {real} nearest_{suffix}({real} value)
 
 _LOOK_UP = """\
 /* Straight lines between the points of a table, the outer ones prolonged. */
-static {real} look_up_{suffix}(const {real} breakpoints[], const {real} values[],
+static {real} {model}_look_up_{suffix}(const {real} breakpoints[], const {real} values[],
   const {real} slopes[], uint32_T count, {real} value)
 {{
   uint32_T index = 0U;
@@ -90,11 +90,11 @@ def helper_functions(program: Program) -> list[str]:
     found: dict[str, None] = {}
     for node in _nodes(program):
         if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
-            found[_QUOTIENT] = None
+            found[_QUOTIENT.format(model=program.name)] = None
         elif isinstance(node, Rounded):
-            found[_NEAREST.format(**_words(node.value))] = None
+            found[_NEAREST.format(model=program.name, **_words(node.value))] = None
         elif isinstance(node, Table):
-            found[_LOOK_UP.format(**_words(node.value))] = None
+            found[_LOOK_UP.format(model=program.name, **_words(node.value))] = None
     return list(found)
 
 

@@ -94,13 +94,15 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
             second = _c_expression(program, otherwise, nested=True)
             text = f"({test}) ? {first} : {second}"
         case Rounded(value=value):
-            return f"nearest_{format_suffix(value)}({_c_expression(program, value)})"
+            return f"{program.name}_nearest_{format_suffix(value)}({_c_expression(program, value)})"
         case Table(value=value, name=name, breakpoints=breakpoints):
             arrays = f"{name}_breakpoints, {name}_values, {name}_slopes"
             inner = _c_expression(program, value)
-            return f"look_up_{format_suffix(value)}({arrays}, {len(breakpoints)}U, {inner})"
+            head = f"{program.name}_look_up_{format_suffix(value)}"
+            return f"{head}({arrays}, {len(breakpoints)}U, {inner})"
         case Rescale(value=value, bits=bits, rounding=Rounding.NEAREST):
-            return f"nearest_quotient({_c_expression(program, value, nested=True)}, {1 << bits})"
+            inner = _c_expression(program, value, nested=True)
+            return f"{program.name}_nearest_quotient({inner}, {1 << bits})"
         case Rescale(value=value, bits=bits):
             text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
         case Clamp() | Bounded():

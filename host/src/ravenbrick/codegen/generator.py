@@ -13,7 +13,7 @@ from pathlib import Path
 from ravenbrick import __version__
 from ravenbrick.codegen.c_helpers import helper_functions, table_arrays
 from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS, c_literal, c_statement
-from ravenbrick.codegen.rtwtypes import RTWTYPES
+from ravenbrick.codegen.rtwtypes import RTWTYPES, used_types
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model.number_format import FixedFormat
@@ -43,7 +43,7 @@ class GeneratedCode:
         return paths
 
 
-def generate_c(diagram: Diagram | Program) -> GeneratedCode:
+def generate_c(diagram: Diagram | Program, *, only_used: bool = False) -> GeneratedCode:
     """C99 for one step of the diagram; the same diagram gives the same bytes.
 
     A fixed-point program (`to_fixed_point(...).program`) becomes integer C: each variable's comment
@@ -52,16 +52,23 @@ def generate_c(diagram: Diagram | Program) -> GeneratedCode:
     Inputs `<model>_U` and outputs `<model>_Y` are defined by the application. The reentrant entry
     points work on an instance's state; the parameters `<model>_P` are shared. Neither heap nor C
     library is used.
+
+    With `only_used` nothing is declared that the model itself does not use: the checks of the
+    structures' layout go, and `rtwtypes.h` has the model's types only (give each model a folder of
+    its own). Rules 2.3, 2.5 and 21.1 of MISRA C:2012 ask for that.
     """
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
     _check_names(program)
     digest = hashlib.sha256(repr(program).encode()).hexdigest()
     head = _head(program, digest)
+    header = _header_file(program, only_used=only_used)
+    source = _source_file(program, only_used=only_used)
+    types = used_types((header, source)) if only_used else RTWTYPES
     return GeneratedCode(
         {
-            f"{program.name}.h": head + _header_file(program),
-            f"{program.name}.c": head + _source_file(program),
-            "rtwtypes.h": _title("Types of generated models.") + RTWTYPES,
+            f"{program.name}.h": head + header,
+            f"{program.name}.c": head + source,
+            "rtwtypes.h": _title("Types of generated models.") + types,
         },
         digest,
     )
@@ -107,18 +114,21 @@ def _structure(name: str, slots: Sequence[Slot], *, with_values: bool = False) -
     return [*lines, f"}} {name};", ""]
 
 
-def _header_file(program: Program) -> str:
+def _header_file(program: Program, *, only_used: bool) -> str:
     name = program.name
     guard = f"{name.upper()}_H"
     lines = [f"#ifndef {guard}", f"#define {guard}", "", '#include "rtwtypes.h"', ""]
     lines += ["/* Inputs. */", *_structure(f"ExternalInputs_{name}", program.inputs)]
     lines += ["/* Outputs. */", *_structure(f"ExternalOutputs_{name}", program.outputs)]
     lines += ["/* State of one instance. */", *_structure(f"D_Work_{name}", program.states)]
+    if program.parameters or not only_used:
+        lines += [
+            "/* Tunable parameters, shared by all instances. */",
+            *_structure(f"Parameters_{name}", program.parameters, with_values=True),
+            f"extern Parameters_{name} {name}_P;",
+            "",
+        ]
     lines += [
-        "/* Tunable parameters, shared by all instances. */",
-        *_structure(f"Parameters_{name}", program.parameters, with_values=True),
-        f"extern Parameters_{name} {name}_P;",
-        "",
         "/* One instance: the application defines inputs and outputs. */",
         f"extern ExternalInputs_{name} {name}_U;",
         f"extern ExternalOutputs_{name} {name}_Y;",
@@ -140,24 +150,29 @@ def _header_file(program: Program) -> str:
     return "\n".join([*lines, " */", "", f"#endif /* {guard} */", ""])
 
 
-def _source_file(program: Program) -> str:
+def _source_file(program: Program, *, only_used: bool) -> str:
     name = program.name
-    lines = ["#include <stddef.h>", "", f'#include "{name}.h"', ""]
-    lines += _layout_checks(f"ExternalInputs_{name}", program.inputs)
-    lines += _layout_checks(f"ExternalOutputs_{name}", program.outputs)
-    lines += _layout_checks(f"D_Work_{name}", program.states)
-    lines += _layout_checks(f"Parameters_{name}", program.parameters)
-    lines += ["", *_parameters(program)]
+    traced = only_used or is_fixed_point(program)
+    lines = [f'#include "{name}.h"', ""]
+    if not only_used:
+        lines = ["#include <stddef.h>", "", *lines]
+        lines += _layout_checks(f"ExternalInputs_{name}", program.inputs)
+        lines += _layout_checks(f"ExternalOutputs_{name}", program.outputs)
+        lines += _layout_checks(f"D_Work_{name}", program.states)
+        lines += _layout_checks(f"Parameters_{name}", program.parameters)
+        lines.append("")
+    if program.parameters or not only_used:
+        lines += _parameters(program, traced)
     lines += [f"D_Work_{name} {name}_DW;", ""]
     lines += helper_functions(program)
     lines += [f"void {name}_initialize_instance(D_Work_{name} *work)", "{"]
     lines += [
-        f"  work->{slot.name} = {c_literal(slot.initial, slot.data_type)};"
+        f"  work->{slot.name} = {c_literal(slot.initial, slot.data_type)};{_origin(slot, traced)}"
         for slot in program.states
     ]
     if not program.states:
         lines.append("  work->unused = 0U;")
-    lines += ["}", "", *_step(program), ""]
+    lines += ["}", "", *_step(program, traced), ""]
     lines += [f"void {name}_initialize(void)", "{"]
     lines += [f"  {name}_initialize_instance(&{name}_DW);", "}", ""]
     lines += [f"void {name}_step(void)", "{"]
@@ -183,11 +198,12 @@ def _layout_checks(structure: str, slots: Sequence[Slot]) -> list[str]:
     return lines
 
 
-def _parameters(program: Program) -> list[str]:
+def _parameters(program: Program, traced: bool) -> list[str]:
     lines = [f"Parameters_{program.name} {program.name}_P = {{"]
     for index, slot in enumerate(program.parameters):
         comma = "," if index + 1 < len(program.parameters) else ""
         about = f"{slot.name}: {slot.description}, {slot.unit}"
+        about += f"; '<Root>/{slot.block}'" if traced else ""
         lines.append(f"  {c_literal(slot.initial, slot.data_type)}{comma} /* {about} */")
     if not program.parameters:
         lines.append("  0U")
@@ -200,11 +216,15 @@ def _block_type(statement: Statement) -> str:
     return " ".join([_ABBREVIATIONS.get(first, first), *map(str.lower, others)])
 
 
-def _scaling(slot: Slot) -> str:
-    return f" /* {slot.data_type} */" if isinstance(slot.data_type, FixedFormat) else ""
+def _origin(slot: Slot, traced: bool) -> str:
+    """A comment with the block that a variable belongs to, and its scaling."""
+    if not traced:
+        return ""
+    scaling = f", {slot.data_type}" if isinstance(slot.data_type, FixedFormat) else ""
+    return f" /* '<Root>/{slot.block}'{scaling} */"
 
 
-def _step(program: Program) -> list[str]:
+def _step(program: Program, traced: bool) -> list[str]:
     name = program.name
     lines = [
         f"void {name}_step_instance(D_Work_{name} *work, const ExternalInputs_{name} *u,",
@@ -212,7 +232,8 @@ def _step(program: Program) -> list[str]:
         "{",
     ]
     lines += table_arrays(program)
-    lines += [f"  {slot.data_type.value} {slot.name};{_scaling(slot)}" for slot in program.signals]
+    for slot in program.signals:
+        lines.append(f"  {slot.data_type.value} {slot.name};{_origin(slot, traced)}")
     if any(isinstance(statement.expression, Bounded) for statement in program.statements):
         lines.append(f"  int32_T {ACCUMULATOR};")
     for statement in program.statements:

@@ -145,9 +145,14 @@ def prove(fixed: FixedPoint, plant: PlantInLoop | None = None) -> FixedPointProo
     return FixedPointProof(fixed, one_step_errors(fixed), loop)
 
 
-def generate_fixed_c(fixed: FixedPoint, plant: PlantInLoop | None = None) -> GeneratedCode:
-    """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`."""
-    code = generate_c(fixed.program)
+def generate_fixed_c(
+    fixed: FixedPoint, plant: PlantInLoop | None = None, *, only_used: bool = False
+) -> GeneratedCode:
+    """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`.
+
+    `only_used` as in `generate_c`.
+    """
+    code = generate_c(fixed.program, only_used=only_used)
     proof = prove(fixed, plant)
     name = fixed.program.name
     record = {

@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
-__all__ = ["RTWTYPES"]
+import re
+from collections.abc import Iterable
+
+__all__ = ["RTWTYPES", "used_types"]
 
 RTWTYPES = """\
 #ifndef RTWTYPES_H
@@ -62,3 +65,15 @@ typedef char rtwtypes_int64_has_8_bytes[(sizeof(int64_T) == 8U) ? 1 : -1];
 
 #endif /* RTWTYPES_H */
 """
+
+
+def used_types(texts: Iterable[str]) -> str:
+    """The header with no more than the types named in the C texts."""
+    named = set(re.findall(r"\b\w+_T\b", "".join(texts)))
+    head, *_ = RTWTYPES.partition("typedef ")
+    lines = [
+        f"{line}\n"
+        for line in RTWTYPES.splitlines()
+        if (found := re.match(r"typedef [^;\[]* (\w+_T);", line)) and found[1] in named
+    ]
+    return f"{head}{''.join(lines)}\n#endif /* RTWTYPES_H */\n"
