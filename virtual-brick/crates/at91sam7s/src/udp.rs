@@ -58,7 +58,7 @@ impl Udp {
             mask: 0,
             bus: 0,
             reset: 0,
-            transceiver: TRANSCEIVER_DISABLED,
+            transceiver: 0,
             endpoints: std::array::from_fn(Endpoint::new),
         }
     }

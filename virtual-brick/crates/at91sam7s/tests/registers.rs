@@ -108,10 +108,7 @@ fn modelled() -> BTreeMap<u32, u32> {
     let peripherals: [(u32, Table); 19] = [
         (
             0xFFFB_0000,
-            with(
-                udp,
-                &[(0x04, 0x10), (0x08, 0x100), (0x18, 0x1000), (0x74, 0x100)],
-            ),
+            with(udp, &[(0x04, 0x10), (0x08, 0x100), (0x18, 0x1000)]),
         ),
         // CTS0 is pulled up; so are RI1, DSR1, DCD1 and CTS1.
         (0xFFFC_0000, usart(0x0080_1818)),

@@ -168,6 +168,20 @@ fn a_setup_packet_is_read_and_answered_in_pieces_of_eight_bytes() {
 }
 
 #[test]
+fn a_setup_packet_ends_the_transfer_before() {
+    let mut chip = default_chip();
+    give(&mut chip, 0, &[]);
+    let input = UsbTransaction::In;
+    assert_eq!(transact(&mut chip, 0, 0, input), data(&[]));
+    give(&mut chip, 0, b"stale");
+    assert_eq!(setup(&mut chip, [0; 8]), UsbAnswer::Acknowledged);
+    assert_eq!(read(&mut chip, CSR[0]), EPEDS | RXSETUP | 8 << 16);
+    received(&mut chip, 0);
+    clear(&mut chip, 0, RXSETUP);
+    assert_eq!(transact(&mut chip, 0, 0, input), UsbAnswer::NotReady);
+}
+
+#[test]
 fn only_the_own_address_answers() {
     let mut chip = default_chip();
     write(&mut chip, FADDR, 0x105);

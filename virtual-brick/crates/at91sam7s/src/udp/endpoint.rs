@@ -170,9 +170,12 @@ impl Endpoint {
         }
     }
 
-    /// A request is always taken; it ends whatever the endpoint was doing.
+    /// A request is always taken; it ends whatever the endpoint was doing. That TXCOMP of the
+    /// transfer before is gone is inferred: firmware that real hosts enumerate leaves it set
+    /// after the status stage and waits for it again in the next transfer.
     fn setup(&mut self, request: [u8; 8]) -> UsbAnswer {
         self.reset();
+        self.control &= !TXCOMP;
         let Some(packet) = UsbPacket::new(&request) else {
             return UsbAnswer::Silent;
         };
