@@ -3,7 +3,7 @@
 //! The board as the chip sees it: pins, buses, analogue inputs, time.
 //!
 //! Events at the same cycle are served in this order: encoder edges (motor A first), step of the
-//! plant, co-processor, report of the display. An input acts at once on what the co-processor
+//! plant, co-processor, sensors, report of the display. An input acts at once on what the co-processor
 //! samples, and on the plant from its next step.
 
 use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, TwiReply};
@@ -12,12 +12,12 @@ use plant::{MotorDrive, ParameterError, RobotParameters};
 use crate::battery::Battery;
 use crate::buttons::Buttons;
 use crate::configuration::BoardConfiguration;
-use crate::coprocessor::{Coprocessor, Measurable, ADDRESS, STRETCH_CYCLES};
+use crate::coprocessor::{Coprocessor, Measurable, ADDRESS};
 use crate::display::Display;
 use crate::event::{BoardEvent, BoardEventKind, BoardFault, EventLog};
 use crate::inputs::{self, InputDescription, InputError, Target};
 use crate::physics::Physics;
-use crate::ports::{self, Sensor};
+use crate::ports::{Ports, PORT_LINES};
 use crate::time::{microseconds, milliseconds, NEVER};
 
 const DISPLAY_SELECT: u32 = 1 << 10;
@@ -26,9 +26,8 @@ const DISPLAY_DATA: u32 = 1 << 12;
 const DISPLAY_SELECT_OUTPUT: u8 = 2;
 const DISPLAY_FRAME_BITS: u8 = 8;
 /// Lines that the brick pulls up: two-wire bus (PA3, PA4) and the digital lines of the ports.
-const PULLED_UP: u32 = 1 << 3 | 1 << 4 | PORT_LINES;
-const PORT_LINES: u32 =
-    1 << 2 | 1 << 18 | 1 << 19 | 1 << 20 | 1 << 23 | 1 << 28 | 1 << 29 | 1 << 30;
+const PULLED_UP: u32 = 1 << 3 | BUS_CLOCK | PORT_LINES;
+const BUS_CLOCK: u32 = 1 << 4;
 /// Analogue channels of the digital lines: (channel, pin).
 const ANALOGUE_PINS: [(u8, u32); 4] = [(1, 18), (2, 19), (3, 20), (7, 2)];
 const ANALOGUE_FULL_SCALE: u16 = 1023;
@@ -47,7 +46,7 @@ pub struct NxtBoard {
     refresh: Refresh,
     buttons: Buttons,
     battery: Battery,
-    sensors: [Sensor; 4],
+    ports: Ports,
     physics: Physics,
     inputs: Vec<InputDescription>,
     outputs: PinOutputs,
@@ -79,7 +78,7 @@ impl NxtBoard {
         let mut random = Random(seed);
         let phases = [0; 3].map(|_| random.next(4 << 20) as f64 / f64::from(1 << 20));
         let phase = random.next(TICK);
-        let sensors = ports::plug(&configuration.sensors);
+        let ports = Ports::new(&configuration.sensors);
         let display = Display::new();
         let digest = display.picture().digest();
         Ok(Self {
@@ -93,8 +92,8 @@ impl NxtBoard {
             buttons: Buttons::default(),
             battery: Battery::new(configuration.battery.clone()),
             physics: Physics::new(robot, phases)?,
-            inputs: inputs::inputs(&sensors, robot),
-            sensors,
+            inputs: inputs::inputs(ports.sensors(), robot),
+            ports,
             outputs: PinOutputs::default(),
             addressed: false,
             phase,
@@ -162,12 +161,11 @@ impl NxtBoard {
         let target = inputs::find(&self.inputs, name, value)?;
         self.advance(now);
         match target {
-            Target::Touch(index) => {
-                self.sensors[index] = Sensor::Touch {
-                    pressed: value != 0.0,
-                };
-            }
-            Target::Raw(index) => self.sensors[index] = Sensor::Analogue { raw: value as u16 },
+            Target::Sensor(index, quantity) => self.ports.set_quantity(index, quantity, value),
+            Target::Plugged(index) => self.ports.set_plugged(now, index, value != 0.0),
+            Target::Short(index, line) => self.ports.set_short(now, index, line, value != 0.0),
+            Target::WrongSums => self.coprocessor.spoil_sums(value as u16),
+            Target::BusStuck => self.coprocessor.hold_bus(value != 0.0),
             Target::Button(button) => self.buttons.set(button, value != 0.0),
             Target::BatteryVoltage => self.battery.set_voltage(value),
             Target::HandAngle(port) => {
@@ -198,7 +196,7 @@ impl NxtBoard {
 
     fn measurable(&self) -> Measurable {
         Measurable {
-            ports: self.sensors.map(Sensor::raw),
+            ports: self.ports.raw(),
             buttons: self.buttons.word(),
             battery: self.battery.word(),
             battery_too_low: self.battery.refuses_start(),
@@ -240,15 +238,16 @@ impl NxtBoard {
 }
 
 impl Board for NxtBoard {
-    fn outputs_changed(&mut self, _now: Cycles, outputs: PinOutputs) {
+    fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
         self.outputs = outputs;
+        self.ports.outputs_changed(now, outputs);
     }
 
     fn pin_levels(&self) -> PinLevels {
         let (driven, level) = self.physics.pins();
         PinLevels {
             driven: driven | PULLED_UP,
-            level: level | PULLED_UP,
+            level: (level | PULLED_UP) & !self.ports.low() & !self.bus_low(),
         }
     }
 
@@ -269,7 +268,7 @@ impl Board for NxtBoard {
 
     fn twi_read(&mut self, _now: Cycles) -> (u8, Cycles) {
         if self.addressed {
-            (self.coprocessor.read(), STRETCH_CYCLES)
+            (self.coprocessor.read(), self.coprocessor.stretch_cycles())
         } else {
             (0xFF, 0)
         }
@@ -294,7 +293,7 @@ impl Board for NxtBoard {
             .into_iter()
             .find(|&(number, _)| number == channel);
         match line {
-            Some((_, pin)) if !self.driven(1 << pin, false) => ANALOGUE_FULL_SCALE,
+            Some((_, pin)) if !self.is_low(1 << pin) => ANALOGUE_FULL_SCALE,
             _ => 0,
         }
     }
@@ -304,6 +303,7 @@ impl Board for NxtBoard {
         physics
             .min(self.coprocessor.next_event())
             .min(self.refresh.due_at)
+            .min(self.ports.next_event())
     }
 
     fn advance(&mut self, now: Cycles) {
@@ -316,6 +316,9 @@ impl Board for NxtBoard {
             }
             let measurable = self.measurable();
             self.coprocessor.advance(at, measurable, &mut self.log);
+            self.ports
+                .set_supplies(at, self.coprocessor.sensor_supplies());
+            self.ports.advance(at);
             if self.refresh.due_at <= at {
                 self.report_picture(at);
             }
@@ -333,10 +336,28 @@ impl Board for NxtBoard {
 
 impl NxtBoard {
     const fn reply(&self) -> TwiReply {
-        let stretch_cycles = if self.addressed { STRETCH_CYCLES } else { 0 };
+        let stretch_cycles = if self.addressed {
+            self.coprocessor.stretch_cycles()
+        } else {
+            0
+        };
         TwiReply {
             acknowledged: self.addressed,
             stretch_cycles,
+        }
+    }
+
+    /// The pin is driven low from either side.
+    fn is_low(&self, pin: u32) -> bool {
+        self.driven(pin, false) || self.outputs.driven & pin == 0 && self.ports.low() & pin != 0
+    }
+
+    /// The clock of the two-wire bus while the co-processor holds it.
+    const fn bus_low(&self) -> u32 {
+        if self.coprocessor.holds_bus() {
+            BUS_CLOCK
+        } else {
+            0
         }
     }
 }

@@ -88,8 +88,14 @@ pub enum SensorConfiguration {
         #[serde(default = "open_input")]
         raw: u16,
     },
+    /// The light sensor, in darkness.
+    Light {},
+    /// The sound sensor, in silence.
+    Sound {},
+    /// The ultrasonic sensor, with nothing in its range.
+    Ultrasonic {},
 }
 
 const fn open_input() -> u16 {
-    crate::ports::OPEN
+    crate::sensors::OPEN
 }

@@ -9,7 +9,7 @@ use plant::{MotorPort, RobotParameters};
 
 use crate::battery::VOLTAGE_RANGE;
 use crate::buttons::Button;
-use crate::ports::Sensor;
+use crate::sensors::{Quantity, Sensor, SensorInput};
 
 /// An input of this brick.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +30,15 @@ pub struct InputDescription {
 /// What an input acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    Touch(usize),
-    Raw(usize),
+    Sensor(usize, Quantity),
+    Plugged(usize),
+    Short(usize, usize),
     Button(Button),
     HandAngle(MotorPort),
     LoadTorque(MotorPort),
     BatteryVoltage,
+    WrongSums,
+    BusStuck,
 }
 
 /// An input that this brick does not have, or a value that it does not take.
@@ -93,24 +96,14 @@ impl fmt::Display for InputError {
 impl Error for InputError {}
 
 /// The inputs of a brick with these sensors and motors, in a fixed order.
-pub fn inputs(sensors: &[Sensor; 4], robot: &RobotParameters) -> Vec<InputDescription> {
+pub fn inputs(sensors: [&Sensor; 4], robot: &RobotParameters) -> Vec<InputDescription> {
     let mut inputs = Vec::new();
     for button in Button::ALL {
         let name = format!("button.{}", button.name());
         inputs.push(switch(name, Target::Button(button)));
     }
-    for (index, sensor) in sensors.iter().enumerate() {
-        let port = index + 1;
-        match sensor {
-            Sensor::Nothing => {}
-            Sensor::Touch { .. } => {
-                inputs.push(switch(format!("touch.{port}"), Target::Touch(index)));
-            }
-            Sensor::Analogue { .. } => inputs.push(InputDescription {
-                highest: 1023.0,
-                ..switch(format!("sensor.{port}.raw"), Target::Raw(index))
-            }),
-        }
+    for (index, sensor) in sensors.into_iter().enumerate() {
+        inputs.extend(sensor_inputs(index, sensor));
     }
     for port in MotorPort::ALL {
         inputs.extend(motor_input(port, robot));
@@ -123,6 +116,39 @@ pub fn inputs(sensors: &[Sensor; 4], robot: &RobotParameters) -> Vec<InputDescri
         unit: "V",
         target: Target::BatteryVoltage,
     });
+    inputs.push(InputDescription {
+        highest: 65_535.0,
+        ..switch("fault.coprocessor_checksum".to_owned(), Target::WrongSums)
+    });
+    inputs.push(switch("fault.twi_stuck".to_owned(), Target::BusStuck));
+    inputs
+}
+
+/// The quantities at a sensor, its plug and shorts of its digital lines.
+fn sensor_inputs(index: usize, sensor: &Sensor) -> Vec<InputDescription> {
+    let port = index + 1;
+    let quantity = |&(quantity, (before, after), range, whole, unit): &SensorInput| {
+        let (lowest, highest) = range;
+        InputDescription {
+            name: format!("{before}{port}{after}"),
+            lowest,
+            highest,
+            whole,
+            unit,
+            target: Target::Sensor(index, quantity),
+        }
+    };
+    let mut inputs: Vec<_> = sensor.inputs().iter().map(quantity).collect();
+    if !inputs.is_empty() {
+        inputs.push(switch(
+            format!("sensor.{port}.plugged"),
+            Target::Plugged(index),
+        ));
+        for line in [0, 1] {
+            let name = format!("fault.{port}.digital_{line}_low");
+            inputs.push(switch(name, Target::Short(index, line)));
+        }
+    }
     inputs
 }
 

@@ -21,6 +21,7 @@ mod event;
 mod inputs;
 mod physics;
 mod ports;
+mod sensors;
 mod signals;
 mod time;
 

@@ -133,10 +133,18 @@ fn an_unknown_input_lists_those_that_exist() {
         "button.orange",
         "button.grey",
         "touch.1",
+        "sensor.1.plugged",
+        "fault.1.digital_0_low",
+        "fault.1.digital_1_low",
         "sensor.3.raw",
+        "sensor.3.plugged",
+        "fault.3.digital_0_low",
+        "fault.3.digital_1_low",
         "motor.A.hand_angle",
         "motor.B.load_torque",
         "battery.voltage",
+        "fault.coprocessor_checksum",
+        "fault.twi_stuck",
     ];
     assert_eq!(valid, &wanted);
     let start = "input touch.2: this brick has no such input; it has button.left, ";
@@ -194,7 +202,7 @@ fn configurations_with_unknown_fields_or_bad_numbers_are_rejected() {
         r#"{"battery": {"kind": "coal", "voltage": 8}}"#,
         r#"{"battery": {"voltage": 8, "colour": 1}}"#,
         r#"{"sensors": {"5": {"kind": "touch"}}}"#,
-        r#"{"sensors": {"1": {"kind": "ultrasonic"}}}"#,
+        r#"{"sensors": {"1": {"kind": "compass"}}}"#,
         r#"{"sensors": {"1": {"kind": "touch", "raw": 4}}}"#,
     ] {
         assert!(

@@ -157,6 +157,11 @@ impl Outgoing {
         Self { next: 0, bytes }
     }
 
+    /// Makes the sum wrong.
+    pub fn spoil(&mut self) {
+        self.bytes[STATUS_LENGTH - 1] ^= 1;
+    }
+
     pub fn next_byte(&mut self) -> u8 {
         let byte = self.bytes[self.next];
         self.next = (self.next + 1).min(STATUS_LENGTH - 1);

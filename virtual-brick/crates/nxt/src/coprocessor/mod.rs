@@ -18,7 +18,9 @@ use crate::time::{microseconds, milliseconds, NEVER};
 pub const ADDRESS: u8 = 1;
 /// How long the interrupt handler of the two-wire interface holds SCL after a byte: about 32
 /// cycles of its 8 MHz clock (chosen).
-pub const STRETCH_CYCLES: Cycles = microseconds(4);
+const STRETCH_CYCLES: Cycles = microseconds(4);
+/// How long it holds SCL when it hangs: until the master gives up.
+const HELD: Cycles = 1 << 48;
 
 /// Time from the chip's supply to the first sampling.
 const START_UP: Cycles = milliseconds(150);
@@ -79,6 +81,9 @@ pub struct Coprocessor {
     next_click_at: Cycles,
     power_off: Option<(Cycles, PowerOffReason)>,
     powered: bool,
+    /// Status frames that will have a wrong sum.
+    wrong_sums: u16,
+    holds_bus: bool,
 }
 
 impl Coprocessor {
@@ -100,6 +105,31 @@ impl Coprocessor {
             next_click_at: NEVER,
             power_off: None,
             powered: true,
+            wrong_sums: 0,
+            holds_bus: false,
+        }
+    }
+
+    /// Fault: the next `count` status frames have a wrong sum.
+    pub fn spoil_sums(&mut self, count: u16) {
+        self.wrong_sums = count;
+    }
+
+    /// Fault: it holds SCL after each byte, for good.
+    pub fn hold_bus(&mut self, held: bool) {
+        self.holds_bus = held;
+    }
+
+    pub const fn holds_bus(&self) -> bool {
+        self.holds_bus
+    }
+
+    /// How long it holds SCL after a byte.
+    pub const fn stretch_cycles(&self) -> Cycles {
+        if self.holds_bus {
+            HELD
+        } else {
+            STRETCH_CYCLES
         }
     }
 
@@ -126,6 +156,11 @@ impl Coprocessor {
         self.in_force.sensor_supply(index)
     }
 
+    /// 9 V supplies of the sensor ports.
+    pub fn sensor_supplies(&self) -> [SensorSupply; 4] {
+        [0, 1, 2, 3].map(|index| self.sensor_supply(index))
+    }
+
     /// States of the bridges.
     pub fn drives(&self) -> [MotorDrive; 3] {
         self.in_force
@@ -137,6 +172,10 @@ impl Coprocessor {
     pub fn start(&mut self, read: bool) {
         if read {
             self.outgoing = Outgoing::new(self.readings);
+            if self.wrong_sums > 0 {
+                self.wrong_sums -= 1;
+                self.outgoing.spoil();
+            }
         } else {
             self.incoming = Incoming::default();
         }

@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The ultrasonic sensor: a range finder on the digital lines that lives on the 9 V.
+//!
+//! Registers and modes as in the NXT Hardware Developer Kit, appendix of the ultrasonic sensor.
+
+use at91sam7s::board::Cycles;
+
+use super::slave::{Registers, Slave};
+use super::Lines;
+use crate::time::{milliseconds, NEVER};
+
+/// Address byte of a write.
+const ADDRESS: u8 = 0x02;
+/// From the supply to the first answer (chosen).
+const START_UP: Cycles = milliseconds(50);
+/// From a ping to the readings; drivers wait 30 to 50 ms.
+const MEASUREMENT: Cycles = milliseconds(30);
+const NO_ECHO: u8 = 255;
+/// Registers of readings, from 16#42# on; only the first echo is modelled.
+const READINGS: usize = 8;
+/// Factory zero, scale factor and scale divisor.
+const FACTORY: [u8; 3] = [0, 1, 14];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Off,
+    SinglePing,
+    Continuous,
+    /// Listens for other sensors, which are not modelled: it hears nothing.
+    Capture,
+}
+
+impl Mode {
+    const fn code(self) -> u8 {
+        match self {
+            Self::Off => 0,
+            Self::SinglePing => 1,
+            Self::Continuous => 2,
+            Self::Capture => 3,
+        }
+    }
+}
+
+/// The sensor and the wall in front of it.
+#[derive(Clone, Debug)]
+pub struct UltrasonicSensor {
+    /// Distance in m of what throws the echo back.
+    pub distance: f64,
+    slave: Slave,
+    program: Program,
+}
+
+/// What the sensor's processor knows.
+#[derive(Clone, Debug)]
+struct Program {
+    /// It answers from here on.
+    awake_at: Cycles,
+    mode: Mode,
+    /// Interval of the continuous mode, in measurements (the unit is chosen).
+    interval: u8,
+    readings: [u8; READINGS],
+    calibration: [u8; 3],
+    measured_at: Cycles,
+}
+
+impl Default for UltrasonicSensor {
+    fn default() -> Self {
+        Self {
+            distance: 100.0,
+            slave: Slave::new(ADDRESS),
+            program: Program::asleep(),
+        }
+    }
+}
+
+impl UltrasonicSensor {
+    pub const fn pulls_data_low(&self) -> bool {
+        self.slave.pulls_data_low()
+    }
+
+    pub fn next_event(&self) -> Cycles {
+        self.program.measured_at
+    }
+
+    pub fn set_supply(&mut self, now: Cycles, on: bool) {
+        let was_on = self.program.awake_at != NEVER;
+        if on && !was_on {
+            self.program = Program::started(now + START_UP);
+        } else if was_on && !on {
+            self.program = Program::asleep();
+            self.slave = Slave::new(ADDRESS);
+        }
+    }
+
+    /// Without supply, and while it starts, it does not see the lines.
+    pub fn lines_changed(&mut self, now: Cycles, lines: Lines) {
+        if now >= self.program.awake_at {
+            let (clock, data) = (lines.is_high(0), lines.is_high(1));
+            self.slave.levels(now, clock, data, &mut self.program);
+        }
+    }
+
+    pub fn advance(&mut self, now: Cycles) {
+        if now >= self.program.measured_at {
+            self.program.measured(self.distance);
+        }
+    }
+}
+
+impl Program {
+    const fn asleep() -> Self {
+        Self::at_rest(NEVER, Mode::Off)
+    }
+
+    const fn at_rest(awake_at: Cycles, mode: Mode) -> Self {
+        Self {
+            awake_at,
+            mode,
+            interval: 1,
+            readings: [NO_ECHO; READINGS],
+            calibration: FACTORY,
+            measured_at: NEVER,
+        }
+    }
+
+    /// Continuous measurement is the default.
+    const fn started(awake_at: Cycles) -> Self {
+        Self {
+            measured_at: awake_at + MEASUREMENT,
+            ..Self::at_rest(awake_at, Mode::Continuous)
+        }
+    }
+
+    fn measured(&mut self, distance: f64) {
+        self.readings = [NO_ECHO; READINGS];
+        if self.mode != Mode::Capture {
+            self.readings[0] = self.reading(distance);
+        }
+        self.measured_at = match self.mode {
+            Mode::Continuous | Mode::Capture => {
+                self.measured_at + MEASUREMENT * Cycles::from(self.interval.max(1))
+            }
+            Mode::Off | Mode::SinglePing => NEVER,
+        };
+    }
+
+    /// With the factory's calibration in whole centimetres.
+    fn reading(&self, distance: f64) -> u8 {
+        let [zero, scale, divisor] = self.calibration.map(f64::from);
+        let count = distance * 100.0 * f64::from(FACTORY[2]);
+        let scaled = zero + count * scale / divisor;
+        if scaled < f64::from(NO_ECHO) {
+            libm::floor(scaled + 1e-9) as u8
+        } else {
+            NO_ECHO
+        }
+    }
+
+    /// A warm reset leaves it off.
+    fn set_mode(&mut self, now: Cycles, code: u8) {
+        let mode = match code {
+            1 => Mode::SinglePing,
+            2 => Mode::Continuous,
+            3 => Mode::Capture,
+            4 => {
+                *self = Self::at_rest(self.awake_at, Mode::Off);
+                return;
+            }
+            _ => Mode::Off,
+        };
+        self.mode = mode;
+        self.readings = [NO_ECHO; READINGS];
+        self.measured_at = if mode == Mode::Off {
+            NEVER
+        } else {
+            now + MEASUREMENT
+        };
+    }
+
+    fn text(register: u8) -> u8 {
+        let (start, text): (u8, &[u8]) = match register {
+            0x00..=0x07 => (0x00, b"V1.0"),
+            0x08..=0x0F => (0x08, b"LEGO"),
+            0x10..=0x10 => (0x10, b"Sonar"),
+            _ => (0x14, b"10E-2m"),
+        };
+        let letter = text.get(usize::from(register - start));
+        letter.copied().unwrap_or(0)
+    }
+}
+
+impl Registers for Program {
+    fn read(&mut self, register: u8) -> u8 {
+        match register {
+            0x00..=0x10 | 0x14..=0x1B => Self::text(register),
+            0x11..=0x13 => FACTORY[usize::from(register - 0x11)],
+            0x40 => self.interval,
+            0x41 => self.mode.code(),
+            0x42..=0x49 => self.readings[usize::from(register - 0x42)],
+            0x4A..=0x4C => self.calibration[usize::from(register - 0x4A)],
+            0x50..=0x52 => self.calibration[usize::from(register - 0x50)],
+            _ => 0,
+        }
+    }
+
+    /// Other registers take the byte and forget it.
+    fn write(&mut self, now: Cycles, register: u8, value: u8) {
+        match register {
+            0x40 => self.interval = value,
+            0x41 => self.set_mode(now, value),
+            0x4A..=0x4C => self.calibration[usize::from(register - 0x4A)] = value,
+            0x50..=0x52 => self.calibration[usize::from(register - 0x50)] = value,
+            _ => {}
+        }
+    }
+}
