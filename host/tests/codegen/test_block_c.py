@@ -19,8 +19,8 @@ from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, FixedPointOptions, to_fixed_point
 from ravenbrick.model.program import Program
 
-STEPS = 600
-ARM_STEPS = 200
+STEPS = 300
+ARM_STEPS = 100
 DIAGRAMS = {
     **{name: block_diagram(name) for name in TABLE},
     **{f"wide_{name}": wide_diagram(name) for name in TABLE},

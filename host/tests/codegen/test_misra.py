@@ -84,10 +84,12 @@ def _write_application(names: list[str], folder: Path) -> None:
 
 
 def test_every_block_s_c_has_no_finding(tmp_path: Path) -> None:
-    """All blocks in single and double precision and in fixed point."""
+    """All blocks in single precision and in fixed point, those with helpers also in double."""
     cppcheck()
-    write(all_models(), tmp_path)
-    assert len(list(tmp_path.glob("*.c"))) > 60
+    wide = {"wide_quantiser", "wide_look_up"}
+    models = {n: m for n, m in all_models().items() if n in wide or not n.startswith("wide_")}
+    write(models, tmp_path)
+    assert len(list(tmp_path.glob("*.c"))) > 40
     assert findings(tmp_path) == Counter()
 
 

@@ -48,15 +48,15 @@ def test_twenty_percent_in_the_plant_gives_the_published_spread() -> None:
 
 
 def test_random_samples_lie_inside_the_worst_case_and_repeat() -> None:
-    """40 samples, the same for the same seed; progress is told for each."""
+    """20 samples, the same for the same seed; progress is told for each."""
     done: list[tuple[int, int]] = []
-    first = monte_carlo(loop_figures, TOLERANCES, 40, 1, lambda *step: done.append(step))
-    second = monte_carlo(loop_figures, TOLERANCES, 40, 1)
+    first = monte_carlo(loop_figures, TOLERANCES, 20, 1, lambda *step: done.append(step))
+    second = monte_carlo(loop_figures, TOLERANCES, 20, 1)
     times = first.figures["settling_time"]
     assert (times == second.figures["settling_time"]).all()
     assert 0.28 < times.min() < times.max() < 0.515
-    assert first.percentile("settling_time", 0.5) == pytest.approx(0.385, abs=0.02)
-    assert done == [(index, 40) for index in range(1, 41)]
+    assert first.percentile("settling_time", 0.5) == pytest.approx(0.385, abs=0.03)
+    assert done == [(index, 20) for index in range(1, 21)]
     assert first.failures == ()
 
 

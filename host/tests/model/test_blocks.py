@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import control
 import numpy as np
 import pytest
@@ -115,7 +117,8 @@ def test_a_quantiser_passes_what_has_no_fraction() -> None:
     diagram = Diagram("q", 0.01)
     source = diagram.add(Inport("In0"))
     diagram.connect_chain(source, diagram.add(Quantiser("B")), diagram.add(Outport("Out")))
-    values = np.array([[8388608.0], [-16777216.0], [1e30], [np.inf], [8388606.5], [0.49999997]])
+    given = [8388608.0, -16777216.0, 1e30, np.inf, 8388606.5, 0.49999997]
+    values = np.array(given)[:, np.newaxis]
     wanted = [8388608.0, -16777216.0, float(np.float32(1e30)), np.inf, 8388607.0, 0.0]
     assert outputs_of(diagram, values).tolist() == wanted
 
@@ -171,7 +174,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("make", "message"), REFUSED, ids=[text for _, text in REFUSED])
-def test_wrong_values_are_refused_by_block(make, message: str) -> None:  # type: ignore[no-untyped-def]
+def test_wrong_values_are_refused_by_block(make: Callable[[], object], message: str) -> None:
     """The block's name stands in front, the expected range is in the sentence."""
     with pytest.raises(ValueError, match=message) as caught:
         make()
