@@ -137,6 +137,7 @@ CRATE_BORDERS = {
     "at91sam7s": {"arm7tdmi"},
     "nxt": {"at91sam7s", "plant"},
     "virtual-brick": {"arm7tdmi", "at91sam7s", "nxt", "plant", "trace"},
+    "debugger": {"arm7tdmi", "at91sam7s", "nxt", "plant", "trace", "virtual-brick"},
     "wcet": {"arm7tdmi"},
 }
 

@@ -7,6 +7,7 @@ fraction. A run is a function of the configuration, the image and the inputs: `t
 same on every machine, and how a run is cut into calls of `run_until` makes no difference.
 """
 
+from collections.abc import Callable
 from typing import Literal, final
 
 __all__ = [
@@ -142,6 +143,23 @@ class VirtualBrick:
         """By name: sampling instants (u64 cycles) and samples (f64, SI), little endian."""
     def trace_digest(self) -> str:
         """SHA-256 of everything recorded, 64 hexadecimal digits."""
+    def serve_debugger(
+        self,
+        port: int = 0,
+        address: str = "127.0.0.1",
+        *,
+        on_listening: Callable[[int], object] | None = None,
+        should_stop: Callable[[], bool] | None = None,
+        once: bool = False,
+    ) -> None:
+        """Serve GDB's remote protocol over TCP until GDB ends the program.
+
+        Port 0 takes a free one; `on_listening` is told which. `should_stop` is asked about 20 times
+        a second. With `once`, the end of the first session ends the service. The brick is
+        afterwards as the last session left it. Whoever can connect can control the brick: listen
+        on another address than the loopback only in a network that you trust. Releases the
+        interpreter lock; Ctrl-C ends the service. Raises OSError, ValueError.
+        """
     def snapshot(self) -> Snapshot:
         """The whole state now."""
     def restore(self, snapshot: Snapshot) -> None:

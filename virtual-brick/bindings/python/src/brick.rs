@@ -4,11 +4,13 @@
 
 use std::collections::BTreeMap;
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use trace::{EventKind, NameSpace};
 use virtual_brick_facade::{BrickError, Configuration, ScalarKind, CLOCK_HZ};
 
+use crate::debugging::Service;
 use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
 use crate::values::{Stop, Thread};
 
@@ -168,6 +170,28 @@ impl VirtualBrick {
 
     fn trace_digest(&self) -> String {
         self.0.trace().digest().to_string()
+    }
+
+    #[pyo3(signature = (port=0, address="127.0.0.1", *, on_listening=None, should_stop=None,
+                        once=false))]
+    fn serve_debugger(
+        &mut self,
+        py: Python<'_>,
+        port: u16,
+        address: &str,
+        on_listening: Option<Py<PyAny>>,
+        should_stop: Option<Py<PyAny>>,
+        once: bool,
+    ) -> PyResult<()> {
+        let wish = Service {
+            address: address.parse().map_err(raise::<PyValueError>)?,
+            port,
+            on_listening,
+            should_stop,
+            once,
+        };
+        self.0 = wish.serve(py, self.0.clone())?;
+        Ok(())
     }
 
     fn snapshot(&self) -> Snapshot {

@@ -145,6 +145,14 @@ impl Events {
         Ok(())
     }
 
+    /// Forget all but the first `length` events.
+    pub(crate) fn truncate(&mut self, length: usize) {
+        self.at_cycles.truncate(length);
+        self.kinds.truncate(length);
+        self.subjects.truncate(length);
+        self.values.truncate(length);
+    }
+
     /// Number of events.
     #[must_use]
     pub fn len(&self) -> usize {

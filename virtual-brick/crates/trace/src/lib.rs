@@ -16,5 +16,5 @@ pub use digest::Digest;
 pub use error::TraceError;
 pub use event::{Event, EventKind, Events, IDLE, PACKED_EVENT_LENGTH};
 pub use names::{NameSpace, Names};
-pub use record::{Limits, Trace};
+pub use record::{Limits, Mark, Trace};
 pub use signals::{Signal, Signals};

@@ -34,6 +34,15 @@ pub struct Trace {
     names: Names,
 }
 
+/// How far a trace had come: what [`Trace::truncate`] goes back to.
+#[derive(Clone, Debug)]
+pub struct Mark {
+    events: usize,
+    rows: usize,
+    series: usize,
+    names: Names,
+}
+
 impl Trace {
     /// An empty record.
     #[must_use]
@@ -65,6 +74,33 @@ impl Trace {
     pub fn sample(&mut self, at_cycles: u64, values: &[f64]) -> Result<(), TraceError> {
         self.signals
             .sample(at_cycles, values, self.limits.signal_values)
+    }
+
+    /// The present length, to go back to later.
+    #[must_use]
+    pub fn mark(&self) -> Mark {
+        Mark {
+            events: self.events.len(),
+            rows: self.signals.rows(),
+            series: self.signals.len(),
+            names: self.names.clone(),
+        }
+    }
+
+    /// Forget what was recorded after `mark` was taken. False, and nothing is changed, when the
+    /// trace is shorter than the mark.
+    #[must_use]
+    pub fn truncate(&mut self, mark: &Mark) -> bool {
+        if self.events.len() < mark.events
+            || self.signals.rows() < mark.rows
+            || self.signals.len() < mark.series
+        {
+            return false;
+        }
+        self.events.truncate(mark.events);
+        self.signals.truncate(mark.rows, mark.series);
+        self.names.clone_from(&mark.names);
+        true
     }
 
     /// The events.

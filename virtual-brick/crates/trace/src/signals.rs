@@ -73,6 +73,23 @@ impl Signals {
         Ok(())
     }
 
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.at_cycles.len()
+    }
+
+    /// Forget all but the first `rows` rows and the first `series` signals.
+    pub(crate) fn truncate(&mut self, rows: usize, series: usize) {
+        self.at_cycles.truncate(rows);
+        self.series.truncate(series);
+        for series in &mut self.series {
+            series
+                .values
+                .truncate(rows.saturating_sub(series.first_row));
+        }
+        self.total = self.series.iter().map(|series| series.values.len()).sum();
+    }
+
     /// Number of declared signals.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -3,13 +3,16 @@
 //! Facade of the virtual brick: assembles the chip, the board and the plant, loads an image,
 //! runs it, and records what happens.
 
+mod access;
 mod assembly;
 mod brick;
+mod checkpoint;
 mod configuration;
 mod guard;
 mod image;
 mod inputs;
 mod memory;
+mod observe;
 mod probes;
 mod recorder;
 mod run;
@@ -17,10 +20,12 @@ mod stop;
 mod threads;
 
 pub use brick::{BrickError, Snapshot, VirtualBrick};
+pub use checkpoint::{Checkpoint, NotPassed};
 pub use configuration::{Configuration, ConfigurationError};
 pub use image::{Image, ImageError, Placement, ScalarKind, Segment, Symbol, Symbols, Variable};
 pub use inputs::InputError;
 pub use memory::MemoryError;
+pub use observe::{Access, StepObserver};
 pub use probes::Probe;
 pub use stop::{Stop, StopReason};
 pub use threads::Thread;

@@ -65,6 +65,11 @@ impl Recorder {
             .map_or_else(Vec::new, |observer| observer.report(memory))
     }
 
+    /// Control block of the running thread, 0 while none runs.
+    pub(crate) fn running_thread(&self, memory: &ChipMemory<'_>) -> Option<u32> {
+        self.observer.as_ref()?.running_block(memory)
+    }
+
     /// Ask the chip to report writes of the words that the observer needs.
     pub(crate) fn watch_new_words(&mut self, chip: &mut Machine) {
         if let Some(observer) = &mut self.observer {

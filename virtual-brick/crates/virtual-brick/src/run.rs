@@ -8,23 +8,58 @@ use at91sam7s::ResetCause;
 use crate::assembly;
 use crate::brick::VirtualBrick;
 use crate::image::Placement;
+use crate::observe::{ObservedBus, StepObserver, Unobserved};
 use crate::stop::{Stop, StopReason};
+
+/// Why a slice of the run was left early.
+enum Break {
+    /// The run ended.
+    End(Stop),
+    /// The observer wants to stop here.
+    Observer,
+}
+
+impl From<Stop> for Break {
+    fn from(stop: Stop) -> Self {
+        Self::End(stop)
+    }
+}
 
 impl VirtualBrick {
     /// Run to the first instruction boundary at or after `limit_cycles`, or until the run ends.
     /// A run that ended stays ended: further calls return the same stop.
     pub fn run_until(&mut self, limit_cycles: u64) -> Stop {
+        self.run_observed(limit_cycles, &mut Unobserved)
+            .unwrap_or_else(|| self.reached())
+    }
+
+    /// As [`VirtualBrick::run_until`], with an observer of each step; none when the observer
+    /// ended the call. The run itself is the same, observed or not.
+    pub fn run_observed<O: StepObserver>(
+        &mut self,
+        limit_cycles: u64,
+        observer: &mut O,
+    ) -> Option<Stop> {
         while self.ended.is_none() && self.chip.now() < limit_cycles {
-            self.ended = self
+            let slice = self
                 .serve_due()
-                .and_then(|()| self.run_slice(limit_cycles))
-                .err();
+                .map_err(Break::End)
+                .and_then(|()| self.run_slice(limit_cycles, observer));
+            match slice {
+                Ok(()) => {}
+                Err(Break::End(stop)) => self.ended = Some(stop),
+                Err(Break::Observer) => return None,
+            }
         }
-        self.ended.clone().unwrap_or_else(|| Stop {
+        Some(self.ended.clone().unwrap_or_else(|| self.reached()))
+    }
+
+    fn reached(&self) -> Stop {
+        Stop {
             reason: StopReason::Reached,
             at_cycles: self.chip.now(),
             message: String::new(),
-        })
+        }
     }
 
     /// Apply the inputs that are due, then sample if a sample is due.
@@ -46,7 +81,11 @@ impl VirtualBrick {
     }
 
     /// Steps up to the next input, sample or the limit.
-    fn run_slice(&mut self, limit_cycles: u64) -> Result<(), Stop> {
+    fn run_slice<O: StepObserver>(
+        &mut self,
+        limit_cycles: u64,
+        observer: &mut O,
+    ) -> Result<(), Break> {
         let due = self
             .inputs
             .next_cycles()
@@ -58,14 +97,29 @@ impl VirtualBrick {
                 self.after_step(self.cpu.next_instruction_address())?;
                 continue;
             }
+            if observer.before_step(self) {
+                return Err(Break::Observer);
+            }
             let before = self.cpu.next_instruction_address();
-            let step = self.cpu.step(&mut self.chip);
+            let step = self.step(observer);
             self.after_step(before)?;
             if self.guard.concerned(before, &self.cpu) {
                 self.look_for_dead_end(before, step)?;
             }
+            if observer.after_step(self, step) {
+                return Err(Break::Observer);
+            }
         }
         Ok(())
+    }
+
+    #[inline(always)]
+    fn step<O: StepObserver>(&mut self, observer: &mut O) -> Step {
+        if !O::SEES_ACCESSES {
+            return self.cpu.step(&mut self.chip);
+        }
+        let chip = &mut self.chip;
+        self.cpu.step(&mut ObservedBus { chip, observer })
     }
 
     #[cold]

@@ -73,6 +73,11 @@ impl ThreadObserver {
         }
     }
 
+    /// The running thread's control block as the program states it now, 0 while none runs.
+    pub(crate) fn running_block(&self, memory: &impl Memory) -> Option<u32> {
+        memory.word(self.layout.running_address)
+    }
+
     /// Words to watch from now on that were not asked for before.
     pub(crate) fn take_new_watches(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.new_watches)

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The way back: the last place before the present that is wanted, found by running again the
+//! stretches between checkpoints, from the latest to the first.
+
+use arm7tdmi::Step;
+use virtual_brick::{Access, StepObserver, StopReason, VirtualBrick};
+
+use crate::stops::{Stops, WatchState, Watched};
+use crate::tasks::Who;
+use crate::timeline::Timeline;
+
+/// Checkpoints that running again leaves in one stretch, so that the next way back is short.
+const CHECKPOINTS_PER_STRETCH: u64 = 16;
+const DISTANCE_CYCLES_MIN: u64 = 1 << 13;
+
+/// What is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// The last instruction of a task.
+    StepOf(Who),
+    /// The last step of any kind.
+    AnyStep,
+    /// A breakpoint or watchpoint.
+    Stop,
+}
+
+/// Why the way back ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Arrival {
+    StepDone,
+    Breakpoint,
+    Watch(Watched),
+}
+
+/// A search under way.
+#[derive(Clone, Debug)]
+pub(crate) struct Search {
+    wanted: Wanted,
+    /// Where the stretch begins that is run again, and where it ends.
+    begin: u64,
+    end: u64,
+    found: Option<(u64, Arrival)>,
+}
+
+/// Remembers the last wanted place of a stretch.
+struct Scan<'a> {
+    stops: &'a Stops,
+    search: &'a mut Search,
+    watch: WatchState,
+    began_at: u64,
+    pc: u32,
+    who: Who,
+}
+
+impl StepObserver for Scan<'_> {
+    const SEES_ACCESSES: bool = true;
+
+    fn before_step(&mut self, brick: &VirtualBrick) -> bool {
+        self.began_at = brick.cycles();
+        self.pc = brick.processor().next_instruction_address();
+        if matches!(self.search.wanted, Wanted::StepOf(_)) {
+            self.who = Who::now(brick);
+        }
+        false
+    }
+
+    fn access(&mut self, access: Access) {
+        self.watch.access(access);
+    }
+
+    fn after_step(&mut self, brick: &VirtualBrick, step: Step) -> bool {
+        let instruction = step == Step::Instruction;
+        let own = match self.search.wanted {
+            Wanted::StepOf(who) => instruction && who == self.who,
+            Wanted::AnyStep => true,
+            Wanted::Stop => false,
+        };
+        if own {
+            self.search.found = Some((self.began_at, Arrival::StepDone));
+        } else if instruction && self.stops.breaks_at(self.pc) {
+            self.search.found = Some((self.began_at, Arrival::Breakpoint));
+        }
+        if let Some(watched) = self.watch.hit(brick) {
+            if self.search.wanted == Wanted::Stop {
+                self.search.found = Some((brick.cycles(), Arrival::Watch(watched)));
+            }
+        }
+        false
+    }
+}
+
+impl Search {
+    /// Begin at the present; none when the present is the beginning.
+    pub(crate) fn new(wanted: Wanted, timeline: &mut Timeline) -> Option<Self> {
+        let end = timeline.now();
+        let begin = timeline.checkpoint_before(end)?;
+        timeline.go_to(begin);
+        Some(Self {
+            wanted,
+            begin,
+            end,
+            found: None,
+        })
+    }
+
+    /// Run again for at most `slice_cycles`. `Some` when the search is over: with the arrival,
+    /// or without when nothing was found and the timeline is at its beginning.
+    pub(crate) fn advance(
+        &mut self,
+        timeline: &mut Timeline,
+        stops: &Stops,
+        slice_cycles: u64,
+    ) -> Option<Option<Arrival>> {
+        let distance = (self.end - self.begin) / CHECKPOINTS_PER_STRETCH;
+        let limit = timeline.now().saturating_add(slice_cycles).min(self.end);
+        let mut scan = Scan {
+            stops,
+            watch: WatchState::new(stops, timeline.brick()),
+            began_at: timeline.now(),
+            pc: 0,
+            who: Who::Processor,
+            search: self,
+        };
+        let distance = distance.max(DISTANCE_CYCLES_MIN);
+        let stop = timeline.run_with_checkpoints(limit, distance, &mut scan);
+        let ended = stop.is_some_and(|stop| stop.reason != StopReason::Reached);
+        if timeline.now() < self.end && !ended {
+            return None;
+        }
+        if let Some((cycles, arrival)) = self.found {
+            timeline.go_to(cycles);
+            return Some(Some(arrival));
+        }
+        self.end = self.begin;
+        match timeline.checkpoint_before(self.end) {
+            Some(begin) => {
+                self.begin = begin;
+                timeline.go_to(begin);
+                None
+            }
+            None => {
+                timeline.go_to(timeline.beginning());
+                Some(None)
+            }
+        }
+    }
+}

@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Commands of `monitor`: the brick's surroundings, its display, its record.
+
+use std::fmt::Write;
+
+use virtual_brick::CLOCK_HZ;
+
+use crate::arch::BANKED;
+use crate::execution::Job;
+use crate::screen;
+use crate::target::DebugTarget;
+use crate::tasks;
+use crate::timeline::{Change, Refused};
+
+const HELP: &str = "\
+help                this text
+time                the present, in cycles and seconds, and how far back the record goes
+why                 why the run cannot go on
+inputs              what can be set from outside
+set NAME VALUE      set an input now; what came after the present is forgotten
+lcd                 the display
+signals [PART]      last samples of the physical quantities whose name contains PART
+threads             tasks with state, priority and stack
+registers           registers of all modes
+digest              digest of the record up to the present
+steps task|processor  a step is one of the selected task (interrupts pass), or of the processor
+reset               back to the beginning; say 'maintenance flush register-cache' afterwards
+";
+
+/// The answer to a command line.
+pub(crate) fn answer(target: &mut DebugTarget, line: &str) -> String {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    match words.as_slice() {
+        [] | ["help"] => HELP.to_owned(),
+        ["time"] => time(target),
+        ["why"] => why(target),
+        ["inputs"] => inputs(target),
+        ["set", name, value] => set(target, name, value),
+        ["lcd"] => screen::show(target.timeline.brick()),
+        ["signals"] => signals(target, ""),
+        ["signals", part] => signals(target, part),
+        ["threads"] => threads(target),
+        ["registers"] => registers(target),
+        ["digest"] => format!("{}\n", target.timeline.brick().trace().digest()),
+        ["steps", "task"] => steps(target, true),
+        ["steps", "processor"] => steps(target, false),
+        ["reset"] => reset(target),
+        _ => format!("no command '{line}'; 'monitor help' lists them\n"),
+    }
+}
+
+fn seconds(cycles: u64) -> f64 {
+    cycles as f64 * CLOCK_HZ.1 as f64 / CLOCK_HZ.0 as f64
+}
+
+fn time(target: &DebugTarget) -> String {
+    let (now, beginning) = (target.timeline.now(), target.timeline.beginning());
+    format!(
+        "cycle {now}, {:.6} s; the record begins at {:.6} s and has {} checkpoints\n",
+        seconds(now),
+        seconds(beginning),
+        target.timeline.checkpoint_count()
+    )
+}
+
+fn why(target: &DebugTarget) -> String {
+    match target.timeline.brick().ended() {
+        None => "the run can go on\n".to_owned(),
+        Some(stop) => format!(
+            "{} at cycle {}: {}\n",
+            stop.reason, stop.at_cycles, stop.message
+        ),
+    }
+}
+
+fn inputs(target: &DebugTarget) -> String {
+    let mut text = String::new();
+    for input in target.timeline.brick().inputs() {
+        let whole = if input.whole {
+            "whole numbers"
+        } else {
+            "numbers"
+        };
+        let (low, high, unit) = (input.lowest, input.highest, input.unit);
+        let _ = writeln!(
+            text,
+            "{:<22}{whole} from {low} to {high} {unit}",
+            input.name
+        );
+    }
+    text
+}
+
+fn set(target: &mut DebugTarget, name: &str, value: &str) -> String {
+    let Ok(value) = value.parse::<f64>() else {
+        return format!("'{value}' is no number\n");
+    };
+    let name = name.to_owned();
+    let shown = format!("{name} = {value} from now on\n");
+    match target.timeline.intervene(Change::Input { name, value }) {
+        Ok(()) => shown,
+        Err(Refused::Input(error)) => format!("{error}\n"),
+        Err(Refused::Memory(error)) => format!("{error}\n"),
+    }
+}
+
+fn signals(target: &DebugTarget, part: &str) -> String {
+    let mut text = String::new();
+    let trace = target.timeline.brick().trace();
+    for signal in trace.signals().iter().filter(|s| s.name.contains(part)) {
+        if let (Some(cycles), Some(value)) = (signal.at_cycles.last(), signal.values.last()) {
+            let at = seconds(*cycles);
+            let _ = writeln!(text, "{:<28}{value:>14.6}  at {at:.6} s", signal.name);
+        }
+    }
+    if text.is_empty() {
+        text = format!("no sample of a signal whose name contains '{part}' so far\n");
+    }
+    text
+}
+
+fn threads(target: &DebugTarget) -> String {
+    let brick = target.timeline.brick();
+    let mut text = String::new();
+    if let Some(reason) = brick.threads_unobserved() {
+        let _ = writeln!(text, "tasks cannot be observed: {reason}");
+    }
+    let tasks = brick.threads();
+    for tid in tasks::list(brick) {
+        let _ = write!(text, "{tid}  {}", tasks::describe(tid, brick));
+        match tid.get().checked_sub(2).and_then(|index| tasks.get(index)) {
+            Some(task) => {
+                let _ = writeln!(
+                    text,
+                    ", stack {} of {} bytes",
+                    task.stack_used, task.stack_size
+                );
+            }
+            None => text.push('\n'),
+        }
+    }
+    text
+}
+
+fn registers(target: &DebugTarget) -> String {
+    let brick = target.timeline.brick();
+    let cpu = brick.processor();
+    let mut text = String::new();
+    for (number, value) in cpu.registers().iter().enumerate() {
+        let _ = writeln!(text, "{:<24}{value:#010X}", format!("r{number}"));
+    }
+    let _ = writeln!(text, "{:<24}{:#010X}", "cpsr", cpu.cpsr());
+    let known = tasks::registers(target.stopped, brick);
+    for (register, value) in BANKED.iter().zip(known.banked) {
+        let name = match register {
+            crate::arch::Banked::Register(mode, number) => format!("r{number} of {mode:?}"),
+            crate::arch::Banked::Status(mode) => format!("spsr of {mode:?}"),
+        };
+        let _ = writeln!(text, "{name:<24}{:#010X}", value.unwrap_or(0));
+    }
+    text
+}
+
+fn steps(target: &mut DebugTarget, of_task: bool) -> String {
+    target.steps_of_task = of_task;
+    let of = if of_task {
+        "the selected task"
+    } else {
+        "the processor"
+    };
+    format!("a step is one of {of}\n")
+}
+
+fn reset(target: &mut DebugTarget) -> String {
+    target.timeline.reset();
+    target.job = Job::Nothing;
+    let brick = target.timeline.brick();
+    target.stopped = tasks::Who::now(brick).tid(brick);
+    time(target)
+}

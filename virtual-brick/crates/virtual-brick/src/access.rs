@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Access for debuggers: what the bus shows, and changes from outside.
+
+use arm7tdmi::{Bus, Cpu, Cycle, Width};
+
+use crate::brick::VirtualBrick;
+use crate::memory::{ChipMemory, MemoryError};
+
+impl VirtualBrick {
+    /// Bytes as a read of the processor would find them now, peripherals and the memory that
+    /// appears at address 0 included. The brick is not changed: the reads are made on a copy,
+    /// word by word, so a later word of a peripheral is read a few cycles later.
+    ///
+    /// # Errors
+    /// Some of it is neither memory nor a modelled register.
+    pub fn read_bus(&self, address: u32, length: usize) -> Result<Vec<u8>, MemoryError> {
+        if let Ok(bytes) = self.chip.peek(address, length) {
+            return Ok(bytes);
+        }
+        let refused = MemoryError { address, length };
+        let mut copy = self.chip.clone();
+        let mut bytes = Vec::new();
+        let mut word_read: Option<(u32, u32)> = None;
+        for offset in 0..length {
+            let offset = u32::try_from(offset).map_err(|_| refused)?;
+            let at = address.checked_add(offset).ok_or(refused)?;
+            let word_address = at & !3;
+            let word = match word_read {
+                Some((known, word)) if known == word_address => word,
+                _ => copy
+                    .read(word_address, Width::Word, Cycle::Nonsequential)
+                    .map_err(|_| refused)?,
+            };
+            if copy.fault() != self.chip.fault() {
+                return Err(refused);
+            }
+            word_read = Some((word_address, word));
+            bytes.push((word >> ((at & 3) * 8)) as u8);
+        }
+        Ok(bytes)
+    }
+
+    /// Change SRAM or flash from outside; the program is not told.
+    ///
+    /// # Errors
+    /// Some of it is no memory; nothing is changed.
+    pub fn write_memory(&mut self, address: u32, bytes: &[u8]) -> Result<(), MemoryError> {
+        self.chip.load(address, bytes)
+    }
+
+    /// The processor, to change its registers from outside.
+    pub fn processor_mut(&mut self) -> &mut Cpu {
+        &mut self.cpu
+    }
+
+    /// Address of the running thread's control block, 0 while none runs; none when threads
+    /// cannot be observed.
+    #[must_use]
+    pub fn running_thread(&self) -> Option<u32> {
+        self.recorder.running_thread(&ChipMemory(&self.chip))
+    }
+
+    /// What can be set from outside on this brick.
+    #[must_use]
+    pub fn inputs(&self) -> &[nxt::InputDescription] {
+        self.chip.board().inputs()
+    }
+
+    /// The run ended: why. None while it can go on.
+    #[must_use]
+    pub fn ended(&self) -> Option<&crate::Stop> {
+        self.ended.as_ref()
+    }
+}
