@@ -290,4 +290,14 @@ impl Instruction {
             operation: thumb_operation(opcode),
         }
     }
+
+    /// Does it write N, Z, C or V when its condition passes?
+    pub const fn sets_flags(&self) -> bool {
+        match &self.operation {
+            Operation::DataProcessing(processing) => processing.sets_flags,
+            Operation::Multiply(product) => product.sets_flags,
+            Operation::WriteStatus => true,
+            _ => false,
+        }
+    }
 }

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Facts given by the user: loop bounds, targets of calls, regions of accesses, dead places.
+
+use crate::error::{Error, Place};
+use serde::Deserialize;
+
+/// Where a fact holds: `symbol` with `index` or `offset`, or `file` with `line`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Fact {
+    /// Name of a function.
+    pub symbol: Option<String>,
+    /// Number of the loop in the function, by address, from 0.
+    pub index: Option<usize>,
+    /// Offset of the instruction in the function.
+    pub offset: Option<u32>,
+    /// End of the path of a source file.
+    pub file: Option<String>,
+    /// Line in the file.
+    pub line: Option<u32>,
+    /// Loop: most iterations for each entry, as the source counts them.
+    pub iterations: Option<u64>,
+    /// Loop: most executions of its first block for each entry, as the code counts them.
+    pub header_executions: Option<u64>,
+    /// Call: names of all functions that may be reached.
+    pub targets: Vec<String>,
+    /// Access: name of the region.
+    pub region: Option<String>,
+    /// Why the fact holds.
+    pub reason: Option<String>,
+}
+
+/// All facts of one or more annotation files.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Annotations {
+    /// Loop bounds.
+    #[serde(default, rename = "loop")]
+    pub loops: Vec<Fact>,
+    /// Targets of indirect calls.
+    #[serde(default, rename = "call")]
+    pub calls: Vec<Fact>,
+    /// Regions of data accesses whose address is not known; without a place, of all of them.
+    #[serde(default, rename = "access")]
+    pub accesses: Vec<Fact>,
+    /// Places that are never executed.
+    #[serde(default, rename = "never")]
+    pub never: Vec<Fact>,
+}
+
+impl Annotations {
+    /// Reads TOML text; `name` is used in messages.
+    pub fn parse(text: &str, name: &str) -> Result<Self, Error> {
+        let annotations: Self =
+            toml::from_str(text).map_err(|error| Error::Input(format!("{name}: {error}")))?;
+        for fact in &annotations.loops {
+            if fact.iterations.is_none() && fact.header_executions.is_none() {
+                return Err(Error::Input(format!(
+                    "{name}: [[loop]] {fact:?} needs 'iterations' or 'header_executions'"
+                )));
+            }
+        }
+        Ok(annotations)
+    }
+
+    /// Adds the facts of another file; the first that matches a place counts.
+    pub fn extend(&mut self, other: Self) {
+        self.loops.extend(other.loops);
+        self.calls.extend(other.calls);
+        self.accesses.extend(other.accesses);
+        self.never.extend(other.never);
+    }
+}
+
+impl Fact {
+    /// Does the fact hold here? `names` are all names of the function at the place, `index` the
+    /// number of the loop.
+    pub fn matches(&self, place: &Place, names: &[&str], index: Option<usize>) -> bool {
+        let by_symbol = self.symbol.as_deref().is_some_and(|symbol| {
+            let offset = place.symbol.as_ref().map(|(_, offset)| *offset);
+            names.contains(&symbol)
+                && self.index.is_none_or(|wanted| index == Some(wanted))
+                && self.offset.is_none_or(|wanted| offset == Some(wanted))
+        });
+        let by_line = self.file.as_deref().is_some_and(|wanted| {
+            place.line.as_ref().is_some_and(|(file, line)| {
+                file.ends_with(wanted) && self.line.is_none_or(|number| number == *line)
+            })
+        });
+        by_symbol || by_line
+    }
+
+    /// A fact without any place holds everywhere.
+    pub fn is_general(&self) -> bool {
+        self.symbol.is_none() && self.file.is_none()
+    }
+}

@@ -1,0 +1,249 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Bounds of one function: time, stack, and the path that attains the time.
+
+use crate::cost::{edge_cycles, Outside};
+use crate::error::{Error, MissingBound};
+use crate::execution::{Execution, LoopFinding};
+use crate::flow::{Block, Entry, Transfer};
+use crate::path::{longest_path, Problem, Solution, Unsolved};
+use crate::program::Program;
+use crate::state::State;
+use crate::summary::Summary;
+use crate::value::Value;
+use crate::walk::{as_arguments, BlockRecord, Walker};
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+/// Where a loop's bound comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// From the code.
+    Found,
+    /// From the user.
+    Given,
+    /// There is none, and none is needed: no way through the loop returns.
+    NotNeeded,
+}
+
+/// A loop of the function.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LoopBound {
+    /// Address of the header.
+    pub address: u32,
+    /// Number within its symbol.
+    pub number: usize,
+    /// Most executions of the header for one entry.
+    pub header_executions: Option<u64>,
+    /// Who says so.
+    pub origin: Origin,
+}
+
+/// A block as the longest path passes it.
+#[derive(Clone, Debug)]
+pub struct BlockBound {
+    /// First instruction.
+    pub address: u32,
+    /// Number of instructions.
+    pub instruction_count: usize,
+    /// How often the path passes.
+    pub count: u64,
+    /// Cycles by way out, calls included; none for a way that is never taken.
+    pub cycles: Vec<Option<u64>>,
+    /// Bounds of the functions called at its end.
+    pub calls: Vec<Rc<FunctionBound>>,
+    /// Accesses whose region is not known, charged as the dearest.
+    pub unknown_accesses: usize,
+}
+
+/// Bounds of one function for one set of arguments.
+#[derive(Debug)]
+pub struct FunctionBound {
+    /// Entry.
+    pub entry: Entry,
+    /// Cycles from its first instruction to its last, without the fetches of the return.
+    pub cycles: u64,
+    /// Stack below the stack pointer at entry, with all callees; `None` when not bounded.
+    pub stack_bytes: Option<u32>,
+    /// Blocks by address, with the longest path.
+    pub blocks: Vec<BlockBound>,
+    /// Loops by address of their header.
+    pub loops: Vec<LoopBound>,
+}
+
+/// Bounds a function whose summary is known.
+pub fn bound_function(
+    program: &Program<'_>,
+    entry: Entry,
+    summary: &Summary,
+    arguments: &[Value; 4],
+) -> Result<FunctionBound, Error> {
+    let (flow, forest) = (&summary.flow, &summary.forest);
+    let numbers = program.loop_numbers(flow, forest);
+    let given: Vec<Option<u64>> = numbers
+        .iter()
+        .enumerate()
+        .map(|(index, number)| program.given_bound(flow, forest, index, *number))
+        .collect();
+    let region = |address| program.given_region(address);
+    let mut execution = Execution {
+        walker: Walker::new(program.world(), flow, &summary.callees, &region),
+        forest,
+        findings: vec![LoopFinding::default(); forest.loops.len()],
+        limits: given.clone(),
+    };
+    execution.run(State::entry(arguments));
+    let (findings, records) = (execution.findings, execution.walker.records);
+    let calls = called(program, summary, &records)?;
+    let nodes: Vec<Entry> = flow
+        .blocks
+        .iter()
+        .map(|block| (block.node.address, block.node.thumb))
+        .collect();
+    let mut cycles = Vec::new();
+    for (index, block) in flow.blocks.iter().enumerate() {
+        let outside = Outside {
+            map: program.map,
+            call_cycles: call_cycles(program, block, &calls[index])?,
+        };
+        cycles.push(edge_cycles(&outside, block, &records[index], &nodes)?);
+    }
+    let bounds: Vec<Option<u64>> = findings.iter().zip(&given).map(effective).collect();
+    let problem = Problem {
+        flow,
+        forest,
+        cycles: &cycles,
+        bounds: &bounds,
+    };
+    let solution = longest_path(&problem)
+        .map_err(|unsolved| explain(program, entry, summary, &numbers, unsolved))?;
+    let stack_bytes = stack_bound(&records, &calls);
+    let loops = (0..forest.loops.len()).map(|index| LoopBound {
+        address: nodes[forest.loops[index].header].0,
+        number: numbers[index],
+        header_executions: bounds[index],
+        origin: match (findings[index].unbounded, given[index]) {
+            (false, _) => Origin::Found,
+            (true, Some(_)) => Origin::Given,
+            (true, None) => Origin::NotNeeded,
+        },
+    });
+    Ok(FunctionBound {
+        entry,
+        cycles: solution.cycles,
+        stack_bytes,
+        loops: loops.collect(),
+        blocks: block_bounds(summary, &solution, cycles, calls, &records),
+    })
+}
+
+/// The smaller of what was found and what was given.
+fn effective((finding, given): (&LoopFinding, &Option<u64>)) -> Option<u64> {
+    if finding.unbounded {
+        return *given;
+    }
+    let found = finding.header_executions;
+    Some(given.map_or(found, |given| given.min(found)))
+}
+
+/// Bounds of the functions called at the end of each block that is reached.
+fn called(
+    program: &Program<'_>,
+    summary: &Summary,
+    records: &[BlockRecord],
+) -> Result<Vec<Vec<Rc<FunctionBound>>>, Error> {
+    let mut all = Vec::new();
+    for (block, record) in summary.flow.blocks.iter().zip(records) {
+        let mut bounds = Vec::new();
+        if let Some(arguments) = &record.arguments {
+            for callee in &block.calls {
+                let site = block
+                    .instructions
+                    .last()
+                    .map_or(block.node.address, |(a, _)| *a);
+                if program.summary(*callee, site)?.returns {
+                    bounds.push(program.bound(*callee, &as_arguments(arguments))?);
+                }
+            }
+        }
+        all.push(bounds);
+    }
+    Ok(all)
+}
+
+/// Time of the call at the end of a block: the callee and, unless the block's function ends with
+/// it, the fetches after its return.
+fn call_cycles(
+    program: &Program<'_>,
+    block: &Block,
+    calls: &[Rc<FunctionBound>],
+) -> Result<u64, Error> {
+    let callee = calls.iter().map(|bound| bound.cycles).max().unwrap_or(0);
+    match (&block.transfer, block.instructions.last()) {
+        (Some(Transfer::Call(_)), Some((address, instruction))) => {
+            let next = address.wrapping_add(instruction.size);
+            Ok(callee + program.map.refill(next, block.node.thumb)?)
+        }
+        _ => Ok(callee),
+    }
+}
+
+fn stack_bound(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Option<u32> {
+    let mut most = 0;
+    for (record, callees) in records.iter().zip(calls) {
+        most = most.max(record.depth_bytes?);
+        for callee in callees {
+            most = most.max(record.call_depth_bytes? + callee.stack_bytes?);
+        }
+    }
+    Some(most)
+}
+
+fn block_bounds(
+    summary: &Summary,
+    solution: &Solution,
+    cycles: Vec<Vec<Option<u64>>>,
+    calls: Vec<Vec<Rc<FunctionBound>>>,
+    records: &[BlockRecord],
+) -> Vec<BlockBound> {
+    let parts = cycles.into_iter().zip(calls).zip(records).enumerate();
+    parts
+        .map(|(index, ((cycles, calls), record))| BlockBound {
+            address: summary.flow.blocks[index].node.address,
+            instruction_count: summary.flow.blocks[index].instructions.len(),
+            count: solution.counts[index],
+            cycles,
+            calls,
+            unknown_accesses: record
+                .instructions
+                .iter()
+                .filter(|i| i.unknown_address)
+                .count(),
+        })
+        .collect()
+}
+
+fn explain(
+    program: &Program<'_>,
+    entry: Entry,
+    summary: &Summary,
+    numbers: &[usize],
+    unsolved: Unsolved,
+) -> Error {
+    let missing = |loops: BTreeSet<usize>| {
+        let places = loops.into_iter().map(|index| {
+            let header = summary.forest.loops[index].header;
+            MissingBound {
+                place: program
+                    .image
+                    .place(summary.flow.blocks[header].node.address),
+                index: numbers[index],
+            }
+        });
+        Error::MissingBounds(places.collect())
+    };
+    match unsolved {
+        Unsolved::Unbounded(loops) => missing(loops),
+        Unsolved::NoReturn => Error::NeverReturns(program.image.place(entry.0)),
+    }
+}

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What keeps a program from being bounded, with the place where it happens.
+
+use std::fmt;
+
+/// A place in the program, as far as the image tells it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Address of the instruction.
+    pub address: u32,
+    /// Function and offset in it.
+    pub symbol: Option<(String, u32)>,
+    /// Source file and line.
+    pub line: Option<(String, u32)>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:#010x}", self.address)?;
+        if let Some((name, offset)) = &self.symbol {
+            write!(f, " in {name}+{offset:#x}")?;
+        }
+        if let Some((file, line)) = &self.line {
+            write!(f, " ({file}:{line})")?;
+        }
+        Ok(())
+    }
+}
+
+/// A loop for which a bound must be given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingBound {
+    /// The loop's first instruction.
+    pub place: Place,
+    /// Number of the loop among those of its function, by address.
+    pub index: usize,
+}
+
+/// Why there is no bound.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// An argument, the image or an annotation is wrong.
+    Input(String),
+    /// Functions call each other in a cycle.
+    Recursion(Vec<Place>),
+    /// The target of a branch or call is not known.
+    UnresolvedBranch(Place),
+    /// Control leaves the code of the image, or reaches data.
+    NoCode(Place),
+    /// A loop is entered at two places, so no bound per entry can be given.
+    Irreducible(Place),
+    /// Loops without a bound.
+    MissingBounds(Vec<MissingBound>),
+    /// The function has no way to its end.
+    NeverReturns(Place),
+    /// A software interrupt, whose handler is not part of the program's graph.
+    SoftwareInterrupt(Place),
+    /// The function returns with another stack pointer than it was called with.
+    StackNotRestored(Place),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input(text) => f.write_str(text),
+            Self::Recursion(cycle) => {
+                f.write_str("recursion cannot be bounded:")?;
+                cycle
+                    .iter()
+                    .try_for_each(|place| write!(f, "\n  called at {place}"))
+            }
+            Self::UnresolvedBranch(place) => write!(
+                f,
+                "{place}: the target of this branch is not known; give it as [[call]] with \
+                 'targets' in the annotation file"
+            ),
+            Self::NoCode(place) => write!(f, "{place}: control reaches a place without code"),
+            Self::Irreducible(place) => write!(
+                f,
+                "{place}: a loop is entered at two places; no bound per entry can be given"
+            ),
+            Self::MissingBounds(loops) => {
+                f.write_str(
+                    "loops without a bound; give each as [[loop]] in the annotation file:",
+                )?;
+                loops.iter().try_for_each(|missing| {
+                    write!(f, "\n  loop {} at {}", missing.index, missing.place)
+                })
+            }
+            Self::NeverReturns(place) => write!(f, "{place}: the function never returns"),
+            Self::SoftwareInterrupt(place) => {
+                write!(f, "{place}: a software interrupt has no bound here")
+            }
+            Self::StackNotRestored(place) => write!(
+                f,
+                "{place}: returns with another stack pointer than the function was called with"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Error {}

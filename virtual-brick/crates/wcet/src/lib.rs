@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Execution-time and stack bounds of ARM7TDMI programs, from their ELF files.
+//!
+//! Instructions and their bus cycles come from the core's own crate, so what is summed here is
+//! what the virtual brick charges. The steps for a function:
+//!
+//! 1. [`flow`] and [`summary`]: its control-flow graph, indirect branches resolved by the values
+//!    of registers and stack words ([`state`], [`transfer`], [`alu`]);
+//! 2. [`loops`]: its loops; a graph that is not reducible is an error;
+//! 3. [`execution`]: the function on abstract values, iteration by iteration: loop bounds,
+//!    branches never taken, regions of accesses, multiplier sizes, arguments of calls;
+//! 4. [`cost`]: cycles of each block on each way out;
+//! 5. [`path`]: the longest path.
+//!
+//! Assumptions: no interrupt and no DMA transfer intervenes (they are interference, not
+//! execution time); code does not change; saved registers and return addresses on the stack are
+//! not overwritten; what is computed from an address in a region stays in the region; a trap
+//! (undefined instruction) ends the path and is no return.
+
+pub mod alu;
+pub mod annotations;
+pub mod bound;
+pub mod cost;
+pub mod error;
+pub mod execution;
+pub mod flow;
+pub mod image;
+mod lines;
+pub mod loops;
+pub mod memory;
+pub mod path;
+pub mod program;
+pub mod report;
+pub mod state;
+pub mod summary;
+pub mod transfer;
+pub mod value;
+pub mod walk;
+
+pub use annotations::Annotations;
+pub use error::Error;
+pub use image::Image;
+pub use memory::MemoryMap;
+pub use program::Program;

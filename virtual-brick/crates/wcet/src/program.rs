@@ -1,0 +1,233 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! A whole program: functions, their summaries, and bounds for what is known at their calls.
+
+use crate::annotations::{Annotations, Fact};
+use crate::bound::{bound_function, FunctionBound};
+use crate::error::Error;
+use crate::flow::{Entry, Flow};
+use crate::image::Image;
+use crate::loops::Forest;
+use crate::memory::MemoryMap;
+use crate::summary::{summarise, Summary};
+use crate::transfer::World;
+use crate::value::Value;
+use crate::walk::any_arguments;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Argument sets for which one function is bounded separately; beyond, for any arguments.
+const CONTEXTS: usize = 24;
+
+type Arguments = [Value; 4];
+
+/// A program under analysis.
+pub struct Program<'a> {
+    /// Code and symbols.
+    pub image: &'a Image,
+    /// Regions and costs.
+    pub map: &'a MemoryMap,
+    annotations: &'a Annotations,
+    summaries: RefCell<BTreeMap<Entry, Rc<Summary>>>,
+    bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, Rc<FunctionBound>>>>,
+    open: RefCell<Vec<(Entry, u32)>>,
+}
+
+impl<'a> Program<'a> {
+    /// A program with the user's facts about it. Facts that name unknown regions or functions
+    /// are errors.
+    pub fn new(
+        image: &'a Image,
+        map: &'a MemoryMap,
+        annotations: &'a Annotations,
+    ) -> Result<Self, Error> {
+        map.find(&map.stack)?;
+        for region in annotations
+            .accesses
+            .iter()
+            .filter_map(|fact| fact.region.as_ref())
+        {
+            map.find(region)?;
+        }
+        for target in annotations.calls.iter().flat_map(|fact| &fact.targets) {
+            if image.function(target).is_none() {
+                return Err(Error::Input(format!(
+                    "[[call]] names '{target}', no function here"
+                )));
+            }
+        }
+        Ok(Self {
+            image,
+            map,
+            annotations,
+            summaries: RefCell::default(),
+            bounds: RefCell::default(),
+            open: RefCell::default(),
+        })
+    }
+
+    /// Image and map.
+    pub fn world(&self) -> World<'a> {
+        World {
+            image: self.image,
+            map: self.map,
+        }
+    }
+
+    fn fact(&self, facts: &'a [Fact], address: u32, index: Option<usize>) -> Option<&'a Fact> {
+        let place = self.image.place(address);
+        let names = self.image.names_at(address);
+        facts
+            .iter()
+            .find(|fact| fact.matches(&place, &names, index))
+    }
+
+    /// Is the place declared never to be executed?
+    pub fn is_dead(&self, address: u32) -> bool {
+        !self.annotations.never.is_empty()
+            && self.fact(&self.annotations.never, address, None).is_some()
+    }
+
+    /// Functions that an indirect branch may reach, as the user says.
+    pub fn given_targets(&self, address: u32) -> Option<Vec<Entry>> {
+        let fact = self.fact(&self.annotations.calls, address, None)?;
+        let entries = fact
+            .targets
+            .iter()
+            .filter_map(|name| self.image.function(name));
+        Some(entries.collect())
+    }
+
+    /// Region of an access, as the user says.
+    pub fn given_region(&self, address: u32) -> Option<u8> {
+        let accesses = &self.annotations.accesses;
+        let fact = self
+            .fact(accesses, address, None)
+            .or_else(|| accesses.iter().find(|fact| fact.is_general()))?;
+        self.map.find(fact.region.as_ref()?).ok()
+    }
+
+    /// Numbers of the loops of a function among those with headers in the same symbol.
+    pub fn loop_numbers(&self, flow: &Flow, forest: &Forest) -> Vec<usize> {
+        let mut seen: BTreeMap<Option<String>, usize> = BTreeMap::new();
+        let headers = forest
+            .loops
+            .iter()
+            .map(|found| flow.blocks[found.header].node.address);
+        headers
+            .map(|address| {
+                let symbol = self.image.place(address).symbol.map(|(name, _)| name);
+                let next = seen.entry(symbol).or_default();
+                *next += 1;
+                *next - 1
+            })
+            .collect()
+    }
+
+    /// Header executions of a loop, as the user says: iterations, and one more where the loop
+    /// may be left elsewhere than at the end of an iteration.
+    pub fn given_bound(
+        &self,
+        flow: &Flow,
+        forest: &Forest,
+        index: usize,
+        number: usize,
+    ) -> Option<u64> {
+        let found = &forest.loops[index];
+        let address = flow.blocks[found.header].node.address;
+        let fact = self.fact(&self.annotations.loops, address, Some(number))?;
+        if let Some(executions) = fact.header_executions {
+            return Some(executions);
+        }
+        let leaves_early = found.blocks.iter().any(|block| {
+            !found.latches.contains(block)
+                && flow.blocks[*block]
+                    .edges
+                    .iter()
+                    .any(|edge| match edge.target {
+                        crate::flow::Target::Block(next) => !found.blocks.contains(&next),
+                        crate::flow::Target::Return => true,
+                    })
+        });
+        fact.iterations
+            .map(|count| count.saturating_add(u64::from(leaves_early)))
+    }
+
+    /// Summary of a function called from `site`.
+    pub fn summary(&self, entry: Entry, site: u32) -> Result<Rc<Summary>, Error> {
+        if let Some(known) = self.summaries.borrow().get(&entry) {
+            return Ok(Rc::clone(known));
+        }
+        let cycle = {
+            let open = self.open.borrow();
+            let start = open.iter().position(|(function, _)| *function == entry);
+            start.map(|start| {
+                open[start + 1..]
+                    .iter()
+                    .map(|(_, at)| *at)
+                    .collect::<Vec<_>>()
+            })
+        };
+        if let Some(mut sites) = cycle {
+            sites.push(site);
+            let places = sites.iter().map(|at| self.image.place(*at));
+            return Err(Error::Recursion(places.collect()));
+        }
+        self.open.borrow_mut().push((entry, site));
+        let result = summarise(self, entry);
+        self.open.borrow_mut().pop();
+        let summary = Rc::new(result?);
+        self.summaries
+            .borrow_mut()
+            .insert(entry, Rc::clone(&summary));
+        Ok(summary)
+    }
+
+    /// Bound of a function for what is known about its arguments, without the refill of its
+    /// return.
+    pub fn bound(&self, entry: Entry, arguments: &Arguments) -> Result<Rc<FunctionBound>, Error> {
+        let arguments = {
+            let bounds = self.bounds.borrow();
+            let known = bounds.get(&entry);
+            if let Some(found) = known.and_then(|known| known.get(arguments)) {
+                return Ok(Rc::clone(found));
+            }
+            if known.is_some_and(|known| known.len() >= CONTEXTS) {
+                any_arguments()
+            } else {
+                arguments.clone()
+            }
+        };
+        if let Some(found) = self
+            .bounds
+            .borrow()
+            .get(&entry)
+            .and_then(|k| k.get(&arguments))
+        {
+            return Ok(Rc::clone(found));
+        }
+        let summary = self.summary(entry, entry.0)?;
+        let bound = Rc::new(bound_function(self, entry, &summary, &arguments)?);
+        let mut bounds = self.bounds.borrow_mut();
+        bounds
+            .entry(entry)
+            .or_default()
+            .insert(arguments, Rc::clone(&bound));
+        Ok(bound)
+    }
+
+    /// Bound of a named function, called from anywhere with any arguments.
+    pub fn bound_of(&self, name: &str) -> Result<Rc<FunctionBound>, Error> {
+        let entry = self
+            .image
+            .function(name)
+            .ok_or_else(|| Error::Input(format!("the image has no function '{name}'")))?;
+        self.bound(entry, &any_arguments())
+    }
+
+    /// Cycles of the two fetches with which a function's caller goes on, wherever it is.
+    pub fn return_cycles(&self) -> Result<u64, Error> {
+        self.map.worst_refill(self.image.code_sections())
+    }
+}

@@ -1,0 +1,286 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What is known at one point of a function: registers, words of the frame, flags.
+
+use crate::value::Value;
+use arm7tdmi::condition_passes;
+use std::collections::BTreeMap;
+
+/// Every combination of N, Z, C and V.
+pub const ANY_FLAGS: u16 = 0xFFFF;
+
+/// Two operands whose difference set the flags, and the registers that still hold them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Comparison {
+    /// The minuend.
+    pub left: (Option<u32>, Value),
+    /// The subtrahend.
+    pub right: (Option<u32>, Value),
+}
+
+/// Knowledge at one point. Stack offsets count from the stack pointer at the function's entry.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct State {
+    /// r0 to r14; r15 is not kept.
+    pub registers: [Value; 15],
+    /// Known words of the stack.
+    pub slots: BTreeMap<i32, Value>,
+    /// Bit n is set when the flags may be n (NZCV as a number).
+    pub flags: u16,
+    /// What the flags come from, if it is a comparison.
+    pub comparison: Option<Comparison>,
+    /// The address of a stack word may be in memory or another function's registers.
+    pub escaped: bool,
+}
+
+/// What flags say about the operands of the comparison that set them.
+struct Order {
+    at_least: bool,
+    at_most: bool,
+    different: bool,
+}
+
+impl Order {
+    fn new(flags: u16, at_least: impl Fn(u16) -> bool) -> Self {
+        let all = |test: &dyn Fn(u16) -> bool| (0..16).all(|f| flags >> f & 1 == 0 || test(f));
+        Self {
+            at_least: all(&at_least),
+            at_most: all(&|f| !at_least(f) || f & 4 != 0),
+            different: all(&|f| f & 4 == 0),
+        }
+    }
+
+    fn unsigned(flags: u16) -> Self {
+        Self::new(flags, |f| f & 2 != 0)
+    }
+
+    fn signed(flags: u16) -> Self {
+        Self::new(flags, |f| (f >> 3 ^ f) & 1 == 0)
+    }
+
+    /// Bounds of both sides narrowed by the order. `None` when nothing is left.
+    fn apply<T: Ord + Copy>(
+        &self,
+        left: (T, T),
+        right: (T, T),
+        less: impl Fn(T) -> Option<T>,
+        more: impl Fn(T) -> Option<T>,
+    ) -> Option<((T, T), (T, T))> {
+        let (mut a, mut b) = (left, right);
+        let strict = self.different;
+        if self.at_least {
+            a.0 = a.0.max(if strict { more(right.0)? } else { right.0 });
+            b.1 = b.1.min(if strict { less(left.1)? } else { left.1 });
+        }
+        if self.at_most {
+            a.1 = a.1.min(if strict { less(right.1)? } else { right.1 });
+            b.0 = b.0.max(if strict { more(left.0)? } else { left.0 });
+        }
+        (a.0 <= a.1 && b.0 <= b.1).then_some((a, b))
+    }
+}
+
+/// Combinations of flags for which a condition passes.
+pub fn passing(condition: u32) -> u16 {
+    (0..16).fold(0, |mask, flags| {
+        mask | u16::from(condition_passes(condition, flags)) << flags
+    })
+}
+
+impl State {
+    /// At the entry of a function, with what is known about r0 to r3.
+    pub fn entry(arguments: &[Value; 4]) -> Self {
+        let mut registers = std::array::from_fn(|number| Value::entry(number as u32));
+        for (register, argument) in registers.iter_mut().zip(arguments) {
+            if !argument.is_unknown() {
+                register.clone_from(argument);
+            }
+        }
+        registers[13] = Value::Stack(0);
+        Self {
+            registers,
+            slots: BTreeMap::new(),
+            flags: ANY_FLAGS,
+            comparison: None,
+            escaped: false,
+        }
+    }
+
+    /// Writes a register and forgets what depended on its old value.
+    pub fn set(&mut self, number: u32, value: Value) {
+        if let Some(comparison) = &mut self.comparison {
+            for side in [&mut comparison.left, &mut comparison.right] {
+                if side.0 == Some(number) {
+                    side.0 = None;
+                }
+            }
+        }
+        if let Some(register) = self.registers.get_mut(number as usize) {
+            *register = value;
+        }
+    }
+
+    /// Writes an unknown value that the instruction at `address` produces; what it produced
+    /// before loses its name.
+    pub fn set_fresh(&mut self, number: u32, address: u32) {
+        let stale = |value: &Value| matches!(value, Value::Based(base, _) if *base == address);
+        for register in self.registers.iter_mut().filter(|value| stale(value)) {
+            *register = Value::Top;
+        }
+        self.slots.retain(|_, value| !stale(value));
+        if let Some(comparison) = &mut self.comparison {
+            for side in [&mut comparison.left, &mut comparison.right] {
+                if stale(&side.1) {
+                    side.1 = Value::Top;
+                }
+            }
+        }
+        self.set(number, Value::Based(address, 0));
+    }
+
+    /// Least state above both.
+    pub fn join(&self, other: &Self) -> Self {
+        self.combine(other, Value::join)
+    }
+
+    /// Like `join`, and growing ranges give up at once, so that repetition ends.
+    pub fn widen(&self, new: &Self, pointer_region: impl Fn(&Value) -> Option<u8>) -> Self {
+        self.combine(new, |old, new| {
+            if new.below(old) {
+                return old.clone();
+            }
+            let joined = old.join(new);
+            if joined.in_stack() || joined == Value::Top {
+                let same = pointer_region(old).filter(|r| pointer_region(new) == Some(*r));
+                return same.map_or(joined, Value::Region);
+            }
+            pointer_region(&joined).map_or(Value::Top, Value::Region)
+        })
+    }
+
+    fn combine(&self, other: &Self, join: impl Fn(&Value, &Value) -> Value) -> Self {
+        let same = self.comparison == other.comparison;
+        let mut escaped = self.escaped || other.escaped;
+        let mut joined = |a: &Value, b: &Value| {
+            let value = join(a, b);
+            escaped |= !value.in_stack() && (a.in_stack() || b.in_stack());
+            value
+        };
+        let registers = std::array::from_fn(|n| joined(&self.registers[n], &other.registers[n]));
+        let mut slots = BTreeMap::new();
+        for (offset, value) in &self.slots {
+            if let Some(theirs) = other.slots.get(offset) {
+                let value = joined(value, theirs);
+                if value != Value::Top {
+                    slots.insert(*offset, value);
+                }
+            }
+        }
+        let left_alone = |slots: &BTreeMap<i32, Value>, others: &BTreeMap<i32, Value>| {
+            slots
+                .iter()
+                .any(|(offset, v)| v.in_stack() && !others.contains_key(offset))
+        };
+        escaped |= left_alone(&self.slots, &other.slots) || left_alone(&other.slots, &self.slots);
+        Self {
+            registers,
+            slots,
+            flags: self.flags | other.flags,
+            comparison: if same { self.comparison.clone() } else { None },
+            escaped,
+        }
+    }
+
+    /// The state where a condition passes, or fails. `None` when it cannot.
+    pub fn assume(&self, condition: u32, passes: bool) -> Option<Self> {
+        let mask = if passes {
+            passing(condition)
+        } else {
+            !passing(condition)
+        };
+        let flags = self.flags & mask;
+        if flags == 0 {
+            return None;
+        }
+        let mut state = Self {
+            flags,
+            ..self.clone()
+        };
+        if let Some(comparison) = self.comparison.clone() {
+            state.refine(&comparison)?;
+        }
+        Some(state)
+    }
+
+    /// Narrows both sides of a comparison by what the possible flags say about their order.
+    /// An operand that is not known to be a number says nothing about the other.
+    fn refine(&mut self, comparison: &Comparison) -> Option<()> {
+        let numbers = [&comparison.left, &comparison.right].map(|side| side.1.bounds().is_some());
+        if numbers == [false, false] {
+            return Some(());
+        }
+        let order = Order::unsigned(self.flags);
+        let (left, right) = (comparison.left.1.unsigned(), comparison.right.1.unsigned());
+        let (left, right) = order.apply(left, right, |v| v.checked_sub(1), |v| v.checked_add(1))?;
+        self.narrow(&comparison.left, left)?;
+        self.narrow(&comparison.right, right)?;
+        let order = Order::signed(self.flags);
+        let (left, right) = (comparison.left.1.signed(), comparison.right.1.signed());
+        let (left, right) = order.apply(left, right, |v| v.checked_sub(1), |v| v.checked_add(1))?;
+        self.narrow_signed(&comparison.left, left)?;
+        self.narrow_signed(&comparison.right, right)
+    }
+
+    /// Only bounds without negative numbers are also unsigned bounds.
+    fn narrow_signed(
+        &mut self,
+        side: &(Option<u32>, Value),
+        (low, high): (i32, i32),
+    ) -> Option<()> {
+        if low > high {
+            return None;
+        }
+        if low < 0 {
+            return Some(());
+        }
+        let known = side.0.and_then(|n| self.registers.get(n as usize)).cloned();
+        let value = known.unwrap_or_else(|| side.1.clone());
+        self.narrow(&(side.0, value), (low as u32, high as u32))
+    }
+
+    fn narrow(&mut self, side: &(Option<u32>, Value), (low, high): (u32, u32)) -> Option<()> {
+        let bounded = low > 0 || high < u32::MAX;
+        let narrowed = match &side.1 {
+            Value::Based(..) if bounded => Value::range(low, high),
+            value => value.within(low, high)?,
+        };
+        if let Some(register) = side.0.and_then(|n| self.registers.get_mut(n as usize)) {
+            *register = narrowed;
+        }
+        Some(())
+    }
+
+    /// After a call of a function that does not preserve the registers in `changed`.
+    pub fn after_call(&mut self, changed: u16) {
+        if let Value::Stack(pointer) = self.registers[13] {
+            self.slots.retain(|offset, _| *offset >= pointer);
+        }
+        let passed = self.registers[..4].iter().any(Value::in_stack);
+        self.set(14, Value::Top);
+        for number in (0..13).filter(|number| changed >> number & 1 != 0) {
+            self.set(number, Value::Top);
+        }
+        self.flags = ANY_FLAGS;
+        self.comparison = None;
+        if self.escaped || passed {
+            self.forget_frame();
+        }
+        self.escaped |= passed;
+    }
+
+    /// A store somewhere in the frame: every number in it is unknown. Saved registers and return
+    /// addresses stay: a program that overwrites them has no bound anyway.
+    pub fn forget_frame(&mut self) {
+        self.slots.retain(|_, value| value.is_saved());
+    }
+}

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The graph of one function for any arguments: exploration and value analysis by turns, until
+//! every branch is resolved.
+
+use crate::error::Error;
+use crate::flow::{Entry, Explorer, Flow, Node, Target, Transfer};
+use crate::loops::Forest;
+use crate::program::Program;
+use crate::state::State;
+use crate::value::Value;
+use crate::walk::{any_arguments, changed_registers, Outcome, Walker};
+use arm7tdmi::instruction::Operation;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Visits of a block after which growing values give up.
+const PATIENCE: u32 = 4;
+
+/// What is true of a function whatever its arguments.
+#[derive(Debug)]
+pub struct Summary {
+    /// Its graph.
+    pub flow: Flow,
+    /// Its loops.
+    pub forest: Forest,
+    /// Some way returns.
+    pub returns: bool,
+    /// Registers of r0 to r12 that it does not preserve.
+    pub changed: u16,
+    /// The same for all functions it calls.
+    pub callees: BTreeMap<Entry, u16>,
+}
+
+struct Fixpoint {
+    transfers: BTreeMap<Node, Transfer>,
+    changed: u16,
+    returns: bool,
+}
+
+/// Computes the summary of a function; summaries of callees come from the program.
+pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> {
+    let mut resolved = BTreeMap::new();
+    let mut returning: BTreeMap<Entry, bool> = BTreeMap::new();
+    let mut changed = BTreeMap::new();
+    loop {
+        let flow = explore(program, entry, &resolved, &returning)?;
+        let mut new = Vec::new();
+        for block in &flow.blocks {
+            let site = block
+                .instructions
+                .last()
+                .map_or(block.node.address, |(a, _)| *a);
+            let unknown = block
+                .calls
+                .iter()
+                .filter(|callee| !returning.contains_key(*callee));
+            new.extend(unknown.map(|callee| (*callee, site)));
+        }
+        if !new.is_empty() {
+            for (callee, site) in new {
+                let summary = program.summary(callee, site)?;
+                returning.insert(callee, summary.returns);
+                changed.insert(callee, summary.changed);
+            }
+            continue;
+        }
+        let fixpoint = iterate(program, &flow, &changed, entry)?;
+        if fixpoint.transfers != resolved {
+            resolved = fixpoint.transfers;
+            continue;
+        }
+        let unresolved = resolved.iter().find(|(_, t)| **t == Transfer::Unresolved);
+        if let Some((node, _)) = unresolved {
+            return Err(Error::UnresolvedBranch(program.image.place(node.address)));
+        }
+        let forest = Forest::new(&flow).map_err(|block| {
+            Error::Irreducible(program.image.place(flow.blocks[block].node.address))
+        })?;
+        return Ok(Summary {
+            flow,
+            forest,
+            returns: fixpoint.returns,
+            changed: fixpoint.changed,
+            callees: changed,
+        });
+    }
+}
+
+fn explore(
+    program: &Program<'_>,
+    entry: Entry,
+    resolved: &BTreeMap<Node, Transfer>,
+    returning: &BTreeMap<Entry, bool>,
+) -> Result<Flow, Error> {
+    Explorer {
+        image: program.image,
+        entry,
+        resolved,
+        dead: &|address| program.is_dead(address),
+        returns: &|callee| returning.get(&callee).copied().unwrap_or(false),
+    }
+    .explore()
+}
+
+/// States at all blocks for any arguments, and from them the targets of indirect branches.
+fn iterate(
+    program: &Program<'_>,
+    flow: &Flow,
+    changed: &BTreeMap<Entry, u16>,
+    entry: Entry,
+) -> Result<Fixpoint, Error> {
+    let region = |_| None;
+    let mut walker = Walker::new(program.world(), flow, changed, &region);
+    let mut states: Vec<Option<State>> = vec![None; flow.blocks.len()];
+    let mut visits = vec![0_u32; flow.blocks.len()];
+    states[0] = Some(State::entry(&any_arguments()));
+    let mut open = BTreeSet::from([0]);
+    let mut fixpoint = Fixpoint {
+        transfers: BTreeMap::new(),
+        changed: 0,
+        returns: false,
+    };
+    while let Some(index) = open.pop_first() {
+        let Some(state) = states[index].clone() else {
+            continue;
+        };
+        let outcome = walker.run(index, state);
+        resolve(
+            program,
+            flow,
+            entry,
+            index,
+            &outcome,
+            &mut fixpoint.transfers,
+        );
+        for (number, state) in outcome.edges {
+            let Target::Block(next) = flow.blocks[index].edges[number].target else {
+                check_return(program, flow, index, &state)?;
+                fixpoint.returns = true;
+                fixpoint.changed |= changed_registers(&state);
+                continue;
+            };
+            let merged = match &states[next] {
+                None => state,
+                Some(old) if visits[next] < PATIENCE => old.join(&state),
+                Some(old) => old.widen(&state, |value| program.map.pointer_region(value)),
+            };
+            if states[next].as_ref() != Some(&merged) {
+                visits[next] += 1;
+                states[next] = Some(merged);
+                open.insert(next);
+            }
+        }
+    }
+    Ok(fixpoint)
+}
+
+fn check_return(
+    program: &Program<'_>,
+    flow: &Flow,
+    index: usize,
+    state: &State,
+) -> Result<(), Error> {
+    if state.registers[13] == Value::Stack(0) {
+        return Ok(());
+    }
+    let block = &flow.blocks[index];
+    let address = block
+        .instructions
+        .last()
+        .map_or(block.node.address, |(a, _)| *a);
+    Err(Error::StackNotRestored(program.image.place(address)))
+}
+
+/// Notes the transfer that the value of r15 at the end of a block means.
+fn resolve(
+    program: &Program<'_>,
+    flow: &Flow,
+    entry: Entry,
+    index: usize,
+    outcome: &Outcome,
+    transfers: &mut BTreeMap<Node, Transfer>,
+) {
+    let block = &flow.blocks[index];
+    let (Some((address, instruction)), Some(value)) = (block.instructions.last(), &outcome.target)
+    else {
+        return;
+    };
+    let direct = matches!(
+        instruction.operation,
+        Operation::Branch { .. } | Operation::LongBranchSuffix { .. }
+    );
+    if direct {
+        return;
+    }
+    let node = Node {
+        address: *address,
+        ..block.node
+    };
+    let exchanges = matches!(instruction.operation, Operation::BranchExchange { .. });
+    let next = address.wrapping_add(instruction.size);
+    let calls = outcome
+        .link
+        .as_ref()
+        .and_then(Value::constant)
+        .map(|link| link & !1)
+        == Some(next);
+    let transfer = if *value == Value::entry(14) {
+        Transfer::Return
+    } else if let Some(elements) = value.elements() {
+        let targets = elements.iter().map(|target| {
+            let thumb = if exchanges {
+                target & 1 != 0
+            } else {
+                node.thumb
+            };
+            (target & if thumb { !1 } else { !3 }, thumb)
+        });
+        classify(program, entry, node, targets.collect(), calls)
+    } else {
+        match program.given_targets(*address) {
+            Some(targets) if calls => Transfer::Call(targets),
+            Some(targets) => Transfer::TailCall(targets),
+            None => Transfer::Unresolved,
+        }
+    };
+    transfers.insert(node, transfer);
+}
+
+fn classify(
+    program: &Program<'_>,
+    entry: Entry,
+    node: Node,
+    targets: Vec<Entry>,
+    calls: bool,
+) -> Transfer {
+    if calls {
+        return Transfer::Call(targets);
+    }
+    let function = |target: &Entry| *target != entry && program.image.starts_function(target.0);
+    if targets.iter().all(function) {
+        return Transfer::TailCall(targets);
+    }
+    let nodes = targets.iter().map(|(address, thumb)| Node {
+        // The end of a switch helper leads back to the function's own code.
+        copy: if program.image.names_at(*address) == program.image.names_at(node.address) {
+            node.copy
+        } else {
+            0
+        },
+        address: *address,
+        thumb: *thumb,
+    });
+    Transfer::Jump(nodes.collect())
+}

@@ -1,0 +1,323 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What one instruction makes of a state, and what its cost depends on.
+
+use crate::alu::{compute, second};
+use crate::image::Image;
+use crate::memory::MemoryMap;
+use crate::state::{State, ANY_FLAGS};
+use crate::value::Value;
+use arm7tdmi::instruction::{
+    AluOperation, BlockTransfer, DataProcessing, Instruction, Multiply, Operand, Operation,
+    Transfer,
+};
+use arm7tdmi::Width;
+
+/// What is known about one execution of an instruction.
+#[derive(Clone, Debug, Default)]
+pub struct Effects {
+    /// Address of the data accesses.
+    pub address: Option<Value>,
+    /// Value of the multiplier.
+    pub multiplier: Option<Value>,
+    /// What r15 was set to.
+    pub target: Option<Value>,
+}
+
+/// The world around a state.
+#[derive(Clone, Copy)]
+pub struct World<'a> {
+    /// Code and constants.
+    pub image: &'a Image,
+    /// Regions.
+    pub map: &'a MemoryMap,
+}
+
+/// One instruction at one place.
+struct Step<'a> {
+    world: World<'a>,
+    state: &'a mut State,
+    address: u32,
+    size: u32,
+}
+
+/// Executes an instruction whose condition passes.
+pub fn execute(
+    world: World<'_>,
+    state: &mut State,
+    address: u32,
+    instruction: &Instruction,
+) -> Effects {
+    let mut step = Step {
+        world,
+        state,
+        address,
+        size: instruction.size,
+    };
+    step.run(&instruction.operation)
+}
+
+impl Step<'_> {
+    fn read(&self, number: u32) -> Value {
+        match self.state.registers.get(number as usize) {
+            Some(value) => value.clone(),
+            None => Value::Constant(self.address.wrapping_add(2 * self.size)),
+        }
+    }
+
+    /// Writes a register; r15 becomes the target.
+    fn write(&mut self, effects: &mut Effects, number: u32, value: Value) {
+        if number == 15 {
+            effects.target = Some(value);
+        } else if value == Value::Top {
+            self.state.set_fresh(number, self.address);
+        } else {
+            self.state.set(number, value);
+        }
+    }
+
+    fn unknown_flags(&mut self) {
+        self.state.flags = ANY_FLAGS;
+        self.state.comparison = None;
+    }
+
+    fn run(&mut self, operation: &Operation) -> Effects {
+        let mut effects = Effects::default();
+        match operation {
+            Operation::DataProcessing(processing) => self.process(&mut effects, processing),
+            Operation::LoadAddress {
+                destination,
+                offset,
+            } => {
+                let base = self.address.wrapping_add(4) & !3;
+                let value = Value::Constant(base.wrapping_add(*offset));
+                self.state.set(*destination, value);
+            }
+            Operation::Multiply(product) => self.multiply(&mut effects, product),
+            Operation::Transfer(transfer) => self.transfer(&mut effects, transfer),
+            Operation::Swap {
+                destination,
+                base,
+                source,
+                ..
+            } => {
+                let address = self.read(*base);
+                let stored = self.read(*source);
+                self.store(&address, Width::Byte, stored);
+                effects.address = Some(address);
+                self.write(&mut effects, *destination, Value::Top);
+            }
+            Operation::BlockTransfer(block) => self.block(&mut effects, block),
+            Operation::Branch { link, offset } => {
+                let target = self
+                    .address
+                    .wrapping_add(2 * self.size)
+                    .wrapping_add(*offset);
+                effects.target = Some(Value::Constant(target));
+                if *link {
+                    self.state
+                        .set(14, Value::Constant(self.address.wrapping_add(4)));
+                }
+            }
+            Operation::BranchExchange { register } => effects.target = Some(self.read(*register)),
+            Operation::LongBranchPrefix { offset } => {
+                let partial = self.address.wrapping_add(4).wrapping_add(*offset);
+                self.state.set(14, Value::Constant(partial));
+            }
+            Operation::LongBranchSuffix { offset } => {
+                let partial = self.read(14).constant();
+                effects.target = partial.map(|p| Value::Constant(p.wrapping_add(*offset)));
+                let link = self.address.wrapping_add(2) | 1;
+                self.state.set(14, Value::Constant(link));
+            }
+            Operation::ReadStatus { destination } => {
+                self.write(&mut effects, *destination, Value::Top);
+            }
+            Operation::WriteStatus => self.unknown_flags(),
+            Operation::SoftwareInterrupt | Operation::Undefined => {}
+        }
+        effects
+    }
+
+    fn process(&mut self, effects: &mut Effects, processing: &DataProcessing) {
+        let late = matches!(processing.second, Operand::ShiftedByRegister { .. });
+        let read = |number: u32| match (self.read(number), number, late) {
+            (Value::Constant(pc), 15, true) => Value::Constant(pc.wrapping_add(4)),
+            (value, _, _) => value,
+        };
+        let operand = second(self.state, processing.second, read);
+        let first = read(processing.first);
+        let outcome = compute(self.state, self.world.map, processing, first, operand);
+        let destination = processing.destination;
+        if processing.sets_flags {
+            self.state.flags = outcome.flags;
+            self.state.comparison = outcome.comparison;
+        }
+        if !processing.operation.compares() {
+            self.write(effects, destination, outcome.value);
+        }
+    }
+
+    fn multiply(&mut self, effects: &mut Effects, product: &Multiply) {
+        let (a, b) = (
+            self.read(product.multiplicand),
+            self.read(product.multiplier),
+        );
+        let addend = match product.addend {
+            Some(register) => self.read(register).constant(),
+            None => Some(0),
+        };
+        let value = match (a.constant(), b.constant(), addend, product.kind.long) {
+            (Some(a), Some(b), Some(c), false) => {
+                Value::Constant(a.wrapping_mul(b).wrapping_add(c))
+            }
+            _ => Value::Top,
+        };
+        effects.multiplier = Some(b);
+        self.write(effects, product.destination, value);
+        if let Some(low) = product.low {
+            self.state.set(low, Value::Top);
+        }
+        if product.sets_flags {
+            self.unknown_flags();
+        }
+    }
+
+    fn plus(&self, base: &Value, offset: Value, add: bool) -> Value {
+        let processing = DataProcessing {
+            operation: if add {
+                AluOperation::Add
+            } else {
+                AluOperation::Sub
+            },
+            sets_flags: false,
+            destination: 0,
+            first: 0,
+            second: Operand::constant(0),
+        };
+        let operand = crate::alu::Shifted {
+            value: offset,
+            carry: None,
+            register: None,
+        };
+        compute(
+            self.state,
+            self.world.map,
+            &processing,
+            base.clone(),
+            operand,
+        )
+        .value
+    }
+
+    fn transfer(&mut self, effects: &mut Effects, transfer: &Transfer) {
+        let base = match (self.read(transfer.base), transfer.base) {
+            (Value::Constant(pc), 15) => Value::Constant(pc & !3),
+            (value, _) => value,
+        };
+        let offset = second(self.state, transfer.offset, |n| self.read(n)).value;
+        let moved = self.plus(&base, offset, transfer.add);
+        let address = if transfer.before { moved.clone() } else { base };
+        effects.address = Some(address.clone());
+        if transfer.load {
+            let loaded = self.load(&address, transfer.width, transfer.signed);
+            if transfer.write_back {
+                self.state.set(transfer.base, moved);
+            }
+            self.write(effects, transfer.register, loaded);
+        } else {
+            let stored = self.read(transfer.register);
+            self.store(&address, transfer.width, stored);
+            if transfer.write_back {
+                self.state.set(transfer.base, moved);
+            }
+        }
+    }
+
+    fn block(&mut self, effects: &mut Effects, block: &BlockTransfer) {
+        let base = self.read(block.base);
+        let size = Value::Constant(block.size_bytes);
+        let end = self.plus(&base, size, block.up);
+        let lowest = if block.up { base } else { end.clone() };
+        let first = u32::from(block.before == block.up);
+        effects.address = Some(lowest.clone());
+        if block.write_back && block.load {
+            self.state.set(block.base, end.clone());
+        }
+        let listed = (0..16).filter(|number| block.list >> number & 1 != 0);
+        for (index, number) in listed.enumerate() {
+            let distance = Value::Constant(4 * (first + index as u32));
+            let address = self.plus(&lowest, distance, true);
+            if block.load {
+                let loaded = self.load(&address, Width::Word, false);
+                if number == 15 {
+                    effects.target = Some(loaded);
+                } else {
+                    self.state.set(number, loaded);
+                }
+            } else {
+                let stored = self.read(number);
+                self.store(&address, Width::Word, stored);
+            }
+        }
+        if block.write_back && !block.load {
+            self.state.set(block.base, end);
+        }
+    }
+
+    fn load(&self, address: &Value, width: Width, signed: bool) -> Value {
+        if let Value::Stack(offset) = address {
+            let aligned = width == Width::Word && offset % 4 == 0;
+            if let Some(value) = self.state.slots.get(offset).filter(|_| aligned) {
+                return value.clone();
+            }
+        }
+        let (size, sign_bits) = match width {
+            Width::Byte => (1, 24),
+            Width::Halfword => (2, 16),
+            Width::Word => (4, 0),
+        };
+        let constants = address.elements().and_then(|addresses| {
+            let found = addresses.iter().map(|address| {
+                let aligned = address % size == 0;
+                let value = self
+                    .world
+                    .image
+                    .constant(*address, size)
+                    .filter(|_| aligned)?;
+                Some(if signed {
+                    ((value << sign_bits) as i32 >> sign_bits) as u32
+                } else {
+                    value
+                })
+            });
+            Value::of_elements(found.collect::<Option<Vec<_>>>()?)
+        });
+        match constants {
+            Some(value) => value,
+            None if signed || size == 4 => Value::Top,
+            None => Value::range(0, u32::MAX >> sign_bits),
+        }
+    }
+
+    fn store(&mut self, address: &Value, width: Width, value: Value) {
+        match address {
+            Value::Stack(offset) => {
+                let word = offset & !3;
+                if width == Width::Word && word == *offset && value != Value::Top {
+                    self.state.slots.insert(word, value);
+                } else {
+                    self.state.slots.remove(&word);
+                }
+                return;
+            }
+            Value::StackAny => {
+                self.state.escaped = true;
+                self.state.forget_frame();
+            }
+            Value::Top | Value::Based(..) if self.state.escaped => self.state.forget_frame(),
+            _ => {}
+        }
+        self.state.escaped |= value.in_stack() && *address != Value::StackAny;
+    }
+}

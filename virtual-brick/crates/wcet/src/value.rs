@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What is known about a 32-bit value: constants, small sets, unsigned ranges, places.
+
+use std::rc::Rc;
+
+/// Largest set that is kept element by element.
+pub const SET_SIZE: usize = 256;
+
+/// Knowledge about one register or stack word.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Value {
+    /// Exactly this.
+    Constant(u32),
+    /// One of these, ascending, at least two.
+    Set(Rc<[u32]>),
+    /// From the first to the second, unsigned.
+    Range(u32, u32),
+    /// An address derived from one in the region with this index.
+    Region(u8),
+    /// The stack pointer at the function's entry plus this.
+    Stack(i32),
+    /// An address in the function's own frame.
+    StackAny,
+    /// An address in the stack outside the function's frame.
+    OuterStack,
+    /// Something unknown plus a constant. Below 16: what that register held at the function's
+    /// entry, 14 the return address; otherwise what the instruction at that address last produced.
+    Based(u32, i32),
+    /// Anything.
+    Top,
+}
+
+impl Value {
+    /// From any list of elements; `None` when there are none or too many.
+    pub fn of_elements(mut elements: Vec<u32>) -> Option<Self> {
+        elements.sort_unstable();
+        elements.dedup();
+        match elements.len() {
+            0 => None,
+            1 => Some(Self::Constant(elements[0])),
+            2..=SET_SIZE => Some(Self::Set(elements.into())),
+            _ => None,
+        }
+    }
+
+    /// The elements, if they are few.
+    pub fn elements(&self) -> Option<Vec<u32>> {
+        match self {
+            Self::Constant(value) => Some(vec![*value]),
+            Self::Set(set) => Some(set.to_vec()),
+            Self::Range(low, high) if (high - low) < SET_SIZE as u32 => {
+                Some((*low..=*high).collect())
+            }
+            _ => None,
+        }
+    }
+
+    /// The constant, if it is one.
+    pub fn constant(&self) -> Option<u32> {
+        match self {
+            Self::Constant(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// Lowest and highest unsigned value; places are not numbers.
+    pub fn bounds(&self) -> Option<(u32, u32)> {
+        match self {
+            Self::Constant(value) => Some((*value, *value)),
+            Self::Set(set) => Some((*set.first()?, *set.last()?)),
+            Self::Range(low, high) => Some((*low, *high)),
+            _ => None,
+        }
+    }
+
+    /// Bounds, the full range for what is unknown.
+    pub fn unsigned(&self) -> (u32, u32) {
+        self.bounds().unwrap_or((0, u32::MAX))
+    }
+
+    /// Signed bounds.
+    pub fn signed(&self) -> (i32, i32) {
+        match self.bounds() {
+            Some((low, high)) if low >> 31 == high >> 31 => (low as i32, high as i32),
+            _ => (i32::MIN, i32::MAX),
+        }
+    }
+
+    /// What a register held at the function's entry.
+    pub const fn entry(register: u32) -> Self {
+        Self::Based(register, 0)
+    }
+
+    /// A callee-saved register's or the return address's value at the function's entry.
+    pub const fn is_saved(&self) -> bool {
+        matches!(self, Self::Based(4..=14, 0))
+    }
+
+    /// Neither a number nor a place in a region or the stack.
+    pub const fn is_unknown(&self) -> bool {
+        matches!(self, Self::Top | Self::Based(..))
+    }
+
+    /// An address in the stack, own or outer.
+    pub fn in_stack(&self) -> bool {
+        matches!(self, Self::Stack(_) | Self::StackAny | Self::OuterStack)
+    }
+
+    /// A range, or what it shrinks to; the whole range is `Top`.
+    pub fn range(low: u32, high: u32) -> Self {
+        if low == high {
+            Self::Constant(low)
+        } else if low == 0 && high == u32::MAX {
+            Self::Top
+        } else {
+            Self::Range(low, high)
+        }
+    }
+
+    /// Values that are in both, where `self` holds and the unsigned bounds hold too.
+    /// `None` when there is no such value.
+    pub fn within(&self, low: u32, high: u32) -> Option<Self> {
+        if low > high {
+            return None;
+        }
+        match self {
+            Self::Constant(value) => (low..=high).contains(value).then(|| self.clone()),
+            Self::Set(set) => {
+                let kept = set.iter().copied().filter(|e| (low..=high).contains(e));
+                Self::of_elements(kept.collect())
+            }
+            Self::Range(a, b) => {
+                let (low, high) = (low.max(*a), high.min(*b));
+                (low <= high).then(|| Self::range(low, high))
+            }
+            Self::Top => Some(Self::range(low, high)),
+            other => Some(other.clone()),
+        }
+    }
+
+    /// Least value above both.
+    pub fn join(&self, other: &Self) -> Self {
+        if self == other {
+            return self.clone();
+        }
+        if let (Some(mut all), Some(more)) = (self.elements(), other.elements()) {
+            all.extend(more);
+            if let Some(value) = Self::of_elements(all) {
+                return value;
+            }
+        }
+        if let (Some((a, b)), Some((c, d))) = (self.bounds(), other.bounds()) {
+            return Self::range(a.min(c), b.max(d));
+        }
+        match (self, other) {
+            (Self::Stack(_) | Self::StackAny, Self::Stack(_) | Self::StackAny) => Self::StackAny,
+            _ => Self::Top,
+        }
+    }
+
+    /// Is everything `self` allows allowed by `other`?
+    pub fn below(&self, other: &Self) -> bool {
+        if self == other || *other == Self::Top {
+            return true;
+        }
+        match (self, other) {
+            (Self::Stack(_), Self::StackAny) => true,
+            (_, Self::Set(_)) => self
+                .elements()
+                .zip(other.elements())
+                .is_some_and(|(mine, theirs)| mine.iter().all(|e| theirs.binary_search(e).is_ok())),
+            (_, Self::Range(low, high)) => {
+                self.bounds().is_some_and(|(a, b)| *low <= a && b <= *high)
+            }
+            _ => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joined_constants_stay_a_set_until_they_are_many() {
+        let few = Value::Constant(4).join(&Value::Constant(9));
+        assert_eq!(few, Value::Set(vec![4, 9].into()));
+        assert_eq!(few.join(&Value::Range(0, 1000)), Value::Range(0, 1000));
+    }
+
+    #[test]
+    fn a_bound_cuts_sets_and_ranges_and_empties_them() {
+        let set = Value::Set(vec![1, 5, 9].into());
+        assert_eq!(set.within(2, 8), Some(Value::Constant(5)));
+        assert_eq!(set.within(10, 20), None);
+        assert_eq!(Value::Top.within(0, 7), Some(Value::Range(0, 7)));
+    }
+}

@@ -1,0 +1,332 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! A block executed on a state, and what is learned on the way.
+
+use crate::flow::{Block, Entry, Flow, Target, Transfer};
+use crate::state::State;
+use crate::transfer::{execute, Effects, World};
+use crate::value::Value;
+use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
+use std::collections::BTreeMap;
+
+/// Most states that are followed side by side within a block.
+const VARIANTS: usize = 8;
+
+/// What all executions of an instruction have in common.
+#[derive(Clone, Debug, Default)]
+pub struct InstructionRecord {
+    /// Flags that are possible before it.
+    pub flags: u16,
+    /// Dearest read.
+    pub read_cycles: u64,
+    /// Dearest write.
+    pub write_cycles: u64,
+    /// Most internal cycles.
+    pub internal_cycles: u32,
+    /// Some address was not known to lie in one region.
+    pub unknown_address: bool,
+}
+
+/// What all executions of a block have in common.
+#[derive(Clone, Debug, Default)]
+pub struct BlockRecord {
+    /// One for each instruction.
+    pub instructions: Vec<InstructionRecord>,
+    /// Edges that some execution takes.
+    pub feasible: Vec<bool>,
+    /// r0 to r3 at the call.
+    pub arguments: Option<[Value; 4]>,
+    /// Deepest stack in bytes below the function's entry; `None` when not known.
+    pub depth_bytes: Option<u32>,
+    /// Depth at the call.
+    pub call_depth_bytes: Option<u32>,
+}
+
+/// Executes blocks of one function.
+pub struct Walker<'a> {
+    /// Code, constants, regions.
+    pub world: World<'a>,
+    /// The function's graph.
+    pub flow: &'a Flow,
+    /// Which of r0 to r12 a function does not preserve.
+    pub changed: &'a BTreeMap<Entry, u16>,
+    /// Region given by the user for accesses at a place.
+    pub given_region: &'a dyn Fn(u32) -> Option<u8>,
+    /// What was learned, for each block.
+    pub records: Vec<BlockRecord>,
+    /// Instructions executed.
+    pub step_count: u64,
+}
+
+/// Ways out of a block with their states, and the target of its last instruction.
+pub struct Outcome {
+    /// Index of the edge and the state on it.
+    pub edges: Vec<(usize, State)>,
+    /// Value given to r15.
+    pub target: Option<Value>,
+    /// r14 when that happened.
+    pub link: Option<Value>,
+}
+
+impl Outcome {
+    fn leave(&mut self, edge: usize, state: State) {
+        match self.edges.iter_mut().find(|(known, _)| *known == edge) {
+            Some((_, known)) => *known = known.join(&state),
+            None => self.edges.push((edge, state)),
+        }
+    }
+
+    fn reach(&mut self, target: Option<Value>, link: Value) {
+        self.target = match (self.target.take(), target) {
+            (Some(a), Some(b)) => Some(a.join(&b)),
+            (a, b) => a.or(b),
+        };
+        self.link = Some(
+            self.link
+                .take()
+                .map_or(link.clone(), |known| known.join(&link)),
+        );
+    }
+}
+
+fn depth(state: &State) -> Option<u32> {
+    match state.registers[13] {
+        Value::Stack(offset) => Some(u32::try_from(-i64::from(offset)).unwrap_or(0)),
+        _ => None,
+    }
+}
+
+impl<'a> Walker<'a> {
+    /// A walker that has learned nothing.
+    pub fn new(
+        world: World<'a>,
+        flow: &'a Flow,
+        changed: &'a BTreeMap<Entry, u16>,
+        given_region: &'a dyn Fn(u32) -> Option<u8>,
+    ) -> Self {
+        let record = |block: &Block| BlockRecord {
+            instructions: vec![InstructionRecord::default(); block.instructions.len()],
+            feasible: vec![false; block.edges.len()],
+            arguments: None,
+            depth_bytes: Some(0),
+            call_depth_bytes: Some(0),
+        };
+        Self {
+            world,
+            flow,
+            changed,
+            given_region,
+            records: flow.blocks.iter().map(record).collect(),
+            step_count: 0,
+        }
+    }
+
+    /// Executes a block. Where a condition may pass or fail both states go on, until flags are
+    /// set again or there are too many.
+    pub fn run(&mut self, index: usize, state: State) -> Outcome {
+        let block = &self.flow.blocks[index];
+        let last = block.instructions.len() - 1;
+        let straight = if block.transfer.is_some() {
+            last
+        } else {
+            last + 1
+        };
+        self.step_count += block.instructions.len() as u64;
+        let mut states = vec![state];
+        for position in 0..straight {
+            let merges = {
+                let instruction = &block.instructions[position].1;
+                instruction.condition == ALWAYS && instruction.sets_flags()
+            };
+            if states.len() > VARIANTS || merges {
+                states = states
+                    .into_iter()
+                    .reduce(|a, b| a.join(&b))
+                    .into_iter()
+                    .collect();
+            }
+            let before = std::mem::take(&mut states);
+            for state in before {
+                self.run_straight(index, position, state, &mut states);
+            }
+        }
+        let mut outcome = Outcome {
+            edges: Vec::new(),
+            target: None,
+            link: None,
+        };
+        for state in states {
+            match &block.transfer {
+                Some(transfer) => self.run_transfer(index, transfer, state, &mut outcome),
+                None => {
+                    self.records[index].feasible.fill(true);
+                    (0..block.edges.len()).for_each(|edge| outcome.leave(edge, state.clone()));
+                }
+            }
+        }
+        outcome
+    }
+
+    fn run_straight(
+        &mut self,
+        index: usize,
+        position: usize,
+        mut state: State,
+        after: &mut Vec<State>,
+    ) {
+        let (address, instruction) = self.flow.blocks[index].instructions[position];
+        self.records[index].instructions[position].flags |= state.flags;
+        if instruction.condition == ALWAYS {
+            self.perform(index, position, &mut state, address, &instruction);
+            after.push(state);
+            return;
+        }
+        after.extend(state.assume(instruction.condition, false));
+        if let Some(mut state) = state.assume(instruction.condition, true) {
+            self.perform(index, position, &mut state, address, &instruction);
+            after.push(state);
+        }
+    }
+
+    fn perform(
+        &mut self,
+        index: usize,
+        position: usize,
+        state: &mut State,
+        address: u32,
+        instruction: &Instruction,
+    ) -> Effects {
+        let effects = execute(self.world, state, address, instruction);
+        let region = effects.address.as_ref().map(|value| {
+            let found = self.world.map.of_value(value);
+            found.or_else(|| (self.given_region)(address))
+        });
+        let block = &mut self.records[index];
+        let record = &mut block.instructions[position];
+        if let Some(region) = region {
+            let read = self.world.map.data_cycles(region, false);
+            let write = self.world.map.data_cycles(region, true);
+            record.read_cycles = record.read_cycles.max(read);
+            record.write_cycles = record.write_cycles.max(write);
+            record.unknown_address |= region.is_none();
+        }
+        let cycles = internal_cycles(instruction, effects.multiplier.as_ref());
+        record.internal_cycles = record.internal_cycles.max(cycles);
+        block.depth_bytes = block.depth_bytes.zip(depth(state)).map(|(a, b)| a.max(b));
+        effects
+    }
+
+    fn run_transfer(
+        &mut self,
+        index: usize,
+        transfer: &Transfer,
+        state: State,
+        outcome: &mut Outcome,
+    ) {
+        let block = &self.flow.blocks[index];
+        let position = block.instructions.len() - 1;
+        let (address, instruction) = block.instructions[position];
+        self.records[index].instructions[position].flags |= state.flags;
+        let mut own_target = None;
+        let failed = state.assume(instruction.condition, false);
+        let passed = state.assume(instruction.condition, true);
+        let after = passed.map(|mut state| {
+            let link = state.registers[14].clone();
+            let effects = self.perform(index, position, &mut state, address, &instruction);
+            own_target.clone_from(&effects.target);
+            outcome.reach(effects.target, link);
+            if matches!(transfer, Transfer::Call(_) | Transfer::TailCall(_)) {
+                self.call(index, address, &mut state);
+            }
+            state
+        });
+        let targets = own_target.as_ref().and_then(Value::elements);
+        let record = &mut self.records[index];
+        for (number, edge) in self.flow.blocks[index].edges.iter().enumerate() {
+            let possible =
+                !edge.executed || self.flow.edge_fits(edge, transfer, targets.as_deref());
+            let state = if edge.executed { &after } else { &failed };
+            if let Some(state) = state.as_ref().filter(|_| possible) {
+                record.feasible[number] = true;
+                outcome.leave(number, state.clone());
+            }
+        }
+    }
+
+    fn call(&mut self, index: usize, address: u32, state: &mut State) {
+        let arguments: [Value; 4] = std::array::from_fn(|n| state.registers[n].clone());
+        let record = &mut self.records[index];
+        let joined = match record.arguments.take() {
+            Some(known) => std::array::from_fn(|n| known[n].join(&arguments[n])),
+            None => arguments,
+        };
+        record.arguments = Some(joined);
+        record.call_depth_bytes = record
+            .call_depth_bytes
+            .zip(depth(state))
+            .map(|(a, b)| a.max(b));
+        let calls = &self.flow.blocks[index].calls;
+        let known = calls.iter().filter_map(|callee| self.changed.get(callee));
+        state.after_call(known.fold(0, |all, changed| all | changed));
+        if state.registers[0] == Value::Top {
+            state.set_fresh(0, address);
+        }
+    }
+}
+
+impl Flow {
+    /// Can an executed edge be taken when r15 gets one of these values?
+    fn edge_fits(
+        &self,
+        edge: &crate::flow::Edge,
+        transfer: &Transfer,
+        targets: Option<&[u32]>,
+    ) -> bool {
+        match (edge.target, transfer, targets) {
+            (Target::Block(block), Transfer::Jump(_), Some(targets)) => {
+                let address = self.blocks[block].node.address;
+                targets.iter().any(|target| target & !1 == address)
+            }
+            _ => true,
+        }
+    }
+}
+
+/// Most internal cycles with what is known about the multiplier.
+fn internal_cycles(instruction: &Instruction, multiplier: Option<&Value>) -> u32 {
+    let most = instruction.cycles(Default::default()).internal_max;
+    let (Operation::Multiply(product), Some(value)) = (&instruction.operation, multiplier) else {
+        return most;
+    };
+    if let Some(elements) = value.elements() {
+        let cycles = elements.iter().map(|e| product.kind.internal_cycles(*e));
+        return cycles.max().unwrap_or(most);
+    }
+    match value.bounds() {
+        Some((_, high)) if high >> 31 == 0 => product.kind.internal_cycles(high),
+        _ => most,
+    }
+}
+
+/// Which of r0 to r12 do not hold their old values at a function's end.
+pub fn changed_registers(state: &State) -> u16 {
+    let kept =
+        |number: u16| state.registers[usize::from(number)] == Value::entry(u32::from(number));
+    (4..12)
+        .filter(|number| !kept(*number))
+        .fold(0, |mask, number| mask | 1 << number)
+}
+
+/// Knowledge about arguments as the callee may use it.
+pub fn as_arguments(values: &[Value; 4]) -> [Value; 4] {
+    std::array::from_fn(|n| match &values[n] {
+        Value::Based(..) => Value::Top,
+        place if place.in_stack() => Value::OuterStack,
+        value => value.clone(),
+    })
+}
+
+/// Nothing known about the arguments.
+pub fn any_arguments() -> [Value; 4] {
+    std::array::from_fn(|_| Value::Top)
+}

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The core with a memory that answers every access in one cycle.
+
+use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Width};
+use object::read::elf::ElfFile32;
+use object::{Object, ObjectSegment, ObjectSymbol};
+
+const BASE: u32 = 0x20_0000;
+const SIZE: usize = 0x20_0000;
+const STACK: u32 = BASE + SIZE as u32 - 64;
+const STOP: u32 = BASE;
+const PATIENCE: u64 = 400_000_000;
+/// Fetches that fill the pipeline before the first instruction.
+const FILL_CYCLES: u64 = 2;
+
+/// Memory from `BASE` on that counts cycles.
+struct Memory {
+    bytes: Vec<u8>,
+    cycles: u64,
+}
+
+impl Memory {
+    fn get<const N: usize>(&mut self, address: u32) -> Result<[u8; N], Abort> {
+        self.cycles += 1;
+        let start = (address & !(N as u32 - 1)).wrapping_sub(BASE) as usize;
+        self.bytes
+            .get(start..)
+            .and_then(|rest| rest.first_chunk())
+            .copied()
+            .ok_or(Abort)
+    }
+
+    fn put<const N: usize>(&mut self, address: u32, value: [u8; N]) -> Result<(), Abort> {
+        self.cycles += 1;
+        let start = (address & !(N as u32 - 1)).wrapping_sub(BASE) as usize;
+        let place = self
+            .bytes
+            .get_mut(start..start.wrapping_add(N))
+            .ok_or(Abort)?;
+        place.copy_from_slice(&value);
+        Ok(())
+    }
+}
+
+impl Bus for Memory {
+    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+        self.get(address).map(u32::from_le_bytes)
+    }
+
+    fn fetch_halfword(&mut self, address: u32, _cycle: Cycle) -> Result<u16, Abort> {
+        self.get(address).map(u16::from_le_bytes)
+    }
+
+    fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+        match width {
+            Width::Byte => self.get::<1>(address).map(|[byte]| u32::from(byte)),
+            Width::Halfword => self.get(address).map(|b| u32::from(u16::from_le_bytes(b))),
+            Width::Word => self.get(address).map(u32::from_le_bytes),
+        }
+    }
+
+    fn write(&mut self, address: u32, width: Width, value: u32, _: Cycle) -> Result<(), Abort> {
+        match width {
+            Width::Byte => self.put(address, [value as u8]),
+            Width::Halfword => self.put(address, (value as u16).to_le_bytes()),
+            Width::Word => self.put(address, value.to_le_bytes()),
+        }
+    }
+
+    fn internal(&mut self, count: u32) {
+        self.cycles += u64::from(count);
+    }
+
+    fn irq(&self) -> bool {
+        false
+    }
+
+    fn fiq(&self) -> bool {
+        false
+    }
+}
+
+/// A program in memory.
+pub struct Machine<'a> {
+    file: ElfFile32<'a>,
+    memory: Memory,
+}
+
+/// What a call took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Observation {
+    pub cycles: u64,
+    pub result: u32,
+    pub stack_bytes: u32,
+}
+
+impl<'a> Machine<'a> {
+    pub fn new(elf: &'a [u8]) -> Self {
+        let file: ElfFile32<'a> = ElfFile32::parse(elf).expect("an ELF file");
+        let mut memory = Memory {
+            bytes: vec![0; SIZE],
+            cycles: 0,
+        };
+        for segment in file.segments() {
+            let start = (segment.address() as u32 - BASE) as usize;
+            let data = segment.data().expect("segment data");
+            memory.bytes[start..start + data.len()].copy_from_slice(data);
+        }
+        Self { file, memory }
+    }
+
+    pub fn address(&self, symbol: &str) -> u32 {
+        let mut symbols = self.file.symbols();
+        let found = symbols.find(|s| s.name() == Ok(symbol));
+        found
+            .unwrap_or_else(|| panic!("no symbol {symbol}"))
+            .address() as u32
+    }
+
+    pub fn set_word(&mut self, address: u32, value: u32) {
+        let start = (address - BASE) as usize;
+        self.memory.bytes[start..start + 4].copy_from_slice(&value.to_le_bytes());
+    }
+
+    pub fn word(&self, address: u32) -> u32 {
+        let start = (address - BASE) as usize;
+        u32::from_le_bytes(*self.memory.bytes[start..].first_chunk().expect("a word"))
+    }
+
+    /// Calls a function and counts from its first instruction to the end of its return.
+    pub fn call(&mut self, symbol: &str, arguments: [u32; 4]) -> Observation {
+        let address = self.address(symbol);
+        let mut cpu = Cpu::new();
+        if address & 1 != 0 {
+            cpu.set_cpsr(cpu.cpsr() | psr::T);
+        }
+        for (number, value) in (0..).zip(arguments) {
+            cpu.set_register(number, value);
+        }
+        cpu.set_register(13, STACK);
+        cpu.set_register(14, STOP | (address & 1));
+        cpu.set_pc(address & !1);
+        self.memory.cycles = 0;
+        let mut lowest = STACK;
+        while cpu.next_instruction_address() != STOP {
+            let _ = cpu.step(&mut self.memory);
+            lowest = lowest.min(cpu.register(13));
+            assert!(self.memory.cycles < PATIENCE, "{symbol} does not return");
+        }
+        assert_eq!(
+            cpu.register(13),
+            STACK,
+            "{symbol} returns with its stack pointer"
+        );
+        Observation {
+            cycles: self.memory.cycles - FILL_CYCLES,
+            result: cpu.register(0),
+            stack_bytes: STACK - lowest,
+        }
+    }
+}
