@@ -13,6 +13,11 @@ package Ravenbrick.Failures is
      with Import, Convention => C, External_Name => "__gnat_last_chance_handler", No_Return;
    --  Tell the application's hook, then halt with interrupts masked. Text ends with NUL.
 
+   Longest_Text : constant := 63;
+
+   procedure Stop_With (Text : String; Line : Natural) with No_Return;
+   --  The same with a text of the program, cut to Longest_Text
+
    Ceiling_Violated : constant String := "Program_Error: ceiling violated" & ASCII.NUL;
    --  RM D.3 (13)
 

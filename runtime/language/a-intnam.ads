@@ -1,7 +1,12 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Interrupt sources of the AT91SAM7S256, named after its peripherals (datasheet section 10.2)
+--  Interrupt sources of the AT91SAM7S256, named after its peripherals (datasheet section 10.2).
+--  Attaching a handler sets the source's type to 0 (SRCTYPE, datasheet 23.9.3): a peripheral
+--  requests while its signal is high, so that the handler must withdraw the request at the
+--  peripheral; the pins FIQ, IRQ0 and IRQ1 request while they are low. A handler of a pin that
+--  is to react to its edge must wait for the end of the pulse or use PIOA, which notices changes
+--  of any pin. FIQ reaches the fast interrupt, which stays masked: its handler is never called.
 
 package Ada.Interrupts.Names is
 

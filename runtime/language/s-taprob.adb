@@ -45,15 +45,21 @@ package body System.Tasking.Protected_Objects is
       Lock (Object);
    end Lock_Read_Only;
 
+   --  The urgency is raised before the mask: in the reverse order, an interrupt in between could
+   --  preempt the caller, whose mask would then delay interrupts for as long as others run. The
+   --  object belongs to the caller from the return of Raise_Mask on, not earlier.
+
    procedure Lock_With_Mask (Object : not null Protection_Access) is
       Self   : constant not null Thread_Id := Kernel.Current;
       Caller : constant Urgency := Self.Active;
+      Mask   : Urgency;
    begin
       if Object.Ceiling < Caller then
          Failures.Stop (Failures.Ceiling_Violated'Address);
       end if;
-      Interrupts.Raise_Mask (Object.Ceiling, Saved => Object.Mask);
       Self.Active := Object.Ceiling;
+      Interrupts.Raise_Mask (Object.Ceiling, Saved => Mask);
+      Object.Mask := Mask;
       Object.Caller := -1 - Caller;
    end Lock_With_Mask;
 

@@ -7,6 +7,9 @@ pragma Restrictions (No_Exception_Propagation);
 pragma Restrictions (No_Exception_Registration);
 pragma Restrictions (No_Finalization);
 pragma Restrictions (No_Implicit_Dynamic_Code);
+pragma Restrictions (No_Tagged_Type_Registration);
+--  No names of tagged types at run time: dispatching does not need them
+
 pragma Profile (Ravenscar);
 --  The tasking model of every unit, the run-time's own included
 

@@ -4,15 +4,19 @@
 
 from __future__ import annotations
 
+import json
 import math
 import struct
 import subprocess
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+import virtual_brick
 from conftest import (
+    BENCH,
     CYCLES_PER_MS,
     CYCLES_PER_SECOND,
     IDLE,
@@ -46,6 +50,28 @@ def figures(run: Runner) -> dict[str, int]:
     """What the program that measures itself found."""
     result = run("figures")
     return dict(zip(FIGURES, result.words("results", len(FIGURES)), strict=True))
+
+
+@pytest.fixture(scope="module")
+def stress() -> Callable[[int], Run]:
+    """The program of contending tasks and handlers for 4 s, from a seed put into its image."""
+
+    def run_seeded(seed: int) -> Run:
+        elf = build("stress").read_bytes()
+        standing = (0x5EED_0001).to_bytes(4, "little")
+        assert elf.count(standing) == 1
+        brick = virtual_brick.VirtualBrick(
+            json.dumps(BENCH), elf.replace(standing, seed.to_bytes(4, "little"))
+        )
+        return Run(brick, brick.run_until(4_000 * CYCLES_PER_MS))
+
+    return run_seeded
+
+
+def line_of(program: str, mark: str) -> int:
+    """Line of the source of `program` that holds `mark`."""
+    source = (Path(__file__).parent / program / f"{program}.adb").read_text().split("\n")
+    return 1 + source.index(next(text for text in source if mark in text))
 
 
 def assert_repeats(journal: str, pattern: str, at_least: int) -> None:
@@ -223,6 +249,21 @@ class TestInterrupts:
         """A higher handler comes through, equal and lower ones wait until the object is left."""
         assert_repeats(run("interrupt_ceiling").journal(), "(h)l,[]hl;", 15)
 
+    @pytest.mark.parametrize("seed", [1, 3, 5, 7])
+    def test_objects_shared_at_random_instants_keep_their_rules(
+        self, stress: Callable[[int], Run], seed: int
+    ) -> None:
+        """Tasks and handlers contend for nine objects of six ceilings; `checks.ads` has the rules.
+
+        A mask that outlives the protected action it belongs to shows here within a second.
+        """
+        result = stress(seed)
+        assert result.stop.reason == RUNNING
+        assert result.words("violations", 6) == [0] * 6
+        assert min(result.words("touched", 6)) >= 100
+        requests = result.brick.read_int("requests", "u32")
+        assert requests - result.brick.read_int("served", "u32") in (0, 1)
+
     def test_a_handler_opens_an_entry_for_the_waiting_task(self, run: Runner) -> None:
         """Each interrupt of 100 runs the server once, at once, with the handler's data."""
         result = run("handler_entry", cycles=102 * CYCLES_PER_MS)
@@ -251,6 +292,23 @@ class TestFailures:
         result = run("raise_statement")
         assert result.failure() == ("words of the programmer", 0)
         assert result.stop.reason == "halted"
+
+    @pytest.mark.parametrize(
+        ("program", "journal"),
+        [("failed_assertion", "a"), ("failed_contract", "a"), ("failed_precondition", "9")],
+    )
+    def test_a_failed_assertion_tells_file_and_line(
+        self, run: Runner, program: str, journal: str
+    ) -> None:
+        """pragma Assert, Post and Pre, when the assertion policy has them checked."""
+        result = run(program)
+        assert result.journal() == journal
+        assert result.failure() == (f"{program}.adb", line_of(program, "the failing line"))
+        assert result.stop.reason == "halted"
+
+    def test_the_message_of_an_assertion_takes_the_place_of_its_file(self, run: Runner) -> None:
+        """The compiler passes nothing else, even when the message ends with a number."""
+        assert run("assertion_message").failure() == ("journal has 1", 0)
 
     def test_a_local_handler_takes_an_exception(self, run: Runner) -> None:
         """A handled exception goes on after the handler, an unhandled one halts."""
@@ -301,6 +359,14 @@ class TestMemory:
         assert result.brick.read_int("product", "i64") == math.factorial(20)
         address, _ = result.brick.symbol("text")
         assert result.brick.read_memory(address, 12) == b"< 1234.....>"
+
+
+class TestTaggedTypes:
+    def test_calls_dispatch_over_a_library_level_hierarchy(self, run: Runner) -> None:
+        """Overriding, interface and membership need no table of names."""
+        result = run("tagged_types")
+        assert result.words("areas", 2) == [90, 200]
+        assert result.words("kinds", 2) == [1, 2]
 
 
 class TestImages:
