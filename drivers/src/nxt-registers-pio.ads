@@ -69,4 +69,8 @@ package NXT.Registers.PIO is
    Tachometer : constant Motor_Lines := (Motor_A => 15, Motor_B => 26, Motor_C => 0);
    Direction  : constant Motor_Lines := (Motor_A => 1, Motor_B => 9, Motor_C => 8);
 
+   type Sensor_Lines is array (Sensor_Id) of Line;
+   Digital_0  : constant Sensor_Lines := (23, 28, 29, 30);
+   Digital_1  : constant Sensor_Lines := (18, 19, 20, 2);
+
 end NXT.Registers.PIO;

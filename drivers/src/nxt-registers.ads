@@ -22,6 +22,8 @@ package NXT.Registers with Pure is
    --  Peripheral identifiers (datasheet, chapter Peripherals)
    PIOA_Id : constant := 2;
    SPI_Id  : constant := 5;
+   SSC_Id  : constant := 8;
    TWI_Id  : constant := 9;
+   TC1_Id  : constant := 13;
 
 end NXT.Registers;

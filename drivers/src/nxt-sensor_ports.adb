@@ -1,0 +1,62 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with NXT.AVR;
+with NXT.Registers.PIO;  use NXT.Registers, NXT.Registers.PIO;
+with NXT.Registers.PMC;
+
+package body NXT.Sensor_Ports is
+
+   procedure Set_Pin_Mode (Port : Sensor_Id; Pin : Pin_Id; Mode : Modes) is
+      Mask : constant Word := Bit (Line_Of (Port, Pin));
+   begin
+      PIOA.Disable_Pull_Up := Mask;
+      case Mode is
+         when Off | Input =>
+            PIOA.Disable_Output := Mask;
+         when Output =>
+            PIOA.Disable_Open_Drain := Mask;
+            PIOA.Enable_Output := Mask;
+         when ADC =>
+            raise Program_Error with "NXT.Sensor_Ports: ADC mode has no driver";
+      end case;
+      PIOA.Take_Line := Mask;
+   end Set_Pin_Mode;
+
+   function Current_State (Port : Sensor_Id; Pin : Pin_Id) return Pin_States is
+     (if Has (PIOA.Pin_Levels, Bit (Line_Of (Port, Pin))) then High else Low);
+
+   procedure Set_Pin_State (Port : Sensor_Id; Pin : Pin_Id; Value : Pin_States) is
+      Mask : constant Word := Bit (Line_Of (Port, Pin));
+   begin
+      case Value is
+         when Low  => PIOA.Clear_Output := Mask;
+         when High => PIOA.Set_Output := Mask;
+      end case;
+   end Set_Pin_State;
+
+   procedure Set_Input_Power (Port : Sensor_Id; Kind : Sensor_Power) is
+   begin
+      NXT.AVR.Set_Input_Power (Port, Kind);
+   end Set_Input_Power;
+
+   procedure Reset (Port : Sensor_Id) is
+   begin
+      for Pin in Pin_Id loop
+         Set_Pin_Mode (Port, Pin, Input);
+         Set_Pin_State (Port, Pin, Low);
+      end loop;
+      Set_Input_Power (Port, Standard_Power);
+   end Reset;
+
+   procedure Reset_All_Ports is
+   begin
+      for Port in Sensor_Id loop
+         Reset (Port);
+      end loop;
+   end Reset_All_Ports;
+
+begin
+   PMC.PMC.Enable_Clock := Bit (PIOA_Id);
+   Reset_All_Ports;
+end NXT.Sensor_Ports;
