@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 from pathlib import Path
+from typing import Any
 
 __all__ = [
     "BuildError",
@@ -55,7 +56,8 @@ class ExitCode(IntEnum):
 class RavenbrickError(Exception):
     """An error with a sentence for the user.
 
-    `detail` holds further lines, such as the end of a compiler's output.
+    `detail` holds further lines, such as the end of a compiler's output; `data` what `--json`
+    prints besides.
     """
 
     exit_code = ExitCode.INTERNAL
@@ -64,6 +66,7 @@ class RavenbrickError(Exception):
         super().__init__(sentence)
         self.sentence = sentence
         self.detail = detail
+        self.data: dict[str, Any] = {}
 
 
 class UsageError(RavenbrickError):

@@ -7,6 +7,7 @@ Two cyclic tasks and a first-order response to a touch; no processor is emulated
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import math
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 CLOCK = (336_384_000, 7)
 HERTZ = CLOCK[0] / CLOCK[1]
 MILLISECOND = HERTZ / 1000
-RUNNING, RELEASE, COMPLETION, ENTERED, LEFT, STOPPED, RESUMED = 1, 3, 4, 5, 6, 10, 11
+RUNNING, RELEASE, COMPLETION, ENTERED, LEFT, DISPLAY, STOPPED, RESUMED = 1, 3, 4, 5, 6, 7, 10, 11
 IDLE = 0xFFFF_FFFF
 TIME_CONSTANT = 0.1
 LINE = "vehicle.adb:12"
@@ -67,6 +68,18 @@ THREADS = [
 JOBS = [(2, 2, 10.0, 100, 9_000), (1, 4, 10.5, 150, 20_000), (0, 500, 11.5, 200, 4_000)]
 
 
+@functools.cache
+def _picture() -> bytes:
+    """The text of `LINE` in the first line, in the letters of `FONT`."""
+    rows = [[0] * 100 for _ in range(64)]
+    for place, letter in enumerate(LINE):
+        glyph = FONT[5 * (ord(letter) - 32) :][:5]
+        for column in range(5):
+            for row in range(8):
+                rows[row][2 + 6 * place + column] = glyph[column] >> row & 1
+    return b"".join(bytes(row) for row in rows)
+
+
 class VirtualBrick:
     """As the real module's; `fault_ms` makes every run end in a fault at that instant."""
 
@@ -102,14 +115,8 @@ class VirtualBrick:
         return Stop("reached", cycles, "")
 
     def lcd(self) -> bytes:
-        """The text of `LINE` in the first line, in the letters of `FONT`."""
-        rows = [[0] * 100 for _ in range(64)]
-        for place, letter in enumerate(LINE):
-            glyph = FONT[5 * (ord(letter) - 32) :][:5]
-            for column in range(5):
-                for row in range(8):
-                    rows[row][2 + 6 * place + column] = glyph[column] >> row & 1
-        return b"".join(bytes(row) for row in rows)
+        """The text of `LINE` in the first line."""
+        return _picture()
 
     def read_memory(self, address: int, length: int) -> bytes:
         return FONT[:length]
@@ -133,7 +140,8 @@ class VirtualBrick:
                     (end, STOPPED, 0, 0),
                 ]
                 number += 1
-        records = [(0, STOPPED, 0, 0), *sorted(records, key=lambda record: record[0])]
+        drawn = (round(5 * MILLISECOND), DISPLAY, 0, 1)
+        records = [(0, STOPPED, 0, 0), drawn, *sorted(records, key=lambda record: record[0])]
         inside = [record for record in records if record[0] <= self.cycles]
         return b"".join(struct.pack("<QIIq", *record) for record in inside)
 

@@ -54,7 +54,7 @@ def _end(error: RavenbrickError, as_json: bool) -> NoReturn:
     code = int(error.exit_code)
     if as_json:
         failure = {"ok": False, "exit_code": code, "error": error.sentence, "detail": error.detail}
-        typer.echo(json.dumps(failure, indent=1))
+        typer.echo(json.dumps({**failure, **error.data}, indent=1))
     else:
         typer.echo(f"ravenbrick: {error.sentence}", err=True)
         for line in error.detail.splitlines():

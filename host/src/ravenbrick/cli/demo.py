@@ -124,7 +124,7 @@ def demo_command(
     _show(evidence, figures, reporter)
     reporter.print(f"Open {workspace.shown(report)} in a browser.")
     for run in runs:
-        require_criteria(run.scenario, run.criteria)
+        require_criteria(run.criteria)
     if not same:
         raise CriteriaError("the same run gave two trace digests; please report this as a defect")
     return {

@@ -79,7 +79,7 @@ def read_run(robot: Robot, scenario: Scenario, recording: Recording) -> Run:
     check_survival(scenario, recording)
     check_task_set(robot, recording)
     measures = measure_run(robot, scenario, recording)
-    return Run(scenario, recording, measures, evaluate_criteria(scenario, measures))
+    return Run(scenario, recording, measures, evaluate_criteria(scenario, recording, measures))
 
 
 def project_scenarios(workspace: Workspace, robot: Robot) -> list[Scenario]:

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick run`: one scenario on the virtual brick."""
+"""`ravenbrick run`: one scenario on the virtual brick, for people and for graders."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,44 +14,119 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import TASK_HEAD, play, read_run, task_rows
+from ravenbrick.errors import UsageError
+from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import (
+    Scenario,
+    check_expectations,
+    check_stimuli,
+    input_check,
+    read_scenario,
+    scenario_path,
+)
+from ravenbrick.target.stimulus import Channels, read_stimulus
+from ravenbrick.target.stimulus_callback import Callback, load_callback
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.expectation_file import read_expectations_of
 from ravenbrick.trace.measures import require_criteria
-from ravenbrick.trace.summary import run_summary
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.summary import Run, run_summary
 
 __all__ = ["run_command"]
 
 
-@command("ravenbrick run examples/vehicle drive")
+def _with_options(
+    scenario: Scenario, robot: Robot, expect: list[str], stimulus: list[Path]
+) -> Scenario:
+    """The scenario with what the command line adds; raises as for the scenario's own."""
+    expectations = [e for text in expect for e in read_expectations_of(text)]
+    channels = Channels(input_check(robot))
+    stimuli = [t for file in stimulus for t in read_stimulus(file, MASTER_CLOCK, channels)]
+    extended = replace(
+        scenario,
+        stimuli=(*scenario.stimuli, *stimuli),
+        expectations=(*scenario.expectations, *expectations),
+    )
+    check_stimuli(extended)
+    check_expectations(extended)
+    return extended
+
+
+def _replayed(scenario: Scenario, replay: Path | None) -> tuple[Scenario, Recording | None]:
+    """The scenario as it is to be run: with the recorded inputs in place of its own."""
+    if replay is None:
+        return scenario, None
+    recording = Recording.load(replay)
+    if recording.scenario != scenario.name:
+        raise UsageError(
+            f"{replay}: is a recording of the scenario '{recording.scenario}', not of "
+            f"'{scenario.name}'; name that scenario"
+        )
+    inputs = tuple(replace(timed, place=f"{replay}:1") for timed in recording.inputs)
+    return replace(scenario, inputs=(), stimuli=inputs), recording
+
+
+def _callback(text: str | None, period_ms: int, replay: Path | None) -> Callback | None:
+    if text is None:
+        return None
+    if replay is not None:
+        raise UsageError("--replay already holds what the callback gave; leave --callback out")
+    return load_callback(text, period_ms)
+
+
+def _show(run: Run, reporter: Reporter) -> None:
+    reporter.table(TASK_HEAD, task_rows(run))
+    rows = [[r.label, r.shown, "met" if r.met else "not met"] for r in run.criteria]
+    reporter.table(("criterion", "value", ""), rows)
+
+
+@command("ravenbrick run examples/vehicle drive --expect 'lcd shows \"stopped\"'")
 def run_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
     scenario: Annotated[str, typer.Argument(help="Name below scenarios/, or a file.")],
     elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
     image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    expect: Annotated[
+        list[str] | None,
+        typer.Option(help="What must be seen: a sentence, or a file of them; may be repeated."),
+    ] = None,
+    stimulus: Annotated[
+        list[Path] | None, typer.Option(help="Inputs over time, .csv or .vcd; may be repeated.")
+    ] = None,
+    callback: Annotated[
+        str | None, typer.Option(help="Python function that gives inputs: module:function.")
+    ] = None,
+    callback_period_ms: Annotated[
+        int, typer.Option(min=1, help="How often to ask the callback.")
+    ] = 10,
+    replay: Annotated[
+        Path | None, typer.Option(help="Play the inputs of this recording instead.")
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Run a scenario on the virtual brick, keep the recording, check the pass criteria."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
+    chosen = _with_options(chosen, robot, expect or [], stimulus or [])
+    played, original = _replayed(chosen, replay)
+    target = VirtualTarget(callback=_callback(callback, callback_period_ms, replay))
     loaded = read_image(elf or workspace.image(image.kind, robot.name))
     reporter = Reporter(json_output)
     with reporter.step(f"run '{chosen.name}'") as step:
-        recording = play(workspace, robot, chosen, loaded, VirtualTarget(), step.progress)
-        run = read_run(robot, chosen, recording)
+        recording = play(workspace, robot, played, loaded, target, step.progress)
+        run = read_run(robot, chosen if original is None else played, recording)
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.3f} s on the brick"
-    reporter.table(TASK_HEAD, task_rows(run))
-    reporter.table(
-        ("criterion", "value", ""),
-        [
-            [result.criterion.measure, f"{result.value:.4g}", "met" if result.met else "not met"]
-            for result in run.criteria
-        ],
-    )
+    _show(run, reporter)
     kept = workspace.recording(chosen.name, loaded.kind)
     reporter.print(f"recording: {workspace.shown(kept)}")
-    require_criteria(chosen, run.criteria)
-    return {**run_summary(run), "recording": str(kept)}
+    answer: dict[str, Any] = {**run_summary(run), "recording": str(kept)}
+    if original is not None:
+        same = original.digest == recording.digest
+        reporter.print("the same run again" if same else "ANOTHER trace digest than the replayed")
+        answer["same_as_replayed"] = same
+    require_criteria(run.criteria)
+    return answer

@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Clock"]
+__all__ = ["MASTER_CLOCK", "Clock"]
 
 
 @dataclass(frozen=True)
@@ -42,3 +42,7 @@ class Clock:
     def cycles_of_ms(self, milliseconds: int) -> int:
         """Whole cycles of a whole number of milliseconds, rounded up."""
         return self.cycles_of_us(1000 * milliseconds)
+
+
+# 18.432 MHz crystal x 73 / 14 / 2 (AT91SAM7S256 with the NXT's PLL setting).
+MASTER_CLOCK = Clock(Fraction(336_384_000, 7))

@@ -11,9 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import ScenarioError
+from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.located_toml import KeyPath, LocatedToml, dotted, read_toml
 from ravenbrick.target.robot import Robot
+from ravenbrick.target.stimulus import Channels, InputCheck, TimedInput, read_stimulus
 from ravenbrick.target.validation import validate
+from ravenbrick.trace.expectation import Expectation
+from ravenbrick.trace.expectation_text import ExpectationSyntaxError, parse_expectation
 
 __all__ = [
     "Criterion",
@@ -21,6 +25,10 @@ __all__ = [
     "Scenario",
     "StepWindow",
     "StraightDrive",
+    "check_expectations",
+    "check_stimuli",
+    "input_check",
+    "read_expectations",
     "read_scenario",
     "scenario_path",
 ]
@@ -30,12 +38,13 @@ BUTTONS = ("left", "right", "orange", "grey")
 
 @dataclass(frozen=True)
 class Input:
-    """An input of the brick's surroundings at an instant of the run."""
+    """An input of the brick's surroundings; `index` is its place in the file's [[inputs]]."""
 
     at_ms: int
     name: str
     value: float
     note: str
+    index: int
 
 
 @dataclass(frozen=True)
@@ -57,16 +66,21 @@ class StepWindow:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A bound on a measure."""
+    """A bound on a measure; `index` is its place in the file's [[criteria]]."""
 
     measure: str
     minimum: float | None
     maximum: float | None
+    index: int
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """One run; `deviations` maps port and motor parameter to the value used instead."""
+    """One run; `deviations` maps port and motor parameter to the value used instead.
+
+    `stimuli` are the inputs from stimulus files; `expectations` are criteria in words, from the
+    file or from the command line.
+    """
 
     document: LocatedToml
     name: str
@@ -82,6 +96,22 @@ class Scenario:
     straight: StraightDrive | None
     step: StepWindow | None
     criteria: tuple[Criterion, ...]
+    stimuli: tuple[TimedInput, ...]
+    expectations: tuple[Expectation, ...]
+
+    def timed_inputs(self) -> tuple[TimedInput, ...]:
+        """All inputs of the run in the order of time; the file's own first at one instant."""
+        path, line_of = self.document.path, self.document.line_of
+        own = [
+            TimedInput(
+                MASTER_CLOCK.cycles_of_ms(e.at_ms),
+                e.name,
+                e.value,
+                f"{path}:{line_of(('inputs', e.index))}",
+            )
+            for e in self.inputs
+        ]
+        return tuple(sorted([*own, *self.stimuli], key=lambda timed: timed.at_cycles))
 
     def unreachable(self, key_path: KeyPath, problem: str) -> ScenarioError:
         """An error that names file, line and field of what can never happen."""
@@ -124,6 +154,11 @@ _INPUTS: tuple[tuple[str, Callable[..., str | None]], ...] = (
     (r"motor\.(\w+)\.(hand_angle|load_torque)", _motor_input),
     (r"battery\.(voltage)", lambda _robot, _name: None),
 )
+
+
+def input_check(robot: Robot) -> InputCheck:
+    """What is wrong with the name of an input of this robot; None when nothing is."""
+    return lambda name: _input_problem(robot, name)
 
 
 def _input_problem(robot: Robot, name: str) -> str | None:
@@ -189,6 +224,29 @@ def _instants(values: Mapping[str, Any]) -> list[tuple[KeyPath, int]]:
     return found
 
 
+def check_stimuli(scenario: Scenario) -> None:
+    """Raise `ScenarioError` for the first input of a stimulus file beyond the duration."""
+    end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
+    for timed in scenario.stimuli:
+        if timed.at_cycles > end:
+            raise ScenarioError(
+                f"{timed.place}: {timed.name}: {MASTER_CLOCK.seconds(timed.at_cycles):g} s is "
+                f"beyond the duration of {scenario.duration_ms} ms; shorten the stimulus or "
+                "lengthen duration_ms"
+            )
+
+
+def check_expectations(scenario: Scenario) -> None:
+    """Raise `ScenarioError` for the first expectation about what comes after the duration."""
+    for expectation in scenario.expectations:
+        if expectation.window.last_named > scenario.duration_ms / 1000:
+            raise ScenarioError(
+                f"{expectation.place}: '{expectation.text}': {expectation.window.last_named:g} s "
+                f"is beyond the duration of {scenario.duration_ms} ms; move it forward or "
+                "lengthen duration_ms"
+            )
+
+
 def _check_reachable(scenario: Scenario) -> None:
     duration = scenario.duration_ms
     for path, at_ms in _instants(scenario.document.values):
@@ -198,27 +256,66 @@ def _check_reachable(scenario: Scenario) -> None:
                 f"{at_ms} ms is beyond the duration of {duration} ms; "
                 "move it forward or lengthen duration_ms",
             )
+    check_stimuli(scenario)
+    check_expectations(scenario)
     needs = {
         "settling_time": ("step", scenario.step),
         "overshoot": ("step", scenario.step),
         "steady_state_error": ("step", scenario.step),
         "lateral_deviation": ("straight", scenario.straight),
     }
-    for index, criterion in enumerate(scenario.criteria):
+    for criterion in scenario.criteria:
         table, present = needs.get(criterion.measure, ("", True))
         if not present:
             raise scenario.unreachable(
-                ("criteria", index, "measure"),
+                ("criteria", criterion.index, "measure"),
                 f"'{criterion.measure}' can never be measured without a table [{table}]; add it",
             )
 
 
 def _inputs(values: Mapping[str, Any]) -> tuple[Input, ...]:
     inputs = [
-        Input(t["at_ms"], t["input"], float(t["value"]), t.get("note", ""))
-        for t in values.get("inputs", [])
+        Input(t["at_ms"], t["input"], float(t["value"]), t.get("note", ""), index)
+        for index, t in enumerate(values.get("inputs", []))
     ]
     return tuple(sorted(inputs, key=lambda item: item.at_ms))
+
+
+def _stimuli(document: LocatedToml, robot: Robot) -> tuple[TimedInput, ...]:
+    """Inputs of all stimulus files, which lie relative to the scenario."""
+    found: list[TimedInput] = []
+    for index, table in enumerate(document.values.get("stimuli", [])):
+        file = document.path.parent / table["file"]
+        if not file.is_file():
+            raise ScenarioError(
+                f"{document.path}:{document.line_of(('stimuli', index, 'file'))}: "
+                f"stimuli[{index}].file: there is no file '{file}'; correct its name"
+            )
+        channels = Channels(input_check(robot), table.get("signals", {}))
+        found += read_stimulus(file, MASTER_CLOCK, channels, table.get("from_ms", 0))
+    return tuple(found)
+
+
+def _criteria(values: Mapping[str, Any]) -> tuple[Criterion, ...]:
+    return tuple(
+        Criterion(t["measure"], t.get("minimum"), t.get("maximum"), index)
+        for index, t in enumerate(values.get("criteria", []))
+        if "measure" in t
+    )
+
+
+def read_expectations(document: LocatedToml) -> tuple[Expectation, ...]:
+    """Criteria in words of a file's [[criteria]]; raises `ProjectFileError`."""
+    found = []
+    for index, table in enumerate(document.values.get("criteria", [])):
+        if "expect" in table:
+            path: KeyPath = ("criteria", index, "expect")
+            try:
+                place = f"{document.path}:{document.line_of(path)}"
+                found.append(parse_expectation(table["expect"], place))
+            except ExpectationSyntaxError as error:
+                raise document.error(path, str(error)) from None
+    return tuple(found)
 
 
 def read_scenario(path: Path, robot: Robot) -> Scenario:
@@ -247,10 +344,9 @@ def read_scenario(path: Path, robot: Robot) -> Scenario:
         inputs=_inputs(values),
         straight=straight and StraightDrive(straight["from_ms"], float(straight["distance"])),
         step=step and StepWindow(step["from_ms"], step["until_ms"], tuple(step["motors"])),
-        criteria=tuple(
-            Criterion(t["measure"], t.get("minimum"), t.get("maximum"))
-            for t in values.get("criteria", [])
-        ),
+        criteria=_criteria(values),
+        stimuli=_stimuli(document, robot),
+        expectations=read_expectations(document),
     )
     _check_reachable(scenario)
     return scenario

@@ -6,26 +6,39 @@ from __future__ import annotations
 
 import importlib
 import json
+from bisect import bisect_left
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ravenbrick.errors import ImageFileError, ProjectFileError, ToolMissingError
-from ravenbrick.target.clock import Clock
+from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
 from ravenbrick.target.protocol import Progress, no_progress
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.scenario import Scenario
-from ravenbrick.trace.recording import Picture, Recording, Signal, Stop, Thread, decode_events
+from ravenbrick.target.stimulus import TimedInput
+from ravenbrick.target.stimulus_callback import Callback
+from ravenbrick.trace.recording import (
+    EventKind,
+    Picture,
+    Recording,
+    Screen,
+    Signal,
+    Stop,
+    Thread,
+    decode_events,
+)
 
-__all__ = ["MASTER_CLOCK", "VirtualTarget"]
+__all__ = ["VirtualTarget"]
 
-# 18.432 MHz crystal x 73 / 14 / 2 (AT91SAM7S256 with the NXT's PLL setting).
-MASTER_CLOCK = Clock(Fraction(336_384_000, 7))
-SLICE_MS = 500
+SLICE_MS = 5
+PROGRESS_MS = 500
 
 
 def _module() -> Any:
@@ -38,10 +51,14 @@ def _module() -> Any:
 
 
 class VirtualTarget:
-    """Runs images on the cycle-accurate virtual brick; `module` is for tests."""
+    """Runs images on the cycle-accurate virtual brick; `module` is for tests.
 
-    def __init__(self, module: Any = None) -> None:
+    `callback` gives further inputs while the scenario runs.
+    """
+
+    def __init__(self, module: Any = None, callback: Callback | None = None) -> None:
         self._module = module if module is not None else _module()
+        self._callback = callback
 
     @property
     def name(self) -> str:
@@ -57,19 +74,30 @@ class VirtualTarget:
     ) -> Recording:
         """See `Target.run`."""
         brick = self._assemble(robot, scenario, image)
-        self._schedule(brick, scenario)
+        inputs = self._schedule(brick, scenario)
         self._probe(brick, robot, image)
-        stop, pictures = self._play(brick, scenario, image, progress)
+        play = _Play(brick, scenario, image, self._callback, self._module.InputError)
+        stop = play.run(progress)
+        events = decode_events(brick.events())
+        applied = [timed for timed in inputs if timed.at_cycles <= stop.at_cycles]
         return Recording(
             scenario=scenario.name,
             clock=MASTER_CLOCK,
             stop=stop,
-            events=decode_events(brick.events()),
+            events=events,
             signals=_signals(brick),
             threads=_threads(brick),
-            pictures=tuple(pictures),
+            pictures=tuple(play.pictures),
             digest=brick.trace_digest(),
+            inputs=tuple(sorted([*applied, *play.inputs], key=lambda timed: timed.at_cycles)),
+            screens=play.screens(events),
         )
+
+    def prepare(self, robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
+        """A brick with the image and the scenario's inputs, for others to run; errors as `run`."""
+        brick = self._assemble(robot, scenario, image)
+        self._schedule(brick, scenario)
+        return brick
 
     def _assemble(self, robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
         configuration = json.dumps(brick_configuration(robot, scenario, MASTER_CLOCK))
@@ -91,13 +119,15 @@ class VirtualTarget:
             )
         return brick
 
-    def _schedule(self, brick: Any, scenario: Scenario) -> None:
-        for index, event in enumerate(scenario.inputs):
+    def _schedule(self, brick: Any, scenario: Scenario) -> tuple[TimedInput, ...]:
+        inputs = scenario.timed_inputs()
+        for timed in inputs:
             try:
-                at = MASTER_CLOCK.cycles_of_ms(event.at_ms)
-                brick.schedule_input(at, event.name, event.value)
+                brick.schedule_input(timed.at_cycles, timed.name, timed.value)
             except self._module.InputError as error:
-                raise scenario.document.error(("inputs", index), str(error)) from None
+                path, _, line = timed.place.rpartition(":")
+                raise ProjectFileError(Path(path), int(line), timed.name, str(error)) from None
+        return inputs
 
     def _probe(self, brick: Any, robot: Robot, image: ElfImage) -> None:
         for index, setpoint in enumerate(robot.setpoints):
@@ -109,21 +139,112 @@ class VirtualTarget:
                 )
             brick.add_probe(setpoint.symbol, setpoint.type)
 
-    def _play(
-        self, brick: Any, scenario: Scenario, image: ElfImage, progress: Progress
-    ) -> tuple[Stop, list[Picture]]:
-        instants = set(range(SLICE_MS, scenario.duration_ms, SLICE_MS))
-        instants |= {scenario.duration_ms, *scenario.pictures_ms}
-        pictures: list[Picture] = []
-        for at_ms in sorted(instants):
-            stop = brick.run_until(MASTER_CLOCK.cycles_of_ms(at_ms))
-            progress(at_ms / scenario.duration_ms)
+
+class _Moment:
+    """What a callback sees of the brick."""
+
+    def __init__(self, brick: Any, image: ElfImage) -> None:
+        self._brick = brick
+        self._image = image
+
+    @property
+    def time(self) -> float:
+        """s."""
+        return MASTER_CLOCK.seconds(self._brick.cycles)
+
+    @property
+    def cycles(self) -> int:
+        """Since power-on."""
+        return int(self._brick.cycles)
+
+    @property
+    def lcd(self) -> tuple[str, ...]:
+        """Text by line."""
+        return _picture(self._brick, self._image).text
+
+    def signal(self, name: str) -> float:
+        """The last sample."""
+        signals = _signals(self._brick)
+        if name not in signals:
+            raise KeyError(f"no signal '{name}'; there are: {', '.join(signals)}")
+        return float(signals[name].values[-1]) if signals[name].values.size else 0.0
+
+    def read(self, symbol: str) -> float:
+        """A variable now."""
+        return float(self._brick.read_float(symbol))
+
+
+class _Play:
+    """One run in slices: pictures, screens and the callback's inputs on the way."""
+
+    def __init__(
+        self,
+        brick: Any,
+        scenario: Scenario,
+        image: ElfImage,
+        callback: Callback | None,
+        refused: type[Exception],
+    ) -> None:
+        self._brick, self._scenario, self._image = brick, scenario, image
+        self._callback, self._refused = callback, refused
+        self._moment = _Moment(brick, image)
+        self._visited: list[int] = []
+        self._seen: list[tuple[int, Picture]] = []
+        self._content = b""
+        self.pictures: list[Picture] = []
+        self.inputs: list[TimedInput] = []
+
+    def _instants(self) -> list[int]:
+        end = self._scenario.duration_ms
+        instants = {end, *range(SLICE_MS, end, SLICE_MS), *self._scenario.pictures_ms}
+        if self._callback is not None:
+            instants |= set(range(0, end, self._callback.period_ms))
+        return sorted(instants)
+
+    def run(self, progress: Progress) -> Stop:
+        """To the end of the scenario or of the run."""
+        for at_ms in self._instants():
+            self._visited.append(MASTER_CLOCK.cycles_of_ms(at_ms))
+            stop = self._brick.run_until(self._visited[-1])
+            self._look()
+            if at_ms % PROGRESS_MS == 0:
+                progress(at_ms / self._scenario.duration_ms)
             if stop.reason != "reached":
                 break
-            if at_ms in scenario.pictures_ms:
-                pictures.append(_picture(brick, image))
-        pictures.append(_picture(brick, image))
-        return Stop(stop.reason, stop.at_cycles, stop.message), pictures
+            if at_ms in self._scenario.pictures_ms:
+                self.pictures.append(_picture(self._brick, self._image))
+            if self._callback is not None and at_ms % self._callback.period_ms == 0:
+                self._ask(self._callback)
+        self.pictures.append(_picture(self._brick, self._image))
+        return Stop(stop.reason, stop.at_cycles, stop.message)
+
+    def _look(self) -> None:
+        content = self._brick.lcd()
+        if content != self._content:
+            self._content = content
+            self._seen.append((self._visited[-1], _picture(self._brick, self._image)))
+
+    def _ask(self, callback: Callback) -> None:
+        for name, value in callback.inputs(self._moment):
+            try:
+                self._brick.schedule_input(self._brick.cycles, name, value)
+            except self._refused as error:
+                raise callback.error(f"returned what is refused: {error}") from None
+            self.inputs.append(TimedInput(self._brick.cycles, name, value))
+
+    def screens(self, events: NDArray[np.void]) -> tuple[Screen, ...]:
+        """Text after each whole picture: from the event that ends its transfer on.
+
+        What is seen between such events is a picture half drawn.
+        """
+        changed = events[events["kind"] == int(EventKind.DISPLAY_CHANGED)]["at_cycles"].tolist()
+        screens: list[Screen] = []
+        for at in changed:
+            visit = self._visited[min(bisect_left(self._visited, at), len(self._visited) - 1)]
+            text = next(p.text for visited, p in reversed(self._seen) if visited <= visit)
+            if not screens or screens[-1].text != text:
+                screens.append(Screen(at, text))
+        return tuple(screens)
 
 
 def _picture(brick: Any, image: ElfImage) -> Picture:

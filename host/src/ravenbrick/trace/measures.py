@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.errors import CriteriaError, RunFaultError
+from ravenbrick.errors import CriteriaError, RunFaultError, ScenarioError
 from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Criterion, Input, Scenario
+from ravenbrick.target.scenario import Criterion, Scenario
 from ravenbrick.trace.motion import (
     PathMeasures,
     StepMeasures,
@@ -24,6 +24,7 @@ from ravenbrick.trace.motion import (
 )
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import TaskMeasures, Utilization, measure_task, utilization
+from ravenbrick.trace.verdict import Verdict, expects_fault, judge
 
 __all__ = [
     "RADIANS_PER_COUNT",
@@ -93,6 +94,22 @@ class CriterionResult:
     criterion: Criterion
     value: float
     met: bool
+    place: str
+
+    @property
+    def label(self) -> str:
+        """What was measured."""
+        return self.criterion.measure
+
+    @property
+    def shown(self) -> str:
+        """The value for people."""
+        return f"{self.value:.4g}"
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong, with file and line."""
+        return f"{self.place}: {_sentence(self.criterion, self.value)}"
 
     def as_json(self) -> dict[str, object]:
         """With plain types."""
@@ -166,7 +183,7 @@ def _path(scenario: Scenario, recording: Recording) -> PathMeasures | None:
     times, x = recording.signal("body.x")
     _, y = recording.signal("body.y")
     _, heading = recording.signal("body.heading")
-    begin, end = scenario.straight.from_ms / 1000, _first_steering(scenario) / 1000
+    begin, end = scenario.straight.from_ms / 1000, _first_steering(recording)
     window = (times >= begin) & (times <= end)
     if not np.any(window):
         return PathMeasures(None, 0.0)
@@ -177,9 +194,10 @@ def _path(scenario: Scenario, recording: Recording) -> PathMeasures | None:
     return PathMeasures(straight.lateral_deviation, whole)
 
 
-def _first_steering(scenario: Scenario) -> int:
-    steered = [e.at_ms for e in scenario.inputs if e.name.endswith(".hand_angle") and e.value != 0]
-    return min(steered, default=scenario.duration_ms)
+def _first_steering(recording: Recording) -> float:
+    """When a hand first turns a motor, or the end of the run; s."""
+    steered = (i.at_cycles for i in recording.inputs if i.name.endswith(".hand_angle") and i.value)
+    return recording.clock.seconds(min(steered, default=recording.stop.at_cycles))
 
 
 def _by_priority(recording: Recording) -> list[int]:
@@ -208,6 +226,8 @@ def check_survival(scenario: Scenario, recording: Recording) -> None:
     """Raise when the program failed (`RunFaultError`) or an input never came (`ScenarioError`)."""
     stop, clock = recording.stop, recording.clock
     if stop.reason not in ("reached", "power_off"):
+        if expects_fault(scenario.expectations):
+            return
         picture = "\n".join(line for line in recording.pictures[-1].text if line.strip())
         raise RunFaultError(
             f"scenario '{scenario.name}': the program stopped after "
@@ -218,44 +238,49 @@ def check_survival(scenario: Scenario, recording: Recording) -> None:
     late = [event for event in scenario.inputs if clock.cycles_of_ms(event.at_ms) > stop.at_cycles]
     if late:
         raise scenario.unreachable(
-            ("inputs", _index_in_file(scenario, late[0]), "at_ms"),
+            ("inputs", late[0].index, "at_ms"),
             f"'{late[0].name}' at {late[0].at_ms} ms never happens: the brick was powered off at "
             f"{1000 * clock.seconds(stop.at_cycles):.1f} ms; move it forward or remove it",
         )
+    for timed in scenario.stimuli:
+        if timed.at_cycles > stop.at_cycles:
+            raise ScenarioError(
+                f"{timed.place}: '{timed.name}' at {clock.seconds(timed.at_cycles):.6f} s never "
+                f"happens: the brick was powered off at {clock.seconds(stop.at_cycles):.6f} s; "
+                "shorten the stimulus"
+            )
 
 
-def _index_in_file(scenario: Scenario, event: Input) -> int:
-    for index, table in enumerate(scenario.document.values.get("inputs", [])):
-        if (table["at_ms"], table["input"]) == (event.at_ms, event.name):
-            return index
-    return 0
+def evaluate_criteria(
+    scenario: Scenario, recording: Recording, measures: RunMeasures
+) -> list[CriterionResult | Verdict]:
+    """Each criterion with its value, then each expectation with its verdict.
 
-
-def evaluate_criteria(scenario: Scenario, measures: RunMeasures) -> list[CriterionResult]:
-    """Each criterion with its value; raises `ScenarioError` for one the run never reached."""
-    results: list[CriterionResult] = []
-    for index, criterion in enumerate(scenario.criteria):
+    Raises `ScenarioError` for one the run never reached.
+    """
+    results: list[CriterionResult | Verdict] = []
+    for criterion in scenario.criteria:
         value = measures.value(criterion.measure)
         if value is None:
             raise scenario.unreachable(
-                ("criteria", index, "measure"),
+                ("criteria", criterion.index, "measure"),
                 f"'{criterion.measure}' was never reached in the run; check the inputs, "
                 "or lengthen the run",
             )
-        results.append(CriterionResult(criterion, value, _met(criterion, value)))
+        line = scenario.document.line_of(("criteria", criterion.index))
+        place = f"{scenario.document.path}:{line}"
+        results.append(CriterionResult(criterion, value, _met(criterion, value), place))
+    results += [judge(e, recording, measures) for e in scenario.expectations]
     return results
 
 
-def require_criteria(scenario: Scenario, results: Sequence[CriterionResult]) -> None:
-    """Raise `CriteriaError` naming the first criterion that is not met."""
-    failed = [
-        f"{scenario.document.path}:{scenario.document.line_of(('criteria', index))}: "
-        + _sentence(result.criterion, result.value)
-        for index, result in enumerate(results)
-        if not result.met
-    ]
+def require_criteria(results: Sequence[CriterionResult | Verdict]) -> None:
+    """Raise `CriteriaError` naming the first criterion that is not met; its data lists all."""
+    failed = [result.sentence for result in results if not result.met]
     if failed:
-        raise CriteriaError(failed[0], detail="\n".join(failed[1:]))
+        error = CriteriaError(failed[0], detail="\n".join(failed[1:]))
+        error.data = {"criteria": [result.as_json() for result in results]}
+        raise error
 
 
 def _met(criterion: Criterion, value: float) -> bool:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import Clock
+from ravenbrick.target.stimulus import TimedInput
 
 __all__ = [
     "EVENT_TYPE",
@@ -26,6 +27,7 @@ __all__ = [
     "EventKind",
     "Picture",
     "Recording",
+    "Screen",
     "Signal",
     "Stop",
     "Thread",
@@ -51,6 +53,7 @@ class EventKind(IntEnum):
     PROCESSOR_STOPPED = 10
     PROCESSOR_RESUMED = 11
     POWER_OFF = 12
+    COPROCESSOR_CLICK = 13
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,14 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Screen:
+    """The text that the LCD shows from an instant on."""
+
+    at_cycles: int
+    text: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Stop:
     """Why and when the run ended: reached, power_off, fault or halted."""
 
@@ -91,7 +102,11 @@ class Stop:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """One run of one image; a thread's index is the `subject` of its events."""
+    """One run of one image; a thread's index is the `subject` of its events.
+
+    `inputs` are all that were applied, from wherever: they play the run again. `screens` are the
+    texts of the LCD in the order of time.
+    """
 
     scenario: str
     clock: Clock
@@ -101,6 +116,8 @@ class Recording:
     threads: tuple[Thread, ...]
     pictures: tuple[Picture, ...]
     digest: str
+    inputs: tuple[TimedInput, ...] = ()
+    screens: tuple[Screen, ...] = ()
 
     def of_kind(self, *kinds: EventKind) -> NDArray[np.void]:
         """The events of these kinds, in order."""
@@ -130,6 +147,8 @@ class Recording:
             "threads": [asdict(thread) for thread in self.threads],
             "pictures": pictures,
             "digest": self.digest,
+            "inputs": [[i.at_cycles, i.name, i.value] for i in self.inputs],
+            "screens": [[s.at_cycles, list(s.text)] for s in self.screens],
         }
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("wb") as file:
@@ -166,6 +185,8 @@ class Recording:
             threads=tuple(Thread(**thread) for thread in head["threads"]),
             pictures=tuple(pictures),
             digest=head["digest"],
+            inputs=tuple(TimedInput(*item) for item in head["inputs"]),
+            screens=tuple(Screen(at, tuple(text)) for at, text in head["screens"]),
         )
 
 

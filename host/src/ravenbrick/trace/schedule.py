@@ -75,11 +75,15 @@ class TaskMeasures:
 
 @dataclass(frozen=True)
 class Segment:
-    """An interval in which the processor did one thing: a thread's index or an owner below zero."""
+    """An interval in which the processor did one thing: a thread's index or an owner below zero.
+
+    `source` is the interrupt's source while a handler runs, else -1.
+    """
 
     begin_cycles: int
     end_cycles: int
     owner: int
+    source: int = -1
 
 
 @dataclass(frozen=True)
@@ -193,27 +197,30 @@ class _Processor:
     def __init__(self, stops: bool) -> None:
         self.stops = stops
         self.stopped = False
-        self.depth = 0
+        self.handlers: list[int] = []
         self.running = IDLE
 
-    def owner(self) -> int:
-        """Owner of the next cycles; without stop events, the idle thread counts as idle."""
+    def owner(self) -> tuple[int, int]:
+        """Owner of the next cycles, and source of the innermost handler.
+
+        Without stop events, the idle thread counts as idle.
+        """
         if self.stopped:
-            return IDLE_OWNER
-        if self.depth > 0:
-            return INTERRUPT_OWNER
+            return IDLE_OWNER, -1
+        if self.handlers:
+            return INTERRUPT_OWNER, self.handlers[-1]
         if self.running != IDLE:
-            return self.running
-        return KERNEL_OWNER if self.stops else IDLE_OWNER
+            return self.running, -1
+        return (KERNEL_OWNER if self.stops else IDLE_OWNER), -1
 
     def apply(self, kind: int, subject: int) -> None:
         """Take one event into account."""
         if kind == EventKind.THREAD_RUNNING:
             self.running = subject
         elif kind == EventKind.INTERRUPT_ENTERED:
-            self.depth += 1
+            self.handlers.append(subject)
         elif kind == EventKind.INTERRUPT_LEFT:
-            self.depth = max(self.depth - 1, 0)
+            del self.handlers[-1:]
         else:
             self.stopped = kind == EventKind.PROCESSOR_STOPPED
 
@@ -232,15 +239,15 @@ def segments(recording: Recording) -> list[Segment]:
     result: list[Segment] = []
     begin, owner = 0, processor.owner()
     if processor.stops:
-        owner = KERNEL_OWNER
+        owner = KERNEL_OWNER, -1
     for at, kind, subject, _value in events.tolist():
         processor.apply(kind, subject)
         if processor.owner() != owner:
             if at > begin:
-                result.append(Segment(begin, at, owner))
+                result.append(Segment(begin, at, *owner))
             begin, owner = max(at, begin), processor.owner()
     if recording.stop.at_cycles > begin:
-        result.append(Segment(begin, recording.stop.at_cycles, owner))
+        result.append(Segment(begin, recording.stop.at_cycles, *owner))
     return result
 
 

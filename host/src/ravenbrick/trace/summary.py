@@ -17,6 +17,7 @@ from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import CriterionResult, RunMeasures, StepRecord
 from ravenbrick.trace.motion import SPEED_FILTER
 from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.verdict import Verdict
 
 __all__ = ["Evidence", "Run", "run_summary", "summary"]
 
@@ -28,7 +29,7 @@ class Run:
     scenario: Scenario
     recording: Recording
     measures: RunMeasures
-    criteria: Sequence[CriterionResult]
+    criteria: Sequence[CriterionResult | Verdict]
 
 
 @dataclass(frozen=True)

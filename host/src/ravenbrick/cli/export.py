@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick export`: a recording in the format of another tool."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import shown_path
+from ravenbrick.errors import UsageError
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.export import Format, export
+from ravenbrick.trace.recording import Recording
+
+__all__ = ["export_command"]
+
+
+def _source(source: Path, scenario: str | None, image: ImageChoice) -> tuple[Path, Path]:
+    """File of the recording, and the folder and stem of what is made of it."""
+    if source.is_file():
+        if scenario is not None:
+            raise UsageError(f"'{source}' is a recording already; leave '{scenario}' out")
+        return source, source.with_suffix("")
+    workspace = Workspace.of(source)
+    if scenario is None:
+        raise UsageError(f"name a scenario of '{source}', or a recording instead of the folder")
+    # A scenario's file may be named instead, as for 'ravenbrick run'.
+    file = workspace.recording(Path(scenario).stem, image.kind)
+    if not file.is_file():
+        raise UsageError(
+            f"{shown_path(file)}: the scenario has not been run yet; "
+            f"run it with 'ravenbrick run {source} {scenario}'"
+        )
+    return file, workspace.results / "exports" / file.with_suffix("").name
+
+
+@command("ravenbrick export examples/vehicle drive --format perfetto")
+def export_command(
+    source: Annotated[Path, typer.Argument(help="A recording (.npz), or a project folder.")],
+    scenario: Annotated[
+        str | None, typer.Argument(help="The scenario whose last recording to take.")
+    ] = None,
+    file_format: Annotated[
+        Format, typer.Option("--format", help="The format to write.")
+    ] = Format.PERFETTO,
+    out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
+    image: Annotated[ImageChoice, typer.Option(help="Which image had run.")] = ImageChoice.RAM,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Write a recording for Perfetto, GTKWave or Surfer, Foxglove, a spreadsheet or a notebook."""
+    file, stem = _source(source, scenario, image)
+    target = out or stem.with_name(stem.name + file_format.suffix)
+    if target.is_dir() or target.resolve() == file.resolve():
+        raise UsageError(f"--out {target}: is a folder or the recording; name another file")
+    reporter = Reporter(json_output)
+    with reporter.step(f"export to {file_format.value}") as step:
+        recording = Recording.load(file)
+        written = export(recording, file_format, target)
+        step.note = ", ".join(shown_path(path) for path in written)
+    return {
+        "recording": str(file),
+        "format": file_format.value,
+        "files": [{"file": str(path), "bytes": path.stat().st_size} for path in written],
+        "trace_digest": recording.digest,
+    }
