@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.codegen.c_build import host_library
+from host.tests.codegen.c_build import ARM, WARNINGS, host_library, run
 from host.tests.codegen.paper_pi import LOOP, fixed_pi, paper_pi, plant
 
 from ravenbrick.codegen import (
@@ -263,3 +263,17 @@ def test_a_locked_format_is_kept() -> None:
     options = FixedPointOptions(ranges, {"correctedvoltage": FixedFormat(16, 8)})
     fixed = to_fixed_point(paper_pi(), options)
     assert str(fixed.format(Kind.OUTPUT, "correctedvoltage")) == "sfix16_En8"
+
+
+def test_the_c_for_the_brick_is_small_and_calls_nothing(tmp_path: Path) -> None:
+    """The step with tunable gains is at most 160 bytes of ARM code, without a library routine."""
+    for rounding in Rounding:
+        generate_c(fixed_pi(rounding).program).write(tmp_path)
+        target = tmp_path / "functional.o"
+        source = tmp_path / "functional.c"
+        run("arm-none-eabi-gcc", "-O2", *ARM, *WARNINGS, "-c", source, "-o", target)
+        needed = run("arm-none-eabi-nm", "-u", target).split()
+        assert set(needed) <= {"U", "functional_U", "functional_Y"}
+        rows = [line.split() for line in run("arm-none-eabi-nm", "-S", target).splitlines()]
+        sizes = {row[3]: int(row[1], 16) for row in rows if len(row) == 4}
+        assert 80 < sizes["functional_step_instance"] <= 160

@@ -50,11 +50,10 @@ def test_a_power_of_two_fits_on_the_negative_side_only() -> None:
 
 @pytest.mark.parametrize("rounding", list(Rounding))
 def test_rounding_errs_by_no_more_than_it_says(rounding: Rounding) -> None:
-    """All values around zero; zero itself is exact and signs are symmetric."""
+    """All values around zero; zero itself is exact."""
     for value in range(-64, 65):
         error = abs(rounding.divide(value, 3) - value / 8)
         assert error <= rounding.largest_error
-        assert rounding.divide(-value, 3) == -rounding.divide(value, 3)
     assert rounding.divide(0, 3) == 0
 
 

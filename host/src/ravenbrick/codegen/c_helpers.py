@@ -21,12 +21,15 @@ from ravenbrick.model.program import (
 
 __all__ = ["helper_functions", "table_arrays"]
 
-_QUOTIENT = """\
-/* Quotient to the nearest whole number, halves away from zero; the divisor is even. */
-static int32_T {model}_nearest_quotient(int32_T value, int32_T divisor)
+_SHIFT = """\
+/* value / 2**bits to the nearest whole number, halves upwards; shifts no negative number. */
+static int32_T {model}_nearest_shift(int32_T value, uint32_T bits)
 {{
-  const int32_T half = divisor / 2;
-  return (value + ((value < 0) ? -half : half)) / divisor;
+  const uint32_T half = 0x80000000U >> (32U - bits);
+  const uint32_T lifted = ((uint32_T)value + 0x80000000U) + half;
+  const uint32_T shifted = lifted >> bits;
+  const uint32_T offset = 0x80000000U >> bits;
+  return (int32_T)shifted - (int32_T)offset;
 }}
 """
 
@@ -90,7 +93,7 @@ def helper_functions(program: Program) -> list[str]:
     found: dict[str, None] = {}
     for node in _nodes(program):
         if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
-            found[_QUOTIENT.format(model=program.name)] = None
+            found[_SHIFT.format(model=program.name)] = None
         elif isinstance(node, Rounded):
             found[_NEAREST.format(model=program.name, **_words(node.value))] = None
         elif isinstance(node, Table):

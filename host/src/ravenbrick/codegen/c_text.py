@@ -102,7 +102,7 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
             return f"{head}({arrays}, {len(breakpoints)}U, {inner})"
         case Rescale(value=value, bits=bits, rounding=Rounding.NEAREST):
             inner = _c_expression(program, value, nested=True)
-            return f"{program.name}_nearest_quotient({inner}, {1 << bits})"
+            return f"{program.name}_nearest_shift({inner}, {bits}U)"
         case Rescale(value=value, bits=bits):
             text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
         case Clamp() | Bounded():

@@ -27,7 +27,7 @@ from ravenbrick.model.program import (
 __all__ = ["check_with_gappa", "gappa_script"]
 
 _TIMEOUT_SECONDS = 120
-_DIRECTIONS = {Rounding.ZERO: "zr", Rounding.NEAREST: "na"}
+_DIRECTIONS = {Rounding.ZERO: "zr", Rounding.NEAREST: "nu"}
 
 
 def gappa_script(fixed: FixedPoint, bounds: Mapping[str, float]) -> str:

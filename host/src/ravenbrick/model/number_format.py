@@ -18,7 +18,7 @@ class Rounding(Enum):
     """How a fixed-point value loses bits.
 
     ZERO cuts towards zero: the error is below 1 LSB. NEAREST rounds to the nearest value, halves
-    away from zero: the error is at most 1/2 LSB.
+    upwards: the error is at most 1/2 LSB, at fewer instructions.
     """
 
     ZERO = "towards zero"
@@ -31,10 +31,9 @@ class Rounding(Enum):
 
     def divide(self, value: int, bits: int) -> int:
         """`value / 2**bits`, rounded."""
-        size = abs(value)
         if self is Rounding.NEAREST:
-            size += (1 << bits) >> 1
-        size >>= bits
+            return (value + ((1 << bits) >> 1)) >> bits
+        size = abs(value) >> bits
         return -size if value < 0 else size
 
 
