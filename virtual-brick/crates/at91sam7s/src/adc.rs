@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Analogue to digital converter (AT91SAM7S datasheet, 6175M, chapter 36).
 //!
-//! Triggered by software or by a rising edge of TIOA0, TIOA1 or TIOA2. A sequence converts the enabled channels in ascending order; each takes
-//! SHTIM + 1 converter clocks of sampling and 10 of conversion (8 in low resolution). Start-up
-//! time is spent before the first conversion after reset, and before each one in sleep mode.
+//! Triggered by software or by a rising edge of TIOA0, TIOA1 or TIOA2. A sequence converts the
+//! enabled channels in ascending order; each takes SHTIM + 1 converter clocks of sampling and 10
+//! of conversion (8 in low resolution). Start-up time is spent before the first conversion after
+//! reset, and before each one in sleep mode.
 //! The converter runs whether or not its clock bit in the PMC is set (section 36.4.1).
 
 use crate::board::Cycles;

@@ -51,90 +51,101 @@ fn pio_table() -> Table {
     with(constant(offsets), &[(0x08, 0xFFFF_FFFF)])
 }
 
-/// All modelled registers of the chip by address.
-fn modelled() -> BTreeMap<u32, u32> {
-    let pmc = constant(
-        words(0x00, 0x08)
-            .chain(words(0x10, 0x18))
-            .chain([0x20, 0x24, 0x2C, 0x30])
-            .chain(words(0x40, 0x48))
-            .chain([0x60, 0x64, 0x68, 0x6C]),
-    );
-    let spi = constant(
-        [0x00, 0x04, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x1C]
-            .into_iter()
-            .chain(words(0x30, 0x3C))
-            .chain(words(0x100, 0x124)),
-    );
-    let adc = constant(
-        [0x00, 0x04, 0x10, 0x14, 0x18, 0x1C, 0x20, 0x24, 0x28, 0x2C]
-            .into_iter()
-            .chain(words(0x30, 0x4C)),
-    );
-    let aic = constant(
+fn usart_table(status: u32) -> Table {
+    let offsets = words(0x00, 0x28).chain([0x40, 0x44, 0x4C]);
+    let table = constant(offsets.chain(words(0x100, 0x124)));
+    with(table, &[(0x14, status), (0x40, 0x174)])
+}
+
+fn debug_unit_table() -> Table {
+    let offsets = words(0x00, 0x20).chain([0x44, 0x48]);
+    let table = constant(offsets.chain(words(0x100, 0x124)));
+    with(table, &[(0x14, 0x1818), (0x40, 0x270B_0941)])
+}
+
+fn ssc_table() -> Table {
+    let offsets = [0x00, 0x04, 0x10, 0x14, 0x18, 0x1C, 0x20, 0x24, 0x30, 0x34]
+        .into_iter()
+        .chain(words(0x38, 0x4C))
+        .chain(words(0x100, 0x124));
+    with(constant(offsets), &[(0x40, 0xCC)])
+}
+
+fn pwmc_table() -> Table {
+    let channels = (0..4).map(|n| 0x200 + 0x20 * n);
+    let channels = channels.flat_map(|first| words(first, first + 0x10));
+    constant(words(0x00, 0x1C).chain(channels))
+}
+
+fn udp_table() -> Table {
+    let offsets = words(0x00, 0x08)
+        .chain(words(0x10, 0x20))
+        .chain([0x28])
+        .chain(words(0x30, 0x3C))
+        .chain(words(0x50, 0x5C))
+        .chain([0x74]);
+    with(
+        constant(offsets),
+        &[(0x04, 0x10), (0x08, 0x100), (0x18, 0x1000)],
+    )
+}
+
+fn twi_table() -> Table {
+    let offsets = [0x00, 0x04, 0x0C, 0x10, 0x20, 0x24, 0x28, 0x2C, 0x30, 0x34];
+    with(constant(offsets), &[(0x20, 1)])
+}
+
+fn adc_table() -> Table {
+    let offsets = [0x00, 0x04, 0x10, 0x14, 0x18, 0x1C, 0x20, 0x24, 0x28, 0x2C];
+    let table = constant(offsets.into_iter().chain(words(0x30, 0x4C)));
+    with(table, &[(0x1C, 0x000C_0000)])
+}
+
+fn spi_table() -> Table {
+    let offsets = words(0x00, 0x1C)
+        .chain(words(0x30, 0x3C))
+        .chain(words(0x100, 0x124));
+    with(constant(offsets), &[(0x10, 0xF0)])
+}
+
+fn aic_table() -> Table {
+    constant(
         words(0x000, 0x114)
             .chain(words(0x120, 0x138))
             .chain([0x140, 0x144, 0x148]),
-    );
-    let usart = |status| {
-        let offsets = words(0x00, 0x28)
-            .chain([0x40, 0x44, 0x4C])
-            .chain(words(0x100, 0x124));
-        with(constant(offsets), &[(0x14, status), (0x40, 0x174)])
-    };
-    let debug_unit = constant(
-        words(0x00, 0x20)
-            .chain([0x44, 0x48])
-            .chain(words(0x100, 0x124)),
-    );
-    let ssc = constant(
-        [0x00, 0x04, 0x10, 0x14, 0x18, 0x1C, 0x20, 0x24, 0x30, 0x34]
-            .into_iter()
-            .chain(words(0x38, 0x4C))
-            .chain(words(0x100, 0x124)),
-    );
-    let pwmc = constant(words(0x00, 0x1C).chain((0..4).flat_map(|n| {
-        let first = 0x200 + 0x20 * n;
-        words(first, first + 0x10)
-    })));
-    let udp = constant(
-        words(0x00, 0x08)
-            .chain(words(0x10, 0x20))
-            .chain([0x28])
-            .chain(words(0x30, 0x3C))
-            .chain(words(0x50, 0x5C))
-            .chain([0x74]),
-    );
+    )
+}
+
+fn pmc_table() -> Table {
+    let offsets = words(0x00, 0x08)
+        .chain(words(0x10, 0x18))
+        .chain([0x20, 0x24, 0x2C, 0x30])
+        .chain(words(0x40, 0x48))
+        .chain([0x60, 0x64, 0x68, 0x6C]);
+    with(constant(offsets), &[(0x08, 1), (0x2C, 0x3F00), (0x68, 8)])
+}
+
+fn memory_controller_table() -> Table {
+    with(constant([0x00, 0x04, 0x08, 0x60, 0x64]), &[(0x68, 1)])
+}
+
+/// All modelled registers of the chip by address.
+fn modelled() -> BTreeMap<u32, u32> {
     let peripherals: [(u32, Table); 19] = [
-        (
-            0xFFFB_0000,
-            with(udp, &[(0x04, 0x10), (0x08, 0x100), (0x18, 0x1000)]),
-        ),
-        // CTS0 is pulled up; so are RI1, DSR1, DCD1 and CTS1.
-        (0xFFFC_0000, usart(0x0080_1818)),
-        (0xFFFC_4000, usart(0x00F0_1818)),
-        (0xFFFC_C000, pwmc),
-        (0xFFFD_4000, with(ssc, &[(0x40, 0xCC)])),
         (0xFFFA_0000, timer_table()),
-        (
-            0xFFFB_8000,
-            with(
-                constant([0x00, 0x04, 0x0C, 0x10, 0x20, 0x24, 0x28, 0x2C, 0x30, 0x34]),
-                &[(0x20, 1)],
-            ),
-        ),
-        (0xFFFD_8000, with(adc, &[(0x1C, 0x000C_0000)])),
-        (0xFFFE_0000, with(spi, &[(0x10, 0xF0)])),
-        (0xFFFF_F000, aic),
-        (
-            0xFFFF_F200,
-            with(debug_unit, &[(0x14, 0x1818), (0x40, 0x270B_0941)]),
-        ),
+        (0xFFFB_0000, udp_table()),
+        (0xFFFB_8000, twi_table()),
+        // CTS0 is pulled up; so are RI1, DSR1, DCD1 and CTS1.
+        (0xFFFC_0000, usart_table(0x0080_1818)),
+        (0xFFFC_4000, usart_table(0x00F0_1818)),
+        (0xFFFC_C000, pwmc_table()),
+        (0xFFFD_4000, ssc_table()),
+        (0xFFFD_8000, adc_table()),
+        (0xFFFE_0000, spi_table()),
+        (0xFFFF_F000, aic_table()),
+        (0xFFFF_F200, debug_unit_table()),
         (0xFFFF_F400, pio_table()),
-        (
-            0xFFFF_FC00,
-            with(pmc, &[(0x08, 1), (0x2C, 0x3F00), (0x68, 8)]),
-        ),
+        (0xFFFF_FC00, pmc_table()),
         (0xFFFF_FD00, vec![(0, 0), (4, 0x0001_0000), (8, 0)]),
         (
             0xFFFF_FD20,
@@ -143,10 +154,7 @@ fn modelled() -> BTreeMap<u32, u32> {
         (0xFFFF_FD30, vec![(0, 0x000F_FFFF), (4, 0), (8, 0), (12, 0)]),
         (0xFFFF_FD40, vec![(0, 0), (4, 0x3FFF_2FFF), (8, 0)]),
         (0xFFFF_FD60, vec![(0, 0)]),
-        (
-            0xFFFF_FF00,
-            with(constant([0x00, 0x04, 0x08, 0x60, 0x64]), &[(0x68, 1)]),
-        ),
+        (0xFFFF_FF00, memory_controller_table()),
     ];
     let flat = |(base, table): (u32, Table)| table.into_iter().map(move |(o, v)| (base + o, v));
     peripherals.into_iter().flat_map(flat).collect()
