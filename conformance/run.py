@@ -26,6 +26,7 @@ ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "conformance" / "results.json"
 CARGO = ["cargo", "--locked"]
 CRATES = ROOT / "virtual-brick"
+NXT_FIRMWARE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 
 
 def suite_row(
@@ -54,11 +55,11 @@ def single_step() -> Row:
     return row
 
 
-def cargo_suite(area: str, suite: str, package: str, name: str = "") -> Callable[[], Row]:
-    """The tests of a crate whose path contains `name`."""
+def cargo_suite(area: str, suite: str, package: str, *options: str) -> Callable[[], Row]:
+    """The tests of a crate; `options` of `cargo test` may choose among them."""
 
     def run() -> Row:
-        command = [*CARGO, "test", "-p", package, "--", name]
+        command = [*CARGO, "test", "-p", package, *options]
         result = subprocess.run(command, cwd=CRATES, capture_output=True, text=True)
         counts = re.findall(r"test result: \S+ (\d+) passed; (\d+) failed", result.stdout)
         passed = sum(int(p) for p, _ in counts)
@@ -68,6 +69,19 @@ def cargo_suite(area: str, suite: str, package: str, name: str = "") -> Callable
         return suite_row(area, suite, passed + failed, passed)
 
     return run
+
+
+def third_party(path: Path, package: str, run: Callable[[], Row]) -> Callable[[], Row]:
+    """A suite that runs the file of a Debian package; excluded as a whole while it is absent."""
+
+    def run_when_present() -> Row:
+        if path.exists():
+            return run()
+        row = run()
+        reason = f"{path} is absent: install the Debian package {package}"
+        return {**row, "passed": 0, "excluded": [{"count": row["case_count"], "reason": reason}]}
+
+    return run_when_present
 
 
 def pytest_suite(area: str, suite: str, *paths: str) -> Callable[[], Row]:
@@ -96,6 +110,34 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("cpu", cargo_suite("cpu", "instructions, exceptions, silicon cycle table", "arm7tdmi")),
     ("peripherals", cargo_suite("peripherals", "registers and behaviour", "at91sam7s")),
     ("peripherals", cargo_suite("peripherals", "board devices", "nxt")),
+    (
+        "firmware",
+        third_party(
+            NXT_FIRMWARE,
+            "nxt-firmware",
+            cargo_suite(
+                "firmware",
+                "nxt-firmware 1.29.2: menu, buttons, motor, power-off",
+                "virtual-brick",
+                "--release",
+                "--test=nxt_firmware",
+            ),
+        ),
+    ),
+    (
+        "firmware",
+        third_party(
+            NXT_FIRMWARE,
+            "nxt-firmware",
+            cargo_suite(
+                "firmware",
+                "nxt-firmware 1.29.2: direct commands over USB",
+                "virtual-brick",
+                "--release",
+                "--test=nxt_firmware_usb",
+            ),
+        ),
+    ),
     ("plant", cargo_suite("plant", "published motor points, body", "plant")),
     ("runtime", pytest_suite("runtime", "behaviours on the virtual brick", "runtime/tests")),
     ("drivers", pytest_suite("drivers", "drivers on the virtual brick", "drivers/tests")),

@@ -13,6 +13,7 @@ DEBIAN_PACKAGES=(
     libc6-dev
     make
     git
+    nxt-firmware
 )
 RUST_MINIMUM=1.86.0
 RUST_PACKAGES=(rustc-web cargo-web)
