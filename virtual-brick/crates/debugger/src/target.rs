@@ -69,6 +69,13 @@ impl DebugTarget {
         self.timeline.into_brick()
     }
 
+    /// Go to an instant, past or future: the first step that begins at or after it.
+    pub fn run_to(&mut self, cycles: u64) {
+        self.timeline.go_to(cycles);
+        let brick = self.timeline.brick();
+        self.stopped = Who::now(brick).tid(brick);
+    }
+
     /// A new session begins: breakpoints of the last one are gone.
     pub(crate) fn begin_session(&mut self) {
         self.stops = Stops::default();
