@@ -9,4 +9,3 @@ AR  := arm-linux-gnueabi-ar
 
 MACHINE_FLAGS := -mcpu=arm7tdmi -mfloat-abi=soft -mthumb-interwork -fno-pic \
   -fno-stack-protector -fno-unwind-tables -fno-asynchronous-unwind-tables
-STATE_FLAG    := -marm

@@ -20,7 +20,11 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 BUILD = PRODUCTS / "runtime" / "tests"
-RUNTIME = PRODUCTS / "runtime" / "ravenscar"
+RUNTIMES = {
+    "arm": PRODUCTS / "runtime" / "ravenscar",
+    "thumb": PRODUCTS / "runtime" / "ravenscar-thumb",
+}
+RUNTIME = RUNTIMES["arm"]
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 
 CYCLES_PER_SECOND = 336_384_000 / 7
@@ -38,24 +42,32 @@ EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", 
 
 
 @cache
-def _make_runtime() -> None:
+def _make_runtime(code: str) -> None:
     products = f"BUILD={PRODUCTS / 'runtime'}"
-    subprocess.run(["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products], check=True)
+    subprocess.run(
+        ["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products, f"CODE={code}"], check=True
+    )
 
 
 @cache
-def build(name: str, image: str = "ram", code: str = "arm") -> Path:
-    """Path of the program `name` of this folder, built with one call of gprbuild."""
-    _make_runtime()
-    folder = BUILD / code
+def build(name: str, image: str = "ram", code: str = "arm", runtime: str = "arm") -> Path:
+    """Path of the program `name` of this folder, built with one call of gprbuild.
+
+    `code` and `runtime`: "arm" or "thumb", the states of the program and of the run-time. The
+    linker's map stands beside the image.
+    """
+    _make_runtime(runtime)
+    folder = BUILD / f"{code}-on-{runtime}"
+    elf = folder / name / image / f"{name}.elf"
     subprocess.run(
         ["gprbuild", "-q", f"--config={CONFIGURATION}", "-P", str(HERE / "test.gpr"),
-         f"-XTEST={name}", f"-XIMAGE={image}", f"-XCODE={code}", f"-XBUILD={folder}"],
+         f"-XTEST={name}", f"-XIMAGE={image}", f"-XCODE={code}", f"-XBUILD={folder}",
+         f"--create-map-file={elf.with_suffix('.map')}"],
         check=True,
         cwd=HERE,
-        env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(RUNTIME)},
+        env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(RUNTIMES[runtime])},
     )  # fmt: skip
-    return folder / name / image / f"{name}.elf"
+    return elf
 
 
 @dataclass
@@ -115,9 +127,13 @@ def run() -> Runner:
     """Run a program of this folder for a number of cycles."""
 
     def run_program(
-        name: str, cycles: int = 100 * CYCLES_PER_MS, image: str = "ram", code: str = "arm"
+        name: str,
+        cycles: int = 100 * CYCLES_PER_MS,
+        image: str = "ram",
+        code: str = "arm",
+        runtime: str = "arm",
     ) -> Run:
-        elf = build(name, image, code).read_bytes()
+        elf = build(name, image, code, runtime).read_bytes()
         brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf)
         return Run(brick, brick.run_until(cycles))
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import struct
 import subprocess
 from collections.abc import Callable
@@ -372,12 +373,33 @@ class TestTaggedTypes:
 class TestImages:
     @pytest.mark.parametrize("image", ["ram", "flash"])
     @pytest.mark.parametrize("code", ["arm", "thumb"])
+    @pytest.mark.parametrize("runtime", ["arm", "thumb"])
     def test_both_images_and_both_states_behave_alike(
-        self, run: Runner, image: str, code: str
+        self, run: Runner, image: str, code: str, runtime: str
     ) -> None:
-        """The same program from RAM and from flash, in ARM and in Thumb state."""
-        journal = run("entries", image=image, code=code).journal()
+        """The same program from RAM and from flash, it and the run-time in either state."""
+        journal = run("entries", image=image, code=code, runtime=runtime).journal()
         assert_repeats(journal, "wpg1lpgh2", 5)
+
+    @pytest.mark.parametrize(
+        ("program", "pattern", "at_least"),
+        [
+            ("nested_interrupts", "([]|t)s;[](|t)s.", 8),
+            ("interrupt_ceiling", "(h)l,[]hl;", 15),
+            ("ceiling", "(12a)lb;", 20),
+        ],
+    )
+    def test_the_run_time_in_thumb_state_dispatches_alike(
+        self, run: Runner, program: str, pattern: str, at_least: int
+    ) -> None:
+        """Handlers, masks and ceilings, the program in Thumb state, too."""
+        journal = run(program, code="thumb", runtime="thumb").journal()
+        assert_repeats(journal, pattern, at_least)
+
+    def test_a_failure_is_told_by_the_run_time_in_thumb_state(self, run: Runner) -> None:
+        """Down to the hook of the program, which is Thumb code, too."""
+        result = run("range_check", code="thumb", runtime="thumb")
+        assert result.journal() == "0123456789!"
 
     def test_a_program_is_idle_between_its_jobs(self, run: Runner) -> None:
         """The observer sees the idle processor as no thread at all."""
@@ -385,6 +407,34 @@ class TestImages:
         running = result.events("thread_running")["subject"]
         assert (running == IDLE).any()
         assert all(a != b for a, b in pairwise(running.tolist()))
+
+
+def linked_bytes(map_file: Path) -> int:
+    """Bytes of code and constants that the image has of the run-time and the compiler's library.
+
+    The linker's map lists each section that is kept with its address, its size and its file.
+    """
+    kept = map_file.read_text().split("Linker script and memory map", 1)[1]
+    section = r"^ \.(?:text|rodata|data|vectors)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+) "
+    library = r"\S+(?:/adalib/|/libgcc\.a\()"
+    sizes = re.findall(section + library, kept, re.MULTILINE)
+    return sum(int(size, 16) for size in sizes)
+
+
+class TestFootprint:
+    """Tasks, delay until, protected entry, suspension object and interrupts in one program."""
+
+    @pytest.mark.parametrize(("state", "limit_bytes"), [("arm", 6_800), ("thumb", 4_600)])
+    def test_kernel_and_language_layer_fit(self, state: str, limit_bytes: int) -> None:
+        """Linked code and constants of the run-time, the compiler's helpers included."""
+        elf = build("footprint", code=state, runtime=state)
+        assert 2_000 < linked_bytes(elf.with_suffix(".map")) <= limit_bytes
+
+    @pytest.mark.parametrize("state", ["arm", "thumb"])
+    def test_the_weighed_program_works(self, run: Runner, state: str) -> None:
+        """Two turns of each period of 2 ms."""
+        result = run("footprint", cycles=101 * CYCLES_PER_MS, code=state, runtime=state)
+        assert 98 <= result.brick.read_int("turns", "u32") <= 101
 
 
 class TestFigures:
