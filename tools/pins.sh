@@ -4,6 +4,7 @@
 # What the project needs from outside. Python packages are pinned in tools/requirements.txt,
 # Rust crates in virtual-brick/Cargo.lock.
 DEBIAN_PACKAGES=(
+    gappa
     gnat-12-arm-linux-gnueabi
     gcc-arm-none-eabi
     gdb-multiarch
