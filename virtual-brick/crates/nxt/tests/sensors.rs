@@ -172,7 +172,7 @@ fn the_ultrasonic_sensor_tells_what_it_is() {
     let mut master = Master::new(true);
     assert_eq!(master.read(0x00, 8).unwrap(), b"V1.0\0\0\0\0");
     assert_eq!(master.read(0x08, 8).unwrap(), b"LEGO\0\0\0\0");
-    assert_eq!(master.read(0x10, 1).unwrap(), b"S");
+    assert_eq!(master.read(0x10, 8).unwrap(), b"Sonar\0\0\0");
     assert_eq!(master.read(0x11, 3).unwrap(), [0, 1, 14]);
     assert_eq!(master.read(0x14, 7).unwrap(), b"10E-2m\0");
 }

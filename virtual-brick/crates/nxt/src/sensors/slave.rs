@@ -20,8 +20,8 @@ const BITS: u8 = 8;
 
 /// What the slave's bytes mean.
 pub trait Registers {
-    /// A byte for the master.
-    fn read(&mut self, register: u8) -> u8;
+    /// A byte for the master: number `index`, from 0 on, of what begins at `register`.
+    fn read(&mut self, register: u8, index: u8) -> u8;
     /// A byte from the master.
     fn write(&mut self, now: Cycles, register: u8, value: u8);
 }
@@ -48,6 +48,7 @@ pub struct Slave {
     pulses: u8,
     byte: u8,
     register: u8,
+    index: u8,
     pulls_data_low: bool,
     clock: bool,
     data: bool,
@@ -65,6 +66,7 @@ impl Slave {
             pulses: 0,
             byte: 0,
             register: 0,
+            index: 0,
             pulls_data_low: false,
             clock: true,
             data: true,
@@ -161,12 +163,13 @@ impl Slave {
             State::Address if self.byte == self.address => State::Register,
             State::Address if self.byte == self.address | 1 => State::Read,
             State::Register => {
-                self.register = self.byte;
+                (self.register, self.index) = (self.byte, 0);
                 State::Write
             }
             State::Write => {
-                device.write(now, self.register, self.byte);
-                self.register = self.register.wrapping_add(1);
+                let register = self.register.wrapping_add(self.index);
+                device.write(now, register, self.byte);
+                self.index = self.index.wrapping_add(1);
                 State::Write
             }
             State::Address | State::Idle | State::Read => State::Idle,
@@ -174,8 +177,8 @@ impl Slave {
     }
 
     fn put_byte(&mut self, device: &mut impl Registers) {
-        self.byte = device.read(self.register);
-        self.register = self.register.wrapping_add(1);
+        self.byte = device.read(self.register, self.index);
+        self.index = self.index.wrapping_add(1);
         self.pulses = 0;
         self.put_bit();
     }

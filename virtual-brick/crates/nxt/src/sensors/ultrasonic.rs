@@ -178,22 +178,26 @@ impl Program {
         };
     }
 
-    fn text(register: u8) -> u8 {
-        let (start, text): (u8, &[u8]) = match register {
-            0x00..=0x07 => (0x00, b"V1.0"),
-            0x08..=0x0F => (0x08, b"LEGO"),
-            0x10..=0x10 => (0x10, b"Sonar"),
-            _ => (0x14, b"10E-2m"),
-        };
-        let letter = text.get(usize::from(register - start));
-        letter.copied().unwrap_or(0)
+    /// The texts overlap with the numbers that follow them: where a read begins tells which of
+    /// them is meant.
+    const fn text(register: u8) -> Option<&'static [u8]> {
+        Some(match register {
+            0x00 => b"V1.0",
+            0x08 => b"LEGO",
+            0x10 => b"Sonar",
+            0x14 => b"10E-2m",
+            _ => return None,
+        })
     }
 }
 
 impl Registers for Program {
-    fn read(&mut self, register: u8) -> u8 {
+    fn read(&mut self, register: u8, index: u8) -> u8 {
+        if let Some(text) = Self::text(register) {
+            return text.get(usize::from(index)).copied().unwrap_or(0);
+        }
+        let register = register.wrapping_add(index);
         match register {
-            0x00..=0x10 | 0x14..=0x1B => Self::text(register),
             0x11..=0x13 => FACTORY[usize::from(register - 0x11)],
             0x40 => self.interval,
             0x41 => self.mode.code(),
