@@ -6,6 +6,7 @@ use crate::cost::{edge_cycles, Outside};
 use crate::error::{Error, MissingBound};
 use crate::execution::{Execution, LoopFinding};
 use crate::flow::{Block, Entry, Transfer};
+use crate::loops::Forest;
 use crate::path::{longest_path, Problem, Solution, Unsolved};
 use crate::program::Program;
 use crate::state::State;
@@ -114,6 +115,7 @@ pub fn bound_function(
         forest,
         cycles: &cycles,
         bounds: &bounds,
+        repeats: &repeats(&findings, forest),
     };
     let solution = longest_path(&problem)
         .map_err(|unsolved| explain(program, entry, summary, &numbers, unsolved))?;
@@ -144,6 +146,16 @@ fn effective((finding, given): (&LoopFinding, &Option<u64>)) -> Option<u64> {
     }
     let found = finding.header_executions;
     Some(given.map_or(found, |given| given.min(found)))
+}
+
+/// Repetitions of inner loops, where both the loop and the one around it were followed exactly.
+fn repeats(findings: &[LoopFinding], forest: &Forest) -> Vec<Option<u64>> {
+    let exact = |index: usize| !findings[index].unbounded;
+    let all = forest.loops.iter().enumerate().map(|(index, found)| {
+        let parent = found.parent?;
+        (exact(index) && exact(parent)).then_some(findings[index].repeats)
+    });
+    all.collect()
 }
 
 /// Bounds of the functions called at the end of each block that is reached.

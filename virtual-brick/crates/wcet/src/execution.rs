@@ -23,6 +23,11 @@ pub struct LoopFinding {
     pub header_executions: u64,
     /// No bound was found.
     pub unbounded: bool,
+    /// Most header executions beyond the first of each entry, added up over one entry of the
+    /// loop around it.
+    pub repeats: u64,
+    /// The same since the loop around it was last entered.
+    repeats_so_far: u64,
 }
 
 /// Executes a function.
@@ -109,6 +114,7 @@ impl Execution<'_, '_> {
         let (mut count, mut undecided) = (0, 0);
         let exit_count = self.exit_count(index);
         let steps_before = self.walker.step_count;
+        self.start_inner(index);
         while !self.findings[index].unbounded {
             let pass = self.pass(Some(index), header, state.clone());
             count += 1;
@@ -121,6 +127,8 @@ impl Execution<'_, '_> {
             let Some(back) = pass.back else {
                 let finding = &mut self.findings[index];
                 finding.header_executions = finding.header_executions.max(count);
+                finding.repeats_so_far += count - 1;
+                self.end_inner(index);
                 return exits;
             };
             let late = self.limits[index].is_some_and(|limit| count > limit);
@@ -135,6 +143,26 @@ impl Execution<'_, '_> {
             state = back;
         }
         self.run_unbounded(index, entry.join(&state), exits)
+    }
+
+    fn inner(&self, index: usize) -> Vec<usize> {
+        let loops = &self.forest.loops;
+        let all = 0..loops.len();
+        all.filter(|inner| loops[*inner].parent == Some(index))
+            .collect()
+    }
+
+    fn start_inner(&mut self, index: usize) {
+        for inner in self.inner(index) {
+            self.findings[inner].repeats_so_far = 0;
+        }
+    }
+
+    fn end_inner(&mut self, index: usize) {
+        for inner in self.inner(index) {
+            let finding = &mut self.findings[inner];
+            finding.repeats = finding.repeats.max(finding.repeats_so_far);
+        }
     }
 
     fn exit_count(&self, index: usize) -> usize {

@@ -7,7 +7,8 @@ use crate::image::Image;
 use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An address and a state; `copy` is the call that a switch helper is copied for, otherwise 0.
+/// An address and a state; `copy` is the call that a switch helper or a
+/// local subroutine is copied for, otherwise 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Node {
     /// See above.
@@ -126,13 +127,28 @@ impl Explorer<'_> {
         }])
     }
 
+    /// A call of a place within the function: a local subroutine, which may also return for the
+    /// function itself. It is copied for each call.
+    fn is_local(&self, site: u32, target: u32) -> bool {
+        let names = self.image.names_at(target);
+        !self.image.starts_function(target)
+            && !names.is_empty()
+            && names == self.image.names_at(site)
+    }
+
     /// The kind of an instruction that may leave the straight line.
     fn transfer(&self, node: Node, instruction: &Instruction) -> Result<Option<Transfer>, Error> {
         let pc = node.address.wrapping_add(2 * instruction.size);
         Ok(Some(match &instruction.operation {
             Operation::Branch { offset, link } => {
                 let target = (pc.wrapping_add(*offset), node.thumb);
-                if *link {
+                if *link && self.is_local(node.address, target.0) {
+                    Transfer::Jump(vec![Node {
+                        copy: node.address,
+                        address: target.0,
+                        thumb: node.thumb,
+                    }])
+                } else if *link {
                     Transfer::Call(vec![target])
                 } else {
                     self.direct(node, target)

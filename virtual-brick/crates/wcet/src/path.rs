@@ -4,7 +4,9 @@
 //!
 //! A loop whose header executes at most n times costs at most n - 1 times its dearest way back
 //! and one way out. From the innermost loop outwards that is the optimum of implicit path
-//! enumeration (Li and Malik 1995) under these bounds, found without a solver.
+//! enumeration (Li and Malik 1995) under these bounds, found without a solver. Where an inner loop
+//! is known to repeat less often in all than its bound times the outer loop's, its repetitions are
+//! charged to the outer loop as a whole.
 
 use crate::flow::{Flow, Target};
 use crate::loops::{Forest, Item};
@@ -23,6 +25,9 @@ pub struct Problem<'a> {
     pub cycles: &'a [Vec<Option<u64>>],
     /// Header executions for each loop; `None` when unknown.
     pub bounds: &'a [Option<u64>],
+    /// For each inner loop: header executions beyond the first of each entry, in all for one
+    /// entry of the loop around it; `None` when unknown.
+    pub repeats: &'a [Option<u64>],
 }
 
 /// The longest path as how often it passes each block.
@@ -181,7 +186,15 @@ impl Solver<'_> {
                         1
                     }
                 };
-                let again = ways.back.map_or(0, |(cycles, _)| cycles) * (bound - 1);
+                let own = match self.lump(index) {
+                    Some(_) => 0,
+                    None => bound - 1,
+                };
+                let mut again = ways.back.map_or(0, |(cycles, _)| cycles) * own;
+                for (inner, times) in self.lumps(index) {
+                    let back = self.ways.get(&inner).and_then(|ways| ways.back);
+                    again += times * back.map_or(0, |(cycles, _)| cycles);
+                }
                 let exits = ways.exits.iter();
                 let leaving = exits
                     .map(|(edge, (cycles, _))| (*edge, again + cycles, Via::Loop(index, *edge)))
@@ -190,6 +203,22 @@ impl Solver<'_> {
                 leaving
             }
         }
+    }
+
+    /// Repetitions of a loop that are charged to the loop around it.
+    fn lump(&self, index: usize) -> Option<u64> {
+        let parent = self.problem.forest.loops[index].parent?;
+        let apart = self.problem.bounds[parent]? * self.problem.bounds[index]?.saturating_sub(1);
+        self.problem.repeats[index].filter(|repeats| *repeats < apart)
+    }
+
+    /// Inner loops whose repetitions are charged to this one.
+    fn lumps(&self, index: usize) -> Vec<(usize, u64)> {
+        let loops = &self.problem.forest.loops;
+        let inner = (0..loops.len()).filter(|inner| loops[*inner].parent == Some(index));
+        inner
+            .filter_map(|inner| Some((inner, self.lump(inner)?)))
+            .collect()
     }
 
     fn follow(
@@ -248,8 +277,15 @@ impl Solver<'_> {
         if let Some((_, via)) = ways.exits.get(&exit) {
             self.count(ways, *via, times, counts);
         }
-        if let (Some((_, via)), Some(bound)) = (ways.back, self.problem.bounds[index]) {
+        if let (Some((_, via)), Some(bound), None) =
+            (ways.back, self.problem.bounds[index], self.lump(index))
+        {
             self.count(ways, via, times * (bound.max(1) - 1), counts);
+        }
+        for (inner, repeats) in self.lumps(index) {
+            if let Some((way, (_, via))) = self.ways.get(&inner).and_then(|w| Some((w, w.back?))) {
+                self.count(way, via, times * repeats, counts);
+            }
         }
     }
 }

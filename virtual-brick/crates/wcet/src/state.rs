@@ -250,14 +250,26 @@ impl State {
 
     fn narrow(&mut self, side: &(Option<u32>, Value), (low, high): (u32, u32)) -> Option<()> {
         let bounded = low > 0 || high < u32::MAX;
-        let narrowed = match &side.1 {
-            Value::Based(..) if bounded => Value::range(low, high),
-            value => value.within(low, high)?,
-        };
+        if let (Value::Based(..), true) = (&side.1, bounded) {
+            self.replace(&side.1, &Value::range(low, high));
+            return Some(());
+        }
+        let narrowed = side.1.within(low, high)?;
         if let Some(register) = side.0.and_then(|n| self.registers.get_mut(n as usize)) {
             *register = narrowed;
         }
         Some(())
+    }
+
+    /// Learns what an unknown value is, wherever it is held.
+    fn replace(&mut self, unknown: &Value, known: &Value) {
+        let registers = self.registers.iter_mut();
+        for value in registers
+            .chain(self.slots.values_mut())
+            .filter(|value| *value == unknown)
+        {
+            value.clone_from(known);
+        }
     }
 
     /// After a call of a function that does not preserve the registers in `changed`.

@@ -242,14 +242,20 @@ fn classify(
         return Transfer::TailCall(targets);
     }
     let nodes = targets.iter().map(|(address, thumb)| Node {
-        // The end of a switch helper leads back to the function's own code.
-        copy: if program.image.names_at(*address) == program.image.names_at(node.address) {
-            node.copy
-        } else {
+        copy: if returns_from_copy(program, node, *address) {
             0
+        } else {
+            node.copy
         },
         address: *address,
         thumb: *thumb,
     });
     Transfer::Jump(nodes.collect())
+}
+
+/// Back from a switch helper or a local subroutine to the code that called it.
+fn returns_from_copy(program: &Program<'_>, node: Node, target: u32) -> bool {
+    let size = if node.thumb { 2 } else { 4 };
+    target == node.copy.wrapping_add(size)
+        || program.image.names_at(target) != program.image.names_at(node.address)
 }

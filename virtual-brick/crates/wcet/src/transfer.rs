@@ -224,7 +224,15 @@ impl Step<'_> {
             if transfer.write_back {
                 self.state.set(transfer.base, moved);
             }
+            let unknown = loaded == Value::Top && transfer.register != 15;
             self.write(effects, transfer.register, loaded);
+            if let (Value::Stack(offset), true, Width::Word) = (&address, unknown, transfer.width) {
+                if offset % 4 == 0 {
+                    self.state
+                        .slots
+                        .insert(*offset, Value::Based(self.address, 0));
+                }
+            }
         } else {
             let stored = self.read(transfer.register);
             self.store(&address, transfer.width, stored);
