@@ -65,6 +65,8 @@ package NXT.Registers.PIO is
    SPI_Output       : constant Line := 13;
    SPI_Clock        : constant Line := 14;
 
+   Sound_Output     : constant Line := 17;
+
    type Motor_Lines is array (Motor_Id) of Line;
    Tachometer : constant Motor_Lines := (Motor_A => 15, Motor_B => 26, Motor_C => 0);
    Direction  : constant Motor_Lines := (Motor_A => 1, Motor_B => 9, Motor_C => 8);

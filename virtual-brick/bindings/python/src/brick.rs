@@ -84,6 +84,13 @@ impl VirtualBrick {
         PyBytes::new(py, &self.0.lcd())
     }
 
+    #[pyo3(signature = (from_cycles = 0))]
+    fn sound<'py>(&self, py: Python<'py>, from_cycles: u64) -> Bound<'py, PyBytes> {
+        let samples = self.0.sound(from_cycles);
+        let bytes: Vec<u8> = samples.into_iter().flat_map(i16::to_le_bytes).collect();
+        PyBytes::new(py, &bytes)
+    }
+
     fn symbol(&self, name: &str) -> PyResult<(u32, u32)> {
         let symbol = self
             .0

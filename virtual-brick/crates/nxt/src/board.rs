@@ -6,7 +6,7 @@
 //! plant, co-processor, sensors, report of the display. An input acts at once on what the co-processor
 //! samples, and on the plant from its next step.
 
-use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, TwiReply};
+use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, SoundBits, TwiReply};
 use plant::{MotorDrive, ParameterError, RobotParameters};
 
 use crate::battery::Battery;
@@ -18,6 +18,7 @@ use crate::event::{BoardEvent, BoardEventKind, BoardFault, EventLog};
 use crate::inputs::{self, InputDescription, InputError, Target};
 use crate::physics::Physics;
 use crate::ports::{Ports, PORT_LINES};
+use crate::sound::{Recording, SAMPLE_CYCLES};
 use crate::time::{microseconds, milliseconds, NEVER};
 
 const DISPLAY_SELECT: u32 = 1 << 10;
@@ -52,6 +53,7 @@ pub struct NxtBoard {
     outputs: PinOutputs,
     addressed: bool,
     phase: Cycles,
+    sound: Recording,
     log: EventLog,
 }
 
@@ -97,6 +99,7 @@ impl NxtBoard {
             outputs: PinOutputs::default(),
             addressed: false,
             phase,
+            sound: Recording::default(),
             log: EventLog::default(),
         })
     }
@@ -126,6 +129,13 @@ impl NxtBoard {
         (1..=4)
             .contains(&port)
             .then(|| self.coprocessor.sensor_supply(port - 1))
+    }
+
+    /// Sound played from one cycle to another as signed 16-bit samples of
+    /// [`crate::SOUND_SAMPLE_CYCLES`] cycles.
+    #[must_use]
+    pub fn sound(&self, from: Cycles, to: Cycles) -> Vec<i16> {
+        self.sound.samples(from / SAMPLE_CYCLES, to / SAMPLE_CYCLES)
     }
 
     /// Some event happened since the last call of [`Self::take_events`].
@@ -327,6 +337,10 @@ impl Board for NxtBoard {
 
     fn powered(&self) -> bool {
         self.coprocessor.powered()
+    }
+
+    fn sound_bits(&mut self, now: Cycles, sound: SoundBits) {
+        self.sound.add(now, sound);
     }
 
     fn observe(&mut self, now: Cycles, event: ChipEvent) {

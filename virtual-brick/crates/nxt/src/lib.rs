@@ -23,6 +23,7 @@ mod physics;
 mod ports;
 mod sensors;
 mod signals;
+mod sound;
 mod time;
 
 pub use battery::{BatteryConfiguration, BatteryKind};
@@ -33,3 +34,4 @@ pub use coprocessor::{MotorCommand, SensorSupply};
 pub use display::{Display, Picture, COLUMNS, ROWS};
 pub use event::{BoardEvent, BoardEventKind, BoardFault, PowerOffReason};
 pub use inputs::{InputDescription, InputError};
+pub use sound::SAMPLE_CYCLES as SOUND_SAMPLE_CYCLES;

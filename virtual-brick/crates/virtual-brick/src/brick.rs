@@ -194,6 +194,13 @@ impl VirtualBrick {
         self.chip.board().display().picture().to_bytes()
     }
 
+    /// Sound played so far from a cycle on: signed 16-bit samples of
+    /// [`nxt::SOUND_SAMPLE_CYCLES`] cycles.
+    #[must_use]
+    pub fn sound(&self, from_cycles: u64) -> Vec<i16> {
+        self.chip.board().sound(from_cycles, self.chip.now())
+    }
+
     /// The threads of the program; empty when they cannot be observed.
     #[must_use]
     pub fn threads(&self) -> Vec<Thread> {
