@@ -1,0 +1,214 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Costs of the run-time in cycles, measured on the virtual brick.
+
+`python -m runtime.benchmarks.measure` from the project's folder prints them as JSON. The programs
+of this folder time themselves with a timer of the chip that counts every second cycle; releases
+by `delay until` and the work of the idle processor are observed from outside, to the cycle.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypedDict
+
+import numpy as np
+import virtual_brick
+
+__all__ = ["FigureRow", "figures"]
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
+
+CYCLES_PER_SECOND = 336_384_000 / 7
+LIMIT_SECONDS = 60
+LEAST_SAMPLES = 1_000
+IDLE = 0xFFFF_FFFF
+
+BENCH = {
+    "seed": 1,
+    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
+    "body": {"kind": "bench"},
+}
+
+EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")])
+
+# Order of the program's figures, and those that are reduced by what the measuring costs
+COSTS = (
+    "two readings of the timer",
+    "plain call",
+    "protected procedure",
+    "voluntary switch",
+    "suspension object to task",
+    "entry opened to task",
+    "interrupt to handler",
+    "interrupt to task",
+)
+LESS_READING = COSTS[3:]
+
+
+class FigureRow(TypedDict):
+    """One figure; `best`, `mean` and `worst` in `unit`."""
+
+    figure: str
+    best: float
+    mean: float
+    worst: float
+    unit: str
+    samples: int
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a program keeps of its samples, in cycles."""
+
+    count: int
+    best: int
+    worst: int
+    total: int
+
+    def row(self, figure: str, less: int = 0) -> FigureRow:
+        """The summary with `less` cycles subtracted from each sample."""
+        if self.count < LEAST_SAMPLES:
+            raise RuntimeError(f"{figure}: {self.count} samples, expected {LEAST_SAMPLES}")
+        mean = self.total / self.count
+        return _row(figure, self.best - less, mean - less, self.worst - less, self.count)
+
+
+def _row(figure: str, best: float, mean: float, worst: float, samples: int) -> FigureRow:
+    return {
+        "figure": figure,
+        "best": best,
+        "mean": round(mean, 1),
+        "worst": worst,
+        "unit": "cycles",
+        "samples": samples,
+    }
+
+
+def _build(program: str, image: str, code: str) -> bytes:
+    """The image of a program of this folder, with the run-time in the same state."""
+    products = PRODUCTS / "runtime"
+    library = products / ("ravenscar-thumb" if code == "thumb" else "ravenscar")
+    subprocess.run(
+        ["make", "-s", "-C", str(ROOT / "runtime"), f"BUILD={products}", f"CODE={code}"],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    folder = products / "benchmarks" / code
+    subprocess.run(
+        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
+         "-P", str(HERE / "benchmarks.gpr"), f"-XPROGRAM={program}", f"-XIMAGE={image}",
+         f"-XCODE={code}", f"-XBUILD={folder}"],
+        check=True,
+        env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(library)},
+    )  # fmt: skip
+    return (folder / program / image / f"{program}.elf").read_bytes()
+
+
+def _run(program: str, image: str, code: str) -> virtual_brick.VirtualBrick:
+    """The brick when the program has finished its measurements."""
+    brick = virtual_brick.VirtualBrick(json.dumps(BENCH), _build(program, image, code))
+    for second in range(1, LIMIT_SECONDS + 1):
+        stop = brick.run_until(round(second * CYCLES_PER_SECOND))
+        if stop.reason != "reached":
+            raise RuntimeError(f"benchmark '{program}' stopped: {stop.message}")
+        if brick.read_int("finished", "u8"):
+            return brick
+    raise RuntimeError(f"benchmark '{program}' has not finished after {LIMIT_SECONDS} s")
+
+
+def _summaries(brick: virtual_brick.VirtualBrick, count: int) -> list[Summary]:
+    """The program's `results`: count, best, worst and sum of each figure."""
+    address, _ = brick.symbol("results")
+    words = np.frombuffer(brick.read_memory(address, 16 * count), "<u4").reshape(count, 4)
+    return [Summary(*map(int, row)) for row in words]
+
+
+def _costs(image: str, code: str) -> list[FigureRow]:
+    """Primitives, less the reading of the timer and, for the protected procedure, less a call."""
+    found = dict(zip(COSTS, _summaries(_run("costs", image, code), len(COSTS)), strict=True))
+    reading = found["two readings of the timer"].best
+    rows = [found["protected procedure"].row("protected procedure", found["plain call"].best)]
+    return rows + [found[name].row(name, reading) for name in LESS_READING]
+
+
+def _load(image: str, code: str) -> list[FigureRow]:
+    """Latency of the highest level under load, and the masked time that explains its growth."""
+    (latency,) = _summaries(_run("load", image, code), 1)
+    masked = latency.row("masked section seen by the highest level", less=latency.best)
+    return [latency.row("interrupt to handler under load"), masked]
+
+
+def _delays(image: str, code: str) -> list[FigureRow]:
+    """From the nominal wake-up time until the kernel selects the task, and work while idle.
+
+    A latency holds up to 16 cycles until the next tick of the clock. Work while idle is the
+    cycles per second in which the processor is not stopped though no task is ready.
+    """
+    brick = _run("delays", image, code)
+    numbers = {name: number for number, name in brick.event_kinds().items()}
+    events = np.frombuffer(brick.events(), EVENT)
+    running = events[events["kind"] == numbers["thread_running"]]
+    address, size = brick.symbol("released__delayed")
+    (task,) = (
+        index
+        for index, thread in enumerate(brick.threads())
+        if address <= thread.address < address + size
+    )
+    releases = events[(events["kind"] == numbers["release"]) & (events["subject"] == task)]
+    nominal = releases["value"][1:]
+    starts = running["at"][running["subject"] == task].astype(np.int64)
+    positions = np.searchsorted(starts, nominal)
+    latencies = starts[positions[positions < len(starts)]] - nominal[positions < len(starts)]
+    pause = int(np.argmax(np.diff(nominal))) + 1
+    rows = [
+        _latency_row("delay until, idle processor", latencies[1:pause]),
+        _latency_row("delay until, busy processor", latencies[pause + 1 :]),
+    ]
+    begin, end = int(starts[positions[pause - 1]]), int(nominal[pause])
+    return [*rows, _idle_row(events, numbers, begin, end)]
+
+
+def _latency_row(figure: str, latencies: np.ndarray) -> FigureRow:
+    if len(latencies) < LEAST_SAMPLES:
+        raise RuntimeError(f"{figure}: {len(latencies)} samples, expected {LEAST_SAMPLES}")
+    best, worst = int(latencies.min()), int(latencies.max())
+    return _row(figure, best, float(latencies.mean()), worst, len(latencies))
+
+
+def _idle_row(events: np.ndarray, numbers: dict[str, int], begin: int, end: int) -> FigureRow:
+    """Cycles of each wake-up between `begin` and `end`, by second."""
+    inside = events[(events["at"] > begin) & (events["at"] < end)]
+    stopped = inside["at"][inside["kind"] == numbers["processor_stopped"]].astype(np.int64)
+    resumed = inside["at"][inside["kind"] == numbers["processor_resumed"]].astype(np.int64)
+    awake = [
+        int(stopped[stopped > instant].min()) - int(instant)
+        for instant in resumed
+        if (stopped > instant).any()
+    ]
+    per_second = sum(awake) / ((end - begin) / CYCLES_PER_SECOND)
+    mean = round(per_second, 1)
+    row = _row("work while idle, per second", mean, mean, mean, len(awake))
+    return {**row, "unit": "cycles/s"}
+
+
+def figures(image: str = "ram", code: str = "arm") -> list[FigureRow]:
+    """All figures, programs and run-time in one image and state ("arm" or "thumb").
+
+    `image` is "ram" or "flash".
+
+    Raises:
+        RuntimeError: A program failed or took fewer samples than it should.
+        subprocess.CalledProcessError: A program could not be built.
+    """
+    return [*_costs(image, code), *_load(image, code), *_delays(image, code)]
+
+
+if __name__ == "__main__":
+    print(json.dumps(figures(), indent=2))
