@@ -23,7 +23,7 @@ from ravenbrick.target import build, virtual
 from ravenbrick.target.workspace import Workspace
 
 Edit = Callable[[str, str, str], int]
-COMMANDS = ("design", "build", "run", "report", "demo", "doctor")
+COMMANDS = ("design", "build", "run", "export", "report", "demo", "doctor")
 DRIVE = "scenarios/drive.toml"
 
 
@@ -255,6 +255,7 @@ def test_the_demo_leaves_report_pictures_and_summary(demo: tuple[Path, Result]) 
     folder, result = demo
     assert result.exit_code == 0, result.output
     assert {path.name for path in folder.glob("*.png")} == {
+        "dynamics.png",
         "lcd-1.png",
         "lcd-2.png",
         "path.png",
@@ -290,7 +291,7 @@ def test_the_report_stands_alone_and_says_what_it_must(demo: tuple[Path, Result]
     page = (demo[0] / "report.html").read_text()
     assert not re.search(r'(?:src|href)="(?!data:)', page)
     assert "<script" not in page and "@import" not in page
-    assert page.count('src="data:image/png;base64,') == 7
+    assert page.count('src="data:image/png;base64,') == 8
     for part in (
         "Step response",
         "continuous design",

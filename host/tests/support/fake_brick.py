@@ -178,5 +178,5 @@ class VirtualBrick:
         }
 
     def trace_digest(self) -> str:
-        head = json.dumps([self._configuration, self._inputs], sort_keys=True).encode()
+        head = json.dumps([self._configuration, sorted(self._inputs)], sort_keys=True).encode()
         return hashlib.sha256(head + self.events() + self._elf).hexdigest()

@@ -11,10 +11,10 @@ import pytest
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.schemas import schema
+from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.clock import MASTER_CLOCK
 
 Edit = Callable[[str, str, str], int]
 

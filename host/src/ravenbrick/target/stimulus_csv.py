@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator
+from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from ravenbrick.target.clock import Clock
 from ravenbrick.target.stimulus import Channels, Sequence
 
 __all__ = ["read"]
+
+LARGEST_EXPONENT = 300
 
 
 def _units(clock: Clock) -> dict[str, Fraction]:
@@ -43,10 +46,16 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def _number(path: Path, line: int, column: str, cell: str) -> Fraction:
+    """An exact number; its size is limited, so that no cell takes long to read."""
     try:
-        return Fraction(cell)
-    except (ValueError, ZeroDivisionError):
+        number = Decimal(cell)
+    except InvalidOperation:
         raise ProjectFileError(path, line, column, f"is '{cell}'; expected a number") from None
+    if not number.is_finite() or abs(number.adjusted()) > LARGEST_EXPONENT:
+        if number != 0:
+            raise ProjectFileError(path, line, column, f"is '{cell}'; expected a finite number")
+        return Fraction(0)
+    return Fraction(number)
 
 
 def _head(

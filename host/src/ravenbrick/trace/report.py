@@ -13,9 +13,11 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ravenbrick.trace.design import Design
+from ravenbrick.trace.dynamics import handler_dynamics, task_dynamics
 from ravenbrick.trace.motion import SPEED_FILTER
 from ravenbrick.trace.plots import (
     cyclic_begin_cycles,
+    dynamics_figure,
     first_release_cycles,
     lcd_figure,
     path_figure,
@@ -59,6 +61,8 @@ def figures_of(evidence: Evidence) -> Iterator[tuple[str, Figure]]:
         )
         yield "schedule", schedule_figure(evidence.robot, recording, begin)
         yield "schedule-cyclic", schedule_figure(evidence.robot, recording, cyclic)
+        tasks = task_dynamics(evidence.robot, recording)
+        yield "dynamics", dynamics_figure(recording.clock, tasks, handler_dynamics(recording))
         yield "tasks", tasks_figure(drive.recording, drive.measures)
         for number, picture in enumerate(drive.recording.pictures, 1):
             yield f"lcd-{number}", lcd_figure(picture)
@@ -197,6 +201,12 @@ def _schedule_section(run: Run, images: dict[str, bytes]) -> str:
         + _image(
             images["schedule-cyclic"],
             "50 ms from the instant at which the last cyclic task begins its cycle",
+        )
+        + _image(
+            images["dynamics"],
+            "All jobs and all calls of interrupt handlers of the run; counts on a logarithmic "
+            "scale. Blocked: the processor was with tasks of lower base priority between release "
+            "and completion",
         )
     )
 

@@ -14,6 +14,7 @@ from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.scenario import Scenario
 from ravenbrick.trace.design import Design
+from ravenbrick.trace.dynamics import dynamics_summary
 from ravenbrick.trace.measures import CriterionResult, RunMeasures, StepRecord
 from ravenbrick.trace.motion import SPEED_FILTER
 from ravenbrick.trace.recording import Recording
@@ -147,6 +148,7 @@ def summary(evidence: Evidence) -> dict[str, Any]:
         "same_digest_twice": evidence.same_digest_twice,
         "cpu_utilization": drive.measures.utilization.busy if drive else None,
         "tasks": _tasks(drive) if drive else {},
+        "dynamics": dynamics_summary(evidence.robot, drive.recording) if drive else None,
         "speed_filter": SPEED_FILTER,
         "clock_hz": [hertz.numerator, hertz.denominator] if hertz else None,
         "design": dict(evidence.design.figures) if evidence.design else None,

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from ravenbrick.trace.plots.dynamics import dynamics_figure
 from ravenbrick.trace.plots.lcd import lcd_figure
 from ravenbrick.trace.plots.path import path_figure
 from ravenbrick.trace.plots.schedule import (
@@ -17,6 +18,7 @@ from ravenbrick.trace.plots.tasks import tasks_figure
 
 __all__ = [
     "cyclic_begin_cycles",
+    "dynamics_figure",
     "first_release_cycles",
     "lcd_figure",
     "path_figure",

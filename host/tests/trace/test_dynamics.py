@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from host.tests.support.recordings import preempted
+
+from ravenbrick.target.robot import Robot
+from ravenbrick.trace.dynamics import (
+    TaskDynamics,
+    dynamics_summary,
+    handler_dynamics,
+    histogram,
+    task_dynamics,
+)
+from ravenbrick.trace.plots import dynamics_figure
+
+
+@pytest.fixture
+def tasks(robot: Robot) -> dict[str, TaskDynamics]:
+    """The tasks of the made recording."""
+    return {task.name: task for task in task_dynamics(robot, preempted())}
+
+
+def test_tasks_come_by_falling_priority(tasks: dict[str, TaskDynamics]) -> None:
+    """The most urgent is shown first."""
+    assert list(tasks) == ["urgent", "worker"]
+
+
+def test_a_preempted_job_is_counted_once_per_loss(tasks: dict[str, TaskDynamics]) -> None:
+    """Interrupts are no preemptions, and giving up the processor at the end is none."""
+    assert tasks["worker"].preemptions.tolist() == [1]
+    assert tasks["urgent"].preemptions.tolist() == [0, 0]
+
+
+def test_the_time_of_a_job_is_shared_out_without_remainder(tasks: dict[str, TaskDynamics]) -> None:
+    """By hand, from 1000 to 6000: own 490 + 405 + 30 + 2960, urgent 910, handlers 195."""
+    worker = tasks["worker"]
+    assert worker.response_time_cycles.tolist() == [5000]
+    assert worker.execution_cycles.tolist() == [3885]
+    assert worker.interference_cycles.tolist() == [910]
+    assert worker.interrupt_cycles.tolist() == [195]
+    assert worker.blocking_cycles.tolist() == [0]
+
+
+def test_blocking_is_lower_tasks_between_release_and_completion(
+    tasks: dict[str, TaskDynamics],
+) -> None:
+    """Nominal release 2000: the worker runs on for 5 cycles, and 30 in the kernel's switch."""
+    urgent = tasks["urgent"]
+    assert urgent.blocking_cycles.tolist() == [35, 0]
+    assert urgent.release_latency_cycles.tolist() == [130, 1210]
+    assert urgent.execution_cycles.tolist() == [870, 790]
+
+
+def test_handlers_are_told_apart_by_their_source() -> None:
+    """Durations and intervals of each source."""
+    twi, timer = handler_dynamics(preempted())
+    assert (twi.name, twi.duration_cycles.tolist()) == ("TWI", [100])
+    assert twi.interval_jitter_cycles is None
+    assert (timer.name, timer.duration_cycles.tolist()) == ("TC0", [95, 200])
+    assert timer.interval_cycles.tolist() == [97_995]
+    assert timer.interval_jitter_cycles == 0
+
+
+@pytest.mark.parametrize("values", [[5], [0, 39], [0, 40], [7, 7, 7], list(range(1000))])
+def test_a_histogram_holds_every_value_once(values: list[int]) -> None:
+    """At most 40 bins of equal whole width, from the smallest to the largest value."""
+    found = histogram(np.array(values, np.int64))
+    assert found.counts.sum() == len(values)
+    assert found.counts[0] > 0
+    assert found.counts[-1] > 0
+    assert len(found.counts) <= 40
+    widths = set(np.diff(found.edges_cycles).tolist())
+    assert len(widths) == 1
+    assert np.array_equal(np.histogram(values, found.edges_cycles)[0], found.counts)
+
+
+def test_no_values_make_an_empty_histogram() -> None:
+    """Nothing is invented."""
+    assert histogram(np.zeros(0, np.int64)).counts.size == 0
+
+
+def test_the_summary_and_the_picture_name_every_task_and_source(robot: Robot) -> None:
+    """A row per task and per interrupt source."""
+    recording = preempted()
+    summary = dynamics_summary(robot, recording)
+    assert summary["tasks"]["worker"]["preemptions"] == 1
+    assert summary["interrupts"]["TC0"]["duration_cycles"] == {"min": 95, "mean": 147.5, "max": 200}
+    figure = dynamics_figure(
+        recording.clock, task_dynamics(robot, recording), handler_dynamics(recording)
+    )
+    texts = [text.get_text() for axis in figure.axes for text in axis.texts]
+    for name in ("urgent", "worker", "interrupt TWI", "interrupt TC0"):
+        assert any(text.startswith(name) for text in texts), name
