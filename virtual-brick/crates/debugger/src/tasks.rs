@@ -189,10 +189,19 @@ fn interrupted(brick: &VirtualBrick) -> [Option<u32>; CPSR + 1] {
     core
 }
 
-/// The saved context of a task that does not run.
+/// An ARM instruction of the image could lie here: a context of another run-time is not one.
+fn is_code(brick: &VirtualBrick, address: u32) -> bool {
+    address % 4 == 0
+        && brick.image().segments().iter().any(|segment| {
+            let offset = address.wrapping_sub(segment.address) as usize;
+            offset < segment.bytes.len()
+        })
+}
+
+/// The saved context of a task that does not run; none when there is none.
 fn waiting(brick: &VirtualBrick, block: u32) -> Option<[Option<u32>; CPSR + 1]> {
     let top = word(brick, block.wrapping_add(STACK_POINTER))?;
-    let goes_on_at = word(brick, top)?;
+    let goes_on_at = word(brick, top).filter(|address| is_code(brick, *address))?;
     let mut core = [None; CPSR + 1];
     let offsets = (0u32..).step_by(4);
     let preempted = TAKES_UP_PREEMPTED
