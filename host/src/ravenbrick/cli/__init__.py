@@ -9,6 +9,7 @@ from ravenbrick.cli.build import build_command
 from ravenbrick.cli.demo import demo_command
 from ravenbrick.cli.design import design_command
 from ravenbrick.cli.doctor import doctor_command
+from ravenbrick.cli.export import export_command
 from ravenbrick.cli.report import report_command
 from ravenbrick.cli.run import run_command
 from ravenbrick.cli.schedule import schedule_command
@@ -18,6 +19,7 @@ __all__ = [
     "demo_command",
     "design_command",
     "doctor_command",
+    "export_command",
     "main",
     "report_command",
     "run_command",
