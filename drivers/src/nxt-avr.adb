@@ -18,7 +18,7 @@ package body NXT.AVR is
    --  Periods in which the co-processor is left alone before and after the greeting, 20 ms
    Quiet_Periods : constant := 10;
 
-   --  Consecutive failures after which the bus is reset and the greeting repeated
+   --  Consecutive failures in one direction after which the link is lost
    Tolerated_Failures : constant := 3;
 
    Start : constant Time := Clock + Milliseconds (2);
@@ -29,6 +29,7 @@ package body NXT.AVR is
       procedure Set_Motor (Motor : Motor_Id; Duty : PWM_Value; Brake : Boolean);
       procedure Set_Supply (Port : Sensor_Id; Supply : Sensor_Power);
       procedure Switch_Off;
+      procedure Brake_Motors;
       function Outputs return AVR_IO.Outputs;
       procedure Put_Inputs (Values : AVR_IO.Inputs);
       function Inputs return AVR_IO.Inputs;
@@ -40,7 +41,8 @@ package body NXT.AVR is
    end Shared;
 
    Errors : Error_Count := 0 with Atomic;
-   --  Written by the link's task only.
+   Losses : Error_Count := 0 with Atomic;
+   --  Both written by the link's task only.
 
    task Coprocessor_Task with
      Priority     => Priorities.Coprocessor_Task,
@@ -67,6 +69,12 @@ package body NXT.AVR is
          Commands.Power := AVR_IO.Switch_Off;
       end Switch_Off;
 
+      procedure Brake_Motors is
+      begin
+         Commands.Duties := AVR_IO.All_Stopped.Duties;
+         Commands.Brakes := AVR_IO.All_Stopped.Brakes;
+      end Brake_Motors;
+
       function Outputs return AVR_IO.Outputs is (Commands);
 
       procedure Put_Inputs (Values : AVR_IO.Inputs) is
@@ -87,11 +95,13 @@ package body NXT.AVR is
    --  What the transfer that may still run is for
    type Transfer_Purpose is (Nothing, Text, Commands, Readings);
 
+   type Failure_Counts is array (Transfer_Purpose) of Natural;
+
    type Link is record
       State        : Link_State := Silent;
       Purpose      : Transfer_Purpose := Nothing;
       Quiet_Left   : Natural := 0;
-      Failures     : Natural := 0;
+      Failures     : Failure_Counts := (others => 0);
       Inputs_Next  : Boolean := True;
    end record;
 
@@ -108,6 +118,14 @@ package body NXT.AVR is
       Intact := Judgement /= AVR_IO.Corrupt;
    end Take_Readings;
 
+   --  Motors that nobody commands anew stay braked when the link is back.
+   procedure Lose (This : in out Link) is
+   begin
+      This.State := Silent;
+      Losses := Losses + 1;
+      Shared.Brake_Motors;
+   end Lose;
+
    --  Judge the transfer of the period before. One that has not ended by now never will.
    procedure Complete_Transfer (This : in out Link) is
       Good : Boolean := TWI.Status = TWI.Done;
@@ -116,13 +134,13 @@ package body NXT.AVR is
          Take_Readings (Good);
       end if;
       if Good or else This.Purpose = Nothing then
-         This.Failures := 0;
+         This.Failures (This.Purpose) := 0;
       else
          Errors := Errors + 1;
-         This.Failures := This.Failures + 1;
+         This.Failures (This.Purpose) := This.Failures (This.Purpose) + 1;
       end if;
-      if TWI.Status = TWI.Busy or else This.Failures > Tolerated_Failures then
-         This.State := Silent;
+      if TWI.Status = TWI.Busy or else This.Failures (This.Purpose) > Tolerated_Failures then
+         Lose (This);
       end if;
       This.Purpose := Nothing;
    end Complete_Transfer;
@@ -151,7 +169,7 @@ package body NXT.AVR is
       case This.State is
          when Silent =>
             TWI.Reset;
-            This.Failures := 0;
+            This.Failures := (others => 0);
             This.Quiet_Left := Quiet_Periods;
             This.State := Quiet;
          when Quiet =>
@@ -221,5 +239,7 @@ package body NXT.AVR is
    function Raw_Battery return Interfaces.Unsigned_16 is (Shared.Inputs.Battery_Word);
 
    function Link_Errors return Error_Count is (Errors);
+
+   function Link_Losses return Error_Count is (Losses);
 
 end NXT.AVR;

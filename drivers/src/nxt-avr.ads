@@ -58,6 +58,13 @@ package NXT.AVR with Elaborate_Body is
    function Link_Errors return Error_Count;
    --  Transfers that failed, did not end in time or had a wrong sum, since the start.
 
+   function Link_Losses return Error_Count;
+   --  How often the link was lost: a transfer did not end, or four in a row failed in one
+   --  direction. The bus is then reset and the co-processor greeted, which takes 40 ms, until it
+   --  answers. The first outputs after that brake every motor that was not commanded since the
+   --  loss; inputs stay those of the last good frame. A co-processor that hears nothing goes on
+   --  with what it was told last.
+
 private
 
    Period : constant Ada.Real_Time.Time_Span := Ada.Real_Time.Milliseconds (2);

@@ -61,9 +61,7 @@ def test_the_lamp_lights_the_surface(brick: Callable[..., Brick]) -> None:
 
 
 @pytest.mark.parametrize(("db", "hertz"), [(70.0, 1000.0), (80.0, 100.0), (90.0, 1000.0)])
-def test_sound_is_plain_then_weighted(
-    brick: Callable[..., Brick], db: float, hertz: float
-) -> None:
+def test_sound_is_plain_then_weighted(brick: Callable[..., Brick], db: float, hertz: float) -> None:
     """The level is proportional to the pressure; dBA hears less of low tones."""
     device = brick("analogue_sensors", sensors=PORTS)
     device.set(10, "sound.2", db)

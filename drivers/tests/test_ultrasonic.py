@@ -75,9 +75,7 @@ def test_a_shorted_line_is_no_answer_until_it_is_free(
 
 
 @pytest.mark.parametrize("offset_ms", range(0, 48, 4))
-def test_unplugging_at_any_moment_is_survived(
-    brick: Callable[..., Brick], offset_ms: int
-) -> None:
+def test_unplugging_at_any_moment_is_survived(brick: Callable[..., Brick], offset_ms: int) -> None:
     """Whatever part of a transfer is cut, readings stop at once and come back with the sensor."""
     device = brick("ultrasonic", sensors=SONAR)
     device.set(10, "distance.4", 0.8)

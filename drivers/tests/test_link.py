@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""NXT.AVR when the co-processor's answers are wrong or do not come."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from drivers.tests.observe import Brick
+
+SENSORS = {"2": {"kind": "analogue"}}
+DRIVEN = {"A": (0, True), "B": (60, True), "C": (40, True)}
+AFTER_LOSS = {"A": (0, True), "B": (0, True), "C": (40, True)}
+FAULT_MS = 400.0
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_few_wrong_sums_are_tolerated(brick: Callable[..., Brick], count: int) -> None:
+    """They are counted, their values not used, and the motors go on."""
+    device = brick("link", sensors=SENSORS)
+    device.set(FAULT_MS, "fault.coprocessor_checksum", count)
+    device.run(FAULT_MS + 100)
+    assert (device.integer("errors"), device.integer("losses")) == (count, 0)
+    assert device.motors(at_ms=FAULT_MS + 100) == DRIVEN
+
+
+def test_inputs_stay_while_sums_are_wrong(brick: Callable[..., Brick]) -> None:
+    """A reading that changes in the meantime is seen when the first good frame comes."""
+    device = brick("link", sensors=SENSORS)
+    device.set(10, "sensor.2.raw", 300)
+    device.set(FAULT_MS, "fault.coprocessor_checksum", 40)
+    device.set(FAULT_MS + 10, "sensor.2.raw", 700)
+    device.run(FAULT_MS + 200)
+    assert device.integer("sensor") == 300
+    device.run(FAULT_MS + 1_000)
+    assert device.integer("sensor") == 700
+
+
+def test_many_wrong_sums_are_a_loss_that_brakes(brick: Callable[..., Brick]) -> None:
+    """A motor that is not commanded again stays braked, one that is goes on."""
+    device = brick("link", sensors=SENSORS)
+    device.set(FAULT_MS, "fault.coprocessor_checksum", 6)
+    device.run(FAULT_MS + 300)
+    assert (device.integer("errors"), device.integer("losses")) == (6, 1)
+    assert device.motors(at_ms=FAULT_MS - 10) == DRIVEN
+    assert device.motors(at_ms=FAULT_MS + 100) == AFTER_LOSS
+
+
+@pytest.mark.parametrize("offset_ms", [0.0, 0.2, 0.4, 1.0, 2.2])
+def test_a_hanging_bus_is_reset_until_it_is_free(
+    brick: Callable[..., Brick], offset_ms: float
+) -> None:
+    """Whatever part of a transfer hangs, exchange goes on within 50 ms of the end of the fault."""
+    device = brick("link", sensors=SENSORS)
+    device.set(10, "sensor.2.raw", 300)
+    device.set(FAULT_MS + offset_ms, "fault.twi_stuck", 1)
+    device.set(FAULT_MS + 500, "fault.twi_stuck", 0)
+    device.set(FAULT_MS + 500, "sensor.2.raw", 700)
+    device.run(FAULT_MS + 490)
+    losses = device.integer("losses")
+    assert losses > 5
+    assert device.integer("sensor") == 300
+    assert device.motors(at_ms=FAULT_MS + 490) == DRIVEN
+    device.run(FAULT_MS + 1_500)
+    assert device.integer("losses") <= losses + 2
+    assert device.integer("sensor") == 700
+    assert device.motors(at_ms=FAULT_MS + 600) == AFTER_LOSS
+    assert device.motors(at_ms=FAULT_MS + 1_500) == AFTER_LOSS
