@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What has no bound is refused with the place, and what the user says is used.
+
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+mod support;
+
+use support::machine::Machine;
+use support::toolchain::{build, program};
+use wcet::report::Report;
+use wcet::{Annotations, Error, Image, MemoryMap, Program};
+
+const ARM: [&str; 2] = ["-marm", "-O1"];
+const THUMB: [&str; 2] = ["-mthumb", "-O1"];
+
+fn bound(elf: &[u8], symbol: &str, facts: &str) -> Result<Report, Error> {
+    let image = Image::read(elf)?;
+    let map = MemoryMap::without_wait_states();
+    let annotations = Annotations::parse(facts, "facts.toml")?;
+    let program = Program::new(&image, &map, &annotations)?;
+    Report::new(&program, symbol)
+}
+
+/// Runs a check on the ARM and the Thumb code.
+fn on_both(check: impl Fn(&[u8])) {
+    for flags in [ARM, THUMB] {
+        if let Some(elf) = build("refused", &[program("refused.c")], &flags) {
+            check(&elf);
+        }
+    }
+}
+
+fn refusal(elf: &[u8], symbol: &str) -> String {
+    bound(elf, symbol, "").expect_err(symbol).to_string()
+}
+
+#[test]
+fn recursion_is_refused_with_the_line_of_the_call() {
+    on_both(|elf| {
+        let text = refusal(elf, "outer");
+        assert!(
+            text.contains("recursion") && text.contains("descend"),
+            "{text}"
+        );
+        assert!(text.contains("refused.c:11"), "{text}");
+    });
+}
+
+#[test]
+fn a_loop_without_bound_is_asked_for_by_line_and_accepted_by_line_or_symbol() {
+    on_both(|elf| {
+        let text = refusal(elf, "poll");
+        assert!(
+            text.contains("loop 0") && text.contains("refused.c:2"),
+            "{text}"
+        );
+        let by_symbol = "[[loop]]\nsymbol = \"poll\"\nindex = 0\niterations = 10\n";
+        let few = bound(elf, "poll", by_symbol).unwrap().bound_cycles;
+        let by_file = "[[loop]]\nfile = \"refused.c\"\niterations = 20\n";
+        let many = bound(elf, "poll", by_file).unwrap().bound_cycles;
+        assert!(few < many);
+        let seen = Machine::new(elf).call("poll", [0; 4]);
+        assert!(seen.cycles <= few);
+    });
+}
+
+#[test]
+fn an_indirect_call_is_refused_with_its_address() {
+    on_both(|elf| {
+        let text = refusal(elf, "through");
+        assert!(
+            text.contains("target of this branch") && text.contains("0x0020"),
+            "{text}"
+        );
+    });
+}
+
+#[test]
+fn an_indirect_call_is_bounded_by_the_dearest_of_its_given_targets() {
+    let Some(elf) = build("refused", &[program("refused.c")], &ARM) else {
+        return;
+    };
+    let with = |targets: &[&str]| {
+        let facts = format!("[[call]]\nsymbol = \"through\"\ntargets = {targets:?}\n");
+        bound(&elf, "through", &facts).unwrap().bound_cycles
+    };
+    let mut machine = Machine::new(&elf);
+    let both = with(&["first", "second"]);
+    for target in ["first", "second"] {
+        let step = machine.address(target);
+        let seen = machine.call("through", [step, 0x7FFF_FFFF, 0, 0]);
+        assert!(seen.cycles <= both);
+        assert_eq!(seen.cycles, with(&[target]));
+    }
+    assert!(with(&["first"]) < both);
+}
+
+#[test]
+fn endless_loops_second_entries_and_software_interrupts_are_refused() {
+    on_both(|elf| {
+        assert!(refusal(elf, "forever").contains("never returns"));
+        assert!(refusal(elf, "two_entries").contains("entered at two places"));
+        assert!(refusal(elf, "trap").contains("software interrupt"));
+    });
+}
+
+#[test]
+fn wrong_input_is_refused_with_its_name() {
+    on_both(|elf| {
+        let text = refusal(elf, "nothing");
+        assert!(text.contains("'nothing'"), "{text}");
+        let facts = "[[access]]\nregion = \"nowhere\"\n";
+        let text = bound(elf, "first", facts).unwrap_err().to_string();
+        assert!(
+            text.contains("'nowhere'") && text.contains("memory"),
+            "{text}"
+        );
+        let text = bound(elf, "first", "[[loop]]\nsymbol = \"poll\"\n")
+            .unwrap_err()
+            .to_string();
+        assert!(text.contains("iterations"), "{text}");
+        let text = bound(&elf[..20], "first", "").unwrap_err().to_string();
+        assert!(text.contains("ELF"), "{text}");
+    });
+}
