@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import virtual_brick
-from conftest import (
+
+from runtime.tests.harness import (
     BENCH,
     CYCLES_PER_MS,
     CYCLES_PER_SECOND,

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Builds the test programs and runs them on the virtual brick."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import virtual_brick
+
+__all__ = [
+    "BENCH",
+    "CYCLES_PER_MS",
+    "CYCLES_PER_SECOND",
+    "IDLE",
+    "RUNTIME",
+    "UNITS_PER_SECOND",
+    "Run",
+    "Runner",
+    "build",
+]
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
+BUILD = PRODUCTS / "runtime" / "tests"
+RUNTIMES = {
+    "arm": PRODUCTS / "runtime" / "ravenscar",
+    "thumb": PRODUCTS / "runtime" / "ravenscar-thumb",
+}
+RUNTIME = RUNTIMES["arm"]
+CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
+
+CYCLES_PER_SECOND = 336_384_000 / 7
+CYCLES_PER_MS = 48_055
+UNITS_PER_SECOND = 21_024_000
+IDLE = 0xFFFF_FFFF
+
+BENCH = {
+    "seed": 1,
+    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
+    "body": {"kind": "bench"},
+}
+
+EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")])
+
+
+@cache
+def _make_runtime(code: str) -> None:
+    products = f"BUILD={PRODUCTS / 'runtime'}"
+    subprocess.run(
+        ["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products, f"CODE={code}"], check=True
+    )
+
+
+@cache
+def build(name: str, image: str = "ram", code: str = "arm", runtime: str = "arm") -> Path:
+    """Path of the program `name` of this folder, built with one call of gprbuild.
+
+    `code` and `runtime`: "arm" or "thumb", the states of the program and of the run-time. The
+    linker's map stands beside the image.
+    """
+    _make_runtime(runtime)
+    folder = BUILD / f"{code}-on-{runtime}"
+    elf = folder / name / image / f"{name}.elf"
+    subprocess.run(
+        ["gprbuild", "-q", f"--config={CONFIGURATION}", "-P", str(HERE / "test.gpr"),
+         f"-XTEST={name}", f"-XIMAGE={image}", f"-XCODE={code}", f"-XBUILD={folder}",
+         f"--create-map-file={elf.with_suffix('.map')}"],
+        check=True,
+        cwd=HERE,
+        env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(RUNTIMES[runtime])},
+    )  # fmt: skip
+    return elf
+
+
+@dataclass
+class Run:
+    """A program on the virtual brick after a number of cycles."""
+
+    brick: virtual_brick.VirtualBrick
+    stop: virtual_brick.Stop
+
+    def journal(self) -> str:
+        """Marks that the program noted, in their order."""
+        address, _ = self.brick.symbol("journal")
+        length = self.brick.read_int("journal_length", "u32")
+        return self.brick.read_memory(address, length).decode("ascii")
+
+    def words(self, symbol: str, count: int, kind: str = "<u4") -> list[int]:
+        """Array of integers of the program."""
+        address, _ = self.brick.symbol(symbol)
+        size = np.dtype(kind).itemsize
+        return np.frombuffer(self.brick.read_memory(address, size * count), kind).tolist()
+
+    def failure(self) -> tuple[str, int] | None:
+        """Text and line that the last-chance handler got; None when the program did not fail."""
+        text, line = self.words("ravenbrick_failure", 2)
+        if text == 0:
+            return None
+        return self.text_at(text), line
+
+    def text_at(self, address: int) -> str:
+        """Text that ends with NUL."""
+        return self.brick.read_memory(address, 64).split(b"\0")[0].decode("ascii")
+
+    def thread_index(self, symbol: str) -> int:
+        """Subject in the events of the task whose object is `symbol`."""
+        address, size = self.brick.symbol(symbol)
+        matches = [
+            index
+            for index, thread in enumerate(self.brick.threads())
+            if address <= thread.address < address + size
+        ]
+        assert len(matches) == 1, f"{symbol}: {matches}"
+        return matches[0]
+
+    def events(self, kind: str, subject: int | None = None) -> np.ndarray:
+        """Events of one kind in the order of time, optionally of one subject."""
+        numbers = {name: number for number, name in self.brick.event_kinds().items()}
+        events = np.frombuffer(self.brick.events(), EVENT)
+        events = events[events["kind"] == numbers[kind]]
+        return events if subject is None else events[events["subject"] == subject]
+
+
+Runner = Callable[..., Run]
