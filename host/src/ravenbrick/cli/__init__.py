@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from ravenbrick.cli.app import app
 from ravenbrick.cli.build import build_command
+from ravenbrick.cli.debug import debug_command
 from ravenbrick.cli.demo import demo_command
 from ravenbrick.cli.design import design_command
 from ravenbrick.cli.doctor import doctor_command
@@ -16,6 +17,7 @@ from ravenbrick.cli.schedule import schedule_command
 
 __all__ = [
     "build_command",
+    "debug_command",
     "demo_command",
     "design_command",
     "doctor_command",

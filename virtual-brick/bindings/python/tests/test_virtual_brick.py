@@ -4,6 +4,7 @@
 
 import ast
 import json
+import socket
 import struct
 import threading
 from itertools import pairwise
@@ -212,3 +213,40 @@ def test_the_stub_file_names_exactly_what_the_module_has() -> None:
     classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
     exported = {name for name, item in vars(virtual_brick).items() if isinstance(item, type)}
     assert classes == exported
+
+
+def test_the_debugger_serves_gdb_and_leaves_the_brick_where_the_session_ended() -> None:
+    brick = counting()
+    replies: list[bytes] = []
+
+    def client(port: int) -> None:
+        with socket.create_connection(("127.0.0.1", port), timeout=10) as gdb:
+            for packet in (b"$?#3f", b"$s#73", b"$k#6b"):
+                gdb.sendall(packet)
+                replies.append(gdb.recv(100))
+
+    clients: list[threading.Thread] = []
+
+    def listening(port: int) -> None:
+        clients.append(threading.Thread(target=client, args=(port,)))
+        clients[0].start()
+
+    brick.serve_debugger(on_listening=listening, once=True)
+    clients[0].join()
+    assert b"T05" in replies[0]
+    assert b"T05" in replies[1]
+    assert 0 < brick.cycles < 100
+
+
+def test_the_debugger_stops_when_asked_and_refuses_what_is_no_address() -> None:
+    counting().serve_debugger(should_stop=lambda: True)
+    with pytest.raises(ValueError):
+        counting().serve_debugger(address="nowhere")
+    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(OSError):
+        counting().serve_debugger(taken.getsockname()[1])
+    with pytest.raises(RuntimeError, match="of the caller"):
+        counting().serve_debugger(should_stop=lambda: refuse())
+
+
+def refuse() -> bool:
+    raise RuntimeError("of the caller")

@@ -267,3 +267,20 @@ fn every_event_kind_has_its_own_number_and_name() {
         assert_eq!(kind.number() as usize, index + 1);
     }
 }
+
+#[test]
+fn a_trace_cut_back_to_a_mark_is_the_trace_of_that_time() {
+    let mut trace = sample_trace();
+    let (mark, digest) = (trace.mark(), trace.digest());
+    trace.record(event(40)).unwrap();
+    trace.sample(40, &[0.25]).unwrap();
+    trace.declare_signal("late");
+    trace.names_mut().rename(NameSpace::Thread, 0, "other");
+    let longer = trace.mark();
+    assert_ne!(trace.digest(), digest);
+    assert!(trace.truncate(&mark));
+    assert_eq!(trace.digest(), digest);
+    assert!(!trace.truncate(&longer));
+    assert_eq!(trace.digest(), digest);
+    trace.sample(30, &[0.25]).unwrap();
+}

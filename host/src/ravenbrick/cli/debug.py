@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick debug`: the program on the virtual brick under GDB, forwards and backwards."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from queue import Queue
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.console import Reporter
+from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+
+__all__ = ["GDB", "debug_command", "gdb_command"]
+
+GDB = "gdb-multiarch"
+LOOPBACK = "127.0.0.1"
+# Surroundings without inputs: the user sets them with `monitor set`.
+NO_SCENARIO = 'schema_version = 1\nname = "debug"\nseed = 1\nduration_ms = 1\n'
+# GDB keeps registers across a reset that it does not know of.
+RESET = "define reset\nmonitor reset\nmaintenance flush register-cache\nend\n"
+RESET += "document reset\nBegin the run again.\nend\n"
+
+
+def gdb_command(program: str, elf: Path, port: int, script: Path | None = None) -> list[str]:
+    """The command line that connects GDB to the server."""
+    commands = ["-x", str(script)] if script else []
+    return [program, "-q", *commands, "-ex", f"target remote {LOOPBACK}:{port}", str(elf)]
+
+
+def _scenario(directory: Path, name: str | None, robot: Robot) -> Scenario:
+    if name is not None:
+        return read_scenario(scenario_path(directory, name), robot)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "debug.toml"
+        file.write_text(NO_SCENARIO)
+        return read_scenario(file, robot)
+
+
+def _serve(brick: Any, port: int, **wishes: Any) -> None:
+    try:
+        brick.serve_debugger(port, LOOPBACK, **wishes)
+    except OSError as error:
+        raise UsageError(
+            f"the server cannot use port {port} ({error.strerror or error}); name a free one with "
+            "'--port', or 0 to take any"
+        ) from None
+
+
+def _with_gdb(brick: Any, elf: Path, port: int) -> int:
+    """Run GDB on the terminal and the server beside it; the exit code of GDB."""
+    program = shutil.which(GDB)
+    if program is None:
+        raise ToolMissingError(
+            f"'{GDB}' is not installed (Debian package gdb-multiarch); install it, or leave out "
+            "'--gdb' and connect the debugger that you have"
+        )
+    listening: Queue[int | Exception] = Queue()
+    finished = threading.Event()
+
+    def serve() -> None:
+        try:
+            _serve(brick, port, on_listening=listening.put, should_stop=finished.is_set, once=True)
+        except Exception as error:
+            listening.put(error)
+
+    server = threading.Thread(target=serve, name="debugger")
+    server.start()
+    told = listening.get()
+    if isinstance(told, Exception):
+        raise told
+    # Ctrl-C is for GDB, which stops the program on the brick.
+    before = signal.signal(signal.SIGINT, lambda _number, _frame: None)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder) / "ravenbrick.gdb"
+            script.write_text(RESET)
+            return subprocess.call(gdb_command(program, elf, told, script))
+    finally:
+        finished.set()
+        server.join()
+        signal.signal(signal.SIGINT, before)
+
+
+def _announce(reporter: Reporter, elf: Path) -> Callable[[int], None]:
+    def announce(port: int) -> None:
+        reporter.print(f"the brick waits on {LOOPBACK}:{port}; Ctrl-C ends it; connect with")
+        reporter.print(f"  {shlex.join(gdb_command(GDB, elf, port))}")
+
+    return announce
+
+
+@command("ravenbrick debug examples/vehicle drive --gdb")
+def debug_command(
+    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    scenario: Annotated[
+        str | None, typer.Argument(help="Whose inputs come; without it, set them in GDB.")
+    ] = None,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="TCP port on this machine; 0 takes a free one.")
+    ] = 3333,
+    gdb: Annotated[bool, typer.Option("--gdb", help="Start GDB in this terminal.")] = False,
+    elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
+    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Debug the program with GDB, forwards and backwards in time."""
+    robot = read_robot(directory)
+    chosen = _scenario(directory, scenario, robot)
+    loaded = read_image(elf or Workspace.of(directory).image(image.kind, robot.name))
+    brick = VirtualTarget().prepare(robot, chosen, loaded)
+    if gdb:
+        _with_gdb(brick, loaded.path, port)
+    else:
+        announce = _announce(Reporter(json_output), loaded.path)
+        _serve(brick, port, on_listening=announce)
+    return {"cycles": brick.cycles, "digest": brick.trace_digest()}

@@ -1,0 +1,200 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick debug`: GDB itself on the vehicle's real image."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shutil
+import socket
+import subprocess
+import sys
+
+import pytest
+from host.tests.conftest import VEHICLE
+
+from ravenbrick.cli.debug import GDB
+from ravenbrick.errors import ExitCode
+from ravenbrick.target.workspace import Workspace
+
+COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()", "debug", str(VEHICLE)]
+ELF = Workspace.of(VEHICLE).image("ram", "vehicle")
+
+pytestmark = [
+    pytest.mark.skipif(
+        shutil.which(GDB) is None,
+        reason=f"{GDB} is not installed (Debian package gdb-multiarch)",
+    ),
+    pytest.mark.skipif(
+        importlib.util.find_spec("virtual_brick") is None,
+        reason="the module virtual_brick is not built; 'make setup' builds it",
+    ),
+    pytest.mark.skipif(
+        not ELF.is_file(), reason="the vehicle is not built; 'ravenbrick build' builds it"
+    ),
+]
+
+QUIET = ("set pagination off", "set confirm off", "set width 0", "set style enabled off")
+MARK = "=== said ==="
+
+
+def gdb(*commands: str, scenario: tuple[str, ...] = ("drive",)) -> list[str]:
+    """Run GDB on these commands; what it said to each."""
+    lines = [*QUIET, f"echo {MARK}\\n"]
+    for command in commands:
+        lines += [command, f"echo {MARK}\\n"]
+    done = subprocess.run(
+        [*COMMAND, *scenario, "--gdb", "--port", "0"],
+        input="\n".join([*lines, "kill", "quit"]) + "\n",
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    said = done.stdout.replace("(gdb) ", "").split(MARK)[1:-1]
+    assert len(said) == len(commands), done.stdout
+    return [text.strip() for text in said]
+
+
+def brick_seconds(said: str) -> float:
+    """The time that `monitor time` tells."""
+    found = re.search(r"cycle \d+, ([\d.]+) s", said)
+    assert found, said
+    return float(found.group(1))
+
+
+def test_a_breakpoint_in_a_task_shows_its_source_and_all_tasks_by_name() -> None:
+    """Ada source, backtraces of running and waiting tasks, names, states, a variable."""
+    _, stop, backtrace, threads, mode, others = gdb(
+        "tbreak tasks.adb:26",
+        "continue",
+        "bt",
+        "info threads",
+        "print vehicle.now.mode",
+        "thread apply all bt",
+    )
+    assert re.search(r"tasks\.adb:26\n26\s+Driving\.Control \(Vehicle\);", stop)
+    assert re.search(r"#0 +tasks\.control_task .*tasks\.adb:26", backtrace)
+    assert re.search(r"\* \d+ +Thread 1\.4 \(control_task: running, priority 2\)", threads)
+    assert "(coprocessor_task: delayed, priority 30)" in threads
+    assert re.search(r"\(display_task: \w+, priority 1\)", threads)
+    assert mode == "$1 = stopped"
+    # Tasks that wait are unwound through the run-time into their bodies.
+    assert re.search(r"delay_until .*\n.*nxt\.avr\.coprocessor_task .*nxt-avr\.adb", others)
+    assert re.search(r"delay_until .*\n.*vehicle \(\) at .*vehicle\.adb", others)
+
+
+def test_going_back_finds_who_wrote_a_variable() -> None:
+    """From the display task back to the assignment in the control task, and forwards again."""
+    *_, value, _, written, backtrace, earlier, before, _, again, later = gdb(
+        "break driving.begin_drive",
+        "continue",
+        "delete",
+        "tbreak panel.draw",
+        "continue",
+        "monitor time",
+        "print vehicle_control_left",
+        "watch vehicle_control_left",
+        "reverse-continue",
+        "bt",
+        "monitor time",
+        "print vehicle_control_left",
+        "delete",
+        "next",
+        "print vehicle_control_left",
+    )
+    new = value.removeprefix("$1 = ")
+    assert float(new) > 1.0
+    old = before.removeprefix("$2 = ")
+    assert f"Old value = {new}\nNew value = {old}\npanel.publish" in written
+    assert re.search(r"Control_Left := Now\.Wheels \(Left\)\.Control;$", written)
+    assert re.search(r"#1 .* tasks\.control_task .*tasks\.adb:27", backtrace)
+    assert 1.0 < brick_seconds(earlier) < 1.6
+    assert "panel.adb:6" in again or "Now." in again
+    assert later == f"$3 = {new}"
+
+
+def test_a_step_over_a_delay_follows_the_task_forwards_and_backwards() -> None:
+    """`next` over `delay until` is 4 ms later in the same task; a breakpoint leads back."""
+    said = gdb(
+        "tbreak tasks.adb:28",
+        "continue",
+        "next",
+        "monitor time",
+        "next",
+        "monitor time",
+        "reverse-stepi",
+        "bt",
+        "tbreak tasks.adb:25",
+        "reverse-continue",
+        "monitor time",
+    )
+    at_delay, after_delay, back = (brick_seconds(said[index]) for index in (3, 5, 10))
+    assert "delay until Next_Release;" in said[2]
+    assert "Driving.Control (Vehicle);" in said[4]
+    assert 0.003 < after_delay - at_delay < 0.0041
+    assert re.search(r"tasks\.control_task .*tasks\.adb:2[56]", said[7])
+    assert back == at_delay
+
+
+def test_inputs_set_by_hand_drive_the_vehicle_and_the_display_is_read_as_text() -> None:
+    """Without a scenario: the touch sensor by `monitor set`, `reset` begins again."""
+    said = gdb(
+        "tbreak panel.draw",
+        "continue",
+        "monitor set touch.1 1",
+        "tbreak driving.begin_drive",
+        "continue",
+        "tbreak panel.draw",
+        "continue",
+        "finish",
+        "tbreak driving.control",
+        "continue",
+        "monitor lcd",
+        "reset",
+        "bt",
+        "monitor time",
+        scenario=(),
+    )
+    assert said[2] == "touch.1 = 1 from now on"
+    assert "driving.begin_drive" in said[4]
+    assert "|volts left right|" in said[10]
+    assert said[12].startswith("#0  ravenbrick_vectors ()")
+    assert brick_seconds(said[13]) == 0.0
+
+
+def test_a_debugger_of_ones_own_connects_to_the_printed_port() -> None:
+    """The server prints GDB's command line, serves who connects, and ends when killed."""
+    server = subprocess.Popen([*COMMAND, "drive", "--port", "0"], stdout=subprocess.PIPE, text=True)
+    try:
+        assert server.stdout is not None
+        first, second = server.stdout.readline(), server.stdout.readline()
+        port = int(re.findall(r"127\.0\.0\.1:(\d+)", first)[0])
+        assert f"'target remote 127.0.0.1:{port}' {ELF}" in second
+        with socket.create_connection(("127.0.0.1", port), timeout=10) as client:
+            client.sendall(b"$?#3f")
+            assert b"T05" in client.recv(100)
+            client.sendall(b"$k#6b")
+        assert server.wait(timeout=20) == 0
+    finally:
+        server.kill()
+        server.communicate()
+
+
+def test_a_port_in_use_and_a_missing_gdb_are_sentences_with_exit_codes() -> None:
+    """Nothing of Python's own shows."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        done = subprocess.run(
+            [*COMMAND, "drive", "--port", port], capture_output=True, text=True, check=False
+        )
+    assert done.returncode == int(ExitCode.USAGE)
+    assert f"cannot use port {port}" in done.stderr
+    done = subprocess.run(
+        [*COMMAND, "drive", "--gdb"], capture_output=True, text=True, check=False, env={"PATH": ""}
+    )
+    assert done.returncode == int(ExitCode.TOOL_MISSING)
+    assert "Debian package gdb-multiarch" in done.stderr
