@@ -12,22 +12,14 @@ with Ravenbrick.Registers;
 
 package body Ravenbrick.Delays is
 
-   use Ravenbrick.Threads;
-
    Latest : constant Units := Units'Last - 1;
 
    Sentinel : aliased Thread;
    --  Last of the queue: later than any thread
 
    Spent_In_Delay : constant := 48;
-   Spent_In_Ring  : constant := 29;
-   --  Times 2 cycles pass between the reading of the clock and the start of the alarm, in ARM
-   --  state from RAM; from flash it is more
+   --  As Spent_In_Ring
 
-   Head : Thread_Id with Volatile, Suppress_Initialization;
-   --  Delayed threads by wake-up time, equal times by arrival
-
-   procedure Insert (Sleeper : not null Thread_Id; Now : Units) with Inline;
    procedure Ring (Unused : System.Address) with Convention => C;
 
    procedure Initialize is

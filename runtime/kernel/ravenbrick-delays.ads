@@ -15,4 +15,19 @@ package Ravenbrick.Delays is
    --  Block the running thread until the clock has reached Wake; when it already has, the
    --  thread only lets its equals run first. Program_Error in a protected action.
 
+private
+
+   use Ravenbrick.Threads;
+
+   Head : Thread_Id with Volatile, Suppress_Initialization;
+   --  Delayed threads by wake-up time, equal times by arrival
+
+   Spent_In_Ring : constant := 29;
+   --  Times 2 cycles pass between the reading of the clock and the start of the alarm, in ARM
+   --  state from RAM; from flash it is more
+
+   procedure Insert (Sleeper : not null Thread_Id; Now : Units) with Inline;
+   --  Into the queue by Sleeper.Wake, and set the alarm when it is the first; interrupts are
+   --  masked
+
 end Ravenbrick.Delays;
