@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Exceptions have no occurrences here: one that no local handler takes reaches the
+--  Exceptions have no occurrences but Null_Occurrence here: one that no local handler takes reaches the
 --  last-chance handler with its place in the source
 
 package Ada.Exceptions is
@@ -11,6 +11,11 @@ package Ada.Exceptions is
    pragma Preelaborable_Initialization (Exception_Id);
 
    Null_Id : constant Exception_Id;
+
+   type Exception_Occurrence is limited private;
+   pragma Preelaborable_Initialization (Exception_Occurrence);
+
+   Null_Occurrence : constant Exception_Occurrence;
 
    procedure Raise_Exception (E : Exception_Id; Message : String := "") with No_Return;
    --  Call the last-chance handler with Message and line 0
@@ -22,5 +27,9 @@ private
    for Exception_Id'Storage_Size use 0;
 
    Null_Id : constant Exception_Id := null;
+
+   type Exception_Occurrence is limited null record;
+
+   Null_Occurrence : constant Exception_Occurrence := (null record);
 
 end Ada.Exceptions;

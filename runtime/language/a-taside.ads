@@ -16,7 +16,8 @@ package Ada.Task_Identification is
    function "=" (Left, Right : Task_Id) return Boolean;
 
    function Image (T : Task_Id) return String;
-   --  The name in the program, empty for Null_Task_Id
+   --  "environment" for the environment task, otherwise empty: under this profile the compiler
+   --  passes no names, and those in the image's symbol table are not on the brick
 
    function Current_Task return Task_Id with Volatile_Function;
    function Environment_Task return Task_Id;

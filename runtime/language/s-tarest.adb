@@ -191,10 +191,15 @@ package body System.Tasking.Restricted.Stages is
       end if;
    end Complete_Restricted_Activation;
 
-   --  A task that ends violates No_Task_Termination; it silently stops to exist, as Ada RM D.13
-   --  allows, and whoever looks at the threads sees it terminated
+   --  A task that ends violates No_Task_Termination; it stops to exist, as Ada RM D.13 allows, and
+   --  only the fall-back handler, if there is one, and who looks at the threads see it
 
-   procedure Complete_Restricted_Task is null;
+   procedure Complete_Restricted_Task is
+   begin
+      if At_Termination /= null then
+         At_Termination.all;
+      end if;
+   end Complete_Restricted_Task;
 
    function Restricted_Terminated (T : Task_Id) return Boolean is
      (To_Thread (T).State = Terminated);

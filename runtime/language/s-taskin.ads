@@ -44,6 +44,11 @@ package System.Tasking is
      with Volatile_Function;
    --  The running task
 
+   type Termination_Hook is access procedure;
+
+   At_Termination : Termination_Hook := null;
+   --  Called by each task at the end of its body; set by Ada.Task_Termination
+
    type Task_Procedure_Access is access procedure (Discriminants : Address);
    pragma Favor_Top_Level (Task_Procedure_Access);
 

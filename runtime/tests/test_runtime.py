@@ -373,6 +373,12 @@ class TestMemory:
         assert result.brick.read_memory(address, 12) == b"< 1234.....>"
 
 
+class TestTermination:
+    def test_the_fall_back_handler_is_called_by_each_task_that_ends(self, run: Runner) -> None:
+        """At the end of its body, with its identity and the cause Normal; then it is terminated."""
+        assert run("termination").journal().startswith("s+Sl+Lt")
+
+
 class TestTaggedTypes:
     def test_calls_dispatch_over_a_library_level_hierarchy(self, run: Runner) -> None:
         """Overriding, interface and membership need no table of names."""
