@@ -10,12 +10,20 @@ import shutil
 import socket
 import subprocess
 import sys
+from queue import Queue
+from threading import Thread
 
 import pytest
 from host.tests.conftest import VEHICLE
+from typer.testing import CliRunner
 
-from ravenbrick.cli.debug import GDB
+from ravenbrick.cli.app import app
+from ravenbrick.cli.debug import GDB, gdb_command
 from ravenbrick.errors import ExitCode
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()", "debug", str(VEHICLE)]
@@ -39,13 +47,13 @@ QUIET = ("set pagination off", "set confirm off", "set width 0", "set style enab
 MARK = "=== said ==="
 
 
-def gdb(*commands: str, scenario: tuple[str, ...] = ("drive",)) -> list[str]:
-    """Run GDB on these commands; what it said to each."""
+def talk(command: list[str], commands: tuple[str, ...]) -> list[str]:
+    """Run a program that reads GDB's commands; what GDB said to each."""
     lines = [*QUIET, f"echo {MARK}\\n"]
-    for command in commands:
-        lines += [command, f"echo {MARK}\\n"]
+    for line in commands:
+        lines += [line, f"echo {MARK}\\n"]
     done = subprocess.run(
-        [*COMMAND, *scenario, "--gdb", "--port", "0"],
+        command,
         input="\n".join([*lines, "kill", "quit"]) + "\n",
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -57,6 +65,26 @@ def gdb(*commands: str, scenario: tuple[str, ...] = ("drive",)) -> list[str]:
     said = done.stdout.replace("(gdb) ", "").split(MARK)[1:-1]
     assert len(said) == len(commands), done.stdout
     return [text.strip() for text in said]
+
+
+def drive() -> tuple[Robot, Scenario, ElfImage]:
+    """The vehicle's drive."""
+    robot = read_robot(VEHICLE)
+    return robot, read_scenario(scenario_path(VEHICLE, "drive"), robot), read_image(ELF)
+
+
+def gdb(*commands: str) -> list[str]:
+    """GDB on a drive of the vehicle, served from this process."""
+    brick = VirtualTarget().prepare(*drive())
+    ports: Queue[int] = Queue()
+    server = Thread(
+        target=brick.serve_debugger, kwargs={"on_listening": ports.put, "once": True}, daemon=True
+    )
+    server.start()
+    said = talk(gdb_command(GDB, ELF, ports.get(timeout=20)), commands)
+    server.join(timeout=20)
+    assert not server.is_alive()
+    return said
 
 
 def brick_seconds(said: str) -> float:
@@ -140,9 +168,26 @@ def test_a_step_over_a_delay_follows_the_task_forwards_and_backwards() -> None:
     assert back == at_delay
 
 
+def test_the_debugged_run_is_the_run() -> None:
+    """With a stop, back to the beginning and to the end, its digest is `ravenbrick run`'s."""
+    _, stop, _, begin, _, why, digest = gdb(
+        "tbreak driving.begin_drive",
+        "continue",
+        "reverse-continue",
+        "bt",
+        "continue",
+        "monitor why",
+        "monitor digest",
+    )
+    assert "driving.begin_drive" in stop
+    assert begin.startswith("#0  ravenbrick_vectors ()")
+    assert why.startswith("power_off at cycle")
+    assert digest == VirtualTarget().run(*drive()).digest
+
+
 def test_inputs_set_by_hand_drive_the_vehicle_and_the_display_is_read_as_text() -> None:
-    """Without a scenario: the touch sensor by `monitor set`, `reset` begins again."""
-    said = gdb(
+    """The command itself, without a scenario: `monitor set` presses, `reset` begins again."""
+    commands = (
         "tbreak panel.draw",
         "continue",
         "monitor set touch.1 1",
@@ -157,8 +202,8 @@ def test_inputs_set_by_hand_drive_the_vehicle_and_the_display_is_read_as_text() 
         "reset",
         "bt",
         "monitor time",
-        scenario=(),
     )
+    said = talk([*COMMAND, "--gdb", "--port", "0"], commands)
     assert said[2] == "touch.1 = 1 from now on"
     assert "driving.begin_drive" in said[4]
     assert "|volts left right|" in said[10]
@@ -184,17 +229,19 @@ def test_a_debugger_of_ones_own_connects_to_the_printed_port() -> None:
         server.communicate()
 
 
-def test_a_port_in_use_and_a_missing_gdb_are_sentences_with_exit_codes() -> None:
+def test_a_port_in_use_and_a_missing_gdb_are_sentences_with_exit_codes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Nothing of Python's own shows."""
+    run = CliRunner().invoke
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
-        done = subprocess.run(
-            [*COMMAND, "drive", "--port", port], capture_output=True, text=True, check=False
-        )
-    assert done.returncode == int(ExitCode.USAGE)
-    assert f"cannot use port {port}" in done.stderr
-    done = subprocess.run(
-        [*COMMAND, "drive", "--gdb"], capture_output=True, text=True, check=False, env={"PATH": ""}
-    )
-    assert done.returncode == int(ExitCode.TOOL_MISSING)
+        done = run(app, ["debug", str(VEHICLE), "drive", "--port", port])
+        assert done.exit_code == int(ExitCode.USAGE)
+        assert f"cannot use port {port}" in done.stderr
+        done = run(app, ["debug", str(VEHICLE), "drive", "--gdb", "--port", port])
+        assert done.exit_code == int(ExitCode.USAGE)
+    monkeypatch.setenv("PATH", "")
+    done = run(app, ["debug", str(VEHICLE), "drive", "--gdb"])
+    assert done.exit_code == int(ExitCode.TOOL_MISSING)
     assert "Debian package gdb-multiarch" in done.stderr

@@ -97,6 +97,7 @@ class VirtualTarget:
         """A brick with the image and the scenario's inputs, for others to run; errors as `run`."""
         brick = self._assemble(robot, scenario, image)
         self._schedule(brick, scenario)
+        self._probe(brick, robot, image)
         return brick
 
     def _assemble(self, robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
