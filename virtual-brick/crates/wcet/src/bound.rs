@@ -95,7 +95,7 @@ pub fn bound_function(
     };
     execution.run(State::entry(arguments));
     let (findings, records) = (execution.findings, execution.walker.records);
-    let calls = called(program, summary, &records)?;
+    let (calls, endless) = called(program, summary, &records)?;
     let nodes: Vec<Entry> = flow
         .blocks
         .iter()
@@ -107,7 +107,11 @@ pub fn bound_function(
             map: program.map,
             call_cycles: call_cycles(program, block, &calls[index])?,
         };
-        cycles.push(edge_cycles(&outside, block, &records[index], &nodes)?);
+        let mut ways = edge_cycles(&outside, block, &records[index], &nodes)?;
+        for (way, edge) in ways.iter_mut().zip(&block.edges) {
+            *way = way.filter(|_| !(endless.contains(&index) && edge.executed));
+        }
+        cycles.push(ways);
     }
     let bounds: Vec<Option<u64>> = findings.iter().zip(&given).map(effective).collect();
     let problem = Problem {
@@ -158,29 +162,36 @@ fn repeats(findings: &[LoopFinding], forest: &Forest) -> Vec<Option<u64>> {
     all.collect()
 }
 
-/// Bounds of the functions called at the end of each block that is reached.
+/// Bounds of the functions called at the end of each block, and the blocks whose calls never
+/// return with the arguments they have.
+type Called = (Vec<Vec<Rc<FunctionBound>>>, BTreeSet<usize>);
+
 fn called(
     program: &Program<'_>,
     summary: &Summary,
     records: &[BlockRecord],
-) -> Result<Vec<Vec<Rc<FunctionBound>>>, Error> {
-    let mut all = Vec::new();
-    for (block, record) in summary.flow.blocks.iter().zip(records) {
+) -> Result<Called, Error> {
+    let (mut all, mut endless) = (Vec::new(), BTreeSet::new());
+    for (index, block) in summary.flow.blocks.iter().enumerate() {
         let mut bounds = Vec::new();
-        if let Some(arguments) = &record.arguments {
-            for callee in &block.calls {
-                let site = block
-                    .instructions
-                    .last()
-                    .map_or(block.node.address, |(a, _)| *a);
-                if program.summary(*callee, site)?.returns {
-                    bounds.push(program.bound(*callee, &as_arguments(arguments))?);
-                }
+        let arguments = records[index].arguments.as_ref().map(as_arguments);
+        for (callee, known) in block
+            .calls
+            .iter()
+            .flat_map(|c| arguments.iter().map(move |a| (c, a)))
+        {
+            match program.bound(*callee, known) {
+                Ok(bound) => bounds.push(bound),
+                Err(Error::NeverReturns(_)) => {}
+                Err(error) => return Err(error),
             }
+        }
+        if arguments.is_some() && bounds.is_empty() {
+            endless.insert(index);
         }
         all.push(bounds);
     }
-    Ok(all)
+    Ok((all, endless))
 }
 
 /// Time of the call at the end of a block: the callee and, unless the block's function ends with

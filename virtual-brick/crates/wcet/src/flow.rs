@@ -128,7 +128,7 @@ impl Explorer<'_> {
     }
 
     /// A call of a place within the function: a local subroutine, which may also return for the
-    /// function itself. It is copied for each call.
+    /// function itself, or in Thumb code a branch too far for B. It is copied for each call.
     fn is_local(&self, site: u32, target: u32) -> bool {
         let names = self.image.names_at(target);
         !self.image.starts_function(target)
@@ -161,7 +161,7 @@ impl Explorer<'_> {
                     return Err(Error::NoCode(self.image.place(node.address)));
                 };
                 let target = pc.wrapping_sub(2).wrapping_add(upper).wrapping_add(*offset);
-                if is_switch_helper(self.image, target) {
+                if is_switch_helper(self.image, target) || self.is_local(node.address, target) {
                     Transfer::Jump(vec![Node {
                         copy: node.address,
                         address: target,

@@ -1,6 +1,6 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What an application of the generated controller defines, and its tunables where tests reach them. */
+/* What an application of the generated controller defines. */
 #include "functional.h"
 
 ExternalInputs_functional functional_U;
