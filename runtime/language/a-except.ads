@@ -1,8 +1,8 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Exceptions have no occurrences but Null_Occurrence here: one that no local handler takes reaches the
---  last-chance handler with its place in the source
+--  Exceptions have no occurrences but Null_Occurrence here: one that no local handler takes
+--  reaches the last-chance handler with its place in the source
 
 package Ada.Exceptions is
    pragma Preelaborate;
