@@ -5,7 +5,7 @@
 
 PYTHON := .venv/bin/python
 export PATH := $(CURDIR)/.venv/bin:$(PATH):$(HOME)/.cargo/bin
-CARGO := cargo --locked --manifest-path virtual-brick/Cargo.toml
+CARGO_OPTIONS := --locked --manifest-path virtual-brick/Cargo.toml
 
 .DEFAULT_GOAL := help
 .PHONY: help
@@ -32,7 +32,7 @@ style: ## Check style, borders between the parts, and generated tables
 
 .PHONY: test-rust
 test-rust: ## Tests of the virtual brick's crates
-	@$(CARGO) test --quiet --workspace --exclude virtual-brick-python
+	@cargo test $(CARGO_OPTIONS) --quiet --workspace --exclude virtual-brick-python
 
 .PHONY: test-python
 test-python: ## Tests of run-time, drivers, control, tools and the whole drive

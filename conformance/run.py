@@ -24,7 +24,8 @@ from tools.tables import Row, merge_rows
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "conformance" / "results.json"
-CARGO = ["cargo", "--locked"]
+CARGO = "cargo"
+LOCKED = "--locked"
 CRATES = ROOT / "virtual-brick"
 NXT_FIRMWARE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 
@@ -44,10 +45,11 @@ def suite_row(
 
 def single_step() -> Row:
     """The processor against the vectors of an independent core: state, writes and cycles."""
-    command = ["run", "--quiet", "--release", "-p", "arm7tdmi", "--example", "single_step", "--"]
+    command = [CARGO, "run", LOCKED, "--quiet", "--release", "-p", "arm7tdmi"]
+    command += ["--example", "single_step", "--"]
     vectors = ROOT / "conformance" / "cpu" / "arm7tdmi-single-step.tar.xz"
     result = subprocess.run(
-        [*CARGO, *command, str(vectors)], cwd=CRATES, capture_output=True, text=True
+        [*command, str(vectors)], cwd=CRATES, capture_output=True, text=True
     )
     if not result.stdout.strip():
         raise SystemExit(f"single-step: no result\n{result.stderr}")
@@ -59,7 +61,7 @@ def cargo_suite(area: str, suite: str, package: str, *options: str) -> Callable[
     """The tests of a crate; `options` of `cargo test` may choose among them."""
 
     def run() -> Row:
-        command = [*CARGO, "test", "-p", package, *options]
+        command = [CARGO, "test", LOCKED, "-p", package, *options]
         result = subprocess.run(command, cwd=CRATES, capture_output=True, text=True)
         counts = re.findall(r"test result: \S+ (\d+) passed; (\d+) failed", result.stdout)
         passed = sum(int(p) for p, _ in counts)
