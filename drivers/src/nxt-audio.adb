@@ -20,7 +20,7 @@ package body NXT.Audio is
    pragma Compile_Time_Error
      (Tone_Rate /= Clock_Frequency / Halves_Per_Sample / Tone_Divider, "rate of tones");
 
-   Samples_Per_Buffer : constant := 32;
+   Samples_Per_Buffer : constant := 16;
    type Sample_Buffer is array (1 .. Samples_Per_Buffer) of Word;
    type Buffer_Id is mod 2;
 
@@ -47,6 +47,11 @@ package body NXT.Audio is
    end Spread;
 
    Patterns : array (Level) of Word;
+
+   --  Sent first, twice, so that all samples are made by the interrupt and the caller, who holds
+   --  it back, makes none. Long enough for a buffer to be filled meanwhile.
+   Lead_Samples : constant := 4;
+   Lead : constant array (1 .. Lead_Samples) of Word := (others => 16#5555_5555#);
 
    type Source is record
       Is_Tone : Boolean := True;
@@ -151,16 +156,13 @@ package body NXT.Audio is
       begin
          Stop;
          Now_Playing := What;
-         Fill (0);
-         Fill (1);
          Next := 0;
-         Queued := 2 * Samples_Per_Buffer;
          Playing := True;
          Controller.Clock_Mode := Divider;
-         Controller.DMA_Address := Buffers (0)'Address;
-         Controller.DMA_Count := Samples_Per_Buffer;
-         Controller.DMA_Next_Address := Buffers (1)'Address;
-         Controller.DMA_Next_Count := Samples_Per_Buffer;
+         Controller.DMA_Address := Lead'Address;
+         Controller.DMA_Count := Lead_Samples;
+         Controller.DMA_Next_Address := Lead'Address;
+         Controller.DMA_Next_Count := Lead_Samples;
          Controller.Control := Transmit_Enable;
          Controller.DMA_Control := DMA_Transmit_Enable;
          Controller.Enable_Interrupt := DMA_Ended;
@@ -192,6 +194,7 @@ package body NXT.Audio is
             Controller.DMA_Next_Address := Buffers (Next)'Address;
             Controller.DMA_Next_Count := Samples_Per_Buffer;
             Next := Next + 1;
+            Queued := 2 * Samples_Per_Buffer;
          end if;
       end Handle_Interrupt;
 

@@ -2,7 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  The loudspeaker. A tone or sample plays in the background; a new one replaces it. Calls return
---  at once. An interrupt prepares 32 samples at a time, about 1,000 times a second for tones.
+--  at once. An interrupt prepares 16 samples at a time, about 2,000 times a second for tones.
 
 with Interfaces;  use Interfaces;
 with System;

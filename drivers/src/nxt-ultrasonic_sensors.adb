@@ -16,7 +16,7 @@ package body NXT.Ultrasonic_Sensors is
    Ping_Time        : constant Time_Span := Milliseconds (50);
    Reading_Distance : constant Time_Span := Milliseconds (30);
 
-   procedure Await_Next_Command (This : in out Ultrasonic_Sensor) is
+   procedure Await_Next_Command (This : Ultrasonic_Sensor) is
    begin
       delay until This.Next_Command;
    end Await_Next_Command;
