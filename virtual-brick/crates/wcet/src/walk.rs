@@ -312,7 +312,7 @@ fn internal_cycles(instruction: &Instruction, multiplier: Option<&Value>) -> u32
 pub fn changed_registers(state: &State) -> u16 {
     let kept =
         |number: u16| state.registers[usize::from(number)] == Value::entry(u32::from(number));
-    (4..12)
+    (0..13)
         .filter(|number| !kept(*number))
         .fold(0, |mask, number| mask | 1 << number)
 }

@@ -114,6 +114,27 @@ fn no_time_of_a_function_with_many_paths_exceeds_its_bound() {
 }
 
 #[test]
+fn what_a_call_changes_is_forgotten_in_a_loop_whose_counter_it_computes() {
+    for flags in [["-marm", "-O2"], ["-mthumb", "-O2"]] {
+        let Some(elf) = build("floats", &[program("floats.c")], &flags) else {
+            return;
+        };
+        let image = Image::read(&elf).unwrap();
+        let map = MemoryMap::without_wait_states();
+        let nine_rounds = "[[loop]]\nsymbol = \"float_sum\"\nheader_executions = 10\n";
+        let mut annotations = Annotations::parse(nine_rounds, "nine rounds").unwrap();
+        annotations.extend(Annotations::parse(LIBGCC, "libgcc.toml").unwrap());
+        let program = Program::new(&image, &map, &annotations).unwrap();
+        let report = Report::new(&program, "float_sum").unwrap();
+        let mut machine = Machine::new(&elf);
+        let mut random = Random::new(9);
+        hunt(&mut machine, &flags.concat(), &report, 2_000, |_, _| {
+            [random.float(), f32::NAN.to_bits(), 0, 0]
+        });
+    }
+}
+
+#[test]
 fn no_time_of_the_support_library_exceeds_its_bound() {
     for flags in [["-marm", "-O2"], ["-mthumb", "-O2"]] {
         let Some(elf) = build("floats", &[program("floats.c")], &flags) else {

@@ -11,3 +11,14 @@ float integer_to_float(int a) { return (float)a; }
 unsigned unsigned_divide(unsigned a, unsigned b) { return a / b; }
 int signed_divide(int a, int b) { return a / b; }
 unsigned unsigned_rest(unsigned a, unsigned b) { return a % b; }
+
+float float_sum(float a, float b)
+{
+  float sum = 0.0f;
+  for (float x = 0.0f; x != b; x += 1.0f) {
+    if (x >= 9.0f)
+      break;
+    sum += x * a;
+  }
+  return sum;
+}
