@@ -111,7 +111,7 @@ class VirtualBrick:
     def lcd(self) -> bytes:
         """The picture: 64 rows of 100 pixels from the top left, one byte 0 or 1 each."""
     def sound(self, from_cycles: int = 0) -> bytes:
-        """Sound played so far: 16-bit signed little-endian samples of 1,000 cycles (48,054.9 Hz)."""
+        """Sound played so far: 16-bit signed little-endian samples of 1,000 cycles each."""
     def symbol(self, name: str) -> tuple[int, int]:
         """Address and size (0: unknown) of a symbol. Raises ImageError."""
     def nearest_code(self, address: int) -> tuple[str, int] | None:
