@@ -36,6 +36,7 @@ test-rust: ## Tests of the virtual brick's crates
 
 .PHONY: test-python
 test-python: ## Tests of run-time, drivers, control, tools and the whole drive
+	@.venv/bin/ravenbrick build examples/vehicle
 	@$(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests runtime/tests \
 		drivers/tests examples
 

@@ -40,13 +40,18 @@ def _row(cells: list[str]) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
+def _exclusion(exclusion: Row) -> str:
+    count, reason = exclusion["count"], exclusion["reason"]
+    return f"{count}: {reason}" if count else str(reason)
+
+
 def conformance_table(rows: list[Row]) -> str:
     """Table of suites: cases, passed, excluded with reasons."""
     _check_keys(rows, {"area", "suite", "case_count", "passed", "excluded"}, "conformance")
     lines = ["# Conformance", "", "Generated from `results.json` by `make conformance`.", ""]
     lines += [_row(["Area", "Suite", "Cases", "Passed", "Excluded"]), "|---|---|---:|---:|---|"]
     for row in sorted(rows, key=lambda r: (AREAS.index(r["area"]), r["suite"])):
-        excluded = "; ".join(f"{e['count']}: {e['reason']}" for e in row["excluded"]) or "none"
+        excluded = "; ".join(_exclusion(e) for e in row["excluded"]) or "none"
         counts = [str(row["case_count"]), str(row["passed"])]
         lines.append(_row([row["area"], row["suite"], *counts, excluded]))
     return "\n".join(lines) + "\n"

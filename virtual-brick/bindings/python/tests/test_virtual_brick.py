@@ -215,15 +215,26 @@ def test_the_stub_file_names_exactly_what_the_module_has() -> None:
     assert classes == exported
 
 
+def whole_reply(connection: socket.socket) -> bytes:
+    """Acknowledgement and packet, which may come in pieces: `+$...#xx`."""
+    reply = b""
+    while len(reply.partition(b"#")[2]) < 2:
+        piece = connection.recv(100)
+        assert piece, f"the connection ended after {reply!r}"
+        reply += piece
+    return reply
+
+
 def test_the_debugger_serves_gdb_and_leaves_the_brick_where_the_session_ended() -> None:
     brick = counting()
     replies: list[bytes] = []
 
     def client(port: int) -> None:
         with socket.create_connection(("127.0.0.1", port), timeout=10) as gdb:
-            for packet in (b"$?#3f", b"$s#73", b"$k#6b"):
+            for packet in (b"$?#3f", b"$s#73"):
                 gdb.sendall(packet)
-                replies.append(gdb.recv(100))
+                replies.append(whole_reply(gdb))
+            gdb.sendall(b"$k#6b")
 
     clients: list[threading.Thread] = []
 
