@@ -94,6 +94,8 @@ def main(arguments: list[str]) -> int:
     stale = 0
     for source, render in TABLES:
         target = source.with_suffix(".md")
+        if not source.exists() and "--check" not in arguments:
+            continue
         text = render(json.loads(source.read_text()))
         if "--check" not in arguments:
             target.write_text(text)
