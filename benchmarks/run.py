@@ -32,7 +32,7 @@ PUBLISHED = {
     "entry opened to task": (439, "FreeRTOS ARM7 port, notification, textbook cycle model"),
     "interrupt to handler": (89, "FreeRTOS ARM7 port, textbook cycle model"),
     "interrupt to task": (512, "FreeRTOS ARM7 port, textbook cycle model"),
-    "delay until, idle processor": (534, "FreeRTOS ARM7 port, vTaskDelayUntil, textbook cycle model"),
+    "delay until, idle processor": (534, "FreeRTOS ARM7 port, delay, textbook cycle model"),
 }
 
 
