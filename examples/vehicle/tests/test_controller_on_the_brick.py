@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The generated controller on the virtual brick against the simulation of its diagram."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import virtual_brick
+from ravenbrick.codegen import StepVectors, check_program, random_vectors
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
+STEPS = 500
+LIMIT_CYCLES = 48_054_857
+BENCH = {
+    "seed": 1,
+    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
+    "body": {"kind": "bench"},
+}
+
+
+def design_module() -> ModuleType:
+    """The vehicle's design.py."""
+    specification = importlib.util.spec_from_file_location("design", HERE.parent / "design.py")
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def vectors() -> StepVectors:
+    """Random steps with the outputs of the simulation."""
+    return random_vectors(design_module().design().controller, STEPS, seed=5)
+
+
+def run_check(vectors: StepVectors, folder: Path, code: str) -> virtual_brick.VirtualBrick:
+    """The check on the brick, after it has ended."""
+    folder.mkdir(exist_ok=True)
+    (folder / "functional_check.c").write_text(check_program(vectors))
+    subprocess.run(["make", "-s", "-C", str(ROOT / "runtime")], check=True)
+    subprocess.run(
+        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
+         "-P", str(HERE / "controller_check" / "controller_check.gpr"),
+         f"-XBUILD={folder}", f"-XCODE={code}", "-XIMAGE=ram"],
+        check=True,
+        env=os.environ | {"LC_ALL": "C"},
+    )  # fmt: skip
+    elf = (folder / "controller_check.elf").read_bytes()
+    brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf)
+    brick.run_until(LIMIT_CYCLES)
+    return brick
+
+
+@pytest.mark.parametrize("code", ["arm", "thumb"])
+def test_the_controller_gives_the_simulation_s_outputs_bit_for_bit(
+    vectors: StepVectors, tmp_path: Path, code: str
+) -> None:
+    """All steps were done and none differs in any bit."""
+    brick = run_check(vectors, tmp_path, code)
+    assert brick.read_int("functional_check_steps", "u32") == STEPS
+    assert brick.read_int("functional_check_failures", "u32") == 0
+
+
+def test_a_wrong_bit_in_one_step_is_found(vectors: StepVectors, tmp_path: Path) -> None:
+    """The check can fail: one expected output is moved by one unit in the last place."""
+    outputs = vectors.outputs.copy()
+    outputs[STEPS // 2] = np.nextafter(outputs[STEPS // 2], np.float32(np.inf))
+    brick = run_check(replace(vectors, outputs=outputs), tmp_path, "arm")
+    assert brick.read_int("functional_check_failures", "u32") == 1
