@@ -48,9 +48,7 @@ def single_step() -> Row:
     command = [CARGO, "run", LOCKED, "--quiet", "--release", "-p", "arm7tdmi"]
     command += ["--example", "single_step", "--"]
     vectors = ROOT / "conformance" / "cpu" / "arm7tdmi-single-step.tar.xz"
-    result = subprocess.run(
-        [*command, str(vectors)], cwd=CRATES, capture_output=True, text=True
-    )
+    result = subprocess.run([*command, str(vectors)], cwd=CRATES, capture_output=True, text=True)
     if not result.stdout.strip():
         raise SystemExit(f"single-step: no result\n{result.stderr}")
     row: Row = json.loads(result.stdout.strip().splitlines()[-1])
@@ -111,6 +109,25 @@ def pytest_suite(area: str, suite: str, *paths: str) -> Callable[[], Row]:
     return run
 
 
+HOST_TESTS = "host/tests"
+BLOCKS = (f"{HOST_TESTS}/model/test_blocks.py", f"{HOST_TESTS}/codegen/test_block_c.py")
+FIXED_POINT = (
+    f"{HOST_TESTS}/model/test_fixed_point.py",
+    f"{HOST_TESTS}/codegen/test_fixed_point_c.py",
+    f"{HOST_TESTS}/control/test_peak_gain.py",
+)
+MISRA = (f"{HOST_TESTS}/codegen/test_misra.py",)
+NXTWAY = (f"{HOST_TESTS}/control/test_nxtway.py",)
+
+
+def other_control() -> list[str]:
+    """Control tests that have no suite of their own, with the controller on the brick."""
+    named = {*BLOCKS, *FIXED_POINT, *MISRA, *NXTWAY}
+    found = (ROOT / HOST_TESTS).glob("[cm]o*/test_*.py")
+    files = {path.relative_to(ROOT).as_posix() for path in found}
+    return [*sorted(files - named), "examples/vehicle/tests/test_controller_on_the_brick.py"]
+
+
 SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("cpu", single_step),
     ("cpu", cargo_suite("cpu", "instructions, exceptions, silicon cycle table", "arm7tdmi")),
@@ -147,16 +164,11 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("plant", cargo_suite("plant", "published motor points, body", "plant")),
     ("runtime", pytest_suite("runtime", "behaviours on the virtual brick", "runtime/tests")),
     ("drivers", pytest_suite("drivers", "drivers on the virtual brick", "drivers/tests")),
-    (
-        "control",
-        pytest_suite(
-            "control",
-            "paper's loop, sampled loops, generated C",
-            "host/tests/model",
-            "host/tests/control",
-            "host/tests/codegen",
-        ),
-    ),
+    ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
+    ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
+    ("control", pytest_suite("control", "misra: C:2012 by cppcheck", *MISRA)),
+    ("control", pytest_suite("control", "nxtway: published gains", *NXTWAY)),
+    ("control", pytest_suite("control", "paper's loop, tuning, generated C", *other_control())),
     (
         "timing",
         pytest_suite("timing", "textbook cases, random task sets", "host/tests/schedule"),
