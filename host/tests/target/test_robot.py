@@ -111,3 +111,55 @@ def test_the_configuration_of_the_brick_has_the_scenarios_deviations(
     assert made["signal_period_cycles"] == 48_055
     step = read_scenario(scenario_path(project, "step"), robot)
     assert brick_configuration(robot, step, MASTER_CLOCK)["body"] == {"kind": "bench"}
+
+
+SENSORS = '[ports.1]\ndevice = "touch"'
+WRONG_SENSORS = [
+    ('device = "gyro"\nmount = { x = 0.1, y = 0.0 }', "ports.1.mount", "is for light and"),
+    ('device = "light"\naxis = "yaw"', "ports.1.axis", "is for gyro only, not for light"),
+    ('device = "light"\nmount = { x = 0.1, y = 0.0 }', "ports.1.mount", "add [floor]"),
+    ('device = "ultrasonic"\nmount = { x = 0.1, y = 0.0 }', "ports.1.mount", "add [walls]"),
+    ('device = "light"\nmount = { x = 3.0, y = 0.0 }', "ports.1.mount.x", "expected at most 1"),
+]
+
+
+@pytest.mark.parametrize(("new", "field", "problem"), WRONG_SENSORS)
+def test_a_sensor_that_cannot_measure_is_named(
+    project: Path, edit: Edit, new: str, field: str, problem: str
+) -> None:
+    """Where it sits, what it looks at and what it turns with must fit together."""
+    edit("robot.toml", SENSORS, f"[ports.1]\n{new}")
+    with pytest.raises(ProjectFileError) as caught:
+        read_robot(project)
+    assert caught.value.field == field
+    assert problem in caught.value.sentence
+
+
+def test_floor_walls_and_mounts_reach_the_brick(project: Path, edit: Edit) -> None:
+    """The picture becomes reflectances in 1/255, row by row from the top."""
+    import matplotlib.image
+
+    matplotlib.image.imsave(project / "floor.png", [[0.0, 1.0], [1.0, 0.0]], cmap="gray")
+    sensor = 'device = "light"\nmount = { x = 0.1, y = 0.02 }'
+    edit("robot.toml", SENSORS, f"[ports.1]\n{sensor}")
+    pixel = '{ value = 0.01, unit = "m", tolerance = 0.0, source = "test" }'
+    with (project / "robot.toml").open("a") as file:
+        file.write(f'[floor]\nimage = "floor.png"\npixel = {pixel}\ncorner = [-1.0, 2]\n')
+        file.write("[[walls]]\nfrom = [0, 1]\nto = [2, 1]\n")
+    robot = read_robot(project)
+    scenario = (project / "scenarios" / "step.toml").read_text()
+    (project / "scenarios" / "step.toml").write_text(scenario.split("[[inputs]]")[0])
+    read = read_scenario(scenario_path(project, "step"), robot)
+    configuration = brick_configuration(robot, read, MASTER_CLOCK)
+    assert configuration["surroundings"] == {
+        "floor": {
+            "pixel": 0.01,
+            "corner": [-1.0, 2],
+            "width": 2,
+            "reflectance": [0, 255, 255, 0],
+            "outside": 1.0,
+        },
+        "walls": [{"from": [0, 1], "to": [2, 1]}],
+    }
+    mount = {"x": 0.1, "y": 0.02, "direction": 0.0}
+    assert configuration["sensors"]["1"] == {"kind": "light", "mount": mount}

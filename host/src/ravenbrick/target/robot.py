@@ -15,12 +15,15 @@ from ravenbrick.target.validation import validate
 __all__ = [
     "Battery",
     "Body",
+    "Floor",
     "MotorPort",
+    "Mount",
     "Quantity",
     "Robot",
     "SensorPort",
     "Setpoint",
     "Task",
+    "Wall",
     "read_robot",
 ]
 
@@ -53,18 +56,53 @@ class MotorPort:
 
 
 @dataclass(frozen=True)
+class Mount:
+    """Where a sensor sits: m forwards from and to the left of the axle's middle, rad."""
+
+    x: float
+    y: float
+    direction: float
+
+
+@dataclass(frozen=True)
 class SensorPort:
-    """A sensor on port 1 to 4."""
+    """A sensor on port 1 to 4; `axis` and `rest` (counts) are of a gyro."""
 
     device: str
     role: str
+    mount: Mount | None = None
+    axis: Literal["pitch", "yaw"] | None = None
+    rest: Quantity | None = None
+
+    @property
+    def measures_plant(self) -> bool:
+        """Whether the plant and its surroundings give the value instead of an input."""
+        return self.mount is not None or self.axis is not None
+
+
+@dataclass(frozen=True)
+class Floor:
+    """A picture on the floor; `corner` (m) is its lower left one, `outside` a reflectance."""
+
+    image: Path
+    pixel: Quantity
+    corner: tuple[float, float]
+    outside: float
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A straight wall between two points; m."""
+
+    begin: tuple[float, float]
+    end: tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Body:
-    """A bench, or a vehicle with two driven wheels and a castor."""
+    """A bench, a vehicle with two driven wheels and a castor, or one that balances on them."""
 
-    kind: Literal["bench", "differential_drive"]
+    kind: Literal["bench", "differential_drive", "balancer"]
     left: str | None
     right: str | None
     quantities: Mapping[str, Quantity]
@@ -116,6 +154,8 @@ class Robot:
     battery: Battery
     tasks: tuple[Task, ...]
     setpoints: tuple[Setpoint, ...]
+    floor: Floor | None = None
+    walls: tuple[Wall, ...] = ()
 
     @property
     def directory(self) -> Path:
@@ -138,6 +178,27 @@ def _motor_port(table: Mapping[str, Any]) -> MotorPort:
     return MotorPort(
         table["motor"], table["role"], table.get("held_by_hand", False), rate and _quantity(rate)
     )
+
+
+def _sensor_port(table: Mapping[str, Any]) -> SensorPort:
+    mount, rest = table.get("mount"), table.get("rest")
+    return SensorPort(
+        table["device"],
+        table["role"],
+        mount and Mount(mount["x"], mount["y"], mount.get("direction", 0.0)),
+        table.get("axis"),
+        rest and _quantity(rest),
+    )
+
+
+def _floor(directory: Path, table: Mapping[str, Any]) -> Floor:
+    x, y = table["corner"]
+    image = directory / table["image"]
+    return Floor(image, _quantity(table["pixel"]), (x, y), table.get("outside", 1.0))
+
+
+def _wall(table: Mapping[str, Any]) -> Wall:
+    return Wall((table["from"][0], table["from"][1]), (table["to"][0], table["to"][1]))
 
 
 def _body(table: Mapping[str, Any]) -> Body:
@@ -203,13 +264,33 @@ def _check_setpoints(document: LocatedToml) -> None:
             )
 
 
+def _check_sensors(document: LocatedToml) -> None:
+    needs = {"light": "floor", "ultrasonic": "walls"}
+    for port, table in document.values["ports"].items():
+        device = table["device"]
+        for field, devices in (("mount", tuple(needs)), ("axis", ("gyro",)), ("rest", ("gyro",))):
+            if field in table and device not in devices:
+                raise document.error(
+                    ("ports", port, field),
+                    f"is for {' and '.join(devices)} only, not for {device}; remove it",
+                )
+        if "mount" in table and needs[device] not in document.values:
+            raise document.error(
+                ("ports", port, "mount"), f"has nothing to look at; add [{needs[device]}]"
+            )
+    image = document.values.get("floor", {}).get("image")
+    if image and not (document.path.parent / image).is_file():
+        raise document.error(("floor", "image"), f"there is no file '{image}'; correct its name")
+
+
 def read_robot(directory: Path) -> Robot:
     """Read `robot.toml` of a project folder; raises `ProjectFileError`."""
     document = read_toml(
         directory / ROBOT_FILE, missing=f"'{directory}' must be a project folder with robot.toml"
     )
     validate(document, "robot")
-    for check in (_check_motor_names, _check_wheels, _check_tasks, _check_setpoints):
+    checks = (_check_motor_names, _check_wheels, _check_tasks, _check_setpoints, _check_sensors)
+    for check in checks:
         check(document)
     values = document.values
     ports = values["ports"]
@@ -219,11 +300,7 @@ def read_robot(directory: Path) -> Robot:
         name=values["name"],
         description=values.get("description", ""),
         motor_ports={p: _motor_port(ports[p]) for p in sorted(ports) if p in "ABC"},
-        sensor_ports={
-            p: SensorPort(ports[p]["device"], ports[p]["role"])
-            for p in sorted(ports)
-            if p in "1234"
-        },
+        sensor_ports={p: _sensor_port(ports[p]) for p in sorted(ports) if p in "1234"},
         motors={
             name: {key: _quantity(value) for key, value in table.items()}
             for name, table in values["motors"].items()
@@ -236,4 +313,6 @@ def read_robot(directory: Path) -> Robot:
         ),
         tasks=tuple(_task(table) for table in values["tasks"]),
         setpoints=tuple(_setpoint(table) for table in values.get("setpoints", [])),
+        floor=_floor(document.path.parent, values["floor"]) if "floor" in values else None,
+        walls=tuple(_wall(table) for table in values.get("walls", [])),
     )

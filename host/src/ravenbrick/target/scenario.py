@@ -135,11 +135,28 @@ def _motor_input(robot: Robot, port: str, quantity: str) -> str | None:
     return None
 
 
-def _touch_input(robot: Robot, port: str) -> str | None:
+def _sensor_input(robot: Robot, quantity: str, port: str) -> str | None:
+    wanted = "ultrasonic" if quantity == "distance" else quantity
     sensor = robot.sensor_ports.get(port)
-    if sensor is None or sensor.device != "touch":
-        return f"there is no touch sensor on sensor port {port}; see [ports] in robot.toml"
+    if sensor is None or sensor.device != wanted:
+        return f"there is no {wanted} sensor on sensor port {port}; see [ports] in robot.toml"
     return None
+
+
+def _measured_input(robot: Robot, quantity: str, port: str) -> str | None:
+    problem = _sensor_input(robot, quantity, port)
+    if problem is None and robot.sensor_ports[port].measures_plant:
+        return (
+            f"the sensor on port {port} measures the plant; remove the input, or 'mount' or "
+            "'axis' in robot.toml"
+        )
+    return problem
+
+
+def _body_input(robot: Robot, quantity: str) -> str | None:
+    if robot.body.kind == "balancer":
+        return None
+    return f"body.{quantity} is of a body that balances, not of a {robot.body.kind}"
 
 
 def _button_input(_robot: Robot, button: str) -> str | None:
@@ -149,7 +166,10 @@ def _button_input(_robot: Robot, button: str) -> str | None:
 
 
 _INPUTS: tuple[tuple[str, Callable[..., str | None]], ...] = (
-    (r"touch\.(\w+)", _touch_input),
+    (r"(touch|light|sound)\.(\w+)", _sensor_input),
+    (r"(distance|gyro)\.(\w+)", _measured_input),
+    (r"(light)\.(\w+)\.reflectance", _measured_input),
+    (r"body\.(held|push)", _body_input),
     (r"button\.(\w+)", _button_input),
     (r"motor\.(\w+)\.(hand_angle|load_torque)", _motor_input),
     (r"battery\.(voltage)", lambda _robot, _name: None),
@@ -167,8 +187,10 @@ def _input_problem(robot: Robot, name: str) -> str | None:
         if match:
             return check(robot, *match.groups())
     return (
-        f"unknown input '{name}'; known are touch.<port>, button.<name>, "
-        "motor.<port>.hand_angle, motor.<port>.load_torque and battery.voltage"
+        f"unknown input '{name}'; known are touch.<port>, light.<port>, "
+        "light.<port>.reflectance, sound.<port>, distance.<port>, gyro.<port>, button.<name>, "
+        "motor.<port>.hand_angle, motor.<port>.load_torque, body.held, body.push and "
+        "battery.voltage"
     )
 
 

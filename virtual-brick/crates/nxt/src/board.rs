@@ -16,6 +16,7 @@ use crate::coprocessor::{Coprocessor, Measurable, ADDRESS};
 use crate::display::Display;
 use crate::event::{BoardEvent, BoardEventKind, BoardFault, EventLog};
 use crate::inputs::{self, InputDescription, InputError, Target};
+use crate::measured::Measured;
 use crate::physics::Physics;
 use crate::ports::{Ports, PORT_LINES};
 use crate::sound::{Recording, SAMPLE_CYCLES};
@@ -49,6 +50,7 @@ pub struct NxtBoard {
     battery: Battery,
     ports: Ports,
     physics: Physics,
+    measured: Measured,
     inputs: Vec<InputDescription>,
     outputs: PinOutputs,
     addressed: bool,
@@ -94,6 +96,7 @@ impl NxtBoard {
             buttons: Buttons::default(),
             battery: Battery::new(configuration.battery.clone()),
             physics: Physics::new(robot, phases)?,
+            measured: Measured::new(&configuration.sensors, robot),
             inputs: inputs::inputs(ports.sensors(), robot),
             ports,
             outputs: PinOutputs::default(),
@@ -183,6 +186,8 @@ impl NxtBoard {
                     motor.set_hand_angle(value);
                 }
             }
+            Target::Held => self.physics.robot_mut().set_held(value != 0.0),
+            Target::Push => self.physics.robot_mut().set_push(value),
             Target::LoadTorque(port) => {
                 if let Some(motor) = self.physics.motor_mut(port) {
                     motor.set_load_torque(value);
@@ -323,6 +328,7 @@ impl Board for NxtBoard {
             if self.physics.advance(at, &drives, self.battery.voltage()) {
                 let (_, robot, _) = self.physics.around(at);
                 self.battery.set_current(robot.supply_current());
+                self.measured.update(robot, &mut self.ports);
             }
             let measurable = self.measurable();
             self.coprocessor.advance(at, measurable, &mut self.log);

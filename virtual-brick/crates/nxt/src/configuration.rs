@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What is in and on the brick, as it stands in a configuration.
 
-use plant::ParameterError;
+use plant::{within, Mount, ParameterError};
 use serde::Deserialize;
 
 use crate::battery::BatteryConfiguration;
@@ -62,14 +62,8 @@ impl SensorPorts {
 
     fn check(&self) -> Result<(), ParameterError> {
         for (index, sensor) in self.all().into_iter().enumerate() {
-            if let Some(SensorConfiguration::Analogue { raw }) = sensor {
-                if *raw > 1023 {
-                    return Err(ParameterError {
-                        field: format!("sensors.{}.raw", index + 1),
-                        value: raw.to_string(),
-                        expected: "an integer from 0 to 1023".to_owned(),
-                    });
-                }
+            if let Some(sensor) = sensor {
+                sensor.check(&format!("sensors.{}", index + 1))?;
             }
         }
         Ok(())
@@ -89,11 +83,76 @@ pub enum SensorConfiguration {
         raw: u16,
     },
     /// The light sensor, in darkness.
-    Light {},
+    Light {
+        /// Where it looks down on the floor; an input gives what is before it when absent.
+        #[serde(default)]
+        mount: Option<Mount>,
+        /// Radius of the spot that it sees in m.
+        #[serde(default = "light_spot")]
+        spot: f64,
+    },
     /// The sound sensor, in silence.
     Sound {},
     /// The ultrasonic sensor, with nothing in its range.
-    Ultrasonic {},
+    Ultrasonic {
+        /// Where it looks at the walls; an input gives the distance when absent.
+        #[serde(default)]
+        mount: Option<Mount>,
+    },
+    /// The rate gyro.
+    Gyro {
+        /// The rotation of the body that it measures; an input gives the rate when absent.
+        #[serde(default)]
+        axis: Option<GyroAxis>,
+        /// Count at rest.
+        #[serde(default = "gyro_rest")]
+        rest: f64,
+    },
+}
+
+/// A rotation of the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GyroAxis {
+    /// Forwards and backwards.
+    Pitch,
+    /// To the left.
+    Yaw,
+}
+
+impl SensorConfiguration {
+    fn check(&self, field: &str) -> Result<(), ParameterError> {
+        match self {
+            Self::Analogue { raw } if *raw > 1023 => Err(ParameterError {
+                field: format!("{field}.raw"),
+                value: raw.to_string(),
+                expected: "an integer from 0 to 1023".to_owned(),
+            }),
+            Self::Light { mount, spot } => {
+                within(&format!("{field}.spot"), *spot, 0.0, 0.1, "m")?;
+                check_mount(mount.as_ref(), field)
+            }
+            Self::Ultrasonic { mount } => check_mount(mount.as_ref(), field),
+            Self::Gyro { rest, .. } => {
+                within(&format!("{field}.rest"), *rest, 0.0, 1023.0, "counts")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn check_mount(mount: Option<&Mount>, field: &str) -> Result<(), ParameterError> {
+    mount.map_or(Ok(()), |mount| mount.check(&format!("{field}.mount")))
+}
+
+/// Chosen: the sensor stands about as far above the floor.
+const fn light_spot() -> f64 {
+    0.004
+}
+
+/// Typical of the sensor on a charged battery (NXTway-GS sample data: 605; others 619 to 625).
+const fn gyro_rest() -> f64 {
+    600.0
 }
 
 const fn open_input() -> u16 {

@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::fmt;
 
-use plant::{MotorPort, RobotParameters};
+use plant::{BodyParameters, MotorPort, RobotParameters};
 
 use crate::battery::VOLTAGE_RANGE;
 use crate::buttons::Button;
@@ -36,6 +36,8 @@ pub enum Target {
     Button(Button),
     HandAngle(MotorPort),
     LoadTorque(MotorPort),
+    Held,
+    Push,
     BatteryVoltage,
     WrongSums,
     BusStuck,
@@ -107,6 +109,17 @@ pub fn inputs(sensors: [&Sensor; 4], robot: &RobotParameters) -> Vec<InputDescri
     }
     for port in MotorPort::ALL {
         inputs.extend(motor_input(port, robot));
+    }
+    if matches!(robot.body, BodyParameters::Balancer(_)) {
+        inputs.push(switch("body.held".to_owned(), Target::Held));
+        inputs.push(InputDescription {
+            name: "body.push".to_owned(),
+            lowest: -100.0,
+            highest: 100.0,
+            whole: false,
+            unit: "N",
+            target: Target::Push,
+        });
     }
     inputs.push(InputDescription {
         name: "battery.voltage".to_owned(),

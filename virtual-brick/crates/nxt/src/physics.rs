@@ -105,6 +105,11 @@ impl Physics {
         self.ahead.motor_mut(port)
     }
 
+    /// The robot as the next step will take it.
+    pub fn robot_mut(&mut self) -> &mut Robot {
+        &mut self.ahead
+    }
+
     /// The plant at the beginning and at the end of the running step, and how much of the step
     /// has gone by at `now`.
     pub fn around(&self, now: Cycles) -> (&Robot, &Robot, f64) {

@@ -20,7 +20,8 @@ impl NxtBoard {
     /// Names of the signals, in the order of [`NxtBoard::sample_signals`]: per motor
     /// `motor.X.angle` (rad), `.angular_velocity` (rad/s), `.voltage` (mean at the terminals,
     /// V), `.current` (A), `.encoder` (tacho edges, 360 per turn), `.duty` (-1 to 1) and with
-    /// backlash `.load_angle` (rad); on wheels `body.x`, `body.y` (m), `body.heading` (rad);
+    /// backlash `.load_angle` (rad); on wheels `body.x`, `body.y` (m), `body.heading` (rad), of a
+    /// body that balances `body.pitch` (rad) and `body.pitch_rate` (rad/s);
     /// `battery.voltage` (V).
     #[must_use]
     pub fn signal_names(&self) -> Vec<String> {
@@ -38,6 +39,9 @@ impl NxtBoard {
         }
         if robot.pose().is_some() {
             names.extend(["body.x", "body.y", "body.heading"].map(str::to_owned));
+        }
+        if robot.pitch().is_some() {
+            names.extend(["body.pitch", "body.pitch_rate"].map(str::to_owned));
         }
         names.push("battery.voltage".to_owned());
         names
@@ -73,6 +77,10 @@ impl NxtBoard {
             values.push(between(from.x, to.x));
             values.push(between(from.y, to.y));
             values.push(between(from.heading, to.heading));
+        }
+        if let (Some(from), Some(to)) = (behind.pitch(), ahead.pitch()) {
+            values.push(between(from.0, to.0));
+            values.push(between(from.1, to.1));
         }
         values.push(self.battery_voltage());
     }

@@ -101,6 +101,13 @@ impl Vehicle {
             track,
             ..
         } = self.parameters;
+        self.pose.roll(wheel_radius, track, left, right);
+    }
+}
+
+impl Pose {
+    /// Moves along the arc that belongs to these turns of wheels of this radius and distance.
+    pub(crate) fn roll(&mut self, wheel_radius: f64, track: f64, left: f64, right: f64) {
         let length = wheel_radius * (left + right) / 2.0;
         let turn = wheel_radius * (right - left) / track;
         let half = turn / 2.0;
@@ -109,9 +116,9 @@ impl Vehicle {
         } else {
             length * libm::sin(half) / half
         };
-        let direction = self.pose.heading + half;
-        self.pose.x += chord * libm::cos(direction);
-        self.pose.y += chord * libm::sin(direction);
-        self.pose.heading += turn;
+        let direction = self.heading + half;
+        self.x += chord * libm::cos(direction);
+        self.y += chord * libm::sin(direction);
+        self.heading += turn;
     }
 }

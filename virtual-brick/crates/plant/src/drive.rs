@@ -63,7 +63,7 @@ impl MotorDrive {
                 duty,
                 decay: Decay::Fast,
                 period,
-            } => winding.chopped(motor, duty, period),
+            } => winding.less(motor.driver_drop).chopped(motor, duty, period),
         }
     }
 
@@ -121,9 +121,23 @@ impl MotorDrive {
 }
 
 impl Winding {
+    /// The same with that many volts less of supply.
+    fn less(self, drop: f64) -> Self {
+        let supply = libm::fmax(self.supply - drop, 0.0);
+        Self { supply, ..self }
+    }
+
     /// Winding always connected to a source of `voltage`.
+    /// The bridge's drop works against the current, like friction: below it none flows.
     fn driven(self, motor: &MotorParameters, voltage: f64) -> StepCurrent {
         let emf = motor.electric_constant;
+        let driving = voltage - emf * self.velocity;
+        let flows = motor.inductance > 0.0 && self.current != 0.0;
+        let direction = if flows { self.current } else { driving };
+        if motor.driver_drop > 0.0 && !flows && libm::fabs(driving) <= motor.driver_drop {
+            return StepCurrent::default();
+        }
+        let voltage = voltage - libm::copysign(motor.driver_drop, direction);
         let per_step = motor.inductance / self.dt;
         let half = motor.resistance / 2.0;
         if motor.inductance == 0.0 {

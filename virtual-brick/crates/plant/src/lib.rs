@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Motors and mechanics of the robot. Knows volts and radians, no registers.
 //!
-//! A [`Robot`] is three motor ports and a body. It is advanced by a fixed step of about 100 us
-//! with the trapezoidal rule; friction, backlash stops and the castor are impulses found in the
+//! A [`Robot`] is three motor ports and a body; [`Surroundings`] is what its sensors see. A robot
+//! is advanced by a fixed step of about 100 us with the trapezoidal rule; friction, backlash stops and the castor are impulses found in the
 //! same step, so that a shaft at rest is at rest exactly. The result is a function of the
 //! parameters and the inputs: only + - * / and functions of `libm` are used.
 
+mod balancer;
 mod body;
 mod drive;
 mod error;
@@ -14,7 +15,10 @@ mod motor;
 mod parameters;
 mod robot;
 mod solver;
+mod surroundings;
+mod thermal;
 
+pub use balancer::Balancer;
 pub use body::Pose;
 pub use drive::{Decay, MotorDrive};
 pub use error::{within, ParameterError};
@@ -24,3 +28,5 @@ pub use parameters::{
     RobotParameters,
 };
 pub use robot::Robot;
+pub use surroundings::{Floor, Mount, Surroundings, Wall};
+pub use thermal::CutOut;

@@ -4,6 +4,7 @@
 
 use crate::drive::{MotorDrive, StepCurrent, Winding};
 use crate::parameters::{MotorParameters, PluggedMotor};
+use crate::thermal::Heat;
 
 /// Share of the motor's inertia that lies behind the play (hub and last wheel of the train).
 const SHARE_BEHIND_PLAY: f64 = 0.02;
@@ -22,6 +23,7 @@ pub struct Motor {
     current: f64,
     voltage: f64,
     supply_current: f64,
+    heat: Heat,
 }
 
 /// A hand that turns the shaft to an angle, no faster than its rate.
@@ -48,6 +50,7 @@ impl Motor {
             current: 0.0,
             voltage: 0.0,
             supply_current: 0.0,
+            heat: Heat::default(),
         }
     }
 
@@ -91,6 +94,21 @@ impl Motor {
     #[must_use]
     pub const fn supply_current(&self) -> f64 {
         self.supply_current
+    }
+
+    /// The fuse in the motor has opened.
+    #[must_use]
+    pub const fn cut_out(&self) -> bool {
+        self.heat.is_open()
+    }
+
+    /// What the bridge can do to the winding: nothing while the fuse is open.
+    pub(crate) const fn effective(&self, drive: MotorDrive) -> MotorDrive {
+        if self.heat.is_open() {
+            MotorDrive::Coast
+        } else {
+            drive
+        }
     }
 
     /// Whether the shaft follows a hand.
@@ -180,6 +198,9 @@ impl Motor {
         } else {
             mean
         };
+        if let Some(fuse) = &self.parameters.cut_out {
+            self.heat.advance(fuse, mean, before.dt);
+        }
     }
 
     /// Moves a shaft that a hand holds; false when no hand does.

@@ -4,7 +4,10 @@
 
 use serde::Deserialize;
 
+use crate::balancer::Balancer;
 use crate::error::{within, ParameterError};
+use crate::surroundings::Surroundings;
+use crate::thermal::CutOut;
 
 /// A motor port of the brick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -64,6 +67,12 @@ pub struct MotorParameters {
     /// Winding inductance in H; 0 neglects it.
     #[serde(default)]
     pub inductance: f64,
+    /// Voltage that the bridge's switches take away while current flows, in V.
+    #[serde(default)]
+    pub driver_drop: f64,
+    /// Resettable fuse in the motor; none when absent.
+    #[serde(default)]
+    pub cut_out: Option<CutOut>,
 }
 
 impl MotorParameters {
@@ -95,9 +104,13 @@ impl MotorParameters {
             ("coulomb_friction", self.coulomb_friction, 0.0, 1.0, "N m"),
             ("backlash", self.backlash, 0.0, 0.5, "rad"),
             ("inductance", self.inductance, 0.0, 1.0, "H"),
+            ("driver_drop", self.driver_drop, 0.0, 5.0, "V"),
         ];
         for (name, value, lowest, highest, unit) in rows {
             within(&format!("{path}.{name}"), value, lowest, highest, unit)?;
+        }
+        if let Some(fuse) = &self.cut_out {
+            fuse.check(&format!("{path}.cut_out"))?;
         }
         let field = format!("{path}.static_friction");
         let unit = "N m, not less than coulomb_friction";
@@ -219,17 +232,26 @@ impl DifferentialDrive {
         for (name, value, lowest, highest, unit) in rows {
             within(&format!("body.{name}"), value, lowest, highest, unit)?;
         }
-        check_wheel("body.left", self.left, motors)?;
-        check_wheel("body.right", self.right, motors)?;
-        if self.left == self.right {
-            return Err(ParameterError {
-                field: "body.right".to_owned(),
-                value: self.right.letter().to_owned(),
-                expected: "another motor than body.left".to_owned(),
-            });
-        }
-        Ok(())
+        check_wheels(self.left, self.right, motors)
     }
+}
+
+/// Both wheels are there, and are not the same one.
+pub(crate) fn check_wheels(
+    left: MotorPort,
+    right: MotorPort,
+    motors: &MotorPorts,
+) -> Result<(), ParameterError> {
+    check_wheel("body.left", left, motors)?;
+    check_wheel("body.right", right, motors)?;
+    if left == right {
+        return Err(ParameterError {
+            field: "body.right".to_owned(),
+            value: right.letter().to_owned(),
+            expected: "another motor than body.left".to_owned(),
+        });
+    }
+    Ok(())
 }
 
 fn check_wheel(field: &str, port: MotorPort, motors: &MotorPorts) -> Result<(), ParameterError> {
@@ -251,6 +273,8 @@ pub enum BodyParameters {
     Bench {},
     /// A vehicle.
     DifferentialDrive(DifferentialDrive),
+    /// A body that balances on two wheels.
+    Balancer(Balancer),
 }
 
 impl Default for BodyParameters {
@@ -269,6 +293,9 @@ pub struct RobotParameters {
     /// The body; a bench when absent.
     #[serde(default)]
     pub body: BodyParameters,
+    /// What is around the robot; nothing when absent.
+    #[serde(default)]
+    pub surroundings: Surroundings,
 }
 
 impl RobotParameters {
@@ -285,6 +312,8 @@ impl RobotParameters {
         match &self.body {
             BodyParameters::Bench {} => Ok(()),
             BodyParameters::DifferentialDrive(drive) => drive.check(&self.motors),
-        }
+            BodyParameters::Balancer(balancer) => balancer.check(&self.motors),
+        }?;
+        self.surroundings.check()
     }
 }

@@ -2,24 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Motors and body together, advanced step by step.
 
+use crate::balancer::Pendulum;
 use crate::body::{Pose, Vehicle};
 use crate::drive::{MotorDrive, StepCurrent, Winding};
 use crate::error::ParameterError;
 use crate::motor::Motor;
 use crate::parameters::{BodyParameters, MotorPort, RobotParameters};
-use crate::solver::{solve, Constraint, MassMatrix, Vector, COORDINATES};
+use crate::solver::{solve, Constraint, Coupling, MassMatrix, Vector, COORDINATES, PITCH};
 
 const MOTORS: usize = 3;
 /// Angular velocity in rad/s below which a shaft held by friction is at rest.
 const AT_REST: f64 = 1e-6;
-/// Frictions of three motors, two stops each, rolling and castor.
+/// Frictions of three motors, two stops each, and two of the body: rolling and castor, or the
+/// floor on both sides.
 const CONSTRAINTS: usize = 11;
 
 /// Three motor ports and a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Robot {
     motors: [Option<Motor>; MOTORS],
-    vehicle: Option<Vehicle>,
+    body: Body,
+}
+
+/// What the motors turn, with its state.
+#[derive(Clone, Debug, PartialEq)]
+enum Body {
+    Bench,
+    Vehicle(Vehicle),
+    Pendulum(Pendulum),
 }
 
 /// What one step has found out before the impulses.
@@ -39,15 +49,19 @@ impl Robot {
     pub fn new(parameters: &RobotParameters) -> Result<Self, ParameterError> {
         parameters.check()?;
         let motors = MotorPort::ALL.map(|port| parameters.motors.get(port).map(Motor::new));
-        let vehicle = match &parameters.body {
-            BodyParameters::Bench {} => None,
+        let load = |port: MotorPort| load_coordinate(&motors, port.index());
+        let body = match &parameters.body {
+            BodyParameters::Bench {} => Body::Bench,
             BodyParameters::DifferentialDrive(drive) => {
-                let left = load_coordinate(&motors, drive.left.index());
-                let right = load_coordinate(&motors, drive.right.index());
-                Some(Vehicle::new(drive.clone(), left, right))
+                let (left, right) = (load(drive.left), load(drive.right));
+                Body::Vehicle(Vehicle::new(drive.clone(), left, right))
+            }
+            BodyParameters::Balancer(balancer) => {
+                let (left, right) = (load(balancer.left), load(balancer.right));
+                Body::Pendulum(Pendulum::new(balancer.clone(), left, right))
             }
         };
-        Ok(Self { motors, vehicle })
+        Ok(Self { motors, body })
     }
 
     /// The motor in `port`.
@@ -63,8 +77,45 @@ impl Robot {
 
     /// Where the vehicle is; nothing on a bench.
     #[must_use]
-    pub fn pose(&self) -> Option<Pose> {
-        self.vehicle.as_ref().map(|vehicle| vehicle.pose)
+    pub const fn pose(&self) -> Option<Pose> {
+        match &self.body {
+            Body::Bench => None,
+            Body::Vehicle(vehicle) => Some(vehicle.pose),
+            Body::Pendulum(pendulum) => Some(pendulum.pose),
+        }
+    }
+
+    /// Pitch in rad, forwards, and its rate in rad/s of a body that balances.
+    #[must_use]
+    pub const fn pitch(&self) -> Option<(f64, f64)> {
+        match &self.body {
+            Body::Pendulum(pendulum) => Some((pendulum.pitch, pendulum.pitch_rate)),
+            _ => None,
+        }
+    }
+
+    /// Angular velocity about the vertical in rad/s; 0 on a bench.
+    #[must_use]
+    pub fn yaw_rate(&self) -> f64 {
+        let Some((left, right, radius, track)) = self.wheels() else {
+            return 0.0;
+        };
+        let speed = |port| self.motor(port).map_or(0.0, Motor::load_velocity);
+        radius * (speed(right) - speed(left)) / track
+    }
+
+    /// A hand takes hold of a body that balances, where it is, or lets it go.
+    pub fn set_held(&mut self, held: bool) {
+        if let Body::Pendulum(pendulum) = &mut self.body {
+            pendulum.held = held;
+        }
+    }
+
+    /// Pushes a body that balances forwards at its centre of mass with this force in N.
+    pub fn set_push(&mut self, push: f64) {
+        if let Body::Pendulum(pendulum) = &mut self.body {
+            pendulum.push = push;
+        }
     }
 
     /// Current that all motors take from the supply in A, mean of the last step.
@@ -95,6 +146,11 @@ impl Robot {
                 .as_ref()
                 .map(|motor| motor.winding(supply, dt))
         });
+        let drives = &[0, 1, 2].map(|k| {
+            self.motors[k]
+                .as_ref()
+                .map_or(drives[k], |motor| motor.effective(drives[k]))
+        });
         let step = self.prepare(dt, drives, supply);
         let velocity = self.constrained(&step);
         let wheels = self.wheel_angles();
@@ -107,7 +163,7 @@ impl Robot {
             }
             motor.finish_current(drives[k], step.laws[k], winding);
         }
-        self.roll(wheels);
+        self.roll(wheels, velocity[PITCH], dt);
     }
 
     fn masses(&self) -> MassMatrix {
@@ -119,14 +175,21 @@ impl Robot {
                 diagonal[MOTORS + k] = if behind > 0.0 { behind } else { 1.0 };
             }
         }
-        let mut pair = None;
-        if let Some(vehicle) = &self.vehicle {
-            let (own, coupling) = vehicle.wheel_inertia();
-            diagonal[vehicle.left] += own;
-            diagonal[vehicle.right] += own;
-            pair = Some((vehicle.left, vehicle.right, coupling));
+        let mut masses = MassMatrix {
+            diagonal,
+            coupling: Coupling::None,
+        };
+        match &self.body {
+            Body::Bench => {}
+            Body::Vehicle(vehicle) => {
+                let (own, coupling) = vehicle.wheel_inertia();
+                masses.diagonal[vehicle.left] += own;
+                masses.diagonal[vehicle.right] += own;
+                masses.coupling = Coupling::Pair(vehicle.left, vehicle.right, coupling);
+            }
+            Body::Pendulum(pendulum) => pendulum.add_masses(&mut masses),
         }
-        MassMatrix { diagonal, pair }
+        masses
     }
 
     /// Velocities of the coordinates; 0 where there is nothing or a hand decides.
@@ -139,6 +202,9 @@ impl Robot {
                     velocity[MOTORS + k] = motor.load_velocity();
                 }
             }
+        }
+        if let Body::Pendulum(pendulum) = &self.body {
+            velocity[PITCH] = pendulum.pitch_rate;
         }
         velocity
     }
@@ -163,6 +229,9 @@ impl Robot {
             mass.diagonal[k] += dt * (viscous + torque * laws[k].slope);
             right[k] += dt * (torque * laws[k].offset - viscous * before[k]);
             right[load_coordinate(&self.motors, k)] -= dt * motor.load_torque();
+        }
+        if let Body::Pendulum(pendulum) = &self.body {
+            pendulum.add_impulses(&before, dt, &mut right);
         }
         let inverse = mass.inverse();
         let free = inverse.multiply(&right);
@@ -195,12 +264,18 @@ impl Robot {
         for friction in self.floor_frictions(step).into_iter().flatten() {
             add(friction);
         }
+        for stop in self.pitch_stops(step).into_iter().flatten() {
+            add(stop);
+        }
         solve(&mut velocity, &mut constraints[..count]);
         for (k, friction) in frictions.into_iter().enumerate() {
             let held = friction.is_some_and(|index: usize| constraints[index].holds());
             if held && libm::fabs(velocity[k]) < AT_REST {
                 velocity[k] = 0.0;
             }
+        }
+        if matches!(&self.body, Body::Pendulum(pendulum) if pendulum.held) {
+            velocity[PITCH] = 0.0;
         }
         velocity
     }
@@ -233,7 +308,7 @@ impl Robot {
     }
 
     fn floor_frictions(&self, step: &Step) -> [Option<Constraint>; 2] {
-        let Some(vehicle) = &self.vehicle else {
+        let Body::Vehicle(vehicle) = &self.body else {
             return [None, None];
         };
         let friction = |direction, force: f64| {
@@ -247,19 +322,61 @@ impl Robot {
         ]
     }
 
-    /// Angles of the left and the right wheel.
-    fn wheel_angles(&self) -> Option<(f64, f64)> {
-        let drive = self.vehicle.as_ref()?.parameters();
-        let left = self.motor(drive.left)?.load_angle();
-        Some((left, self.motor(drive.right)?.load_angle()))
+    /// The floor under a body that falls, or the hand that holds it.
+    fn pitch_stops(&self, step: &Step) -> [Option<Constraint>; 2] {
+        let Body::Pendulum(pendulum) = &self.body else {
+            return [None, None];
+        };
+        let stop = |target, bounds| {
+            let direction = [(PITCH, 1.0), (PITCH, 0.0)];
+            Some(Constraint::new(&step.inverse, direction, target, bounds))
+        };
+        if pendulum.held {
+            return [stop(0.0, (f64::NEG_INFINITY, f64::INFINITY)), None];
+        }
+        let (lowest, highest) = pendulum.pitch_rates(step.dt);
+        [
+            stop(lowest, (0.0, f64::INFINITY)),
+            stop(highest, (f64::NEG_INFINITY, 0.0)),
+        ]
     }
 
-    fn roll(&mut self, before: Option<(f64, f64)>) {
+    /// Ports of the left and the right wheel, their radius and distance.
+    fn wheels(&self) -> Option<(MotorPort, MotorPort, f64, f64)> {
+        match &self.body {
+            Body::Bench => None,
+            Body::Vehicle(vehicle) => {
+                let drive = vehicle.parameters();
+                Some((drive.left, drive.right, drive.wheel_radius, drive.track))
+            }
+            Body::Pendulum(pendulum) => {
+                let body = pendulum.parameters();
+                Some((body.left, body.right, body.wheel_radius, body.track))
+            }
+        }
+    }
+
+    /// Angles of the left and the right wheel against the body.
+    fn wheel_angles(&self) -> Option<(f64, f64)> {
+        let (left, right, ..) = self.wheels()?;
+        let angle = |port| Some(self.motor(port)?.load_angle());
+        Some((angle(left)?, angle(right)?))
+    }
+
+    fn roll(&mut self, before: Option<(f64, f64)>, pitch_rate: f64, dt: f64) {
         let (Some(before), Some(after)) = (before, self.wheel_angles()) else {
             return;
         };
-        if let Some(vehicle) = &mut self.vehicle {
-            vehicle.roll(after.0 - before.0, after.1 - before.1);
+        let (left, right) = (after.0 - before.0, after.1 - before.1);
+        match &mut self.body {
+            Body::Bench => {}
+            Body::Vehicle(vehicle) => vehicle.roll(left, right),
+            Body::Pendulum(pendulum) => {
+                let turn = pendulum.finish_step(pitch_rate, dt);
+                let body = pendulum.parameters();
+                let (radius, track) = (body.wheel_radius, body.track);
+                pendulum.pose.roll(radius, track, left + turn, right + turn);
+            }
         }
     }
 }

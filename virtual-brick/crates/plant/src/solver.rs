@@ -5,8 +5,11 @@
 //! Each friction and each stop is one impulse with bounds; projected Gauss-Seidel iteration
 //! finds them together (time stepping after Moreau). Impacts are plastic.
 
-/// Gear trains A to C, then what lies behind their play.
-pub(crate) const COORDINATES: usize = 6;
+/// Gear trains A to C, what lies behind their play, the pitch of a body that balances.
+pub(crate) const COORDINATES: usize = 7;
+
+/// Coordinate of the pitch.
+pub(crate) const PITCH: usize = 6;
 
 /// One number per coordinate.
 pub(crate) type Vector = [f64; COORDINATES];
@@ -16,11 +19,24 @@ const ITERATIONS: usize = 60;
 /// degree per second is about 1e-5).
 const SMALL_IMPULSE: f64 = 1e-14;
 
-/// Symmetric mass matrix or its inverse: diagonal but for at most one coupled pair.
+/// What couples the coordinates of a symmetric matrix.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Coupling {
+    None,
+    /// Two coordinates and the element that they share.
+    Pair(usize, usize, f64),
+    /// Three coordinates; elements shared by first and second, first and third, second and third.
+    Triple {
+        indices: [usize; 3],
+        off_diagonal: [f64; 3],
+    },
+}
+
+/// Symmetric mass matrix or its inverse: diagonal but for what is coupled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MassMatrix {
     pub diagonal: Vector,
-    pub pair: Option<(usize, usize, f64)>,
+    pub coupling: Coupling,
 }
 
 impl MassMatrix {
@@ -29,9 +45,21 @@ impl MassMatrix {
         for (index, value) in product.iter_mut().enumerate() {
             *value = self.diagonal[index] * vector[index];
         }
-        if let Some((first, second, coupling)) = self.pair {
-            product[first] += coupling * vector[second];
-            product[second] += coupling * vector[first];
+        let mut couple = |first: usize, second: usize, element: f64| {
+            product[first] += element * vector[second];
+            product[second] += element * vector[first];
+        };
+        match self.coupling {
+            Coupling::None => {}
+            Coupling::Pair(first, second, element) => couple(first, second, element),
+            Coupling::Triple {
+                indices: [first, second, third],
+                off_diagonal,
+            } => {
+                couple(first, second, off_diagonal[0]);
+                couple(first, third, off_diagonal[1]);
+                couple(second, third, off_diagonal[2]);
+            }
         }
         product
     }
@@ -39,17 +67,47 @@ impl MassMatrix {
     pub fn inverse(&self) -> Self {
         let mut inverse = Self {
             diagonal: self.diagonal.map(|mass| 1.0 / mass),
-            pair: None,
+            coupling: Coupling::None,
         };
-        if let Some((first, second, coupling)) = self.pair {
-            let (one, two) = (self.diagonal[first], self.diagonal[second]);
-            let determinant = one * two - coupling * coupling;
-            inverse.diagonal[first] = two / determinant;
-            inverse.diagonal[second] = one / determinant;
-            inverse.pair = Some((first, second, -coupling / determinant));
+        match self.coupling {
+            Coupling::None => {}
+            Coupling::Pair(first, second, coupling) => {
+                let (one, two) = (self.diagonal[first], self.diagonal[second]);
+                let determinant = one * two - coupling * coupling;
+                inverse.diagonal[first] = two / determinant;
+                inverse.diagonal[second] = one / determinant;
+                inverse.coupling = Coupling::Pair(first, second, -coupling / determinant);
+            }
+            Coupling::Triple {
+                indices,
+                off_diagonal,
+            } => {
+                let (diagonal, off_diagonal) =
+                    inverse_of_three(indices.map(|index| self.diagonal[index]), off_diagonal);
+                for (index, element) in indices.into_iter().zip(diagonal) {
+                    inverse.diagonal[index] = element;
+                }
+                inverse.coupling = Coupling::Triple {
+                    indices,
+                    off_diagonal,
+                };
+            }
         }
         inverse
     }
+}
+
+/// Inverse of a symmetric matrix of three rows by its cofactors; elements as in
+/// [`Coupling::Triple`].
+fn inverse_of_three(diagonal: [f64; 3], off_diagonal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    let ([a, d, f], [b, c, e]) = (diagonal, off_diagonal);
+    let first = [d * f - e * e, c * e - b * f, b * e - c * d];
+    let determinant = a * first[0] + b * first[1] + c * first[2];
+    let share = |cofactor: f64| cofactor / determinant;
+    (
+        [share(first[0]), share(a * f - c * c), share(a * d - b * b)],
+        [share(first[1]), share(first[2]), share(b * c - a * e)],
+    )
 }
 
 /// Impulse along `direction` that brings the velocity there to `target`, within bounds.

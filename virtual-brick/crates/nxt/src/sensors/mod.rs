@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What can be plugged into a sensor port.
 
+mod gyro;
 mod light;
 mod slave;
 mod sound;
@@ -9,6 +10,7 @@ mod ultrasonic;
 
 use at91sam7s::board::Cycles;
 
+pub use gyro::GyroSensor;
 pub use light::LightSensor;
 pub use sound::SoundSensor;
 pub use ultrasonic::UltrasonicSensor;
@@ -51,6 +53,7 @@ pub enum Quantity {
     SoundLevel,
     SoundFrequency,
     Distance,
+    Rate,
 }
 
 /// An input of a sensor: its name before and after the number of the port, lowest and highest
@@ -78,6 +81,8 @@ pub enum Sensor {
     Sound(SoundSensor),
     /// The ultrasonic sensor.
     Ultrasonic(UltrasonicSensor),
+    /// The rate gyro.
+    Gyro(GyroSensor),
 }
 
 impl Sensor {
@@ -86,16 +91,22 @@ impl Sensor {
             None => Self::Nothing,
             Some(SensorConfiguration::Touch {}) => Self::Touch { pressed: false },
             Some(SensorConfiguration::Analogue { raw }) => Self::Analogue { raw: *raw },
-            Some(SensorConfiguration::Light {}) => Self::Light(LightSensor::default()),
+            Some(SensorConfiguration::Light { .. }) => Self::Light(LightSensor::default()),
             Some(SensorConfiguration::Sound {}) => Self::Sound(SoundSensor::default()),
-            Some(SensorConfiguration::Ultrasonic {}) => {
+            Some(SensorConfiguration::Ultrasonic { .. }) => {
                 Self::Ultrasonic(UltrasonicSensor::default())
             }
+            Some(SensorConfiguration::Gyro { rest, .. }) => Self::Gyro(GyroSensor {
+                rate: 0.0,
+                rest: *rest,
+            }),
         }
     }
 
     pub const fn inputs(&self) -> &'static [SensorInput] {
-        use Quantity::{Distance, Light, Pressed, Raw, Reflectance, SoundFrequency, SoundLevel};
+        use Quantity::{
+            Distance, Light, Pressed, Rate, Raw, Reflectance, SoundFrequency, SoundLevel,
+        };
         match self {
             Self::Nothing => &[],
             Self::Touch { .. } => &[(Pressed, ("touch.", ""), (0.0, 1.0), true, "")],
@@ -120,6 +131,7 @@ impl Sensor {
                     "Hz",
                 ),
             ],
+            Self::Gyro(_) => &[(Rate, ("gyro.", ""), (-100.0, 100.0), false, "rad/s")],
             Self::Ultrasonic(_) => &[(Distance, ("distance.", ""), (0.0, 100.0), false, "m")],
         }
     }
@@ -132,6 +144,7 @@ impl Sensor {
             (Self::Light(light), Quantity::Reflectance) => light.reflectance = value,
             (Self::Sound(sound), Quantity::SoundLevel) => sound.level = value,
             (Self::Sound(sound), Quantity::SoundFrequency) => sound.frequency = value,
+            (Self::Gyro(gyro), Quantity::Rate) => gyro.rate = value,
             (Self::Ultrasonic(ultrasonic), Quantity::Distance) => ultrasonic.distance = value,
             _ => {}
         }
@@ -144,6 +157,7 @@ impl Sensor {
             Self::Touch { pressed: true } => PRESSED,
             Self::Analogue { raw } => *raw,
             Self::Light(light) => light.raw(lines.drives_high(0)),
+            Self::Gyro(gyro) => gyro.raw(),
             Self::Sound(sound) => sound.raw(lines.drives_high(0), lines.drives_high(1)),
         }
     }

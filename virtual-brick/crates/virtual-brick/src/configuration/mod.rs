@@ -7,7 +7,7 @@
 mod error;
 
 use nxt::{BatteryConfiguration, BoardConfiguration, SensorPorts};
-use plant::{BodyParameters, MotorPorts, RobotParameters};
+use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
 use serde::Deserialize;
 
 pub use error::ConfigurationError;
@@ -41,6 +41,8 @@ struct Fields {
     motors: MotorPorts,
     #[serde(default)]
     body: BodyParameters,
+    #[serde(default)]
+    surroundings: Surroundings,
     #[serde(default)]
     sensors: SensorPorts,
     #[serde(default = "default_signal_period")]
@@ -89,6 +91,7 @@ impl Fields {
         let robot = RobotParameters {
             motors: self.motors,
             body: self.body,
+            surroundings: self.surroundings,
         };
         robot.check()?;
         let board = BoardConfiguration {

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The body that balances: falls as published, keeps its energy, stands under published gains.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod common;
+
+use common::{near, robot, run, slow, velocity, DT};
+use plant::{MotorDrive, MotorPort, Robot};
+
+/// NXTway-GS (Yamamoto 2008); motor constants of Watanabe, its rotor inertia 1e-5.
+const SET_B: &str = r#"{"resistance": 6.69, "torque_constant": 0.317,
+    "electric_constant": 0.468, "viscous_friction": 0.0022, "inertia": 0.00001}"#;
+
+fn balancer(motor: &str, extra: &str) -> Robot {
+    // R 0.04, m 0.03, M 0.6, L 0.072: Jw = mR^2/2, Jpsi = ML^2/3, Jphi = M(W^2 + D^2)/12.
+    robot(&format!(
+        r#"{{"motors": {{"B": {{"parameters": {motor}}}, "C": {{"parameters": {motor}}}}},
+        "body": {{"kind": "balancer", "left": "B", "right": "C", "wheel_radius": 0.04,
+        "wheel_mass": 0.03, "wheel_inertia": 0.000024, "track": 0.14, "mass": 0.6,
+        "centre_height": 0.072, "pitch_inertia": 0.0010368, "yaw_inertia": 0.00106{extra}}}}}"#
+    ))
+}
+
+fn pitch(robot: &Robot) -> f64 {
+    robot.pitch().unwrap().0
+}
+
+#[test]
+fn let_go_with_shorted_windings_it_falls_with_the_published_unstable_pole() {
+    let mut robot = balancer(SET_B, r#", "start_pitch": 1e-6"#);
+    robot.set_held(false);
+    run(&mut robot, 0.6, MotorDrive::Brake, MotorDrive::Brake, 8.0);
+    let early = pitch(&robot);
+    run(&mut robot, 0.4, MotorDrive::Brake, MotorDrive::Brake, 8.0);
+    near((pitch(&robot) / early).ln() / 0.4, 7.437, 0.002);
+}
+
+#[test]
+fn a_hand_holds_it_where_it_is_until_it_lets_go() {
+    let mut robot = balancer(SET_B, r#", "start_pitch": 0.1"#);
+    run(&mut robot, 1.0, MotorDrive::Coast, MotorDrive::Coast, 8.0);
+    assert_eq!(robot.pitch().unwrap(), (0.1, 0.0));
+    robot.set_held(false);
+    run(&mut robot, 0.1, MotorDrive::Coast, MotorDrive::Coast, 8.0);
+    assert!(pitch(&robot) > 0.101);
+}
+
+#[test]
+fn fallen_it_lies_on_the_floor_at_its_last_pitch() {
+    let mut robot = balancer(SET_B, r#", "start_pitch": -0.05, "fallen_pitch": 1.2"#);
+    robot.set_held(false);
+    run(&mut robot, 5.0, MotorDrive::Brake, MotorDrive::Brake, 8.0);
+    near(pitch(&robot), -1.2, 1e-9);
+    assert!(robot.pitch().unwrap().1.abs() < 1e-9);
+}
+
+/// Without friction and with open windings the sum of kinetic and potential energy stays.
+#[test]
+fn falling_without_friction_keeps_the_energy() {
+    let free = r#"{"resistance": 6.69, "torque_constant": 0.317, "electric_constant": 0.468,
+        "viscous_friction": 0.0, "inertia": 0.001}"#;
+    let mut robot = balancer(free, r#", "start_pitch": 0.05, "fallen_pitch": 1.5"#);
+    robot.set_held(false);
+    let weight = 0.6 * 9.81 * 0.072;
+    let energy = |robot: &Robot| robot.kinetic_energy() + weight * pitch(robot).cos();
+    let start = energy(&robot);
+    let mut steps = 0;
+    while pitch(&robot) < 1.3 {
+        robot.step(DT, &[MotorDrive::Coast; 3], 8.0);
+        steps += 1;
+        assert!(steps < 100_000);
+    }
+    near(energy(&robot), start, 2e-3);
+}
+
+#[test]
+fn equal_wheels_never_turn_it_and_opposite_ones_turn_it_on_the_spot() {
+    let mut robot = balancer(SET_B, "");
+    run(&mut robot, 0.5, slow(0.3), slow(0.3), 8.0);
+    assert_eq!(robot.pose().unwrap().heading, 0.0);
+    let mut robot = balancer(SET_B, "");
+    run(&mut robot, 0.5, slow(-0.3), slow(0.3), 8.0);
+    let pose = robot.pose().unwrap();
+    assert!(pose.heading > 0.5 && pose.x.hypot(pose.y) < 1e-9);
+    near(
+        robot.yaw_rate(),
+        0.04 / 0.14 * 2.0 * velocity(&robot, MotorPort::C),
+        1e-9,
+    );
+}
+
+/// The published state feedback, every 4 ms, from exact states.
+#[test]
+fn the_published_gains_keep_it_up_when_it_is_pushed() {
+    let mut robot = balancer(SET_B, r#", "start_pitch": 0.03"#);
+    robot.set_held(false);
+    let (mut duty, mut integral) = (0.0, 0.0);
+    let mut farthest: f64 = 0.0;
+    for step in 0..300_000 {
+        if step % 40 == 0 {
+            let (pitch, rate) = robot.pitch().unwrap();
+            let shaft = |port| robot.motor(port).unwrap();
+            let (left, right) = (shaft(MotorPort::B), shaft(MotorPort::C));
+            let theta = (left.angle() + right.angle()) / 2.0 + pitch;
+            let speed = (left.angular_velocity() + right.angular_velocity()) / 2.0 + rate;
+            let volts = 0.83508 * theta
+                + 34.18958 * pitch
+                + 1.09951 * speed
+                + 2.81409 * rate
+                + 0.44721 * integral;
+            integral += 0.004 * theta;
+            duty = (volts / 8.0).clamp(-1.0, 1.0);
+        }
+        robot.set_push(if step % 50_000 < 1_000 { 2.0 } else { 0.0 });
+        robot.step(DT, &[MotorDrive::Coast, slow(duty), slow(duty)], 8.0);
+        farthest = farthest.max(pitch(&robot).abs());
+    }
+    assert!(farthest < 0.3, "{farthest} rad");
+}
