@@ -3,9 +3,10 @@
 //! Motors and mechanics of the robot. Knows volts and radians, no registers.
 //!
 //! A [`Robot`] is three motor ports and a body; [`Surroundings`] is what its sensors see. A robot
-//! is advanced by a fixed step of about 100 us with the trapezoidal rule; friction, backlash stops and the castor are impulses found in the
-//! same step, so that a shaft at rest is at rest exactly. The result is a function of the
-//! parameters and the inputs: only + - * / and functions of `libm` are used.
+//! is advanced by a fixed step of about 100 us with the trapezoidal rule; friction, backlash stops
+//! and the castor are impulses found in the same step, so that a shaft at rest is at rest exactly.
+//! The result is a function of the parameters and the inputs: only + - * / and functions of `libm`
+//! are used.
 
 mod balancer;
 mod body;
