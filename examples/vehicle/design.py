@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ravenbrick.codegen import NamedNumber, ada_package, generate_c
+from ravenbrick.codegen import AdaBinding, NamedNumber, ada_binding, ada_package, generate_c
 from ravenbrick.control import (
     Design,
     LoopSpecification,
@@ -71,14 +71,22 @@ def design() -> Design:
 
 
 def generate(result: Design, folder: Path) -> None:
-    """Write the controller in C, and for the application the constants it shares with it."""
-    generate_c(result.controller).write(folder)
+    """Write the controller in C, and what the application sees of it: calls and constants."""
+    code = generate_c(result.controller, only_used=True)
+    code.write(folder)
     numbers = (
         NamedNumber("Sample_Time_Ms", SAMPLE_TIME_MS, "Period of the control task, ms."),
         NamedNumber("Speed_Window", SPEED_WINDOW, "Samples that a speed is measured over."),
         NamedNumber("Speed_Per_Volt", DEGREES_PER_VOLT, "Of a motor without load, (deg/s)/V."),
     )
-    for name, text in ada_package("Controller_Design", numbers).items():
+    seen = AdaBinding(
+        "Speed_Controller",
+        names={"correctedvoltage": "Corrected_Voltage"},
+        types={"V": "Quantities.Volts"},
+    )
+    packages = ada_package("Controller_Design", numbers)
+    packages |= ada_binding(code.files["functional.h"], seen, "functional.h")
+    for name, text in packages.items():
         (folder / name).write_text(text, encoding="utf-8")
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,13 @@ from types import ModuleType
 import numpy as np
 import pytest
 import virtual_brick
-from ravenbrick.codegen import StepVectors, check_program, random_vectors
+from ravenbrick.codegen import (
+    StepVectors,
+    check_program,
+    generate_ada,
+    generate_c,
+    random_vectors,
+)
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
@@ -44,15 +51,20 @@ def vectors() -> StepVectors:
     return random_vectors(design_module().design().controller, STEPS, seed=5)
 
 
-def run_check(vectors: StepVectors, folder: Path, code: str) -> virtual_brick.VirtualBrick:
-    """The check on the brick, after it has ended."""
+def run_check(
+    vectors: StepVectors, folder: Path, code: str, *options: str, units: str = ""
+) -> virtual_brick.VirtualBrick:
+    """The check on the brick, after it has ended; `units` is what its Ada part names besides."""
     folder.mkdir(exist_ok=True)
+    (folder / "controller_parts.ads").write_text(
+        f"pragma Warnings (Off);\n{units}package Controller_Parts is\nend Controller_Parts;\n"
+    )
     (folder / "functional_check.c").write_text(check_program(vectors))
     subprocess.run(["make", "-s", "-C", str(ROOT / "runtime")], check=True)
     subprocess.run(
         ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
          "-P", str(HERE / "controller_check" / "controller_check.gpr"),
-         f"-XBUILD={folder}", f"-XCODE={code}", "-XIMAGE=ram"],
+         f"-XBUILD={folder}", f"-XCODE={code}", "-XIMAGE=ram", *options],
         check=True,
         env=os.environ | {"LC_ALL": "C"},
     )  # fmt: skip
@@ -68,6 +80,20 @@ def test_the_controller_gives_the_simulation_s_outputs_bit_for_bit(
 ) -> None:
     """All steps were done and none differs in any bit."""
     brick = run_check(vectors, tmp_path, code)
+    assert brick.read_int("functional_check_steps", "u32") == STEPS
+    assert brick.read_int("functional_check_failures", "u32") == 0
+
+
+def test_the_controller_in_ada_gives_the_same(vectors: StepVectors, tmp_path: Path) -> None:
+    """The generated Ada under the C's names, with the brick's own run-time, in place of the C."""
+    diagram, folder = design_module().design().controller, tmp_path / "in_ada"
+    generate_c(diagram).write(folder)
+    (folder / "functional.c").unlink()
+    generate_ada(diagram, c_names=True).write(folder)
+    for name in ("controller_design.ads", "speed_controller.ads"):
+        shutil.copy(HERE.parent / "generated" / name, folder)
+    instead = f"-XGENERATED={folder}"
+    brick = run_check(vectors, tmp_path / "build", "arm", instead, units="with Functional;\n")
     assert brick.read_int("functional_check_steps", "u32") == STEPS
     assert brick.read_int("functional_check_failures", "u32") == 0
 

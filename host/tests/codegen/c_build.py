@@ -29,9 +29,33 @@ def host_library(folder: Path, *sources: str, level: str = "-O2") -> ctypes.CDLL
     return ctypes.CDLL(str(library))
 
 
-def arm_image(folder: Path, entry: str, *sources: str, options: tuple[str, ...] = ()) -> Path:
-    """ELF at 0x202000 with `entry` and what it needs, without C library."""
-    objects = []
+ADA_WARNINGS = ("-gnat2012", "-gnatwa", "-gnatwe", "-gnaty3aAbcefhiklnprtuM100")
+
+
+def ada_object(folder: Path, body: str, *, checks: bool = True, level: str = "-O2") -> Path:
+    """Object of an Ada body in `folder`; with `checks`, contracts and ranges are tested as it runs.
+
+    All warnings and the drivers' style checks are errors.
+    """
+    target = folder / f"{Path(body).stem}.o"
+    tested = ("-gnata", "-gnato") if checks else ("-gnatp",)
+    command = ("arm-linux-gnueabi-gcc-12", "-c", "-x", "ada", level, *tested, *ADA_WARNINGS)
+    plain = ("-mfloat-abi=soft", "-fno-pic", "-fno-unwind-tables", "-fno-stack-protector",
+             "-fno-asynchronous-unwind-tables", "-fno-exceptions")  # fmt: skip
+    arm = ("-mcpu=arm7tdmi", "-marm", *plain, "-ffunction-sections", "-fdata-sections")
+    run(*command, *arm, f"-I{folder}", folder / body, "-o", target)
+    return target
+
+
+def arm_image(
+    folder: Path,
+    entry: str,
+    *sources: str,
+    options: tuple[str, ...] = (),
+    extra: tuple[Path, ...] = (),
+) -> Path:
+    """ELF at 0x202000 with `entry` and what it needs, without C library; `extra` are objects."""
+    objects = list(extra)
     for source in sources:
         target = folder / f"{Path(source).stem}.o"
         run(

@@ -1,26 +1,34 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Block diagrams become C."""
+"""Block diagrams become C and Ada."""
 
 from __future__ import annotations
 
 from ravenbrick.codegen.ada import NamedNumber, ada_package
+from ravenbrick.codegen.ada_binding import AdaBinding, ada_binding
+from ravenbrick.codegen.ada_generator import generate_ada
+from ravenbrick.codegen.c_header import ModelHeader, read_header
 from ravenbrick.codegen.gappa import check_with_gappa, gappa_script
 from ravenbrick.codegen.generator import GeneratedCode, generate_c
 from ravenbrick.codegen.proof import FixedPointProof, generate_fixed_c, prove
 from ravenbrick.codegen.vectors import StepVectors, check_program, random_vectors
 
 __all__ = [
+    "AdaBinding",
     "FixedPointProof",
     "GeneratedCode",
+    "ModelHeader",
     "NamedNumber",
     "StepVectors",
+    "ada_binding",
     "ada_package",
     "check_program",
     "check_with_gappa",
     "gappa_script",
+    "generate_ada",
     "generate_c",
     "generate_fixed_c",
     "prove",
     "random_vectors",
+    "read_header",
 ]

@@ -19,7 +19,7 @@ from ravenbrick.model import Diagram
 from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.program import Bounded, Kind, Program, Slot, Statement, is_fixed_point
 
-__all__ = ["GeneratedCode", "generate_c"]
+__all__ = ["GeneratedCode", "block_title", "generate_c"]
 
 _ABBREVIATIONS = {"Pid": "PID"}
 
@@ -216,6 +216,15 @@ def _block_type(statement: Statement) -> str:
     return " ".join([_ABBREVIATIONS.get(first, first), *map(str.lower, others)])
 
 
+def block_title(statement: Statement) -> str:
+    """What a statement is to its block: its type, or the update of its state."""
+    kind = _block_type(statement)
+    if statement.target.kind is not Kind.STATE:
+        return kind
+    own = kind if kind.startswith(tuple(_ABBREVIATIONS.values())) else kind[0].lower() + kind[1:]
+    return f"Update of {own}"
+
+
 def _origin(slot: Slot, traced: bool) -> str:
     """A comment with the block that a variable belongs to, and its scaling."""
     if not traced:
@@ -237,10 +246,7 @@ def _step(program: Program, traced: bool) -> list[str]:
     if any(isinstance(statement.expression, Bounded) for statement in program.statements):
         lines.append(f"  int32_T {ACCUMULATOR};")
     for statement in program.statements:
-        update = "Update of " if statement.target.kind is Kind.STATE else ""
-        kind = _block_type(statement)
-        title = f"{update}{kind[0].lower() + kind[1:] if update else kind}"
-        lines += ["", f"  /* {title}: '<Root>/{statement.block}' */"]
+        lines += ["", f"  /* {block_title(statement)}: '<Root>/{statement.block}' */"]
         lines += [f"  {line}" for line in c_statement(program, statement)]
     if not program.states:
         lines += ["", "  (void)work;"]

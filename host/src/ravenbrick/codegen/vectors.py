@@ -100,38 +100,40 @@ def check_program(vectors: StepVectors) -> str:
         rows.append(f"  {{ {{ {', '.join(values)} }}, {{ {', '.join(bits)} }} }}")
     width = vectors.outputs.shape[1]
     return f"""\
+#include <stdint.h>
+
 #include "{name}.h"
 
 typedef struct {{
   ExternalInputs_{name} inputs;
-  uint32_T outputs[{width}];
+  uint32_t outputs[{width}];
 }} Check_Step;
 
 typedef union {{
   ExternalOutputs_{name} outputs;
-  uint32_T bits[{width}];
+  uint32_t bits[{width}];
 }} Check_Result;
 
 static const Check_Step check_steps[{count}] = {{
 {("," + chr(10)).join(rows)}
 }};
 
-volatile uint32_T {name}_check_steps;
-volatile uint32_T {name}_check_failures;
+volatile uint32_t {name}_check_steps;
+volatile uint32_t {name}_check_failures;
 
 extern void {name}_check(void);
 
 void {name}_check(void)
 {{
   D_Work_{name} work;
-  uint32_T step;
-  uint32_T port;
+  uint32_t step;
+  uint32_t port;
   {name}_check_steps = 0U;
   {name}_check_failures = 0U;
   {name}_initialize_instance(&work);
   for (step = 0U; step < {count}U; step++) {{
     Check_Result result;
-    uint32_T differs = 0U;
+    uint32_t differs = 0U;
     {name}_step_instance(&work, &check_steps[step].inputs, &result.outputs);
     for (port = 0U; port < {width}U; port++) {{
       differs |= result.bits[port] ^ check_steps[step].outputs[port];
@@ -152,10 +154,12 @@ def _integer_check_program(vectors: StepVectors) -> str:
         for given, expected in zip(vectors.inputs, vectors.outputs, strict=True)
     ]
     tests = "\n".join(
-        f"    differs |= (uint32_T)(result.{port} != check_steps[step].outputs.{port});"
+        f"    differs |= (uint32_t)(result.{port} != check_steps[step].outputs.{port});"
         for port in vectors.integer_ports
     )
     return f"""\
+#include <stdint.h>
+
 #include "{name}.h"
 
 typedef struct {{
@@ -167,21 +171,21 @@ static const Check_Step check_steps[{count}] = {{
 {("," + chr(10)).join(rows)}
 }};
 
-volatile uint32_T {name}_check_steps;
-volatile uint32_T {name}_check_failures;
+volatile uint32_t {name}_check_steps;
+volatile uint32_t {name}_check_failures;
 
 extern void {name}_check(void);
 
 void {name}_check(void)
 {{
   D_Work_{name} work;
-  uint32_T step;
+  uint32_t step;
   {name}_check_steps = 0U;
   {name}_check_failures = 0U;
   {name}_initialize_instance(&work);
   for (step = 0U; step < {count}U; step++) {{
     ExternalOutputs_{name} result;
-    uint32_T differs = 0U;
+    uint32_t differs = 0U;
     {name}_step_instance(&work, &check_steps[step].inputs, &result);
 {tests}
     {name}_check_failures = {name}_check_failures + differs;

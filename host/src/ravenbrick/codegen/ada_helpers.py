@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Functions and tables that some expressions need beside them in the Ada."""
+
+from __future__ import annotations
+
+from ravenbrick.codegen.ada_text import (
+    ada_literal,
+    ada_name,
+    ada_type,
+    expressions,
+    nearest_name,
+    wrapped,
+)
+from ravenbrick.model.number_format import Rounding
+from ravenbrick.model.program import (
+    DataType,
+    Expression,
+    Program,
+    Rescale,
+    Rounded,
+    Table,
+    expression_type,
+)
+
+__all__ = ["ada_helpers", "needs_interfaces"]
+
+_SHIFT = """\
+   --  Value / 2 ** Bits to the nearest whole number, halves upwards
+   function Nearest_Shift (Value : Integer_32; Bits : Positive) return Integer_32 with
+     Pre  => Bits <= 30 and then Value <= Integer_32'Last - 2 ** (Bits - 1),
+     Post => Nearest_Shift'Result =
+               (Value + 2 ** (Bits - 1) - (Value + 2 ** (Bits - 1)) mod 2 ** Bits) / 2 ** Bits;
+
+   function Nearest_Shift (Value : Integer_32; Bits : Positive) return Integer_32 is
+      Half    : constant Unsigned_32 := Shift_Right (16#8000_0000#, 32 - Bits);
+      Lifted  : constant Unsigned_32 := Unsigned_32'Mod (Value) + 16#8000_0000# + Half;
+      Shifted : constant Unsigned_32 := Shift_Right (Lifted, Bits);
+      Offset  : constant Unsigned_32 := Shift_Right (16#8000_0000#, Bits);
+   begin
+      return Integer_32 (Shifted) - Integer_32 (Offset);
+   end Nearest_Shift;
+"""
+
+_NEAREST = """\
+   --  Nearest whole number, halves away from zero
+   function Nearest_{suffix} (Value : {real}) return {real} with
+     Post => (if abs Value < {limit}
+              then abs (Nearest_{suffix}'Result - Value) <= 0.5
+              else Nearest_{suffix}'Result = Value
+                or else Value /= Value);
+
+   function Nearest_{suffix} (Value : {real}) return {real} is
+      Whole : {real};
+      Rest  : {real};
+   begin
+      if not (Value > -{limit} and then Value < {limit}) then
+         return Value;
+      end if;
+      Whole := {real} ({integer} ({real}'Truncation (Value)));
+      Rest := Value - Whole;
+      if Rest >= 0.5 then
+         return Whole + 1.0;
+      elsif Rest <= -0.5 then
+         return Whole - 1.0;
+      else
+         return Whole;
+      end if;
+   end Nearest_{suffix};
+"""
+
+_LOOK_UP = """\
+   type {suffix}_Array is array (Natural range <>) of {real};
+
+   --  Straight lines between the points of a table, the outer ones prolonged
+   function Look_Up_{suffix}
+     (Breakpoints, Values, Slopes : {suffix}_Array; Value : {real}) return {real}
+   with
+     Pre => Breakpoints'Length > 0
+            and then Values'First = Breakpoints'First and then Values'Last = Breakpoints'Last
+            and then Slopes'First = Breakpoints'First and then Slopes'Last = Breakpoints'Last;
+
+   function Look_Up_{suffix}
+     (Breakpoints, Values, Slopes : {suffix}_Array; Value : {real}) return {real}
+   is
+      Index : Natural := Breakpoints'First;
+   begin
+      while Index < Breakpoints'Last and then Value >= Breakpoints (Index + 1) loop
+         Index := Index + 1;
+      end loop;
+      return Values (Index) + Slopes (Index) * (Value - Breakpoints (Index));
+   end Look_Up_{suffix};
+"""
+
+
+def _words(expression: Expression) -> dict[str, str]:
+    form = expression_type(expression)
+    single = form is DataType.REAL32
+    return {
+        "real": ada_type(form),
+        "suffix": nearest_name(form),
+        "integer": "Integer" if single else "Long_Long_Integer",
+        "limit": "8_388_608.0" if single else "4_503_599_627_370_496.0",
+    }
+
+
+def needs_interfaces(program: Program) -> bool:
+    """Whether the body works on the integers behind fixed-point values."""
+    return any(isinstance(node, Rescale) for node in expressions(program))
+
+
+def ada_helpers(program: Program) -> list[str]:
+    """Declarations before the step procedure, each once, with the tables' numbers."""
+    found: dict[str, None] = {}
+    tables: dict[str, None] = {}
+    for node in expressions(program):
+        if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
+            found[_SHIFT] = None
+        elif isinstance(node, Rounded):
+            found[_NEAREST.format(**_words(node.value))] = None
+        elif isinstance(node, Table):
+            found[_LOOK_UP.format(**_words(node.value))] = None
+            for text in _arrays(node):
+                tables[text] = None
+    return [*found, *tables]
+
+
+def _arrays(table: Table) -> list[str]:
+    form = expression_type(table.value)
+    texts = []
+    for part, numbers in (
+        ("Breakpoints", table.breakpoints),
+        ("Values", table.values),
+        ("Slopes", table.slopes),
+    ):
+        values = ", ".join(
+            f"{index} => {ada_literal(number, form)}" for index, number in enumerate(numbers)
+        )
+        kind = f"{nearest_name(form)}_Array"
+        head = f"   {ada_name(table.name)}_{part} : constant {kind} :="
+        texts.append("\n".join([head, *wrapped(f"({values});", 5), ""]))
+    return texts

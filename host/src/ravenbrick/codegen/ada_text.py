@@ -1,0 +1,284 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Expressions and statements of a program as Ada text, operation for operation."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+
+from ravenbrick.codegen.c_text import c_literal
+from ravenbrick.errors import DesignError
+from ravenbrick.model.linearisation import fraction_of
+from ravenbrick.model.number_format import FixedFormat, Rounding
+from ravenbrick.model.program import (
+    Binary,
+    Bounded,
+    Cast,
+    Clamp,
+    DataType,
+    Expression,
+    Kind,
+    Literal,
+    NumberFormat,
+    Program,
+    Read,
+    Rescale,
+    Rounded,
+    Select,
+    Slot,
+    Statement,
+    Table,
+    children,
+    expression_type,
+)
+
+__all__ = [
+    "AdaText",
+    "ada_literal",
+    "ada_name",
+    "ada_type",
+    "expressions",
+    "nearest_name",
+    "wrapped",
+]
+
+_WIDTH = 96
+_REAL_TYPES = {DataType.REAL32: "Float", DataType.REAL64: "Long_Float"}
+_RESERVED = frozenset(
+    """abort abs abstract accept access aliased all and array at begin body case constant declare
+    delay delta digits do else elsif end entry exception exit for function generic goto if in
+    interface is limited loop mod new not null of or others out overriding package parallel pragma
+    private procedure protected raise range record rem renames requeue return reverse select
+    separate some subtype synchronized tagged task terminate then type until use when while with
+    xor""".split()
+)
+
+
+def ada_name(name: str) -> str:
+    """An Ada name in Mixed_Case for a C name; raises `DesignError` where there is none."""
+    words = name.split("_")
+    if not all(words) or not name[0].isalpha():
+        raise DesignError(
+            f"'{name}' is no Ada name: underscores stand alone between letters; rename it"
+        )
+    if name.lower() in _RESERVED:
+        return f"{name[0].upper()}{name[1:]}_Value"
+    return "_".join(word[0].upper() + word[1:] for word in words)
+
+
+def ada_type(form: NumberFormat) -> str:
+    """The Ada type of a number format."""
+    if isinstance(form, FixedFormat):
+        name = str(form)
+        return name[0].upper() + name[1:]
+    return _REAL_TYPES[form]
+
+
+def ada_literal(value: float, form: NumberFormat) -> str:
+    """Text that is exactly the number of the format; of a fixed-point one `value` is raw."""
+    if not isinstance(form, FixedFormat):
+        return c_literal(value, form).removesuffix("F").replace("e", "E")
+    exact = Fraction(int(value)) * Fraction(2) ** -form.fraction
+    digits = max(form.fraction, 0)
+    whole, rest = divmod(abs(exact) * 10**digits, 10**digits)
+    decimals = str(int(rest)).rjust(digits, "0").rstrip("0") or "0"
+    return f"{'-' if exact < 0 else ''}{int(whole)}.{decimals}"
+
+
+def wrapped(text: str, indent: int) -> list[str]:
+    """The text in lines of at most 96 columns, broken at blanks, continued two columns in."""
+    return textwrap.wrap(
+        text,
+        _WIDTH,
+        initial_indent=" " * indent,
+        subsequent_indent=" " * (indent + 2),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def nearest_name(form: NumberFormat) -> str:
+    """The last part of a helper's name: Real32 or Real64."""
+    return "Real32" if form is DataType.REAL32 else "Real64"
+
+
+def expressions(program: Program) -> Iterator[Expression]:
+    """All expressions of a program with those inside them."""
+    waiting = [statement.expression for statement in reversed(program.statements)]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting.extend(reversed(children(node)))
+
+
+def _is_one(expression: Expression) -> bool:
+    """Whether a factor only shifts: a literal that stands for 1 with fractional bits."""
+    return (
+        isinstance(expression, Literal)
+        and isinstance(expression.data_type, FixedFormat)
+        and expression.value == 2.0**expression.data_type.fraction
+        and expression.data_type.width == 32
+    )
+
+
+class AdaText:
+    """Statements of one program; `formats` collects the fixed-point types that they need."""
+
+    def __init__(self, program: Program, names: Mapping[str, str]) -> None:
+        self._names = names
+        self.formats: set[FixedFormat] = set()
+        slots = (*program.inputs, *program.outputs, *program.parameters, *program.states)
+        for slot in (*slots, *program.signals):
+            self._seen(slot.data_type)
+
+    def _seen(self, form: NumberFormat) -> NumberFormat:
+        if isinstance(form, FixedFormat):
+            self.formats.add(form)
+        return form
+
+    def variable(self, slot: Slot) -> str:
+        """How the step procedure names a variable."""
+        name = self._names[slot.name]
+        match slot.kind:
+            case Kind.INPUT:
+                return f"Inputs.{name}"
+            case Kind.OUTPUT:
+                return f"Outputs.{name}"
+            case Kind.STATE:
+                return f"Work.{name}"
+            case Kind.PARAMETER if not isinstance(slot.data_type, FixedFormat):
+                return f"Parameters.{name}"
+            case _:
+                return name
+
+    def literal(self, value: float, form: NumberFormat) -> str:
+        """A number of the format, negative ones in parentheses."""
+        text = ada_literal(value, form)
+        if isinstance(form, FixedFormat):
+            return f"{ada_type(self._seen(form))}'({text})"
+        return f"({text})" if text.startswith("-") else text
+
+    def expression(self, expression: Expression, *, nested: bool = False) -> str:
+        """Ada for the expression; in parentheses if `nested` and it has an operator."""
+        match expression:
+            case Read(slot=slot):
+                return self.variable(slot)
+            case Literal(value=value, data_type=form):
+                return self.literal(value, form)
+            case Cast(value=value, data_type=form):
+                return f"{ada_type(form)} ({self.expression(value)})"
+            case Binary() if isinstance(expression_type(expression), FixedFormat):
+                return self._fixed_binary(expression, nested=nested)
+            case Binary(operator=operator, left=left, right=right):
+                text = self._infix(operator, left, right)
+            case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+                test = self._infix(condition.operator, condition.left, condition.right)
+                first = self.expression(chosen, nested=True)
+                return f"(if {test} then {first} else {self.expression(otherwise, nested=True)})"
+            case Rounded(value=value):
+                name = nearest_name(expression_type(value))
+                return f"Nearest_{name} ({self.expression(value)})"
+            case Table(value=value, name=name):
+                own = ada_name(name)
+                arrays = f"{own}_Breakpoints, {own}_Values, {own}_Slopes"
+                helper = f"Look_Up_{nearest_name(expression_type(value))}"
+                return f"{helper} ({arrays}, {self.expression(value)})"
+            case Rescale():
+                return self._rescale(expression)
+            case Clamp() | Bounded():
+                raise DesignError("a limit inside an expression cannot become Ada")
+        return f"({text})" if nested else text
+
+    def _infix(self, operator: str, left: Expression, right: Expression) -> str:
+        first = self.expression(left, nested=True)
+        return f"{first} {operator} {self.expression(right, nested=True)}"
+
+    def _word(self, expression: Expression) -> FixedFormat:
+        """The 32-bit format with the expression's fraction."""
+        form = FixedFormat(32, fraction_of(expression))
+        self.formats.add(form)
+        return form
+
+    def _in_word(self, expression: Expression) -> str:
+        """The expression in its 32-bit format."""
+        text = self.expression(expression, nested=True)
+        if isinstance(expression, Read | Literal):
+            form = expression_type(expression)
+            if isinstance(form, FixedFormat) and form.width != 32:
+                return f"{ada_type(self._word(expression))} ({text})"
+        return text
+
+    def _fixed_binary(self, expression: Binary, *, nested: bool) -> str:
+        if expression.operator == "*":
+            own = ada_type(self._word(expression))
+            if _is_one(expression.right):
+                return f"{own} ({self.expression(expression.left)})"
+            left = self.expression(expression.left, nested=True)
+            return f"{own} ({left} * {self.expression(expression.right, nested=True)})"
+        left, right = self._in_word(expression.left), self._in_word(expression.right)
+        text = f"{left} {expression.operator} {right}"
+        return f"({text})" if nested else text
+
+    def _rescale(self, expression: Rescale) -> str:
+        """The integer behind the value, divided: conversions of Ada may round either way."""
+        value = f"Integer_32'Integer_Value ({self.expression(expression.value)})"
+        own = ada_type(self._word(expression))
+        if expression.rounding is Rounding.NEAREST:
+            return f"{own}'Fixed_Value (Nearest_Shift ({value}, {expression.bits}))"
+        return f"{own}'Fixed_Value ({value} / 2 ** {expression.bits})"
+
+    def statement(self, statement: Statement) -> list[str]:
+        """Statements that do what the program's statement does, without indentation."""
+        target = self.variable(statement.target)
+        expression = statement.expression
+        match expression:
+            case Bounded(value=value, low=low, high=high):
+                return self._bounded(statement, value, low, high)
+            case Clamp(value=value, limit=limit):
+                whole = isinstance(statement.target.data_type, FixedFormat)
+                inner, bound = (
+                    self._in_word(side) if whole else self.expression(side, nested=True)
+                    for side in (value, limit)
+                )
+                return _limited(target, inner, (f"-{bound}", bound), inner)
+            case _:
+                return [f"{target} := {self._assigned(expression, statement.target)};"]
+
+    def _assigned(self, expression: Expression, target: Slot) -> str:
+        text = self.expression(expression)
+        form = target.data_type
+        if not isinstance(form, FixedFormat):
+            return text
+        if isinstance(expression, Literal):
+            return ada_literal(expression.value, form)
+        given = expression_type(expression) if isinstance(expression, Read) else None
+        given = given if isinstance(given, FixedFormat) else self._word(expression)
+        return text if given == form else f"{ada_type(form)} ({text})"
+
+    def _bounded(self, statement: Statement, value: Expression, low: int, high: int) -> list[str]:
+        target, form = statement.target, statement.target.data_type
+        word = self._word(value)
+        cast = _ACCUMULATOR if word == form else f"{ada_type(form)} ({_ACCUMULATOR})"
+        limits = ada_literal(low, word), ada_literal(high, word)
+        assert isinstance(form, FixedFormat)
+        lines = _limited(self.variable(target), _ACCUMULATOR, limits, cast)
+        kept = f"{_ACCUMULATOR} : constant {ada_type(word)} := {self._in_word(value)};"
+        return ["declare", f"   {kept}", "begin", *(f"   {line}" for line in lines), "end;"]
+
+
+_ACCUMULATOR = "Accumulator"
+
+
+def _limited(target: str, value: str, limits: tuple[str, str], kept: str) -> list[str]:
+    low, high = limits
+    return [
+        f"if {value} > {high} then",
+        f"   {target} := {high};",
+        f"elsif {value} < {low} then",
+        f"   {target} := {low};",
+        "else",
+        f"   {target} := {kept};",
+        "end if;",
+    ]
