@@ -164,6 +164,14 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("plant", cargo_suite("plant", "published motor points, body", "plant")),
     ("runtime", pytest_suite("runtime", "behaviours on the virtual brick", "runtime/tests")),
     ("drivers", pytest_suite("drivers", "drivers on the virtual brick", "drivers/tests")),
+    (
+        "drivers",
+        pytest_suite(
+            "drivers",
+            "source compatibility: course programs for GNAT GPL, unchanged",
+            "conformance/compatibility",
+        ),
+    ),
     ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
     ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
     ("control", pytest_suite("control", "misra: C:2012 by cppcheck", *MISRA)),

@@ -234,7 +234,10 @@ package body NXT.AVR is
 
    function Button return Button_Id is (Shared.Inputs.Pressed);
 
-   function Raw_Input (Port : Sensor_Id) return ADC_Value is (Shared.Inputs.Sensors (Port));
+   function Reading (Port : Sensor_Id) return ADC_Value is (Shared.Inputs.Sensors (Port));
+
+   function Raw_Input (Port : Sensor_Id) return Interfaces.Unsigned_16 is
+     (Interfaces.Unsigned_16 (Reading (Port)));
 
    function Raw_Battery return Interfaces.Unsigned_16 is (Shared.Inputs.Battery_Word);
 

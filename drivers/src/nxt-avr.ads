@@ -46,7 +46,10 @@ package NXT.AVR with Elaborate_Body is
    function Button return Button_Id;
    --  The button held down; a combination of buttons reads as one of them.
 
-   function Raw_Input (Port : Sensor_Id) return ADC_Value;
+   function Reading (Port : Sensor_Id) return ADC_Value;
+   --  Recommended.
+
+   function Raw_Input (Port : Sensor_Id) return Interfaces.Unsigned_16;
 
    function Raw_Battery return Interfaces.Unsigned_16;
    --  As received, see NXT.AVR_IO.Inputs.Battery_Word; NXT.Battery gives millivolts.

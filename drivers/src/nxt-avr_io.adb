@@ -115,4 +115,60 @@ package body NXT.AVR_IO is
       end if;
    end Decode;
 
+   --  What messages hold besides what they set
+   Retained : Outgoing_AVR_Message := Null_Outgoing_Msg;
+
+   function Power_Down_Message return Outgoing_AVR_Message is
+     (Power => Switch_Off, others => <>);
+
+   function Set_Sensor_Power_Message
+     (Port : Sensor_Id; Power_Type : Sensor_Power) return Outgoing_AVR_Message is
+   begin
+      Retained.Sensor_Supply (Port) := Power_Type;
+      return Retained;
+   end Set_Sensor_Power_Message;
+
+   function Set_Motor_Message
+     (Motor : Motor_Id; Power : PWM_Value; Brake : Boolean) return Outgoing_AVR_Message is
+   begin
+      Retained.Duties (Motor) := Power;
+      Retained.Brakes (Motor) := Brake or else Power /= 0;
+      return Retained;
+   end Set_Motor_Message;
+
+   procedure Send_Initialization is
+      Text : constant Greeting_Frame := Greeting;
+   begin
+      NXT.TWI.Send (Address, 0, Text'Address, Text'Length);
+   end Send_Initialization;
+
+   procedure Send_To_AVR (This : Outgoing_AVR_Message) is
+      Frame : constant Output_Frame := Encode (Outputs (This));
+   begin
+      NXT.TWI.Send (Address, 0, Frame'Address, Frame'Length);
+   end Send_To_AVR;
+
+   procedure Receive_From_AVR (This : out Incoming_AVR_Message; Valid : out Boolean) is
+      Frame     : Input_Frame;
+      Judgement : Verdict;
+   begin
+      NXT.TWI.Recv (Address, 0, Frame'Address, Frame'Length);
+      Decode (Frame, Inputs (This), Judgement);
+      Valid := Judgement = AVR_IO.Valid;
+   end Receive_From_AVR;
+
+   function Raw_Inputs (From : Incoming_AVR_Message) return Raw_ADC_Inputs is
+   begin
+      return Result : Raw_ADC_Inputs do
+         for Port in Sensor_Id loop
+            Result (Port) := Unsigned_16 (From.Sensors (Port));
+         end loop;
+      end return;
+   end Raw_Inputs;
+
+   function Decoded_Button (From : Incoming_AVR_Message) return Button_Id is (From.Pressed);
+
+   function Battery_Reading (From : Incoming_AVR_Message) return Unsigned_16 is
+     (From.Battery_Word);
+
 end NXT.AVR_IO;

@@ -1,8 +1,8 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  What the processor and the co-processor tell each other, and how it is coded in bytes. No
---  hardware is touched here. Source of the coding: the firmware that LEGO published for both sides.
+--  What the processor and the co-processor tell each other, and how it is coded in bytes. Source of
+--  the coding: the firmware that LEGO published for both sides.
 
 with Interfaces;
 with NXT.TWI;
@@ -68,8 +68,42 @@ package NXT.AVR_IO is
    function Decoded_Button (Reading : Interfaces.Unsigned_16) return Button_Id;
    --  The buttons are a voltage ladder; the orange one adds 16#7FF#.
 
+   --  As known from GNAT for MINDSTORMS, for programs that do without NXT.AVR. Messages hold all
+   --  outputs: what the calls before have set stays. Sending and receiving delay the caller.
+
+   type Outgoing_AVR_Message is private;
+
+   Null_Outgoing_Msg : constant Outgoing_AVR_Message;
+
+   function Power_Down_Message return Outgoing_AVR_Message;
+
+   function Set_Sensor_Power_Message
+     (Port : Sensor_Id; Power_Type : Sensor_Power) return Outgoing_AVR_Message;
+
+   function Set_Motor_Message
+     (Motor : Motor_Id; Power : PWM_Value; Brake : Boolean) return Outgoing_AVR_Message;
+   --  As NXT.AVR.Set_Power.
+
+   procedure Send_Initialization;
+   procedure Send_To_AVR (This : Outgoing_AVR_Message);
+
+   type Incoming_AVR_Message is private;
+
+   procedure Receive_From_AVR (This : out Incoming_AVR_Message; Valid : out Boolean);
+
+   type Raw_ADC_Inputs is array (Sensor_Id) of Interfaces.Unsigned_16;
+
+   function Raw_Inputs (From : Incoming_AVR_Message) return Raw_ADC_Inputs;
+   function Decoded_Button (From : Incoming_AVR_Message) return Button_Id;
+   function Battery_Reading (From : Incoming_AVR_Message) return Interfaces.Unsigned_16;
+
 private
 
    All_Stopped : constant Outputs := (others => <>);
+
+   type Outgoing_AVR_Message is new Outputs;
+   type Incoming_AVR_Message is new Inputs;
+
+   Null_Outgoing_Msg : constant Outgoing_AVR_Message := (others => <>);
 
 end NXT.AVR_IO;

@@ -10,10 +10,10 @@ package body NXT.Battery is
    Numerator   : constant := 13_848;
    Denominator : constant := 1_000;
 
-   function To_Millivolts (Count : ADC_Value) return Millivolts is
-     (Millivolts (Integer (Count) * Numerator / Denominator));
+   function To_Millivolts (Count : ADC_Value) return Supply_Millivolts is
+     (Supply_Millivolts (Integer (Count) * Numerator / Denominator));
 
-   function Voltage return Millivolts is (To_Millivolts (NXT.AVR.Inputs.Battery_Count));
+   function Voltage return Supply_Millivolts is (To_Millivolts (NXT.AVR.Inputs.Battery_Count));
 
    function Rechargeable return Boolean is (NXT.AVR.Inputs.Rechargeable);
 

@@ -1,74 +1,54 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with NXT.Canvas;
 with NXT.Fonts;
-with NXT.LCD;
 
 package body NXT.Display is
 
    use Interfaces;
-   use NXT.LCD;
-
-   Canvas : Picture;
-   Column : Natural range 0 .. Char_Columns'Last + 1 := 0;
-   Row    : Char_Rows := 0;
-   --  Column one beyond the last: the next character begins a new row.
 
    procedure Clear_Screen_Noupdate is
    begin
-      Canvas := (others => (others => 0));
-      Set_Pos (0, 0);
+      Canvas.Clear;
    end Clear_Screen_Noupdate;
 
    procedure Set_Pos (Column : Char_Columns; Row : Char_Rows) is
    begin
-      Display.Column := Column;
-      Display.Row := Row;
+      Canvas.Move (Column, Row);
    end Set_Pos;
 
    procedure Newline_Noupdate is
    begin
-      Column := 0;
-      if Row < Char_Rows'Last then
-         Row := Row + 1;
-      else
-         for Page in Raw_Pages'First .. Raw_Pages'Last - 1 loop
-            Canvas (Page) := Canvas (Page + 1);
-         end loop;
-         Canvas (Raw_Pages'Last) := (others => 0);
-      end if;
+      Canvas.New_Line;
    end Newline_Noupdate;
-
-   procedure Draw (C : Character) is
-      Left  : constant Raw_Columns := Raw_Columns (Fonts.Left_Edge (Column));
-      Shape : constant Fonts.Glyph := Fonts.Shape_Of (C);
-   begin
-      for Part in Shape'Range loop
-         Canvas (Raw_Pages (Row)) (Left + Raw_Columns (Part)) := Shape (Part);
-      end loop;
-   end Draw;
 
    procedure Put_Noupdate (C : Character) is
    begin
-      if C = ASCII.CR then
-         Column := 0;
-      elsif C = ASCII.LF then
-         Newline_Noupdate;
-      else
-         if Column > Char_Columns'Last then
-            Newline_Noupdate;
-         end if;
-         Draw (C);
-         Column := Column + 1;
-      end if;
+      Canvas.Write ((1 => C));
    end Put_Noupdate;
 
    procedure Put_Noupdate (S : String) is
+      Piece : constant := Fonts.Text_Columns;
+      First : Integer := S'First;
    begin
-      for C of S loop
-         Put_Noupdate (C);
+      while S'Last - First >= Piece loop
+         Canvas.Write (S (First .. First + Piece - 1));
+         First := First + Piece;
       end loop;
+      Canvas.Write (S (First .. S'Last));
    end Put_Noupdate;
+
+   procedure Put_At_Noupdate (Column : Char_Columns; Row : Char_Rows; S : String) is
+   begin
+      Canvas.Write_At (Column, Row, S);
+   end Put_At_Noupdate;
+
+   procedure Put_At (Column : Char_Columns; Row : Char_Rows; S : String) is
+   begin
+      Canvas.Write_At (Column, Row, S);
+      Screen_Update;
+   end Put_At;
 
    generic
       type Number is range <>;
@@ -76,8 +56,8 @@ package body NXT.Display is
 
    --  Works on negative numbers, whose range is the larger one.
    procedure Put_Number (V : Number; Width : Field_Width) is
-      Image : String (1 .. 20);
-      First : Natural := Image'Last + 1;
+      Image : String (1 .. 20) := (others => ' ');
+      First : Positive := Image'Last + 1;
       Rest  : Number := (if V < 0 then V else -V);
    begin
       loop
@@ -90,10 +70,7 @@ package body NXT.Display is
          First := First - 1;
          Image (First) := '-';
       end if;
-      for Blank in Image'Last - First + 2 .. Width loop
-         Put_Noupdate (' ');
-      end loop;
-      Put_Noupdate (Image (First .. Image'Last));
+      Put_Noupdate (Image (Integer'Min (First, Image'Last + 1 - Width) .. Image'Last));
    end Put_Number;
 
    procedure Put_Integer is new Put_Number (Integer);
@@ -108,10 +85,13 @@ package body NXT.Display is
 
    procedure Put_Hex (Val : Unsigned_32; Digit_Number : Digit_Count) is
       Hex_Digits : constant String (1 .. 16) := "0123456789ABCDEF";
+      Image      : String (1 .. Digit_Number);
    begin
-      for Place in reverse 0 .. Digit_Number - 1 loop
-         Put_Noupdate (Hex_Digits (1 + Natural (Shift_Right (Val, 4 * Place) and 16#F#)));
+      for Place in Image'Range loop
+         Image (Place) :=
+           Hex_Digits (1 + Natural (Shift_Right (Val, 4 * (Digit_Number - Place)) and 16#F#));
       end loop;
+      Put_Noupdate (Image);
    end Put_Hex;
 
    procedure Put_Hex (Val : Unsigned_32) is
@@ -131,7 +111,7 @@ package body NXT.Display is
 
    procedure Screen_Update is
    begin
-      LCD.Show (Canvas);
+      Canvas.Update;
    end Screen_Update;
 
    procedure Clear_Screen is
@@ -177,7 +157,4 @@ package body NXT.Display is
       Screen_Update;
    end Put_Exception;
 
-begin
-   LCD.Power_On;
-   Clear_Screen;
 end NXT.Display;

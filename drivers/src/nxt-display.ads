@@ -3,7 +3,9 @@
 
 --  Text on the display: 16 columns of 8 rows, as on a terminal that scrolls. Column 0 of row 0 is
 --  the upper left. Procedures whose name ends in _Noupdate, and Put_Hex, write into memory only;
---  the others end with Screen_Update. One task at a time may use the package.
+--  the others end with Screen_Update. Nothing here waits for the display. Any number of tasks may
+--  use the package; pieces of 16 letters, and shorter texts and numbers, stay together. Tasks
+--  that write at places of their own use Put_At.
 
 with Interfaces;
 
@@ -34,6 +36,11 @@ package NXT.Display with Elaborate_Body is
    procedure Put (V : Integer; Width : Field_Width := 0);
    procedure Put_Line (S : String);
 
+   procedure Put_At_Noupdate (Column : Char_Columns; Row : Char_Rows; S : String);
+   procedure Put_At (Column : Char_Columns; Row : Char_Rows; S : String);
+   --  Recommended: write in one row from a place on, and leave the place of the next character to
+   --  others. Text beyond the last column is cut off; control characters show as blanks.
+
    procedure Newline_Noupdate;
    procedure Newline;
    procedure New_Line_Noupdate renames Newline_Noupdate;
@@ -49,6 +56,6 @@ package NXT.Display with Elaborate_Body is
    --  An address with a word that says what it is.
 
    procedure Screen_Update;
-   --  Begin to bring the display to what is in memory: see NXT.LCD.Show.
+   --  Let the display follow what is in memory: see NXT.LCD.Show.
 
 end NXT.Display;

@@ -82,8 +82,8 @@ package body NXT.Last_Chance is
       end loop;
    end Stop_Motors;
 
-   procedure Draw_Row (Row : Raw_Pages; Letters : String) is
-      Pixels : SPI.Byte_Array (0 .. Natural (Raw_Columns'Last)) := (others => 0);
+   procedure Draw_Row (Row : Pixel_Rows; Letters : String) is
+      Pixels : SPI.Byte_Array (Pixel_Columns) := (others => 0);
       Left   : Natural;
    begin
       for Place in Letters'Range loop
@@ -104,8 +104,8 @@ package body NXT.Last_Chance is
    begin
       SPI.Bus.Configure;
       SPI.Bus.Send_Polled (SPI.Command, LCD.Set_Up);
-      for Row in Raw_Pages loop
-         Start := 1 + Width * Natural'Max (0, Natural (Row) - First_Row);
+      for Row in Pixel_Rows loop
+         Start := 1 + Width * Natural'Max (0, Row - First_Row);
          if Row = 0 then
             Draw_Row (Row, "Program failed");
          elsif Row >= First_Row and then Start <= Message.Length then

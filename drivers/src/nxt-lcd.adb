@@ -4,6 +4,7 @@
 with Ada.Real_Time;
 with NXT.Last_Chance;
 pragma Unreferenced (NXT.Last_Chance);
+with NXT.Priorities;
 
 package body NXT.LCD is
 
@@ -14,26 +15,62 @@ package body NXT.LCD is
    --  reset and power management).
    Reset_Time : constant Time_Span := Milliseconds (20);
 
-   Shown : Picture;
-   --  What the transfer of Show reads.
-
    subtype Page_Address is SPI.Byte_Array (1 .. 3);
 
-   function Address_Of (Page : Raw_Pages) return Page_Address is
+   function Address_Of (Page : Pixel_Rows) return Page_Address is
      (16#B0# or Unsigned_8 (Page), 16#10#, 16#00#);
 
-   Page_Addresses : constant array (Raw_Pages) of Page_Address :=
+   Page_Addresses : constant array (Pixel_Rows) of Page_Address :=
      (Address_Of (0), Address_Of (1), Address_Of (2), Address_Of (3),
       Address_Of (4), Address_Of (5), Address_Of (6), Address_Of (7));
+
+   type Buffer_Number is range 1 .. 2;
+   type Picture_Buffers is array (Buffer_Number) of Picture;
+
+   protected Frames with Priority => Priorities.Shared_Data is
+      procedure Show (Content : Picture);
+   private
+      procedure Submit;
+      Buffers : Picture_Buffers;
+      Latest  : Buffer_Number := 1;
+   end Frames;
+   --  Latest: the buffer that was submitted last. The other one has been sent.
+
+   protected body Frames is
+
+      procedure Submit is
+         List : SPI.Segment_List (1 .. SPI.Maximum_Segments);
+      begin
+         for Page in Pixel_Rows loop
+            List (1 + 2 * Page) :=
+              (SPI.Command, Page_Addresses (Page)'Address, Page_Address'Length);
+            List (2 + 2 * Page) :=
+              (SPI.Pixels, Buffers (Latest) (Page)'Address, Full_Line'Length);
+         end loop;
+         SPI.Submit (List);
+      end Submit;
+
+      procedure Show (Content : Picture) is
+         Withdrawn : Boolean;
+      begin
+         SPI.Withdraw (Withdrawn);
+         if not Withdrawn then
+            Latest := 3 - Latest;
+         end if;
+         Buffers (Latest) := Content;
+         Submit;
+      end Show;
+
+   end Frames;
 
    procedure Command (Bytes : SPI.Byte_Array) is
    begin
       SPI.Send (SPI.Command, Bytes'Address, Bytes'Length);
    end Command;
 
-   procedure Command (Byte : Unsigned_8) is
+   procedure Command (Cmd : Unsigned_8) is
    begin
-      Command (SPI.Byte_Array'(1 => Byte));
+      Command (SPI.Byte_Array'(1 => Cmd));
    end Command;
 
    --  Wait without making use of the processor.
@@ -51,23 +88,15 @@ package body NXT.LCD is
    end Power_On;
 
    procedure Show (Content : Picture) is
-      List : SPI.Segment_List (1 .. SPI.Maximum_Segments);
    begin
-      for Page in Raw_Pages loop
-         List (1 + 2 * Natural (Page)) :=
-           (SPI.Command, Page_Addresses (Page)'Address, Page_Address'Length);
-         List (2 + 2 * Natural (Page)) :=
-           (SPI.Pixels, Shown (Page)'Address, LCD_Line'Length);
-      end loop;
-      SPI.Await_Idle;
-      Shown := Content;
-      SPI.Start (List);
+      Frames.Show (Content);
    end Show;
 
-   procedure Write (Page : Raw_Pages; Content : LCD_Line) is
+   procedure Write (Page : Raw_Pages; Start : Raw_Columns; Graph : LCD_Line) is
    begin
-      Command (Page_Addresses (Page));
-      SPI.Send (SPI.Pixels, Content'Address, Content'Length);
+      Set_Page_Address (Page);
+      Set_Col (Start);
+      SPI.Send (SPI.Pixels, Graph'Address, Graph'Length);
    end Write;
 
    procedure Reset is

@@ -11,23 +11,33 @@ package NXT.LCD is
 
    use type Interfaces.Unsigned_8;
 
-   type Raw_Columns is range 0 .. 99;
-   type Raw_Pages   is range 0 .. 7;
+   subtype Pixel_Columns is Natural range 0 .. 99;
+   subtype Pixel_Rows    is Natural range 0 .. 7;
+   --  Rows of eight pixels.
 
-   type LCD_Line is array (Raw_Columns) of Interfaces.Unsigned_8;
-   type Picture  is array (Raw_Pages) of LCD_Line;
+   type LCD_Line is array (Pixel_Columns range <>) of Interfaces.Unsigned_8;
+   subtype Full_Line is LCD_Line (Pixel_Columns);
+   type Picture is array (Pixel_Rows) of Full_Line;
 
    procedure Power_On;
    --  Reset the controller, set it up and switch the display on. Delays the caller by 40 ms.
 
    procedure Show (Content : Picture);
-   --  Begin to send Content and return; the transfer lasts about 4 ms. If the transfer before is
-   --  still going on, the caller waits for it. For one task at a time.
+   --  Copy Content, to be sent in the background; returns at once. The transfer lasts 4 ms. What
+   --  is shown while a transfer goes on follows it; of several such pictures only the last does.
+   --  For any number of tasks.
 
-   procedure Write (Page : Raw_Pages; Content : LCD_Line);
-   --  Send one page and wait until it is through.
+   --  Single settings and pages; each waits until its bytes are through. For one task at a time.
 
-   --  Single settings; each waits until its bytes are through
+   subtype Raw_Columns is Natural range 0 .. 131;
+   subtype Raw_Pages   is Natural range 0 .. 8;
+   --  Of the controller's memory, of which the display shows a part.
+
+   procedure Write (Page : Raw_Pages; Start : Raw_Columns; Graph : LCD_Line)
+     with Pre => Graph'Length > 0;
+   --  Part of a page, from a column on. The next Show overwrites it.
+
+   procedure Command (Cmd : Interfaces.Unsigned_8);
 
    procedure Reset;
    procedure Set_Display_Enable (On : Boolean);

@@ -7,7 +7,7 @@ with NXT.Sensor_Ports;
 package body NXT.Light_Sensors is
 
    function Reading (This : Light_Sensor) return Integer is
-     (Integer (NXT.AVR.Raw_Input (This.Port)));
+     (Integer (NXT.AVR.Reading (This.Port)));
 
    function Id (This : Light_Sensor) return Sensor_Id is (This.Port);
 

@@ -23,7 +23,7 @@ package NXT.Motor_Controls is
 
    --  As course programs know it
 
-   type Power_Percentage is range 0 .. 100;
+   subtype Power_Percentage is PWM_Value range 0 .. 100;
 
    type Motion_Modes is (Forward, Backward, Brake, Coast);
 

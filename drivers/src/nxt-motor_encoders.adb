@@ -18,11 +18,9 @@ package body NXT.Motor_Encoders is
 
    protected Encoders with Interrupt_Priority => Priorities.Encoder_Interrupt is
       procedure Configure;
-      function Count (Motor : Motor_Id) return Integer;
       function Current return Reading;
    private
       procedure Handle_Edges with Attach_Handler => Ada.Interrupts.Names.PIOA;
-      Counts : Encoder_Counts := (others => 0);
    end Encoders;
 
    protected body Encoders is
@@ -50,21 +48,17 @@ package body NXT.Motor_Encoders is
             if Has (Edges, Bit (Tachometer (Motor))) then
                if Has (Levels, Bit (Tachometer (Motor))) /= Has (Levels, Bit (Direction (Motor)))
                then
-                  Counts (Motor) := Counts (Motor) + 1;
+                  Encoder_Count (Motor) := Encoder_Count (Motor) + 1;
                else
-                  Counts (Motor) := Counts (Motor) - 1;
+                  Encoder_Count (Motor) := Encoder_Count (Motor) - 1;
                end if;
             end if;
          end loop;
       end Handle_Edges;
 
-      function Count (Motor : Motor_Id) return Integer is (Counts (Motor));
-
-      function Current return Reading is ((Counts, Ada.Real_Time.Clock));
+      function Current return Reading is ((Encoder_Count, Ada.Real_Time.Clock));
 
    end Encoders;
-
-   function Encoder_Count (Motor : Motor_Id) return Integer is (Encoders.Count (Motor));
 
    function Current return Reading is (Encoders.Current);
 

@@ -9,10 +9,7 @@ with Ada.Real_Time;
 
 package NXT.Motor_Encoders with Elaborate_Body is
 
-   function Encoder_Count (Motor : Motor_Id) return Integer;
-   --  Degrees turned since the start of the program.
-
-   type Encoder_Counts is array (Motor_Id) of Integer;
+   type Encoder_Counts is array (Motor_Id) of Integer with Atomic_Components;
 
    type Reading is record
       Counts  : Encoder_Counts;
@@ -20,6 +17,11 @@ package NXT.Motor_Encoders with Elaborate_Body is
    end record;
 
    function Current return Reading;
-   --  The counts of all motors at one instant, with that instant: no edge falls between them.
+   --  Recommended: the counts of all motors at one instant, with that instant; no edge falls
+   --  between them.
+
+   Encoder_Count : Encoder_Counts := (others => 0);
+   --  As known from GNAT for MINDSTORMS: degrees turned since the start of the program, or since
+   --  the program set a count to another value.
 
 end NXT.Motor_Encoders;

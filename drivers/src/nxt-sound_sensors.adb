@@ -11,7 +11,7 @@ package body NXT.Sound_Sensors is
    function Id (This : Sound_Sensor) return Sensor_Id is (This.Port);
 
    function Sound_Level (This : Sound_Sensor) return Integer is
-     ((Full_Range - Integer (NXT.AVR.Raw_Input (This.Port))) * 100 / Full_Range);
+     ((Full_Range - Integer (NXT.AVR.Reading (This.Port))) * 100 / Full_Range);
 
    procedure Select_Mode (Port : Sensor_Id; Weighted : Boolean) is
    begin

@@ -12,19 +12,34 @@ package body NXT.SPI is
 
    Controller : Registers.SPI.Peripheral renames Registers.SPI.SPI;
 
+   type List_Number is range 1 .. 2;
+
+   type List_Buffer is record
+      Length : Natural := 0;
+      Parts  : Segment_List (1 .. Maximum_Segments);
+   end record;
+
+   type List_Buffers is array (List_Number) of List_Buffer;
+
    protected Transfer with Interrupt_Priority => Priorities.SPI_Interrupt is
-      procedure Start (List : Segment_List);
+      procedure Submit (List : Segment_List);
+      procedure Withdraw (Withdrawn : out Boolean);
+      procedure Start_If_Idle (List : Segment_List; Started : out Boolean);
       entry Await_Idle;
    private
       procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.SPI;
+      procedure Fill (Number : List_Number; List : Segment_List);
+      procedure Begin_List (Number : List_Number);
       procedure Feed (Part : Segment);
       procedure Finish_Segment;
 
-      Idle   : Boolean := True;
-      Parts  : Segment_List (1 .. Maximum_Segments);
-      Next   : Positive := 1;
-      Length : Natural := 0;
+      Lists   : List_Buffers;
+      Current : List_Number := 1;
+      Next    : Positive := 1;
+      Idle    : Boolean := True;
+      Waiting : Boolean := False;
    end Transfer;
+   --  Waiting: the list that is not Current begins when Current is through.
 
    protected body Transfer is
 
@@ -36,14 +51,46 @@ package body NXT.SPI is
          Controller.Enable_Interrupt := DMA_Ended;
       end Feed;
 
-      procedure Start (List : Segment_List) is
+      procedure Fill (Number : List_Number; List : Segment_List) is
       begin
-         Length := List'Length;
-         Parts (1 .. Length) := List;
+         Lists (Number).Length := List'Length;
+         Lists (Number).Parts (1 .. List'Length) := List;
+      end Fill;
+
+      procedure Begin_List (Number : List_Number) is
+      begin
+         Current := Number;
          Next := 1;
          Idle := False;
-         Feed (Parts (Next));
-      end Start;
+         Waiting := False;
+         Feed (Lists (Number).Parts (1));
+      end Begin_List;
+
+      procedure Submit (List : Segment_List) is
+         Other : constant List_Number := 3 - Current;
+      begin
+         Fill (Other, List);
+         if Idle then
+            Begin_List (Other);
+         else
+            Waiting := True;
+         end if;
+      end Submit;
+
+      procedure Withdraw (Withdrawn : out Boolean) is
+      begin
+         Withdrawn := Waiting;
+         Waiting := False;
+      end Withdraw;
+
+      procedure Start_If_Idle (List : Segment_List; Started : out Boolean) is
+      begin
+         Started := Idle;
+         if Idle then
+            Fill (Current, List);
+            Begin_List (Current);
+         end if;
+      end Start_If_Idle;
 
       entry Await_Idle when Idle is
       begin
@@ -52,9 +99,11 @@ package body NXT.SPI is
 
       procedure Finish_Segment is
       begin
-         if Next < Length then
+         if Next < Lists (Current).Length then
             Next := Next + 1;
-            Feed (Parts (Next));
+            Feed (Lists (Current).Parts (Next));
+         elsif Waiting then
+            Begin_List (3 - Current);
          else
             Idle := True;
          end if;
@@ -77,21 +126,41 @@ package body NXT.SPI is
 
    end Transfer;
 
+   procedure Submit (List : Segment_List) is
+   begin
+      Transfer.Submit (List);
+   end Submit;
+
+   procedure Withdraw (Withdrawn : out Boolean) is
+   begin
+      Transfer.Withdraw (Withdrawn);
+   end Withdraw;
+
    procedure Await_Idle is
    begin
       Transfer.Await_Idle;
    end Await_Idle;
 
+   --  A list submitted by another task may begin between the two calls.
    procedure Start (List : Segment_List) is
+      Started : Boolean;
    begin
-      Transfer.Await_Idle;
-      Transfer.Start (List);
+      loop
+         Transfer.Await_Idle;
+         Transfer.Start_If_Idle (List, Started);
+         exit when Started;
+      end loop;
    end Start;
 
    procedure Send (Kind : Segment_Kind; Data : System.Address; Length : Segment_Length) is
    begin
       Start ((1 => (Kind, Data, Length)));
       Await_Idle;
+   end Send;
+
+   procedure Send (Is_Data : Boolean; Buf : System.Address; Len : Natural) is
+   begin
+      Send ((if Is_Data then Pixels else Command), Buf, Len);
    end Send;
 
 begin

@@ -26,9 +26,17 @@ package NXT.SPI is
    Maximum_Segments : constant := 16;
    type Segment_List is array (Positive range <>) of Segment;
 
+   procedure Submit (List : Segment_List)
+     with Pre => List'Length in 1 .. Maximum_Segments;
+   --  Send the segments in their order, after the list that is being sent. Returns at once. A list
+   --  submitted before that has not begun is dropped. For one task at a time.
+
+   procedure Withdraw (Withdrawn : out Boolean);
+   --  Drop the list that was submitted last, unless it has begun.
+
    procedure Start (List : Segment_List)
      with Pre => List'Length in 1 .. Maximum_Segments;
-   --  Send the segments in their order; wait for the list before, not for this one. For one task
+   --  Send the segments in their order; wait for the lists before, not for this one. For one task
    --  at a time.
 
    procedure Await_Idle;
@@ -36,5 +44,11 @@ package NXT.SPI is
 
    procedure Send (Kind : Segment_Kind; Data : System.Address; Length : Segment_Length);
    --  Send one segment and wait until it is through.
+
+   --  As known from GNAT for MINDSTORMS
+
+   procedure Send (Is_Data : Boolean; Buf : System.Address; Len : Natural)
+     with Pre => Len in Segment_Length;
+   --  Send of Pixels or of a Command.
 
 end NXT.SPI;

@@ -6,6 +6,6 @@ with NXT.AVR;
 package body NXT.Touch_Sensors is
 
    function Pressed (This : Touch_Sensor) return Boolean is
-     (NXT.AVR.Raw_Input (This.Port) < Pressed_Below);
+     (NXT.AVR.Reading (This.Port) < Pressed_Below);
 
 end NXT.Touch_Sensors;

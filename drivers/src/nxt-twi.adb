@@ -2,6 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with Ada.Interrupts.Names;
+with Ada.Real_Time;
 with NXT.Priorities;
 with NXT.Registers.TWI;  use NXT.Registers, NXT.Registers.TWI;
 with NXT.TWI.Bus;
@@ -143,5 +144,46 @@ package body NXT.TWI is
       Transfer.Abandon;
       Bus.Reset;
    end Reset;
+
+   procedure Await_End is
+      use Ada.Real_Time;
+      Poll_Time : constant Time_Span := Microseconds (500);
+      Polls     : constant := 20;
+      Next_Poll : Time := Clock;
+   begin
+      for Poll in 1 .. Polls loop
+         exit when Status /= Busy;
+         Next_Poll := Next_Poll + Poll_Time;
+         delay until Next_Poll;
+      end loop;
+      if Status = Busy then
+         Reset;
+      end if;
+   end Await_End;
+
+   procedure Send
+     (Dev : Device_Id; Adrlen : Address_Length; Msg : System.Address; Msg_Len : Natural)
+   is
+      pragma Unreferenced (Adrlen);
+      Message : Byte_Array (1 .. Msg_Len) with Import, Address => Msg;
+   begin
+      Start_Send (Dev, Message);
+      Await_End;
+   end Send;
+
+   procedure Recv
+     (Dev : Device_Id; Adrlen : Address_Length; Msg : System.Address; Msg_Len : Natural)
+   is
+      pragma Unreferenced (Adrlen);
+      Message : Byte_Array (1 .. Msg_Len) with Import, Address => Msg;
+   begin
+      Start_Receive (Dev, Msg_Len);
+      Await_End;
+      if Status = Done then
+         Fetch (Message);
+      else
+         Message := (others => 0);
+      end if;
+   end Recv;
 
 end NXT.TWI;

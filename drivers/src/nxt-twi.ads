@@ -5,6 +5,7 @@
 --  no caller waits, so a silent device cannot stop a task.
 
 with Interfaces;
+with System;
 
 package NXT.TWI is
 
@@ -14,7 +15,7 @@ package NXT.TWI is
    Maximum_Length : constant := 48;
    subtype Transfer_Length is Positive range 1 .. Maximum_Length;
 
-   type Device_Id is range 0 .. 127;
+   subtype Device_Id is Natural range 0 .. 127;
    --  Bus address without the direction bit.
 
    type Transfer_Status is (Done, Busy, Failed);
@@ -37,5 +38,20 @@ package NXT.TWI is
 
    procedure Reset;
    --  Give up a transfer, free the bus of a device that holds it, and set the interface up anew.
+
+   --  As known from GNAT for MINDSTORMS, for programs that do without NXT.AVR. The caller is
+   --  delayed until the transfer has ended; one that lasts more than 10 ms is given up, with a
+   --  reset.
+
+   subtype Address_Length is Natural range 0 .. 3;
+
+   procedure Send
+     (Dev : Device_Id; Adrlen : Address_Length; Msg : System.Address; Msg_Len : Natural)
+     with Pre => Adrlen = 0 and then Msg_Len in Transfer_Length;
+
+   procedure Recv
+     (Dev : Device_Id; Adrlen : Address_Length; Msg : System.Address; Msg_Len : Natural)
+     with Pre => Adrlen = 0 and then Msg_Len in 2 .. Maximum_Length;
+   --  The co-processor has no addresses within, hence no Adrlen. What fails reads as zeros.
 
 end NXT.TWI;

@@ -23,8 +23,6 @@ package NXT with Pure is
    type ADC_Value is range 0 .. 1023 with Size => 16;
    --  A sensor reading: 0 V is 0, 5 V is 1023.
 
-   type Millivolts is range 0 .. 15_000;
-
    Crystal_Frequency : constant := 18_432_000;
    PLL_Multiplier    : constant := 73;
    PLL_Divider       : constant := 14;

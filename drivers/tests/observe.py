@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 FONT_FILE = Path(__file__).resolve().parent.parent / "src" / "nxt-fonts.ads"
-GLYPH = re.compile(r"'(.)' => \(((?:2#[01]{7}#(?:, )?){5})\)")
+GLYPH = re.compile(r"'(.)' => \(((?:2#[01]{8}#(?:, )?){5})\)")
 
 WIDTH, HEIGHT = 100, 64
 COLUMNS, ROWS = 16, 8
-CELL, MARGIN, GLYPH_WIDTH = 6, 2, 5
+CELL, MARGIN, GLYPH_WIDTH, ROW_HEIGHT = 6, 2, 5, 8
 
 MOTORS = "ABC"
 CLOCK_NUMERATOR, CLOCK_DENOMINATOR = 336_384_000, 7
@@ -56,7 +56,7 @@ def read_font() -> dict[tuple[int, ...], str]:
     """The letter of each shape: five columns, lowest bit on top."""
     shapes = {}
     for letter, columns in GLYPH.findall(FONT_FILE.read_text()):
-        shape = tuple(int(bits, 2) for bits in re.findall(r"2#([01]{7})#", columns))
+        shape = tuple(int(bits, 2) for bits in re.findall(r"2#([01]{8})#", columns))
         shapes[shape] = letter
     return shapes
 
@@ -150,9 +150,9 @@ class Brick:
 
 
 def _letter(pixels: bytes, row: int, column: int) -> str:
-    left = MARGIN + CELL * column
+    left, top = MARGIN + CELL * column, ROW_HEIGHT * row
     shape = tuple(
-        sum(pixels[(8 * row + bit) * WIDTH + left + part] << bit for bit in range(7))
+        sum(pixels[(top + bit) * WIDTH + left + part] << bit for bit in range(ROW_HEIGHT))
         for part in range(GLYPH_WIDTH)
     )
     return FONT.get(shape, "?")

@@ -4,7 +4,7 @@
 --  What the vehicle shows of itself: one consistent set of values for the display, and single
 --  symbols for an observer of the memory.
 
-with NXT;
+with NXT.Battery;
 with Quantities;
 
 package Panel with Elaborate_Body is
@@ -26,7 +26,7 @@ package Panel with Elaborate_Body is
       Mode     : Drive_Mode := Stopped;
       Wheels   : Wheel_Pair;
       Joystick : Quantities.Degrees := 0;
-      Battery  : NXT.Millivolts := 0;
+      Battery  : NXT.Battery.Supply_Millivolts := 0;
    end record;
 
    procedure Publish (Now : Status);

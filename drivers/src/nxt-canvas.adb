@@ -1,0 +1,146 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with NXT.Priorities;
+
+package body NXT.Canvas is
+
+   use Interfaces;
+   use NXT.LCD;
+
+   subtype Next_Column is Natural range 0 .. Char_Columns'Last + 1;
+   --  One beyond the last: the next letter begins a new row.
+
+   protected Screen with Priority => Priorities.Shared_Data is
+      procedure Clear;
+      procedure Move (To_Column : Char_Columns; To_Row : Char_Rows);
+      procedure New_Line;
+      procedure Write (Text : String);
+      procedure Write_At (First : Char_Columns; At_Row : Char_Rows; Text : String);
+      procedure Mix (At_Row : Pixel_Rows; At_Column : Pixel_Columns; How : Pattern);
+      procedure Update;
+   private
+      procedure Draw (Letter : Character; At_Column : Char_Columns; At_Row : Char_Rows);
+      procedure Write_Letter (Letter : Character);
+      Content : Picture := (others => (others => 0));
+      Column  : Next_Column := 0;
+      Row     : Char_Rows := 0;
+   end Screen;
+
+   protected body Screen is
+
+      procedure Clear is
+      begin
+         Content := (others => (others => 0));
+         Column := 0;
+         Row := 0;
+      end Clear;
+
+      procedure Move (To_Column : Char_Columns; To_Row : Char_Rows) is
+      begin
+         Column := To_Column;
+         Row := To_Row;
+      end Move;
+
+      procedure New_Line is
+      begin
+         Column := 0;
+         if Row < Char_Rows'Last then
+            Row := Row + 1;
+         else
+            for Page in Pixel_Rows'First .. Pixel_Rows'Last - 1 loop
+               Content (Page) := Content (Page + 1);
+            end loop;
+            Content (Pixel_Rows'Last) := (others => 0);
+         end if;
+      end New_Line;
+
+      procedure Draw (Letter : Character; At_Column : Char_Columns; At_Row : Char_Rows) is
+         Left  : constant Pixel_Columns := Fonts.Left_Edge (At_Column);
+         Shape : constant Fonts.Glyph := Fonts.Shape_Of (Letter);
+      begin
+         for Part in Shape'Range loop
+            Content (At_Row) (Left + Part) := Shape (Part);
+         end loop;
+      end Draw;
+
+      procedure Write_Letter (Letter : Character) is
+      begin
+         if Column > Char_Columns'Last then
+            New_Line;
+         end if;
+         Draw (Letter, Column, Row);
+         Column := Column + 1;
+      end Write_Letter;
+
+      procedure Write_At (First : Char_Columns; At_Row : Char_Rows; Text : String) is
+         Room : constant Natural := Char_Columns'Last - First + 1;
+      begin
+         for Place in 0 .. Natural'Min (Text'Length, Room) - 1 loop
+            Draw (Text (Text'First + Place), First + Place, At_Row);
+         end loop;
+      end Write_At;
+
+      procedure Write (Text : String) is
+      begin
+         for Letter of Text loop
+            case Letter is
+               when ASCII.CR => Column := 0;
+               when ASCII.LF => New_Line;
+               when others   => Write_Letter (Letter);
+            end case;
+         end loop;
+      end Write;
+
+      procedure Mix (At_Row : Pixel_Rows; At_Column : Pixel_Columns; How : Pattern) is
+         Pixels : Unsigned_8 renames Content (At_Row) (At_Column);
+      begin
+         Pixels := (Pixels and How.Keep) xor How.Flip;
+      end Mix;
+
+      procedure Update is
+      begin
+         LCD.Show (Content);
+      end Update;
+
+   end Screen;
+
+   procedure Clear is
+   begin
+      Screen.Clear;
+   end Clear;
+
+   procedure Move (Column : Char_Columns; Row : Char_Rows) is
+   begin
+      Screen.Move (Column, Row);
+   end Move;
+
+   procedure New_Line is
+   begin
+      Screen.New_Line;
+   end New_Line;
+
+   procedure Write (Text : String) is
+   begin
+      Screen.Write (Text);
+   end Write;
+
+   procedure Write_At (Column : Char_Columns; Row : Char_Rows; Text : String) is
+   begin
+      Screen.Write_At (Column, Row, Text);
+   end Write_At;
+
+   procedure Mix (Row : LCD.Pixel_Rows; Column : LCD.Pixel_Columns; How : Pattern) is
+   begin
+      Screen.Mix (Row, Column, How);
+   end Mix;
+
+   procedure Update is
+   begin
+      Screen.Update;
+   end Update;
+
+begin
+   LCD.Power_On;
+   Update;
+end NXT.Canvas;
