@@ -172,6 +172,12 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
             "conformance/compatibility",
         ),
     ),
+    (
+        "drivers",
+        pytest_suite(
+            "drivers", "power-cut at every step of 36 savings to flash", "conformance/power_cut"
+        ),
+    ),
     ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
     ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
     ("control", pytest_suite("control", "misra: C:2012 by cppcheck", *MISRA)),

@@ -1,0 +1,39 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  Flash and its controller (datasheet, chapter EFC): pages of 256 bytes. Words written to a page
+--  wait in a buffer until the command that programs the page, which erases it first.
+
+with System;
+
+package NXT.Registers.EFC is
+
+   type Peripheral is record
+      Mode    : Word with Atomic;
+      Command : Word with Atomic;
+      Status  : Word with Atomic;
+   end record;
+
+   for Peripheral use record
+      Mode    at 16#60# range 0 .. 31;
+      Command at 16#64# range 0 .. 31;
+      Status  at 16#68# range 0 .. 31;
+   end record;
+
+   EFC : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFF_FF00#);
+
+   --  Command: key, page number from bit 8 on, what to do
+   Write_Page   : constant Word := 16#5A00_0001#;
+   Clear_Lock   : constant Word := 16#5A00_0004#;
+   Page_Place   : constant := 8;
+
+   --  Status
+   Ready      : constant Word := Bit (0);
+   First_Lock : constant := 16;
+   --  Number of the bit of the first lock region.
+
+   Start_Address : constant := 16#0010_0000#;
+   Page_Length   : constant := 256;
+   Region_Pages  : constant := 64;
+
+end NXT.Registers.EFC;
