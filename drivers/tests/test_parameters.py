@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import pytest
@@ -60,7 +61,7 @@ def test_pages_age_evenly(elf: bytes) -> None:
     """100 savings use each page three times; that of the value saved seldom is left alone."""
     seen = contents(elf, EMPTY, 100)
     uses = [0] * PAGE_COUNT
-    for before, after in zip(seen, seen[1:], strict=False):
+    for before, after in itertools.pairwise(seen):
         for page in range(PAGE_COUNT):
             place = slice(PAGE_BYTES * page, PAGE_BYTES * (page + 1))
             uses[page] += before[place] != after[place]
