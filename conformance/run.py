@@ -128,6 +128,16 @@ def other_control() -> list[str]:
     return [*sorted(files - named), "examples/vehicle/tests/test_controller_on_the_brick.py"]
 
 
+ENCODER_STRESS = "drivers/tests/test_encoder_stress.py"
+COMPATIBILITY = "drivers/tests/test_compatibility.py"
+
+
+def other_drivers() -> list[str]:
+    """Drivers' tests that have no suite of their own."""
+    files = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("drivers/tests/test_*.py")}
+    return sorted(files - {ENCODER_STRESS, COMPATIBILITY})
+
+
 SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("cpu", single_step),
     ("cpu", cargo_suite("cpu", "instructions, exceptions, silicon cycle table", "arm7tdmi")),
@@ -163,7 +173,17 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ),
     ("plant", cargo_suite("plant", "published motor points, body", "plant")),
     ("runtime", pytest_suite("runtime", "behaviours on the virtual brick", "runtime/tests")),
-    ("drivers", pytest_suite("drivers", "drivers on the virtual brick", "drivers/tests")),
+    ("drivers", pytest_suite("drivers", "drivers on the virtual brick", *other_drivers())),
+    (
+        "drivers",
+        pytest_suite("drivers", "encoder counts at 2,000 deg/s on three motors", ENCODER_STRESS),
+    ),
+    (
+        "drivers",
+        pytest_suite(
+            "drivers", "source compatibility: every operation of GNAT GPL", COMPATIBILITY
+        ),
+    ),
     (
         "drivers",
         pytest_suite(

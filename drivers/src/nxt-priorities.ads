@@ -12,6 +12,8 @@ package NXT.Priorities with Pure is
 
    Coprocessor_Task : constant System.Priority := System.Priority'Last;
 
+   Regulator_Task   : constant System.Priority := Coprocessor_Task - 1;
+
    Shared_Data      : constant System.Priority := System.Priority'Last;
    --  Ceiling of data that any task may read or write.
 
