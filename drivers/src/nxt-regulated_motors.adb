@@ -151,7 +151,8 @@ package body NXT.Regulated_Motors is
       and then
         (if This.Resting and then not Wanted.Fresh
          then abs (Wanted.Angle - Now.Angle) <= 2 * Tolerance
-         else abs (Wanted.Angle - Now.Angle) <= Tolerance and then abs Now.Speed < 2 * Least_Speed));
+         else abs (Wanted.Angle - Now.Angle) <= Tolerance
+              and then abs Now.Speed < 2 * Least_Speed));
 
    function Speed_Wanted
      (This : in out Controller; Now : Measurement; Wanted : Command) return Standard.Float
