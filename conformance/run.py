@@ -19,6 +19,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+from conformance import blocks
 from tools import tables
 from tools.tables import Row, merge_rows
 
@@ -107,6 +108,12 @@ def pytest_suite(area: str, suite: str, *paths: str) -> Callable[[], Row]:
         return suite_row(area, suite, len(cases), passed, excluded)
 
     return run
+
+
+def block_costs() -> Row:
+    """Every block and the paper's controller in C and Ada on the virtual brick; writes its page."""
+    count, good = blocks.main()
+    return suite_row("control", "blocks: C and Ada on the virtual brick", count, good)
 
 
 HOST_TESTS = "host/tests"
@@ -199,6 +206,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         ),
     ),
     ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
+    ("control", block_costs),
     ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
     ("control", pytest_suite("control", "misra: C:2012 by cppcheck", *MISRA)),
     ("control", pytest_suite("control", "nxtway: published gains", *NXTWAY)),

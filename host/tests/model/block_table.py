@@ -17,6 +17,7 @@ from ravenbrick.model import (
     ComplementaryFilter,
     Constant,
     Conversion,
+    CustomFunction,
     DataType,
     DeadZone,
     Delay,
@@ -28,6 +29,7 @@ from ravenbrick.model import (
     Inport,
     IntegrationMethod,
     LookupTable,
+    MachineState,
     MovingAverage,
     Outport,
     PidController,
@@ -38,10 +40,13 @@ from ravenbrick.model import (
     Relay,
     Saturation,
     Sine,
+    StateMachine,
     Step,
     Sum,
     Switch,
+    Transition,
     UnitDelay,
+    ZeroOrderHold,
 )
 
 # From the input columns (steps, ports) to the output (steps).
@@ -96,6 +101,25 @@ def _pid(u: np.ndarray) -> np.ndarray:
 
 def _quantised(u: np.ndarray) -> np.ndarray:
     return 0.75 * np.sign(u[:, 0]) * np.floor(np.abs(u[:, 0]) / 0.75 + 0.5)
+
+
+def _machine(u: np.ndarray) -> np.ndarray:
+    """Stopped, driving, waiting: a touch starts, low stops, waiting ends by itself."""
+    state, since, outputs = "stopped", 0, []
+    for touch, level in u:
+        before = state
+        if state == "stopped" and touch >= 2.0:
+            state = "driving"
+        elif state == "driving":
+            if level < -3.0:
+                state = "waiting"
+            elif since >= 4 and touch > 5.0:
+                state = "stopped"
+        elif state == "waiting" and since >= 3:
+            state = "stopped"
+        since = since + 1 if state == before else 1
+        outputs.append({"stopped": -1.0, "driving": 4.5, "waiting": 0.5}[state])
+    return np.array(outputs)
 
 
 def _rows(count: int) -> np.ndarray:
@@ -170,6 +194,43 @@ TABLE: dict[str, tuple[Block, Reference]] = {
     "look_up_on": (
         LookupTable("B", breakpoints=(-1.0, 1.0), table=(1.0, 2.0), extrapolate=True),
         lambda u: 1.5 + 0.5 * u[:, 0],
+    ),
+    "state_machine": (
+        StateMachine(
+            "B",
+            machine_states=(
+                MachineState("stopped", -1.0),
+                MachineState("driving", 4.5),
+                MachineState("waiting", 0.5),
+            ),
+            transitions=(
+                Transition("stopped", "driving", 0, ">=", 2.0),
+                Transition("driving", "waiting", 1, "<", -3.0),
+                Transition("driving", "stopped", 0, ">", 5.0, after=4),
+                Transition("waiting", "stopped", None, after=3),
+            ),
+            ports=2,
+        ),
+        _machine,
+    ),
+    "custom": (
+        CustomFunction(
+            "B",
+            function=lambda a, b: a * b + a,
+            c="return (a * b) + a;",
+            ada="return A * B + A;",
+        ),
+        lambda u: u[:, 0] * u[:, 1] + u[:, 0],
+    ),
+    "hold": (
+        ZeroOrderHold("B", sample_time=0.03),
+        lambda u: u[3 * (np.arange(len(u)) // 3), 0],
+    ),
+    "slow_average": (
+        MovingAverage("B", length=2, sample_time=0.02),
+        lambda u: np.repeat(
+            np.convolve(u[::2, 0], [0.5, 0.5])[: len(u[::2])], 2
+        )[: len(u)],
     ),
     "sine": (
         Sine("B", amplitude=3.0, period=37),

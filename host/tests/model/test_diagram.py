@@ -12,6 +12,7 @@ from ravenbrick.model import (
     Diagram,
     DiagramError,
     DiscreteIntegrator,
+    Execution,
     Gain,
     Inport,
     IntegrationMethod,
@@ -19,7 +20,6 @@ from ravenbrick.model import (
     Parameter,
     Saturation,
     Sum,
-    UnitDelay,
 )
 
 
@@ -80,10 +80,27 @@ def test_a_clash_of_number_formats_is_named() -> None:
     diagram.connect_chain(source, diagram.add(Conversion("Narrow")), gain)
 
 
-def test_another_sample_time_is_refused() -> None:
-    """A block that asks for a rate of its own is named."""
-    with pytest.raises(DiagramError, match=r"block 'Slow' has the sample time 0\.008"):
-        Diagram("rates", 0.004).add(UnitDelay("Slow", sample_time=0.008))
+def test_a_sample_time_that_is_no_multiple_is_refused() -> None:
+    """Slower rates are whole multiples; ports run with their diagram."""
+    with pytest.raises(DiagramError, match=r"block 'Slow' has the sample time 0\.009 s.*multiple"):
+        Diagram("model", 0.004).add(Gain("Slow", sample_time=0.009))
+    with pytest.raises(DiagramError, match="port 'In' runs with its diagram"):
+        Diagram("model", 0.004).add(Inport("In", sample_time=0.008))
+
+
+def test_a_slow_block_runs_in_its_turn_only() -> None:
+    """An integrator at a third of the rate, a fast gain around it; the output is held."""
+    diagram = Diagram("rates", 0.01)
+    source, out = diagram.add(Inport("In")), diagram.add(Outport("Out"))
+    slow = diagram.add(DiscreteIntegrator("Slow", sample_time=0.03, gain=1.0))
+    total = diagram.add(Sum("Total"))
+    diagram.connect_chain(source, slow, total, out)
+    diagram.connect(source, total, 1)
+    execution = Execution(diagram)
+    given = [1.0, 20.0, 300.0, 4.0, 50.0, 600.0, 7.0]
+    outputs = [float(execution.step({"In": value})["Out"]) for value in given]
+    held = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 5.0]
+    assert outputs == [h + value for h, value in zip(held, given, strict=True)]
 
 
 def test_names_are_unique_identifiers_in_any_letter_case() -> None:

@@ -9,7 +9,14 @@ from collections.abc import Sequence
 
 from ravenbrick import __version__
 from ravenbrick.codegen.ada_helpers import ada_helpers, needs_interfaces
-from ravenbrick.codegen.ada_text import AdaText, ada_literal, ada_name, ada_type, wrapped
+from ravenbrick.codegen.ada_text import (
+    AdaText,
+    ada_literal,
+    ada_name,
+    ada_type,
+    stored_format,
+    wrapped,
+)
 from ravenbrick.codegen.generator import GeneratedCode, block_title
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
@@ -31,7 +38,7 @@ __all__ = ["generate_ada"]
 
 _HIDING = frozenset(
     """accumulator external_inputs external_outputs float inputs integer integer_32 long_float
-    long_long_integer nearest_shift outputs parameters shift_right tunable_parameters unsigned_32
+    long_long_integer nearest_quotient outputs parameters tunable_parameters unsigned_32
     work work_area""".split()
 )
 
@@ -105,11 +112,11 @@ class _Package:
 
     def _typed(self, slot: Slot) -> str:
         """The type of a variable, in fixed point with its proved range."""
-        form = slot.data_type
+        form = stored_format(slot)
         text = ada_type(form)
-        if not isinstance(form, FixedFormat) or slot.kind is Kind.INPUT:
+        proved = self._ranges.get(key(slot))
+        if not isinstance(form, FixedFormat) or slot.kind is Kind.INPUT or proved is None:
             return text
-        proved = self._ranges[key(slot)]
         if proved == Interval(*form.limits):
             return text
         low, high = (ada_literal(end, form) for end in (proved.low, proved.high))

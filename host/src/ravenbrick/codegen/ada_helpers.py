@@ -12,8 +12,10 @@ from ravenbrick.codegen.ada_text import (
     nearest_name,
     wrapped,
 )
+from ravenbrick.errors import DesignError
 from ravenbrick.model.number_format import Rounding
 from ravenbrick.model.program import (
+    Call,
     DataType,
     Expression,
     Program,
@@ -25,21 +27,18 @@ from ravenbrick.model.program import (
 
 __all__ = ["ada_helpers", "needs_interfaces"]
 
-_SHIFT = """\
-   --  Value / 2 ** Bits to the nearest whole number, halves upwards
-   function Nearest_Shift (Value : Integer_32; Bits : Positive) return Integer_32 with
-     Pre  => Bits <= 30 and then Value <= Integer_32'Last - 2 ** (Bits - 1),
-     Post => Nearest_Shift'Result =
-               (Value + 2 ** (Bits - 1) - (Value + 2 ** (Bits - 1)) mod 2 ** Bits) / 2 ** Bits;
+_NEAREST_QUOTIENT = """\
+   --  Value / Unit to the nearest whole number, halves upwards; Unit is a power of two
+   function Nearest_Quotient (Value, Unit : Integer_32) return Integer_32 with
+     Pre  => Unit > 0 and then Value <= Integer_32'Last - Unit / 2,
+     Post => Nearest_Quotient'Result * Unit in Value - Unit / 2 + Unit mod 2 .. Value + Unit / 2;
 
-   function Nearest_Shift (Value : Integer_32; Bits : Positive) return Integer_32 is
-      Half    : constant Unsigned_32 := Shift_Right (16#8000_0000#, 32 - Bits);
-      Lifted  : constant Unsigned_32 := Unsigned_32'Mod (Value) + 16#8000_0000# + Half;
-      Shifted : constant Unsigned_32 := Shift_Right (Lifted, Bits);
-      Offset  : constant Unsigned_32 := Shift_Right (16#8000_0000#, Bits);
+   function Nearest_Quotient (Value, Unit : Integer_32) return Integer_32 is
+      Lifted : constant Integer_32 := Value + Unit / 2;
+      Rest   : constant Unsigned_32 := Unsigned_32'Mod (Lifted) and (Unsigned_32 (Unit) - 1);
    begin
-      return Integer_32 (Shifted) - Integer_32 (Offset);
-   end Nearest_Shift;
+      return (Lifted - Integer_32 (Rest)) / Unit;
+   end Nearest_Quotient;
 """
 
 _NEAREST = """\
@@ -115,14 +114,28 @@ def ada_helpers(program: Program) -> list[str]:
     tables: dict[str, None] = {}
     for node in expressions(program):
         if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
-            found[_SHIFT] = None
+            found[_NEAREST_QUOTIENT] = None
         elif isinstance(node, Rounded):
             found[_NEAREST.format(**_words(node.value))] = None
         elif isinstance(node, Table):
             found[_LOOK_UP.format(**_words(node.value))] = None
             for text in _arrays(node):
                 tables[text] = None
+        elif isinstance(node, Call):
+            found[_twin(node)] = None
     return [*found, *tables]
+
+
+def _twin(call: Call) -> str:
+    real, name = ada_type(call.data_type), ada_name(call.name)
+    if not call.ada:
+        raise DesignError(
+            f"block '{call.name}' has no Ada twin; give its function's body in Ada as `ada`"
+        )
+    given = ", ".join(map(ada_name, call.parameters))
+    body = "\n".join(f"      {line}".rstrip() for line in call.ada.strip().splitlines())
+    head = f"function {name} ({given} : {real}) return {real}"
+    return f"   {head};\n\n   {head} is\n   begin\n{body}\n   end {name};\n"
 
 
 def _arrays(table: Table) -> list[str]:

@@ -15,6 +15,7 @@ from ravenbrick.model.number_format import FixedFormat, Rounding
 from ravenbrick.model.program import (
     Binary,
     Bounded,
+    Call,
     Cast,
     Clamp,
     DataType,
@@ -41,6 +42,7 @@ __all__ = [
     "ada_type",
     "expressions",
     "nearest_name",
+    "stored_format",
     "wrapped",
 ]
 
@@ -87,6 +89,14 @@ def ada_literal(value: float, form: NumberFormat) -> str:
     return f"{'-' if exact < 0 else ''}{int(whole)}.{decimals}"
 
 
+def stored_format(slot: Slot) -> NumberFormat:
+    """The format that a variable is kept in; local integers take a word."""
+    form = slot.data_type
+    if slot.kind is Kind.SIGNAL and isinstance(form, FixedFormat):
+        return FixedFormat(32, form.fraction)
+    return form
+
+
 def wrapped(text: str, indent: int) -> list[str]:
     """The text in lines of at most 96 columns, broken at blanks, continued two columns in."""
     return textwrap.wrap(
@@ -131,7 +141,7 @@ class AdaText:
         self.formats: set[FixedFormat] = set()
         slots = (*program.inputs, *program.outputs, *program.parameters, *program.states)
         for slot in (*slots, *program.signals):
-            self._seen(slot.data_type)
+            self._seen(stored_format(slot))
 
     def _seen(self, form: NumberFormat) -> NumberFormat:
         if isinstance(form, FixedFormat):
@@ -177,6 +187,8 @@ class AdaText:
                 test = self._infix(condition.operator, condition.left, condition.right)
                 first = self.expression(chosen, nested=True)
                 return f"(if {test} then {first} else {self.expression(otherwise, nested=True)})"
+            case Call(name=name, arguments=arguments):
+                return f"{ada_name(name)} ({', '.join(map(self.expression, arguments))})"
             case Rounded(value=value):
                 name = nearest_name(expression_type(value))
                 return f"Nearest_{name} ({self.expression(value)})"
@@ -205,7 +217,7 @@ class AdaText:
         """The expression in its 32-bit format."""
         text = self.expression(expression, nested=True)
         if isinstance(expression, Read | Literal):
-            form = expression_type(expression)
+            form = _format_of(expression)
             if isinstance(form, FixedFormat) and form.width != 32:
                 return f"{ada_type(self._word(expression))} ({text})"
         return text
@@ -226,7 +238,7 @@ class AdaText:
         value = f"Integer_32'Integer_Value ({self.expression(expression.value)})"
         own = ada_type(self._word(expression))
         if expression.rounding is Rounding.NEAREST:
-            return f"{own}'Fixed_Value (Nearest_Shift ({value}, {expression.bits}))"
+            return f"{own}'Fixed_Value (Nearest_Quotient ({value}, 2 ** {expression.bits}))"
         return f"{own}'Fixed_Value ({value} / 2 ** {expression.bits})"
 
     def statement(self, statement: Statement) -> list[str]:
@@ -248,17 +260,16 @@ class AdaText:
 
     def _assigned(self, expression: Expression, target: Slot) -> str:
         text = self.expression(expression)
-        form = target.data_type
+        form = stored_format(target)
         if not isinstance(form, FixedFormat):
             return text
         if isinstance(expression, Literal):
             return ada_literal(expression.value, form)
-        given = expression_type(expression) if isinstance(expression, Read) else None
-        given = given if isinstance(given, FixedFormat) else self._word(expression)
+        given = _format_of(expression) if isinstance(expression, Read) else self._word(expression)
         return text if given == form else f"{ada_type(form)} ({text})"
 
     def _bounded(self, statement: Statement, value: Expression, low: int, high: int) -> list[str]:
-        target, form = statement.target, statement.target.data_type
+        target, form = statement.target, stored_format(statement.target)
         word = self._word(value)
         cast = _ACCUMULATOR if word == form else f"{ada_type(form)} ({_ACCUMULATOR})"
         limits = ada_literal(low, word), ada_literal(high, word)
@@ -269,6 +280,12 @@ class AdaText:
 
 
 _ACCUMULATOR = "Accumulator"
+
+
+def _format_of(expression: Read | Literal) -> NumberFormat:
+    if isinstance(expression, Read):
+        return stored_format(expression.slot)
+    return expression.data_type
 
 
 def _limited(target: str, value: str, limits: tuple[str, str], kept: str) -> list[str]:

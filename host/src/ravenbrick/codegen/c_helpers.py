@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from ravenbrick.codegen.c_text import c_literal, format_suffix
 from ravenbrick.model.number_format import Rounding
 from ravenbrick.model.program import (
+    Call,
     DataType,
     Expression,
     Program,
@@ -21,15 +22,13 @@ from ravenbrick.model.program import (
 
 __all__ = ["helper_functions", "table_arrays"]
 
-_SHIFT = """\
-/* value / 2**bits to the nearest whole number, halves upwards; shifts no negative number. */
-static int32_T {model}_nearest_shift(int32_T value, uint32_T bits)
+_NEAREST_QUOTIENT = """\
+/* value / unit to the nearest whole number, halves upwards; unit is a power of two. */
+static int32_T {model}_nearest_quotient(int32_T value, int32_T unit)
 {{
-  const uint32_T half = 0x80000000U >> (32U - bits);
-  const uint32_T lifted = ((uint32_T)value + 0x80000000U) + half;
-  const uint32_T shifted = lifted >> bits;
-  const uint32_T offset = 0x80000000U >> bits;
-  return (int32_T)shifted - (int32_T)offset;
+  const int32_T lifted = value + (unit / 2);
+  const uint32_T rest = (uint32_T)lifted & ((uint32_T)unit - 1U);
+  return (lifted - (int32_T)rest) / unit;
 }}
 """
 
@@ -93,12 +92,21 @@ def helper_functions(program: Program) -> list[str]:
     found: dict[str, None] = {}
     for node in _nodes(program):
         if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
-            found[_SHIFT.format(model=program.name)] = None
+            found[_NEAREST_QUOTIENT.format(model=program.name)] = None
         elif isinstance(node, Rounded):
             found[_NEAREST.format(model=program.name, **_words(node.value))] = None
         elif isinstance(node, Table):
             found[_LOOK_UP.format(model=program.name, **_words(node.value))] = None
+        elif isinstance(node, Call):
+            found[_twin(program, node)] = None
     return list(found)
+
+
+def _twin(program: Program, call: Call) -> str:
+    real = call.data_type.value
+    given = ", ".join(f"{real} {name}" for name in call.parameters)
+    body = "\n".join(f"  {line}".rstrip() for line in call.c.strip().splitlines())
+    return f"static {real} {program.name}_{call.name}({given})\n{{\n{body}\n}}\n"
 
 
 def table_arrays(program: Program) -> list[str]:

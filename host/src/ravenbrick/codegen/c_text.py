@@ -11,6 +11,7 @@ from ravenbrick.model.number_format import FixedFormat, Rounding
 from ravenbrick.model.program import (
     Binary,
     Bounded,
+    Call,
     Cast,
     Clamp,
     DataType,
@@ -29,7 +30,15 @@ from ravenbrick.model.program import (
     expression_type,
 )
 
-__all__ = ["ACCUMULATOR", "C_KEYWORDS", "c_literal", "c_statement", "c_variable", "format_suffix"]
+__all__ = [
+    "ACCUMULATOR",
+    "C_KEYWORDS",
+    "c_literal",
+    "c_statement",
+    "c_type",
+    "c_variable",
+    "format_suffix",
+]
 
 C_KEYWORDS = frozenset(
     """auto break case char const continue default do double else enum extern float for goto if
@@ -53,6 +62,13 @@ def c_literal(value: float, data_type: NumberFormat) -> str:
     if len(text) > 17:
         text = np.format_float_scientific(number, unique=True, trim="0")
     return f"{text}F" if data_type is DataType.REAL32 else text
+
+
+def c_type(slot: Slot) -> str:
+    """The C type of a variable; local integers take a word, which the processor prefers."""
+    if slot.kind is Kind.SIGNAL and isinstance(slot.data_type, FixedFormat):
+        return "int32_T"
+    return slot.data_type.value
 
 
 def c_variable(program: Program, slot: Slot) -> str:
@@ -79,7 +95,7 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
     match expression:
         case Read(slot=slot):
             text = c_variable(program, slot)
-            narrow = isinstance(slot.data_type, FixedFormat) and slot.data_type.width < 32
+            narrow = c_type(slot) == "int16_T"
             return f"(int32_T){text}" if nested and narrow else text
         case Literal(value=value, data_type=data_type):
             text = c_literal(value, data_type)
@@ -93,6 +109,9 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
             first = _c_expression(program, chosen, nested=True)
             second = _c_expression(program, otherwise, nested=True)
             text = f"({test}) ? {first} : {second}"
+        case Call(name=name, arguments=arguments):
+            given = ", ".join(_c_expression(program, one) for one in arguments)
+            return f"{program.name}_{name}({given})"
         case Rounded(value=value):
             return f"{program.name}_nearest_{format_suffix(value)}({_c_expression(program, value)})"
         case Table(value=value, name=name, breakpoints=breakpoints):
@@ -101,8 +120,8 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
             head = f"{program.name}_look_up_{format_suffix(value)}"
             return f"{head}({arrays}, {len(breakpoints)}U, {inner})"
         case Rescale(value=value, bits=bits, rounding=Rounding.NEAREST):
-            inner = _c_expression(program, value, nested=True)
-            return f"{program.name}_nearest_shift({inner}, {bits}U)"
+            inner = _c_expression(program, value)
+            return f"{program.name}_nearest_quotient({inner}, {1 << bits})"
         case Rescale(value=value, bits=bits):
             text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
         case Clamp() | Bounded():
@@ -143,17 +162,17 @@ def _c_assigned(program: Program, expression: Expression, target: Slot) -> str:
     form = target.data_type
     if not isinstance(form, FixedFormat) or isinstance(expression, Literal):
         return text
-    width = expression.slot.data_type.size_bytes * 8 if isinstance(expression, Read) else 32
-    if width == form.width:
+    given = c_type(expression.slot) if isinstance(expression, Read) else "int32_T"
+    if given == c_type(target):
         return text
     simple = isinstance(expression, Read)
-    return f"({form.value}){text}" if simple else f"({form.value})({text})"
+    return f"({c_type(target)}){text}" if simple else f"({c_type(target)})({text})"
 
 
 def _c_bounded(program: Program, statement: Statement, bounded: Bounded) -> list[str]:
     target = c_variable(program, statement.target)
     form = statement.target.data_type
-    cast = f"({form.value})" if form.size_bytes < 4 else ""
+    cast = f"({form.value})" if c_type(statement.target) == "int16_T" else ""
     return [
         f"{ACCUMULATOR} = {_c_expression(program, bounded.value)};",
         f"if ({ACCUMULATOR} > {bounded.high}) {{",

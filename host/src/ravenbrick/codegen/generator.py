@@ -12,12 +12,20 @@ from pathlib import Path
 
 from ravenbrick import __version__
 from ravenbrick.codegen.c_helpers import helper_functions, table_arrays
-from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS, c_literal, c_statement
+from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS, c_literal, c_statement, c_type
 from ravenbrick.codegen.rtwtypes import RTWTYPES, used_types
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model.number_format import FixedFormat
-from ravenbrick.model.program import Bounded, Kind, Program, Slot, Statement, is_fixed_point
+from ravenbrick.model.program import (
+    Bounded,
+    Kind,
+    Program,
+    Slot,
+    Statement,
+    is_fixed_point,
+    with_constants,
+)
 
 __all__ = ["GeneratedCode", "block_title", "generate_c"]
 
@@ -43,7 +51,9 @@ class GeneratedCode:
         return paths
 
 
-def generate_c(diagram: Diagram | Program, *, only_used: bool = False) -> GeneratedCode:
+def generate_c(
+    diagram: Diagram | Program, *, only_used: bool = False, tunable: bool = True
+) -> GeneratedCode:
     """C99 for one step of the diagram; the same diagram gives the same bytes.
 
     A fixed-point program (`to_fixed_point(...).program`) becomes integer C: each variable's comment
@@ -55,9 +65,11 @@ def generate_c(diagram: Diagram | Program, *, only_used: bool = False) -> Genera
 
     With `only_used` nothing is declared that the model itself does not use: the checks of the
     structures' layout go, and `rtwtypes.h` has the model's types only (give each model a folder of
-    its own). Rules 2.3, 2.5 and 21.1 of MISRA C:2012 ask for that.
+    its own). Rules 2.3, 2.5 and 21.1 of MISRA C:2012 ask for that. Without `tunable` the
+    parameters are numbers in the statements: less to load, nothing to set at run time.
     """
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
+    program = program if tunable else with_constants(program)
     _check_names(program)
     digest = hashlib.sha256(repr(program).encode()).hexdigest()
     head = _head(program, digest)
@@ -242,7 +254,7 @@ def _step(program: Program, traced: bool) -> list[str]:
     ]
     lines += table_arrays(program)
     for slot in program.signals:
-        lines.append(f"  {slot.data_type.value} {slot.name};{_origin(slot, traced)}")
+        lines.append(f"  {c_type(slot)} {slot.name};{_origin(slot, traced)}")
     if any(isinstance(statement.expression, Bounded) for statement in program.statements):
         lines.append(f"  int32_T {ACCUMULATOR};")
     for statement in program.statements:

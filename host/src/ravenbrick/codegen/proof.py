@@ -146,13 +146,18 @@ def prove(fixed: FixedPoint, plant: PlantInLoop | None = None) -> FixedPointProo
 
 
 def generate_fixed_c(
-    fixed: FixedPoint, plant: PlantInLoop | None = None, *, only_used: bool = False
+    fixed: FixedPoint,
+    plant: PlantInLoop | None = None,
+    *,
+    only_used: bool = False,
+    tunable: bool = True,
 ) -> GeneratedCode:
     """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`.
 
-    `only_used` as in `generate_c`.
+    `only_used` and `tunable` as in `generate_c`. The proof holds for the parameters' values as
+    they are: without `tunable` nobody can set others.
     """
-    code = generate_c(fixed.program, only_used=only_used)
+    code = generate_c(fixed.program, only_used=only_used, tunable=tunable)
     proof = prove(fixed, plant)
     name = fixed.program.name
     record = {

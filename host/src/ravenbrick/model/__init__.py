@@ -34,6 +34,13 @@ from ravenbrick.model.encoder import Encoder, SpeedWindow
 from ravenbrick.model.execution import Execution
 from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
 from ravenbrick.model.linearisation import linearise
+from ravenbrick.model.logic_blocks import (
+    CustomFunction,
+    MachineState,
+    StateMachine,
+    Transition,
+    ZeroOrderHold,
+)
 from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
 from ravenbrick.model.nonlinear_blocks import (
     Backlash,
@@ -56,6 +63,7 @@ __all__ = [
     "ComplementaryFilter",
     "Constant",
     "Conversion",
+    "CustomFunction",
     "DataType",
     "DeadZone",
     "Delay",
@@ -74,6 +82,7 @@ __all__ = [
     "IntegrationMethod",
     "Interval",
     "LookupTable",
+    "MachineState",
     "MotorParameters",
     "MovingAverage",
     "Outport",
@@ -90,11 +99,14 @@ __all__ = [
     "Sine",
     "SpeedLoop",
     "SpeedWindow",
+    "StateMachine",
     "Step",
     "Sum",
     "Switch",
+    "Transition",
     "TwoWheeledBalancer",
     "UnitDelay",
+    "ZeroOrderHold",
     "linearise",
     "state_space_block",
     "to_fixed_point",

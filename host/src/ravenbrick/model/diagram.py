@@ -6,17 +6,32 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TypeVar
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model.blocks import Block, Inport, Outport, Parameter, parameter_slot
-from ravenbrick.model.program import Expression, Kind, Program, Read, Slot, Statement
+from ravenbrick.model.number_format import FixedFormat
+from ravenbrick.model.program import (
+    Binary,
+    Clamp,
+    Comparison,
+    Expression,
+    Kind,
+    Literal,
+    Program,
+    Read,
+    Select,
+    Slot,
+    Statement,
+)
 
 __all__ = ["Diagram", "DiagramError"]
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 _LONGEST_NAME = 31
+_COUNT = FixedFormat(32, 0)
 _AnyBlock = TypeVar("_AnyBlock", bound=Block)
 
 
@@ -25,8 +40,10 @@ class DiagramError(DesignError):
 
 
 class Diagram:
-    """Blocks of one sample time `sample_time` (s), joined by lines.
+    """Blocks joined by lines, stepped every `sample_time` (s).
 
+    A block with a sample time of its own, a whole multiple, runs at that slower rate: it samples
+    its inputs in its turn, and its output is held in between.
     Names are identifiers of at most 31 characters; they appear in the generated C.
     """
 
@@ -58,13 +75,28 @@ class Diagram:
                 f"block '{block.name}': the name '{taken[block.name.lower()]}' is taken; "
                 "letter case does not tell names apart"
             )
-        if block.sample_time is not None and block.sample_time != self.sample_time:
-            raise DiagramError(
-                f"block '{block.name}' has the sample time {block.sample_time} s, its diagram "
-                f"'{self.name}' {self.sample_time} s; one diagram has one rate"
-            )
+        self._check_rate(block)
         self._blocks[block.name] = block
         return block
+
+    def _check_rate(self, block: Block) -> None:
+        if block.sample_time is None or block.sample_time == self.sample_time:
+            return
+        ratio = block.sample_time / self.sample_time
+        if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-9):
+            raise DiagramError(
+                f"block '{block.name}' has the sample time {block.sample_time} s, its diagram "
+                f"'{self.name}' {self.sample_time} s; a slower rate is a whole multiple of it"
+            )
+        if isinstance(block, Inport | Outport):
+            raise DiagramError(
+                f"port '{block.name}' runs with its diagram '{self.name}', every "
+                f"{self.sample_time} s; put a ZeroOrderHold behind it for a slower rate"
+            )
+
+    def divisor(self, block: Block) -> int:
+        """The block runs in every `divisor`-th step, beginning with the first."""
+        return 1 if block.sample_time is None else round(block.sample_time / self.sample_time)
 
     def connect(self, source: Block, target: Block, port: int = 0) -> None:
         """Draw a line from the output of `source` to input `port` (from 0) of `target`."""
@@ -129,11 +161,17 @@ class Diagram:
         for block in self.blocks:
             for port in range(len(block.input_types)):
                 if (block.name, port) not in self._sources:
-                    raise DiagramError(f"input {port} of block '{block.name}' is not connected")
+                    raise DiagramError(
+                        f"input {port} of block '{block.name}' is not connected; draw a line to it "
+                        "or remove the block"
+                    )
         used = set(self._sources.values())
         for block in self.blocks:
             if block.output_type is not None and block.name not in used:
-                raise DiagramError(f"the output of block '{block.name}' is not connected")
+                raise DiagramError(
+                    f"the output of block '{block.name}' is not connected; draw a line from it or "
+                    "remove the block"
+                )
 
     def _describe_loop(self, waiting: dict[str, set[str]]) -> str:
         path = [next(iter(waiting))]
@@ -164,49 +202,23 @@ class Diagram:
 
     def lower(self) -> Program:
         """The program of one step: outputs in order of need, then the states' updates."""
-        ordered = self.order()
-        values: dict[str, Expression] = {}
-        signals: list[Slot] = []
-        statements: list[Statement] = []
-        for block in ordered:
-            inputs = self._inputs(block, values)
-            if isinstance(block, Inport):
-                values[block.name] = block.output(inputs)
-                continue
-            for target, expression in block.intermediates(inputs):
-                signals.append(target)
-                statements.append(_of(block, target, expression))
-            if isinstance(block, Outport):
-                target, expression = block.slot, inputs[0]
-            else:
-                assert block.output_type is not None
-                target = Slot(Kind.SIGNAL, block.name, block.output_type, block.name)
-                expression = block.output(inputs)
-                signals.append(target)
-                values[block.name] = Read(target)
-            statements.append(_of(block, target, expression))
-        for block in ordered:
-            inputs = self._inputs(block, values)
-            output = values.get(block.name, Read(Slot(Kind.SIGNAL, "", block.data_type, "")))
-            for target, expression in block.updates(inputs, output):
-                if target.kind is Kind.SIGNAL:
-                    signals.append(target)
-                statements.append(_of(block, target, expression))
-        self._check_names_of(signals)
+        lowering = _Lowering(self)
+        signals = lowering.signals
+        states = (*(state for b in self.blocks for state in b.states()), *lowering.held)
+        self._check_names_of(signals, states)
         return Program(
             name=self.name,
             sample_time=self.sample_time,
             inputs=tuple(b.slot for b in self.blocks if isinstance(b, Inport)),
             outputs=tuple(b.slot for b in self.blocks if isinstance(b, Outport)),
             parameters=self._parameters(),
-            states=tuple(state for b in self.blocks for state in b.states()),
+            states=states,
             signals=tuple(signals),
-            statements=tuple(statements),
+            statements=tuple(lowering.statements),
         )
 
-    def _check_names_of(self, signals: list[Slot]) -> None:
+    def _check_names_of(self, signals: Sequence[Slot], states: Sequence[Slot]) -> None:
         """Blocks with several values share their name with a suffix; none may be met twice."""
-        states = [state for block in self.blocks for state in block.states()]
         for slots in (signals, states):
             seen: dict[str, str] = {}
             for slot in slots:
@@ -217,14 +229,98 @@ class Diagram:
                     )
                 seen[slot.name] = slot.block
 
-    def _inputs(self, block: Block, values: dict[str, Expression]) -> list[Expression]:
+
+class _Lowering:
+    """One pass over the blocks in order. What runs at a slower rate is held in between.
+
+    A counter per rate says whether it is the rate's turn; a slow block's output and states are
+    states of the program that keep their values in the steps that are not its turn.
+    """
+
+    def __init__(self, diagram: Diagram) -> None:
+        self._diagram = diagram
+        self._values: dict[str, Expression] = {}
+        self._counters: dict[int, Slot] = {}
+        self.signals: list[Slot] = []
+        self.held: list[Slot] = []
+        self.statements: list[Statement] = []
+        ordered = diagram.order()
+        for block in ordered:
+            self._outputs(block)
+        for block in ordered:
+            self._updates(block)
+        for divisor, counter in sorted(self._counters.items()):
+            self._count(divisor, counter)
+
+    def _outputs(self, block: Block) -> None:
+        inputs = self._inputs(block)
+        if isinstance(block, Inport):
+            self._values[block.name] = block.output(inputs)
+            return
+        for target, expression in block.intermediates(inputs):
+            self._signal(block, target, expression)
+        if isinstance(block, Outport):
+            self.statements.append(_of(block, block.slot, inputs[0]))
+            return
+        assert block.output_type is not None
+        expression = block.output(inputs)
+        if self._diagram.divisor(block) == 1:
+            target = Slot(Kind.SIGNAL, block.name, block.output_type, block.name)
+            self._signal(block, target, expression)
+        else:
+            target = Slot(Kind.STATE, f"{block.name}_held", block.output_type, block.name)
+            self.held.append(target)
+            self._assign_in_turn(block, target, expression)
+        self._values[block.name] = Read(target)
+
+    def _updates(self, block: Block) -> None:
+        inputs = self._inputs(block)
+        pending = Read(Slot(Kind.SIGNAL, "", block.data_type, ""))
+        output = self._values.get(block.name, pending)
+        for target, expression in block.updates(inputs, output):
+            if target.kind is Kind.SIGNAL:
+                self._signal(block, target, expression)
+            elif self._diagram.divisor(block) == 1:
+                self.statements.append(_of(block, target, expression))
+            else:
+                self._assign_in_turn(block, target, expression)
+
+    def _signal(self, block: Block, target: Slot, expression: Expression) -> None:
+        self.signals.append(target)
+        self.statements.append(_of(block, target, expression))
+
+    def _assign_in_turn(self, block: Block, target: Slot, expression: Expression) -> None:
+        if isinstance(expression, Clamp):
+            limited = Slot(Kind.SIGNAL, f"{block.name}_limited", target.data_type, block.name)
+            self._signal(block, limited, expression)
+            expression = Read(limited)
+        turn = Comparison("<=", Read(self._counter(self._diagram.divisor(block))), _count_of(0))
+        self.statements.append(_of(block, target, Select(turn, expression, Read(target))))
+
+    def _counter(self, divisor: int) -> Slot:
+        if divisor not in self._counters:
+            name = f"every_{divisor}_steps"
+            self._counters[divisor] = Slot(Kind.STATE, f"{name}_count", _COUNT, name)
+            self.held.append(self._counters[divisor])
+        return self._counters[divisor]
+
+    def _count(self, divisor: int, counter: Slot) -> None:
+        last = Comparison(">=", Read(counter), _count_of(divisor - 1))
+        following = Select(last, _count_of(0), Binary("+", Read(counter), _count_of(1)))
+        self.statements.append(Statement(counter, following, counter.block, "Rate"))
+
+    def _inputs(self, block: Block) -> list[Expression]:
         """Values at the inputs; those not yet computed are without feed-through."""
         inputs = []
         for port in range(len(block.input_types)):
-            name = self._sources[block.name, port]
+            name = self._diagram.source(block, port).name
             pending = Read(Slot(Kind.SIGNAL, name, block.input_types[port], name))
-            inputs.append(values.get(name, pending))
+            inputs.append(self._values.get(name, pending))
         return inputs
+
+
+def _count_of(value: int) -> Literal:
+    return Literal(value, _COUNT)
 
 
 def _of(block: Block, target: Slot, expression: Expression) -> Statement:

@@ -13,6 +13,7 @@ from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.program import (
     Binary,
     Bounded,
+    Call,
     Cast,
     Clamp,
     Comparison,
@@ -100,6 +101,8 @@ def _evaluate(expression: Expression, values: Mapping[_Key, Any]) -> Any:
             return -bound if number < -bound else number
         case Cast(value=inner, data_type=data_type):
             return data_type.scalar(_evaluate(inner, values))
+        case Call(arguments=arguments, data_type=data_type, function=function):
+            return data_type.scalar(function(*(_evaluate(a, values) for a in arguments)))
         case Rounded(value=inner):
             return _nearest(_evaluate(inner, values))
         case Table(value=inner):

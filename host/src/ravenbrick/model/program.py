@@ -8,7 +8,8 @@ A diagram is lowered once to a `Program`. The simulation executes it, the code g
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
@@ -18,6 +19,7 @@ from ravenbrick.model.number_format import FixedFormat, Rounding
 __all__ = [
     "Binary",
     "Bounded",
+    "Call",
     "Cast",
     "Clamp",
     "Comparison",
@@ -37,6 +39,7 @@ __all__ = [
     "children",
     "expression_type",
     "is_fixed_point",
+    "with_constants",
 ]
 
 
@@ -180,7 +183,25 @@ class Bounded:
     high: int
 
 
-Expression = Literal | Read | Binary | Clamp | Cast | Select | Rounded | Table | Rescale | Bounded
+@dataclass(frozen=True)
+class Call:
+    """A function written by the user: `function` in Python, `c` and `ada` the same as bodies.
+
+    `name` is that of the function in the generated text, `parameters` those of its arguments.
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    arguments: tuple[Expression, ...]
+    data_type: DataType
+    c: str
+    ada: str
+    function: Callable[..., float] = field(repr=False, compare=False)
+
+
+Expression = (
+    Literal | Read | Binary | Clamp | Cast | Select | Rounded | Table | Rescale | Bounded | Call
+)
 
 
 @dataclass(frozen=True)
@@ -212,10 +233,39 @@ def is_fixed_point(program: Program) -> bool:
     return any(isinstance(slot.data_type, FixedFormat) for slot in program.inputs + program.outputs)
 
 
+def with_constants(program: Program) -> Program:
+    """The same program with its parameters' present values as literals."""
+    statements = tuple(
+        replace(statement, expression=_constant(statement.expression))
+        for statement in program.statements
+    )
+    return replace(program, parameters=(), statements=statements)
+
+
+def _constant(expression: Expression) -> Expression:
+    match expression:
+        case Read(slot=slot) if slot.kind is Kind.PARAMETER:
+            return Literal(slot.initial, slot.data_type)
+        case Binary(left=left, right=right):
+            return replace(expression, left=_constant(left), right=_constant(right))
+        case Clamp(value=value, limit=limit):
+            return Clamp(_constant(value), _constant(limit))
+        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            sides = _constant(condition.left), _constant(condition.right)
+            test = Comparison(condition.operator, *sides)
+            return Select(test, _constant(chosen), _constant(otherwise))
+        case Call(arguments=arguments):
+            return replace(expression, arguments=tuple(map(_constant, arguments)))
+        case Literal() | Read():
+            return expression
+        case _:
+            return replace(expression, value=_constant(expression.value))
+
+
 def expression_type(expression: Expression) -> NumberFormat:
     """The format of an expression's result."""
     match expression:
-        case Literal(data_type=data_type) | Cast(data_type=data_type):
+        case Literal(data_type=data_type) | Cast(data_type=data_type) | Call(data_type=data_type):
             return data_type
         case Read(slot=slot):
             return slot.data_type
@@ -232,6 +282,8 @@ def children(expression: Expression) -> tuple[Expression, ...]:
     match expression:
         case Literal() | Read():
             return ()
+        case Call(arguments=arguments):
+            return arguments
         case Binary(left=left, right=right):
             return left, right
         case Clamp(value=value, limit=limit):
