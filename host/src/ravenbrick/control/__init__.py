@@ -26,6 +26,7 @@ from ravenbrick.control.regulator import (
     observer_by_poles,
     with_integrators,
 )
+from ravenbrick.control.responses import write_loop_results
 from ravenbrick.control.robustness import Extreme, MonteCarlo, Tolerance, monte_carlo, worst_case
 from ravenbrick.control.rounding_error import (
     ClosedLoopBound,
@@ -88,4 +89,5 @@ __all__ = [
     "step_metrics",
     "with_integrators",
     "worst_case",
+    "write_loop_results",
 ]

@@ -21,6 +21,10 @@ _QUANTITIES = {
     "x": "m",
     "y": "m",
     "heading": "rad",
+    "pitch": "rad",
+    "pitch_rate": "rad/s",
+    "rate": "rad/s",
+    "push": "N",
 }
 
 # Written unit -> unit of the signals, and its size in it.

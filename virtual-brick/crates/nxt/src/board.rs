@@ -201,6 +201,10 @@ impl NxtBoard {
         &self.physics
     }
 
+    pub(crate) const fn measured(&self) -> &Measured {
+        &self.measured
+    }
+
     pub(crate) fn drives(&self) -> [MotorDrive; 3] {
         self.coprocessor.drives()
     }

@@ -51,6 +51,25 @@ impl Measured {
         }
     }
 
+    /// Names of what the sensors measure, in the order of [`Self::sample`].
+    pub fn names(&self) -> impl Iterator<Item = String> + '_ {
+        self.sources.iter().map(|(index, source)| {
+            let port = index + 1;
+            match source {
+                Source::Floor { .. } => format!("light.{port}.reflectance"),
+                Source::Wall(_) => format!("distance.{port}"),
+                Source::Gyro(_) => format!("gyro.{port}.rate"),
+            }
+        })
+    }
+
+    /// What each sensor measures of `robot`; 0 where there is nothing to measure.
+    pub fn sample<'a>(&'a self, robot: &'a Robot) -> impl Iterator<Item = f64> + 'a {
+        self.sources
+            .iter()
+            .map(|(_, source)| self.value(source, robot).map_or(0.0, |(_, value)| value))
+    }
+
     fn value(&self, source: &Source, robot: &Robot) -> Option<(Quantity, f64)> {
         match source {
             Source::Floor { mount, spot } => {

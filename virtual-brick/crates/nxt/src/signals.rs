@@ -21,7 +21,8 @@ impl NxtBoard {
     /// `motor.X.angle` (rad), `.angular_velocity` (rad/s), `.voltage` (mean at the terminals,
     /// V), `.current` (A), `.encoder` (tacho edges, 360 per turn), `.duty` (-1 to 1) and with
     /// backlash `.load_angle` (rad); on wheels `body.x`, `body.y` (m), `body.heading` (rad), of a
-    /// body that balances `body.pitch` (rad) and `body.pitch_rate` (rad/s);
+    /// body that balances `body.pitch` (rad) and `body.pitch_rate` (rad/s); of sensors on the
+    /// robot `light.N.reflectance`, `distance.N` (m), `gyro.N.rate` (rad/s);
     /// `battery.voltage` (V).
     #[must_use]
     pub fn signal_names(&self) -> Vec<String> {
@@ -43,6 +44,7 @@ impl NxtBoard {
         if robot.pitch().is_some() {
             names.extend(["body.pitch", "body.pitch_rate"].map(str::to_owned));
         }
+        names.extend(self.measured().names());
         names.push("battery.voltage".to_owned());
         names
     }
@@ -82,6 +84,7 @@ impl NxtBoard {
             values.push(between(from.0, to.0));
             values.push(between(from.1, to.1));
         }
+        values.extend(self.measured().sample(behind));
         values.push(self.battery_voltage());
     }
 

@@ -1,0 +1,129 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Controller_Design;  use Controller_Design;
+with NXT.AVR;
+with NXT.Battery;
+with NXT.Buttons;
+with NXT.Motor_Controls;
+with NXT.Motor_Encoders;
+with NXT.Touch_Sensors;
+with Speed_Controller;
+with System;
+
+package body Bench is
+
+   use NXT;
+
+   Speed_Setpoint : constant := 4.0;
+   Target_Angle   : constant := 360;
+   Fastest        : constant := 5.0;
+   --  Volts, degrees, and the largest set-point that the outer loop gives.
+
+   Sensor  : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
+   Touched : Boolean := True;
+
+   protected Shared with Priority => System.Priority'First + 2 is
+      procedure Set (Now : Status);
+      function Get return Status;
+   private
+      Current : Status;
+   end Shared;
+
+   protected body Shared is
+
+      procedure Set (Now : Status) is
+      begin
+         Current := Now;
+      end Set;
+
+      function Get return Status is (Current);
+
+   end Shared;
+
+   --  Symbols for an observer; the program only writes them
+
+   Setpoint_Seen : Float := 0.0 with
+     Volatile, Export, Convention => C, External_Name => "bench_setpoint";
+   Speed_Seen    : Float := 0.0 with
+     Volatile, Export, Convention => C, External_Name => "bench_speed";
+   Control_Seen  : Float := 0.0 with
+     Volatile, Export, Convention => C, External_Name => "bench_control";
+
+   --  Angles of the last periods
+
+   type Reading_Index is mod Speed_Window;
+   Past   : array (Reading_Index) of Integer := (others => 0);
+   Oldest : Reading_Index := 0;
+
+   Now    : Status;
+   Origin : Integer := 0;
+
+   procedure Start is
+   begin
+      Past := (others => NXT.Motor_Encoders.Encoder_Count (Motor_B));
+   end Start;
+
+   procedure Measure is
+      Per_Count : constant := 1000.0 / (Sample_Time_Ms * Speed_Window) / Speed_Per_Volt;
+      Count     : constant Integer := NXT.Motor_Encoders.Encoder_Count (Motor_B);
+   begin
+      Now.Speed := Float (Count - Past (Oldest)) * Per_Count;
+      Now.Angle := Count - Origin;
+      Past (Oldest) := Count;
+      Oldest := Oldest + 1;
+   end Measure;
+
+   procedure Obey_Touch_Sensor is
+      Touched_Now : constant Boolean := NXT.Touch_Sensors.Pressed (Sensor);
+   begin
+      if Touched_Now and then not Touched then
+         if Now.Mode /= Stopped then
+            Now := (Angle => Now.Angle, Speed => Now.Speed, others => <>);
+            NXT.Motor_Controls.Brake (Motor_B);
+         else
+            Speed_Controller.Initialize;
+            Origin := Origin + Now.Angle;
+            Now.Mode :=
+              (if NXT.Buttons.Current_Button = Left_Button then Position else Speed);
+         end if;
+      end if;
+      Touched := Touched_Now;
+   end Obey_Touch_Sensor;
+
+   function Outer_Loop return Float is
+      Wanted : constant Float :=
+        Position_Gain * Float (Target_Angle - Now.Angle) * (1.0 / Speed_Per_Volt);
+   begin
+      return Float'Max (-Fastest, Float'Min (Fastest, Wanted));
+   end Outer_Loop;
+
+   procedure Drive is
+      Supply : constant Float := Float (NXT.Battery.Voltage) * 0.001;
+   begin
+      Now.Setpoint := (if Now.Mode = Position then Outer_Loop else Speed_Setpoint);
+      Speed_Controller.Parameters.Saturation := Supply;
+      Speed_Controller.Inputs := (Now.Setpoint, Now.Speed);
+      Speed_Controller.Step;
+      Now.Control := Speed_Controller.Outputs.Corrected_Voltage;
+      NXT.Motor_Controls.Drive (Motor_B, PWM_Value (100.0 * Now.Control / Supply));
+   end Drive;
+
+   procedure Control is
+   begin
+      Measure;
+      if NXT.AVR.Data_Available then
+         Obey_Touch_Sensor;
+         if Now.Mode /= Stopped then
+            Drive;
+         end if;
+      end if;
+      Setpoint_Seen := Now.Setpoint;
+      Speed_Seen := Now.Speed;
+      Control_Seen := Now.Control;
+      Shared.Set (Now);
+   end Control;
+
+   function Latest return Status is (Shared.Get);
+
+end Bench;

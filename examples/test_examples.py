@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Each example from its design to a run that meets its criteria."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parent
+DESIGNED = ("motor-bench", "line-follower", "balancer")
+RUNS = [
+    ("blank", "press"),
+    ("motor-bench", "step"),
+    ("motor-bench", "load"),
+    ("motor-bench", "position"),
+    ("line-follower", "lap"),
+    ("balancer", "let-go"),
+]
+_built: set[str] = set()
+
+
+def ravenbrick(*arguments: str) -> dict[str, Any]:
+    """The JSON answer of a command that must succeed."""
+    command = [
+        sys.executable,
+        "-c",
+        "from ravenbrick.cli import main; main()",
+        *arguments,
+        "--json",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    answer: dict[str, Any] = json.loads(done.stdout)
+    return answer
+
+
+def run_scenario(example: str, scenario: str) -> dict[str, Any]:
+    """Build once per session, and run."""
+    if example not in _built:
+        ravenbrick("build", str(EXAMPLES / example))
+        _built.add(example)
+    return ravenbrick("run", str(EXAMPLES / example), scenario)
+
+
+@pytest.mark.parametrize("example", DESIGNED)
+def test_the_generated_files_are_those_of_the_design(example: str, tmp_path: Path) -> None:
+    """Generating again gives no difference."""
+    script = EXAMPLES / example / "design.py"
+    command = [sys.executable, str(script), "--generated", str(tmp_path)]
+    subprocess.run(command, check=True, capture_output=True)
+    names = sorted(path.name for path in (EXAMPLES / example / "generated").iterdir())
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+    for name in names:
+        kept = (EXAMPLES / example / "generated" / name).read_text()
+        assert (tmp_path / name).read_text() == kept, name
+
+
+@pytest.mark.parametrize(("example", "scenario"), RUNS)
+def test_a_scenario_meets_its_criteria(example: str, scenario: str) -> None:
+    """Every criterion is met, and there is one."""
+    answer = run_scenario(example, scenario)
+    assert answer["criteria"]
+    assert all(criterion["met"] for criterion in answer["criteria"])
+
+
+@pytest.mark.skipif(
+    "RAVENBRICK_LONG" not in os.environ, reason="a minute on the brick: make conformance"
+)
+def test_the_balancer_stands_for_a_minute_under_pushes() -> None:
+    """Four pushes forwards and backwards; it does not fall and does not run away."""
+    answer = run_scenario("balancer", "stand")
+    assert all(criterion["met"] for criterion in answer["criteria"])

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What design.py leaves for reports when its loop is not the speed loop of one motor."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import control
+import numpy as np
+
+__all__ = ["write_loop_results"]
+
+BAND = 0.02
+
+
+def _response(system: control.StateSpace, duration: float) -> dict[str, object]:
+    sample_time = system.dt if control.isdtime(system, strict=True) else duration / 500
+    times = np.arange(round(duration / sample_time) + 1) * sample_time
+    values = np.squeeze(control.step_response(system, times).outputs)
+    outside = np.flatnonzero(np.abs(values - values[-1]) > BAND * abs(values[-1]))
+    return {
+        "time": times.tolist(),
+        "value": values.tolist(),
+        "settling_time": float(times[outside[-1] + 1]) if outside.size else 0.0,
+        "overshoot": float(max(np.max(values / values[-1]) - 1.0, 0.0)),
+    }
+
+
+def write_loop_results(
+    path: Path,
+    name: str,
+    loops: tuple[control.StateSpace, control.StateSpace],
+    figures: Mapping[str, float],
+    duration: float,
+) -> None:
+    """Write figures and unit step responses of a continuous and a sampled closed loop as JSON.
+
+    Each loop has one input and one output and must be at rest after `duration` (s): settling time
+    (2 %) and overshoot are taken from the samples against the last one.
+    """
+    continuous, sampled = (_response(loop, duration) for loop in loops)
+    results = {
+        "name": name,
+        "figures": dict(figures),
+        "continuous": continuous,
+        "sampled": sampled,
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
