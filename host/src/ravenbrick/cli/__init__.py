@@ -11,6 +11,7 @@ from ravenbrick.cli.demo import demo_command
 from ravenbrick.cli.design import design_command
 from ravenbrick.cli.doctor import doctor_command
 from ravenbrick.cli.export import export_command
+from ravenbrick.cli.new import home_command, new_command
 from ravenbrick.cli.report import report_command
 from ravenbrick.cli.run import run_command
 from ravenbrick.cli.schedule import schedule_command
@@ -22,7 +23,9 @@ __all__ = [
     "design_command",
     "doctor_command",
     "export_command",
+    "home_command",
     "main",
+    "new_command",
     "report_command",
     "run_command",
     "schedule_command",

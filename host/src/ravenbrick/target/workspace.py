@@ -4,20 +4,32 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from ravenbrick.errors import UsageError
 from ravenbrick.target.elf_image import ImageKind
 
-__all__ = ["Workspace"]
+__all__ = ["Workspace", "tree"]
 
 MARKER = Path("tools") / "ravenbrick.cgpr"
 
 
+def tree() -> Path:
+    """The Ravenbrick tree that this package belongs to; raises `UsageError`."""
+    named = os.environ.get("RAVENBRICK_HOME")
+    root = Path(named).resolve() if named else Path(__file__).resolve().parents[4]
+    if (root / MARKER).is_file():
+        return root
+    raise UsageError(
+        f"'{root}' is not a Ravenbrick tree (no {MARKER} in it); set RAVENBRICK_HOME to one"
+    )
+
+
 @dataclass(frozen=True)
 class Workspace:
-    """A project folder inside a Ravenbrick tree."""
+    """A project folder; `root` holds build/ and out/: the tree around it, or the folder itself."""
 
     project: Path
     root: Path
@@ -31,10 +43,8 @@ class Workspace:
         for candidate in (project, *project.parents):
             if (candidate / MARKER).is_file():
                 return cls(project, candidate)
-        raise UsageError(
-            f"'{directory}' is not inside a Ravenbrick tree (no {MARKER} above it); "
-            "put the project below examples/"
-        )
+        tree()
+        return cls(project, project)
 
     @property
     def results(self) -> Path:

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Project folders from templates: complete, on their own, never over something."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ravenbrick.errors import UsageError
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.scenario import read_scenario
+from ravenbrick.target.templates import TEMPLATES, create_project
+
+RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
+SLOW = pytest.mark.skipif(
+    "RAVENBRICK_LONG" not in os.environ, reason="builds and runs a template: make conformance"
+)
+
+
+@pytest.mark.parametrize("name", sorted(TEMPLATES))
+def test_every_template_makes_a_complete_folder(name: str, tmp_path: Path) -> None:
+    """Files of build, editor, container and CI are there; robot and scenarios can be read."""
+    project = create_project(tmp_path / "my-robot", name).project
+    robot = read_robot(project)
+    assert robot.name == "my-robot"
+    for file in project.glob("scenarios/*.toml"):
+        read_scenario(file, robot)
+    wanted = ("Makefile", "robot.gpr", "README.md", "src/main.adb", ".gitignore")
+    hidden = (".vscode/tasks.json", ".vscode/launch.json", ".devcontainer/devcontainer.json")
+    for file in (*wanted, *hidden, ".github/workflows/check.yml"):
+        assert (project / file).is_file(), file
+    for file in project.rglob("*.json"):
+        json.loads(file.read_text())
+    texts = [f.read_text() for f in project.rglob("*") if f.is_file() and f.suffix != ".png"]
+    assert not any(re.search(r"@[A-Z]+@|\.\./\.\.", text) for text in texts)
+
+
+@pytest.mark.parametrize("kind", ["file", "folder"])
+def test_what_exists_is_never_touched(kind: str, tmp_path: Path) -> None:
+    """Neither a file nor a folder, not even an empty one."""
+    there = tmp_path / "robot"
+    if kind == "file":
+        there.write_text("mine")
+    else:
+        there.mkdir()
+    with pytest.raises(UsageError, match="exists already"):
+        create_project(there, "blank")
+    assert there.read_text() == "mine" if kind == "file" else not any(there.iterdir())
+
+
+@pytest.mark.parametrize("name", ["My Robot", "9lives", "robot!"])
+def test_a_name_that_is_none_is_refused(name: str, tmp_path: Path) -> None:
+    """The image and the folder of results are called like the robot."""
+    with pytest.raises(UsageError, match="no name for a robot"):
+        create_project(tmp_path / name, "blank")
+    assert not any(tmp_path.iterdir())
+
+
+def test_an_unknown_template_names_the_others(tmp_path: Path) -> None:
+    """All five."""
+    with pytest.raises(UsageError, match="vehicle, motor, balance, line, blank"):
+        create_project(tmp_path / "robot", "drone")
+
+
+def run(folder: Path, *command: str) -> str:
+    """Output of a command that must succeed in the folder."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {k: v for k, v in os.environ.items() if k != "RAVENBRICK_BUILD"}
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, env={**environment, "PATH": path}
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n == "blank" else SLOW) for n in sorted(TEMPLATES)]
+)
+def test_from_new_to_a_run(name: str, tmp_path: Path) -> None:
+    """`new`, `make`, `run`: the criteria are met, and nothing is written outside the folder."""
+    run(tmp_path, *RAVENBRICK, "new", "my-robot", "--template", name)
+    project = tmp_path / "my-robot"
+    run(project, "make")
+    assert (project / "build" / "my-robot" / "ram" / "my-robot.elf").is_file()
+    scenario = TEMPLATES[name].scenario
+    answer: dict[str, Any] = json.loads(run(project, *RAVENBRICK, "run", ".", scenario, "--json"))
+    assert answer["criteria"] and all(criterion["met"] for criterion in answer["criteria"])
+    assert Path(answer["recording"]).is_relative_to(project)
