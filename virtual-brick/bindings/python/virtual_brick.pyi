@@ -21,6 +21,9 @@ __all__ = [
     "VirtualBrick",
 ]
 
+AirKind = Literal["in_range", "out_of_range", "page", "accept", "refuse", "data", "close"]
+UsbKind = Literal["reset", "control", "out", "in"]
+UsbFailure = Literal["stalled", "timed_out", "no_answer"]
 ScalarKind = Literal["i8", "u8", "i16", "u16", "i32", "u32", "i64", "u64", "f32", "f64"]
 
 class ConfigurationError(ValueError):
@@ -103,6 +106,50 @@ class VirtualBrick:
 
         Raises InputError.
         """
+    def bluetooth_device(self) -> tuple[str, str, bool]:
+        """The Bluetooth module as others see it: address, name, whether inquiries find it."""
+    @property
+    def bluetooth_waiting(self) -> int:
+        """Bytes from the air that the program has not read yet."""
+    def bluetooth_send(
+        self,
+        at_cycles: int,
+        peer: str,
+        kind: AirKind,
+        data: bytes = b"",
+        name: str = "",
+        pin: str | None = None,
+    ) -> None:
+        """Let a signal of the Bluetooth device `peer` reach the brick. Raises InputError.
+
+        `in_range` and `page` (a wish to connect) tell the device's `name`; a page needs `pin`
+        unless the brick knows the device; `data` carries bytes of the stream.
+        """
+    def bluetooth_sent(self) -> list[tuple[int, str, AirKind, bytes, str, str | None]]:
+        """What the brick sent through the air since the last call.
+
+        Each with its cycle, the receiver, kind, data, name and PIN code.
+        """
+    @property
+    def usb_attached(self) -> bool:
+        """The cable (input `usb.plugged`) is in and the program has switched its pull-up on."""
+    def usb_transfer(
+        self,
+        at_cycles: int,
+        number: int,
+        timeout_cycles: int,
+        kind: UsbKind,
+        endpoint: int = 0,
+        data: bytes = b"",
+        length: int = 0,
+    ) -> None:
+        """Let the USB host begin a transfer. Raises InputError.
+
+        `data` of a `control` transfer is its request of 8 bytes and what the device gets with it;
+        `length` is the most that `in` takes, up to a packet that is not full.
+        """
+    def usb_completed(self) -> list[tuple[int, int, bytes | None, UsbFailure | None]]:
+        """Transfers that ended since the last call: cycle, number, bytes or failure."""
     def run_until(self, cycles: int) -> Stop:
         """Run to the first instruction boundary at or after `cycles`, or until the run ends.
 

@@ -12,6 +12,7 @@ use virtual_brick_facade::{BrickError, Configuration, ScalarKind, CLOCK_HZ};
 
 use crate::debugging::Service;
 use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
+use crate::outside::{self, Completion, Message};
 use crate::values::{Stop, Thread};
 
 /// Python's signals (Ctrl-C) are looked at this often: a tenth of a virtual second.
@@ -63,6 +64,67 @@ impl VirtualBrick {
         self.0
             .schedule_input(at_cycles, name, value)
             .map_err(raise::<InputError>)
+    }
+
+    fn bluetooth_device(&self) -> (String, String, bool) {
+        let device = self.0.bluetooth_device();
+        let discoverable = self.0.bluetooth_discoverable();
+        (
+            device.address.to_string(),
+            device.name.to_string(),
+            discoverable,
+        )
+    }
+
+    #[getter]
+    fn bluetooth_waiting(&self) -> usize {
+        self.0.bluetooth_waiting()
+    }
+
+    #[pyo3(signature = (at_cycles, peer, kind, data=&[], name="", pin=None))]
+    fn bluetooth_send(
+        &mut self,
+        at_cycles: u64,
+        peer: &str,
+        kind: &str,
+        data: &[u8],
+        name: &str,
+        pin: Option<&str>,
+    ) -> PyResult<()> {
+        let message = outside::message(at_cycles, peer, kind, data, name, pin)?;
+        self.0.bluetooth_send(message).map_err(raise::<InputError>)
+    }
+
+    fn bluetooth_sent<'py>(&mut self, py: Python<'py>) -> Vec<Message<'py>> {
+        let sent = self.0.bluetooth_sent().into_iter();
+        sent.map(|message| outside::told(py, message)).collect()
+    }
+
+    #[getter]
+    fn usb_attached(&self) -> bool {
+        self.0.usb_attached()
+    }
+
+    #[pyo3(signature = (at_cycles, number, timeout_cycles, kind, endpoint=0, data=&[], length=0))]
+    #[allow(clippy::too_many_arguments)]
+    fn usb_transfer(
+        &mut self,
+        at_cycles: u64,
+        number: u64,
+        timeout_cycles: u64,
+        kind: &str,
+        endpoint: u8,
+        data: &[u8],
+        length: usize,
+    ) -> PyResult<()> {
+        let times = (at_cycles, number, timeout_cycles);
+        let transfer = outside::transfer(times, kind, endpoint, data, length)?;
+        self.0.usb_transfer(transfer).map_err(raise::<InputError>)
+    }
+
+    fn usb_completed<'py>(&mut self, py: Python<'py>) -> Vec<Completion<'py>> {
+        let completed = self.0.usb_completed().into_iter();
+        completed.map(|one| outside::completed(py, one)).collect()
     }
 
     fn run_until(&mut self, py: Python<'_>, cycles: u64) -> PyResult<Stop> {

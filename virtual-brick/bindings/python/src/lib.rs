@@ -5,6 +5,7 @@
 mod brick;
 mod debugging;
 mod errors;
+mod outside;
 mod values;
 
 use pyo3::prelude::*;

@@ -3,13 +3,17 @@
 //! The board as the chip sees it: pins, buses, analogue inputs, time.
 //!
 //! Events at the same cycle are served in this order: encoder edges (motor A first), step of the
-//! plant, co-processor, sensors, report of the display. An input acts at once on what the
+//! plant, co-processor, sensors, Bluetooth, report of the display. An input acts at once on what the
 //! co-processor samples, and on the plant from its next step.
 
-use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, SoundBits, TwiReply};
+use at91sam7s::board::{
+    Board, Character, ChipEvent, Cycles, PinLevels, PinOutputs, SerialPort, SoundBits, TwiReply,
+    UsbAnswer, UsbSignal,
+};
 use plant::{MotorDrive, ParameterError, RobotParameters};
 
 use crate::battery::Battery;
+use crate::bluetooth::{Bluetooth, ChipLines};
 use crate::buttons::Buttons;
 use crate::configuration::BoardConfiguration;
 use crate::coprocessor::{Coprocessor, Measurable, ADDRESS};
@@ -21,6 +25,7 @@ use crate::physics::Physics;
 use crate::ports::{Ports, PORT_LINES};
 use crate::sound::{Recording, SAMPLE_CYCLES};
 use crate::time::{microseconds, milliseconds, NEVER};
+use crate::usb::{UsbHost, CABLE_COUNT};
 
 const DISPLAY_SELECT: u32 = 1 << 10;
 const DISPLAY_DATA: u32 = 1 << 12;
@@ -33,6 +38,17 @@ const BUS_CLOCK: u32 = 1 << 4;
 /// Analogue channels of the digital lines: (channel, pin).
 const ANALOGUE_PINS: [(u8, u32); 4] = [(1, 18), (2, 19), (3, 20), (7, 2)];
 const ANALOGUE_FULL_SCALE: u16 = 1023;
+/// Analogue channel on which the Bluetooth module tells its mode.
+const MODULE_MODE_CHANNEL: u8 = 6;
+/// Analogue channel that senses the 5 V of the USB cable.
+const CABLE_CHANNEL: u8 = 4;
+/// Pull-up of the USB, on while the pin is low.
+const USB_PULL_UP: u32 = 1 << 16;
+const MODULE_RESET: u32 = 1 << 11;
+const MODULE_RXD: u32 = 1 << 21;
+const MODULE_RTS: u32 = 1 << 24;
+const MODULE_CTS: u32 = 1 << 25;
+const MODULE_STREAM_WANTED: u32 = 1 << 27;
 /// The picture is looked at when nothing was sent for this long ...
 const DISPLAY_PAUSE: Cycles = milliseconds(2);
 /// ... or that long after the first byte.
@@ -48,6 +64,8 @@ pub struct NxtBoard {
     refresh: Refresh,
     buttons: Buttons,
     battery: Battery,
+    bluetooth: Bluetooth,
+    usb: UsbHost,
     ports: Ports,
     physics: Physics,
     measured: Measured,
@@ -95,6 +113,8 @@ impl NxtBoard {
             },
             buttons: Buttons::default(),
             battery: Battery::new(configuration.battery.clone()),
+            bluetooth: Bluetooth::new(&configuration.bluetooth),
+            usb: UsbHost::default(),
             physics: Physics::new(robot, phases)?,
             measured: Measured::new(&configuration.sensors, robot),
             inputs: inputs::inputs(ports.sensors(), robot),
@@ -112,6 +132,29 @@ impl NxtBoard {
     pub fn skip_coprocessor_start_up(&mut self, now: Cycles) {
         let measurable = self.measurable();
         self.coprocessor.skip_start_up(now, self.phase, measurable);
+        self.bluetooth.skip_start_up(now);
+    }
+
+    /// The Bluetooth module.
+    #[must_use]
+    pub const fn bluetooth(&self) -> &Bluetooth {
+        &self.bluetooth
+    }
+
+    /// The Bluetooth module, to bring devices into its range and to speak with it.
+    pub fn bluetooth_mut(&mut self) -> &mut Bluetooth {
+        &mut self.bluetooth
+    }
+
+    /// The USB host at the end of the cable.
+    #[must_use]
+    pub const fn usb(&self) -> &UsbHost {
+        &self.usb
+    }
+
+    /// The USB host, to give it work.
+    pub fn usb_mut(&mut self) -> &mut UsbHost {
+        &mut self.usb
     }
 
     /// The display.
@@ -178,6 +221,7 @@ impl NxtBoard {
             Target::Plugged(index) => self.ports.set_plugged(now, index, value != 0.0),
             Target::Short(index, line) => self.ports.set_short(now, index, line, value != 0.0),
             Target::WrongSums => self.coprocessor.spoil_sums(value as u16),
+            Target::UsbCable => self.usb.set_plugged(now, value != 0.0),
             Target::BusStuck => self.coprocessor.hold_bus(value != 0.0),
             Target::Button(button) => self.buttons.set(button, value != 0.0),
             Target::BatteryVoltage => self.battery.set_voltage(value),
@@ -260,13 +304,31 @@ impl Board for NxtBoard {
     fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
         self.outputs = outputs;
         self.ports.outputs_changed(now, outputs);
+        let high = |pin: u32| {
+            let pulled = outputs.driven & pin == 0 && outputs.pull_up & pin != 0;
+            pulled || outputs.driven & outputs.level & pin != 0
+        };
+        let lines = ChipLines {
+            reset: !high(MODULE_RESET),
+            stream_wanted: high(MODULE_STREAM_WANTED),
+            ready: !high(MODULE_RTS),
+        };
+        self.bluetooth.lines_changed(now, lines);
+        self.usb.set_pull_up(self.driven(USB_PULL_UP, false));
     }
 
     fn pin_levels(&self) -> PinLevels {
         let (driven, level) = self.physics.pins();
+        let held_back = if self.bluetooth.holds_back() {
+            MODULE_CTS
+        } else {
+            0
+        };
         PinLevels {
-            driven: driven | PULLED_UP,
-            level: (level | PULLED_UP) & !self.ports.low() & !self.bus_low(),
+            driven: driven | PULLED_UP | MODULE_RXD | MODULE_CTS,
+            level: (level | PULLED_UP | MODULE_RXD | held_back)
+                & !self.ports.low()
+                & !self.bus_low(),
         }
     }
 
@@ -308,6 +370,11 @@ impl Board for NxtBoard {
     }
 
     fn analogue_input(&mut self, _now: Cycles, channel: u8) -> u16 {
+        match channel {
+            MODULE_MODE_CHANNEL if self.bluetooth.stream_mode() => return ANALOGUE_FULL_SCALE,
+            CABLE_CHANNEL if self.usb.plugged() => return CABLE_COUNT,
+            _ => {}
+        }
         let line = ANALOGUE_PINS
             .into_iter()
             .find(|&(number, _)| number == channel);
@@ -318,16 +385,12 @@ impl Board for NxtBoard {
     }
 
     fn next_event(&self) -> Cycles {
-        let physics = self.physics.next_event();
-        physics
-            .min(self.coprocessor.next_event())
-            .min(self.refresh.due_at)
-            .min(self.ports.next_event())
+        self.next_change().min(self.usb.next_signal())
     }
 
     fn advance(&mut self, now: Cycles) {
-        while self.next_event() <= now {
-            let at = self.next_event();
+        while self.next_change() <= now {
+            let at = self.next_change();
             let drives = self.coprocessor.drives();
             if self.physics.advance(at, &drives, self.battery.voltage()) {
                 let (_, robot, _) = self.physics.around(at);
@@ -339,6 +402,8 @@ impl Board for NxtBoard {
             self.ports
                 .set_supplies(at, self.coprocessor.sensor_supplies());
             self.ports.advance(at);
+            self.bluetooth.advance(at);
+            self.usb.advance(at);
             if self.refresh.due_at <= at {
                 self.report_picture(at);
             }
@@ -353,12 +418,42 @@ impl Board for NxtBoard {
         self.sound.add(now, sound);
     }
 
+    fn serial_sent(&mut self, now: Cycles, port: SerialPort, character: Character) {
+        if port == SerialPort::Usart1 {
+            self.bluetooth.character(now, character, &mut self.log);
+        }
+    }
+
+    fn serial_received(&mut self, _now: Cycles, port: SerialPort) -> Option<Character> {
+        let mine = port == SerialPort::Usart1;
+        mine.then(|| self.bluetooth.take_character())?
+    }
+
+    fn usb_signal(&mut self, now: Cycles) -> Option<UsbSignal> {
+        self.usb.signal(now)
+    }
+
+    fn usb_answer(&mut self, now: Cycles, answer: UsbAnswer) {
+        self.usb.answer(now, answer);
+    }
+
     fn observe(&mut self, now: Cycles, event: ChipEvent) {
         self.log.add(now, BoardEventKind::Chip(event));
     }
 }
 
 impl NxtBoard {
+    /// When the board changes by itself next; transactions on the USB come on top of that.
+    fn next_change(&self) -> Cycles {
+        let physics = self.physics.next_event();
+        physics
+            .min(self.coprocessor.next_event())
+            .min(self.refresh.due_at)
+            .min(self.ports.next_event())
+            .min(self.bluetooth.next_event())
+            .min(self.usb.next_event())
+    }
+
     const fn reply(&self) -> TwiReply {
         let stretch_cycles = if self.addressed {
             self.coprocessor.stretch_cycles()

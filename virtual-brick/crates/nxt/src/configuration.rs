@@ -6,6 +6,7 @@ use plant::{within, Mount, ParameterError};
 use serde::Deserialize;
 
 use crate::battery::BatteryConfiguration;
+use crate::bluetooth::BluetoothConfiguration;
 
 /// The brick without motors and body.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -14,6 +15,9 @@ pub struct BoardConfiguration {
     /// The battery.
     #[serde(default)]
     pub battery: BatteryConfiguration,
+    /// The Bluetooth module.
+    #[serde(default)]
+    pub bluetooth: BluetoothConfiguration,
     /// The sensor ports.
     #[serde(default)]
     pub sensors: SensorPorts,

@@ -70,6 +70,11 @@ pub enum BoardFault {
         /// The byte.
         byte: u8,
     },
+    /// The Bluetooth module does not know this message, or the model does not carry it out.
+    BluetoothMessage {
+        /// Code of the message.
+        code: u8,
+    },
     /// The display takes frames of 8 bits.
     DisplayFrame {
         /// Length of the frame that came.
@@ -95,6 +100,10 @@ impl fmt::Display for BoardFault {
                     "display: command 16#{byte:02X}# is not one of the UC1601"
                 )
             }
+            Self::BluetoothMessage { code } => write!(
+                formatter,
+                "Bluetooth module: message 16#{code:02X}# is not modelled"
+            ),
             Self::DisplayFrame { bits } => {
                 write!(formatter, "display: SPI frame of {bits} bits, expected 8")
             }

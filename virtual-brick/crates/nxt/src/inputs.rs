@@ -41,6 +41,7 @@ pub enum Target {
     BatteryVoltage,
     WrongSums,
     BusStuck,
+    UsbCable,
 }
 
 /// An input that this brick does not have, or a value that it does not take.
@@ -134,6 +135,7 @@ pub fn inputs(sensors: [&Sensor; 4], robot: &RobotParameters) -> Vec<InputDescri
         ..switch("fault.coprocessor_checksum".to_owned(), Target::WrongSums)
     });
     inputs.push(switch("fault.twi_stuck".to_owned(), Target::BusStuck));
+    inputs.push(switch("usb.plugged".to_owned(), Target::UsbCable));
     inputs
 }
 

@@ -11,6 +11,7 @@
 //! as a [`BoardFault`].
 
 mod battery;
+mod bluetooth;
 mod board;
 mod buttons;
 mod configuration;
@@ -26,8 +27,13 @@ mod sensors;
 mod signals;
 mod sound;
 mod time;
+mod usb;
 
 pub use battery::{BatteryConfiguration, BatteryKind};
+pub use bluetooth::{
+    AirMessage, AirSignal, Bluetooth, BluetoothAddress, BluetoothConfiguration, BluetoothDevice,
+    BluetoothText, ChipLines, KnownDevice,
+};
 pub use board::NxtBoard;
 pub use buttons::Button;
 pub use configuration::{BoardConfiguration, GyroAxis, SensorConfiguration, SensorPorts};
@@ -36,3 +42,4 @@ pub use display::{Display, Picture, COLUMNS, ROWS};
 pub use event::{BoardEvent, BoardEventKind, BoardFault, PowerOffReason};
 pub use inputs::{InputDescription, InputError};
 pub use sound::SAMPLE_CYCLES as SOUND_SAMPLE_CYCLES;
+pub use usb::{UsbCompletion, UsbError, UsbHost, UsbRequest, UsbTransfer};

@@ -150,7 +150,7 @@ fn bus_and_port_lines_are_pulled_up_and_pins_without_device_are_left_alone() {
             "PA{pin}"
         );
     }
-    for pin in [5, 6, 7, 10, 11, 12, 16, 17, 21, 22, 24, 25, 27, 31] {
+    for pin in [5, 6, 7, 10, 11, 12, 16, 17, 22, 24, 27, 31] {
         assert_eq!(pins.driven >> pin & 1, 0, "PA{pin}");
     }
 }

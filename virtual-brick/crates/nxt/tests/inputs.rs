@@ -145,6 +145,7 @@ fn an_unknown_input_lists_those_that_exist() {
         "battery.voltage",
         "fault.coprocessor_checksum",
         "fault.twi_stuck",
+        "usb.plugged",
     ];
     assert_eq!(valid, &wanted);
     let start = "input touch.2: this brick has no such input; it has button.left, ";

@@ -13,6 +13,7 @@ mod image;
 mod inputs;
 mod memory;
 mod observe;
+mod outside;
 mod probes;
 mod recorder;
 mod run;
@@ -26,6 +27,7 @@ pub use image::{Image, ImageError, Placement, ScalarKind, Segment, Symbol, Symbo
 pub use inputs::InputError;
 pub use memory::MemoryError;
 pub use observe::{Access, StepObserver};
+pub use outside::OutsideError;
 pub use probes::Probe;
 pub use stop::{Stop, StopReason};
 pub use threads::Thread;

@@ -17,7 +17,7 @@ const IMAGE: &str = "/usr/share/nxt-firmware/nxt_firmware.bin";
 const FLASH: u32 = 0x0010_0000;
 const FLASH_BYTES: usize = 0x4_0000;
 const MILLISECOND: u64 = 48_055;
-/// The menu stands well before this, although no Bluetooth module answers.
+/// The menu stands well before this.
 const MENU_MS: u64 = 7_000;
 const COLUMNS: usize = 100;
 /// Lines of two pixel rows that hold the caption of the chosen menu entry.

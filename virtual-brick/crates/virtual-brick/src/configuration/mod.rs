@@ -6,7 +6,7 @@
 
 mod error;
 
-use nxt::{BatteryConfiguration, BoardConfiguration, SensorPorts};
+use nxt::{BatteryConfiguration, BluetoothConfiguration, BoardConfiguration, SensorPorts};
 use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
 use serde::Deserialize;
 
@@ -37,6 +37,8 @@ struct Fields {
     seed: u64,
     #[serde(default)]
     battery: BatteryConfiguration,
+    #[serde(default)]
+    bluetooth: BluetoothConfiguration,
     #[serde(default)]
     motors: MotorPorts,
     #[serde(default)]
@@ -96,6 +98,7 @@ impl Fields {
         robot.check()?;
         let board = BoardConfiguration {
             battery: self.battery,
+            bluetooth: self.bluetooth,
             sensors: self.sensors,
         };
         board.check()?;
