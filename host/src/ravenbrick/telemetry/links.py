@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Byte streams to a brick: a serial device or pseudo-terminal, or a TCP socket."""
+
+from __future__ import annotations
+
+import socket
+from typing import Protocol
+
+import serial
+
+from ravenbrick.errors import UsageError
+
+__all__ = ["Link", "LinkLostError", "open_link"]
+
+_CONNECT_S = 2.0
+_CHUNK = 4096
+
+
+class LinkLostError(Exception):
+    """The other side is gone; the text says how it was noticed."""
+
+
+class Link(Protocol):
+    """A connection that carries bytes both ways."""
+
+    def read(self, timeout_s: float) -> bytes:
+        """What arrived, after at most so long; raises `LinkLostError`."""
+
+    def write(self, data: bytes) -> None:
+        """Send all; raises `LinkLostError`."""
+
+    def close(self) -> None:
+        """Let go."""
+
+
+class SerialLink:
+    """A serial device: of a Bluetooth serial port (rfcomm), or a pseudo-terminal."""
+
+    def __init__(self, device: str) -> None:
+        try:
+            self._port = serial.Serial(device, timeout=0, write_timeout=_CONNECT_S)
+        except (serial.SerialException, OSError, ValueError) as error:
+            raise LinkLostError(f"{device} cannot be opened: {error}") from None
+
+    def read(self, timeout_s: float) -> bytes:
+        """What arrived, after at most so long."""
+        try:
+            self._port.timeout = timeout_s
+            first: bytes = self._port.read(1)
+            return first + self._port.read(min(self._port.in_waiting, _CHUNK)) if first else b""
+        except (serial.SerialException, OSError) as error:
+            raise LinkLostError(f"the serial device is gone: {error}") from None
+
+    def write(self, data: bytes) -> None:
+        """Send all."""
+        try:
+            self._port.write(data)
+        except (serial.SerialException, OSError) as error:
+            raise LinkLostError(f"nothing can be sent: {error}") from None
+
+    def close(self) -> None:
+        """Let go of the device."""
+        self._port.close()
+
+
+class SocketLink:
+    """A TCP connection, as the virtual brick offers it on this computer."""
+
+    def __init__(self, host: str, port: int) -> None:
+        try:
+            self._socket = socket.create_connection((host, port), timeout=_CONNECT_S)
+        except OSError as error:
+            raise LinkLostError(f"no connection to {host}:{port}: {error}") from None
+
+    def read(self, timeout_s: float) -> bytes:
+        """What arrived, after at most so long."""
+        self._socket.settimeout(timeout_s)
+        try:
+            data = self._socket.recv(_CHUNK)
+        except TimeoutError:
+            return b""
+        except OSError as error:
+            raise LinkLostError(f"the connection broke: {error}") from None
+        if not data:
+            raise LinkLostError("the other side closed the connection")
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send all."""
+        self._socket.settimeout(_CONNECT_S)
+        try:
+            self._socket.sendall(data)
+        except OSError as error:
+            raise LinkLostError(f"nothing can be sent: {error}") from None
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
+
+def _tcp_address(text: str) -> tuple[str, int]:
+    host, _, port = text.removeprefix("tcp:").rpartition(":")
+    if not port.isdigit() or not 0 < int(port) < 65_536:
+        raise UsageError(f"'{text}': expected tcp:PORT or tcp:HOST:PORT, the port 1 to 65535")
+    return host or "127.0.0.1", int(port)
+
+
+def open_link(address: str) -> Link:
+    """Connect to `tcp:PORT`, `tcp:HOST:PORT` or a device's path; raises `LinkLostError`."""
+    if address.startswith("tcp:"):
+        return SocketLink(*_tcp_address(address))
+    return SerialLink(address)

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The live window: a page of this computer with signals and a slider per parameter.
+
+The page is matplotlib's own WebAgg server, which needs no toolkit; it listens on 127.0.0.1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.telemetry.monitor import Monitor
+from ravenbrick.telemetry.picture import draw_signals, units_of
+from ravenbrick.telemetry.session import Session
+
+__all__ = ["show_live"]
+
+_SHOWN_S = 10.0
+_PERIOD_MS = 200
+_LOOPBACK = "127.0.0.1"
+_SLIDER_HEIGHT = 0.05
+
+
+class _LiveFigure:
+    """The figure, made anew when the program's signals or parameters are others."""
+
+    def __init__(self, figure: Any, session: Session, tell: Callable[[str], None]) -> None:
+        self._figure = figure
+        self._session = session
+        self._tell = tell
+        self._shape: tuple[object, ...] = ()
+        self._axes: list[Any] = []
+        self._sliders: list[Any] = []
+
+    def refresh(self) -> None:
+        """Draw what is known now."""
+        run = self._session.run
+        if run is None or not self._session.described or not units_of(run):
+            return
+        units = units_of(run)
+        shape = (*units, *self._session.parameters.values())
+        if shape != self._shape:
+            self._shape = shape
+            self._build(len(units))
+        draw_signals(self._axes, run, _SHOWN_S)
+        self._figure.canvas.draw_idle()
+
+    def _build(self, axis_count: int) -> None:
+        from matplotlib.widgets import Slider
+
+        self._figure.clear()
+        bottom = 0.12 + _SLIDER_HEIGHT * len(self._session.parameters)
+        grid = self._figure.add_gridspec(axis_count, 1, bottom=bottom, top=0.97, hspace=0.25)
+        self._axes = [self._figure.add_subplot(grid[row]) for row in range(axis_count)]
+        self._sliders = []
+        for row, parameter in enumerate(self._session.parameters.values()):
+            place = self._figure.add_axes((0.2, 0.02 + _SLIDER_HEIGHT * row, 0.6, 0.03))
+            slider = Slider(
+                place,
+                f"{parameter.name} {f'({parameter.unit})' if parameter.unit else ''}",
+                parameter.minimum,
+                parameter.maximum,
+                valinit=self._session.values[parameter.index],
+            )
+            slider.on_changed(self._wish(parameter.name))
+            self._sliders.append(slider)
+
+    def _wish(self, name: str) -> Callable[[float], None]:
+        def wish(value: float) -> None:
+            if math.isfinite(value):
+                try:
+                    self._session.set_parameter(name, value)
+                except UsageError as error:
+                    self._tell(str(error))
+
+        return wish
+
+
+def show_live(
+    monitor: Monitor, port: int, tell: Callable[[str], None], should_stop: Callable[[], bool]
+) -> None:
+    """Serve the page and poll the monitor until `should_stop`, or until interrupted."""
+    import matplotlib.pyplot as plt
+    from matplotlib import rcParams
+
+    try:
+        plt.switch_backend("WebAgg")
+        from tornado.ioloop import IOLoop
+    except ImportError as error:
+        raise ToolMissingError(
+            f"the live page needs the Python package tornado ({error}); run 'make setup'"
+        ) from None
+    rcParams["webagg.address"] = _LOOPBACK
+    rcParams["webagg.port"] = port
+    rcParams["webagg.open_in_browser"] = False
+    figure = plt.figure(num="Ravenbrick monitor", figsize=(10, 7))
+    live = _LiveFigure(figure, monitor.session, tell)
+
+    def step() -> None:
+        monitor.poll()
+        live.refresh()
+        if should_stop():
+            IOLoop.current().stop()
+
+    timer = figure.canvas.new_timer(interval=_PERIOD_MS, callbacks=[(step, (), {})])
+    timer.start()
+    tell(f"the page is http://{_LOOPBACK}:{port}; Ctrl-C ends")
+    plt.show()
+    timer.stop()
+    plt.close(figure)

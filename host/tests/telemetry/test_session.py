@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The conversation: descriptions, samples, parameters, losses, restarts, other versions."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+from host.tests.telemetry.fake_program import SIGNALS, Program, sent
+
+from ravenbrick.errors import UsageError
+from ravenbrick.telemetry import Session, VersionError
+from ravenbrick.telemetry.messages import (
+    Answer,
+    Ask,
+    Hello,
+    KeepAlive,
+    Kind,
+    Message,
+    ParameterDescription,
+    Refused,
+    Sample,
+    SetParameter,
+    SignalDescription,
+    Status,
+    Stop,
+    Verdict,
+    decode,
+    encode,
+)
+from ravenbrick.trace.export import Format, export
+from ravenbrick.trace.recording import Recording
+
+
+def talking(program: Program) -> Session:
+    """A session that has heard all descriptions."""
+    session = Session()
+    session.receive(program.hear(session.connected(0.0)))
+    assert session.described
+    return session
+
+
+EXAMPLES: list[Message] = [
+    Hello(1, 3, 2, 5_000_000_000, "vehicle"),
+    *SIGNALS,
+    ParameterDescription(3, -1.0, 1.0, 0.25, "kp", "V/rad"),
+    Sample(2, 65_535, 4_294_967_295, (b"abcd", b"efgh")),
+    Answer(1, Verdict.OUT_OF_RANGE, 0.5),
+    Status(1, 2, 3),
+    Refused(2),
+    Ask(),
+    SetParameter(1, 2.5),
+    KeepAlive(),
+    Stop(),
+]
+
+
+@pytest.mark.parametrize("message", EXAMPLES, ids=lambda m: type(m).__name__)
+def test_messages_survive(message: Message) -> None:
+    """What is encoded is decoded, and no part of it is."""
+    content = encode(message)
+    assert decode(content) == message
+    if not isinstance(message, Sample):
+        assert decode(content + b"x") is None
+    assert all(decode(content[:end]) is None for end in range(1, len(content)) if end % 4 != 0)
+
+
+def test_random_contents_are_messages_or_nothing() -> None:
+    """No content raises anything."""
+    rng = random.Random(1)
+    for _ in range(20_000):
+        message = decode(rng.randbytes(rng.randint(0, 40)))
+        assert message is None or decode(encode(message)) is not None
+
+
+def test_samples_become_a_recording(tmp_path: Path) -> None:
+    """Values, instants and numbers of what was missing; the trace tools take it."""
+    program = Program(time_us=2**32 - 6_000)
+    session = talking(program)
+    for step in range(4):
+        data = program.sample(1, step, 0.5 * step) + program.sample(2, 7900 + step)
+        if step != 2:
+            session.receive(data)
+        program.time_us += 4_000
+    run = session.run
+    assert run is not None and (run.sample_count, run.missing) == (6, 2)
+    recording = run.recording()
+    times, values = recording.signal("speed")
+    begin = (2**32 - 6_000) / 1e6
+    assert np.allclose(times - begin, [0, 0.004, 0.012], atol=1e-9)
+    assert values.tolist() == [0.0, 0.5, 1.5]
+    assert recording.signal("battery")[1].tolist() == [7900, 7901, 7903]
+    recording.save(tmp_path / "live.npz")
+    loaded = Recording.load(tmp_path / "live.npz")
+    assert loaded.digest == recording.digest
+    for file_format in Format:
+        files = export(loaded, file_format, tmp_path / f"live{file_format.suffix}")
+        assert all(path.stat().st_size > 0 for path in files)
+
+
+def test_parameters_change_within_their_limits() -> None:
+    """A wish is sent, repeated while unanswered, and done; wrong ones are refused in words."""
+    program = Program()
+    session = talking(program)
+    session.set_parameter("kp", 1.25)
+    program.deaf_to = 1
+    session.receive(program.hear(session.pending(0.1)))
+    assert session.values[0] == 0.5
+    assert session.pending(0.2) == b""
+    session.receive(program.hear(session.pending(0.7)))
+    assert program.gains[0] == session.values[0] == 1.25
+    assert session.pending(0.8) == b""
+    with pytest.raises(UsageError, match="kp = 3 is outside 0 to 2"):
+        session.set_parameter("kp", 3.0)
+    with pytest.raises(UsageError, match="no parameter 'kd'; it has: ki, kp"):
+        session.set_parameter("kd", 1.0)
+
+
+def test_the_brick_has_the_last_word() -> None:
+    """A value that the host would send, but the brick refuses, is not in force."""
+    program = Program()
+    session = Session()
+    session.set_parameter("kp", 7.0)
+    session.receive(program.hear(session.connected(0.0)))
+    session.receive(program.hear(session.pending(0.1)))
+    assert session.answers == [Answer(0, Verdict.OUT_OF_RANGE, 0.5)]
+    assert program.gains[0] == session.values[0] == 0.5
+
+
+def test_wishes_outlive_a_lost_link() -> None:
+    """What was wished before the loss is sent after it; the samples so far stay."""
+    program = Program()
+    session = talking(program)
+    session.receive(program.sample(1, 1, 1))
+    session.set_parameter("ki", 9.0)
+    session.pending(0.1)
+    program.numbers[1] += 5
+    program.time_us += 1_000_000
+    session.receive(program.hear(session.connected(1.0)))
+    session.receive(program.hear(session.pending(1.1)))
+    session.receive(program.sample(1, 2, 2))
+    assert program.gains[1] == 9.0
+    assert len(session.runs) == 1 and session.run is not None
+    assert (session.run.sample_count, session.run.missing) == (2, 5)
+
+
+def test_a_restart_begins_another_run() -> None:
+    """The brick's clock went back: its samples do not mix with the old ones."""
+    program = Program(time_us=9_000_000)
+    session = talking(program)
+    session.receive(program.sample(1, 1, 1))
+    again = Program(time_us=1_000)
+    session.receive(again.hear(session.connected(1.0)))
+    session.receive(again.sample(1, 5, 5))
+    assert [run.sample_count for run in session.runs] == [1, 1]
+
+
+def test_other_versions_are_named() -> None:
+    """Which side to bring up to date is said."""
+    for version, older in ((2, "Ravenbrick"), (0, "the program on the brick")):
+        program = Program(version=version)
+        session = Session()
+        with pytest.raises(VersionError, match=f"version {version} .*bring {older} up to date"):
+            session.receive(program.hear(session.connected(0.0)))
+
+
+def test_a_silent_host_keeps_alive_and_asks_again() -> None:
+    """Without an answer the question is repeated; afterwards a word per second is enough."""
+    program = Program(deaf_to=1)
+    session = Session()
+    assert program.hear(session.connected(0.0)) == b""
+    assert session.pending(0.4) == b""
+    session.receive(program.hear(session.pending(0.6)))
+    assert session.described
+    assert session.pending(1.5) == b""
+    program.hear(session.pending(1.7))
+    assert isinstance(program.heard[-1], KeepAlive)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_hostile_bytes_do_no_harm(seed: int) -> None:
+    """Random frames with right check values, and random bytes: counted, never raised."""
+    rng = random.Random(seed)
+    session = talking(Program())
+    strange: list[Message] = [
+        Sample(9, 1, 1, (b"abcd",)),
+        Sample(1, 1, 1, (b"abcd",) * 3),
+        Answer(77, Verdict.ACCEPTED, float("nan")),
+        SignalDescription(1, 0, Kind.TRUTH, "speed", ""),
+        Ask(),
+    ]
+    for _ in range(300):
+        session.receive(rng.randbytes(rng.randint(0, 30)) + sent(rng.choice(strange)))
+    assert session.run is not None and session.damaged > 0
