@@ -65,7 +65,18 @@ package NXT.Registers.PIO is
    SPI_Output       : constant Line := 13;
    SPI_Clock        : constant Line := 14;
 
+   Bluetooth_Reset  : constant Line := 11;
+   --  Active low.
    Sound_Output     : constant Line := 17;
+   Bluetooth_Input  : constant Line := 21;
+   Bluetooth_Output : constant Line := 22;
+   Bluetooth_Ready  : constant Line := 24;
+   Bluetooth_Go     : constant Line := 25;
+   --  Request and clear to send, active low.
+   Bluetooth_Stream : constant Line := 27;
+   --  High: the chip wants the stream mode.
+   Bluetooth_Select : constant Line := 31;
+   --  Chip select of the module's own memory, active low: never used.
 
    type Motor_Lines is array (Motor_Id) of Line;
    Tachometer : constant Motor_Lines := (Motor_A => 15, Motor_B => 26, Motor_C => 0);

@@ -20,10 +20,12 @@ package NXT.Registers with Pure is
    --  Whether at least one bit of Mask is set in Value.
 
    --  Peripheral identifiers (datasheet, chapter Peripherals)
-   PIOA_Id : constant := 2;
-   SPI_Id  : constant := 5;
-   SSC_Id  : constant := 8;
-   TWI_Id  : constant := 9;
-   TC1_Id  : constant := 13;
+   PIOA_Id   : constant := 2;
+   ADC_Id    : constant := 4;
+   SPI_Id    : constant := 5;
+   USART1_Id : constant := 7;
+   SSC_Id    : constant := 8;
+   TWI_Id    : constant := 9;
+   TC1_Id    : constant := 13;
 
 end NXT.Registers;

@@ -13,10 +13,12 @@ from __future__ import annotations
 from binascii import crc_hqx
 from collections.abc import Iterator
 
-__all__ = ["LONGEST_CONTENT", "FrameReader", "frame", "stuff", "unstuff"]
+__all__ = ["FRAME_END", "LONGEST_CONTENT", "FrameReader", "frame", "stuff", "unstuff"]
 
 LONGEST_CONTENT = 120
 """Bytes of a content; a code block of the stuffing never needs to be split below 254."""
+
+FRAME_END = b"\0"
 
 _CHECK_BYTES = 2
 _CHECK_START = 0xFFFF
@@ -56,7 +58,7 @@ def frame(content: bytes) -> bytes:
     if not 1 <= len(content) <= LONGEST_CONTENT:
         raise ValueError(f"a frame holds 1 to {LONGEST_CONTENT} bytes, not {len(content)}")
     check = crc_hqx(content, _CHECK_START).to_bytes(_CHECK_BYTES, "little")
-    return stuff(content + check) + b"\0"
+    return stuff(content + check) + FRAME_END
 
 
 class FrameReader:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ravenbrick.errors import UsageError
-from ravenbrick.telemetry.frames import FrameReader, frame
+from ravenbrick.telemetry.frames import FRAME_END, FrameReader, frame
 from ravenbrick.telemetry.log import RunLog
 from ravenbrick.telemetry.messages import (
     VERSION,
@@ -90,13 +90,13 @@ class Session:
         return self.runs[-1] if self.runs else None
 
     def connected(self, now_s: float) -> bytes:
-        """A connection exists: what to send first."""
+        """A connection exists: what to send first. An end parts it from what came before."""
         self._reader.restart()
         self._hello = None
         for wish in self._wishes.values():
             wish.sent_at_s = None
         self._asked_at_s = now_s
-        return self._say(Ask(), now_s)
+        return FRAME_END + self._say(Ask(), now_s)
 
     def set_parameter(self, name: str, value: float) -> None:
         """Wish for a parameter's change; sent when the brick has described it, and again if lost.

@@ -1,0 +1,178 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Interfaces;          use Interfaces;
+with NXT.Registers.ADC;
+with NXT.Registers.PIO;    use NXT.Registers.PIO;
+with NXT.Registers.PMC;
+with NXT.Registers.USART;  use NXT.Registers, NXT.Registers.USART;
+
+package body NXT.Bluetooth_Line is
+
+   Controller : Registers.USART.Peripheral renames Registers.USART.USART1;
+   Converter  : Registers.ADC.Peripheral renames Registers.ADC.ADC;
+
+   Reset_Line  : constant Word := Bit (Bluetooth_Reset);
+   Stream_Line : constant Word := Bit (Bluetooth_Stream);
+   Select_Line : constant Word := Bit (Bluetooth_Select);
+   Serial      : constant Word := Bit (Bluetooth_Input) or Bit (Bluetooth_Output)
+     or Bit (Bluetooth_Ready) or Bit (Bluetooth_Go);
+
+   --  460.8 kBd within 0.3 per cent: the master clock divided by eight times this
+   Divider : constant := 13;
+
+   --  Received: the DMA fills one buffer while the other waits or is read. Current is read; when
+   --  all of it is, it goes back to the DMA.
+
+   Buffer_Size : constant := 128;
+   subtype Buffer_Place is Positive range 1 .. Buffer_Size;
+   type Buffer_Id is mod 2;
+   type Buffers is array (Buffer_Id) of Byte_Array (Buffer_Place);
+
+   Received : Buffers;
+   Current  : Buffer_Id := 0;
+   Read     : Natural range 0 .. Buffer_Size := 0;
+
+   --  Sent: a ring; the part that the DMA has is In_Flight bytes from Oldest on.
+
+   type Ring_Place is mod Send_Capacity;
+   type Ring is array (Ring_Place) of Byte;
+
+   Outgoing  : Ring;
+   Oldest    : Ring_Place := 0;
+   Waiting   : Natural range 0 .. Send_Capacity - 1 := 0;
+   In_Flight : Natural range 0 .. Send_Capacity - 1 := 0;
+   --  Waiting: bytes in the ring, those in flight among them.
+
+   procedure Start_DMA is
+   begin
+      Current := 0;
+      Read := 0;
+      Controller.Receive_Address := Received (0)'Address;
+      Controller.Receive_Count := Buffer_Size;
+      Controller.Receive_Next_Address := Received (1)'Address;
+      Controller.Receive_Next_Count := Buffer_Size;
+      Controller.DMA_Control := DMA_Receive_Enable or DMA_Send_Enable;
+   end Start_DMA;
+
+   procedure Power_Off is
+   begin
+      PIOA.Clear_Output := Reset_Line or Stream_Line;
+   end Power_Off;
+
+   procedure Power_On is
+   begin
+      Controller.DMA_Control := DMA_Receive_Disable or DMA_Send_Disable;
+      Controller.Control := Reset_Receiver or Reset_Transmitter;
+      Controller.Send_Count := 0;
+      Waiting := 0;
+      In_Flight := 0;
+      Start_DMA;
+      Controller.Control := Enable_Receiver or Enable_Transmitter;
+      PIOA.Set_Output := Reset_Line;
+   end Power_On;
+
+   procedure Want_Stream (Wanted : Boolean) is
+   begin
+      if Wanted then
+         PIOA.Set_Output := Stream_Line;
+      else
+         PIOA.Clear_Output := Stream_Line;
+      end if;
+   end Want_Stream;
+
+   Half_Scale : constant := 512;
+
+   procedure Look (Is_Stream : out Boolean) is
+   begin
+      Is_Stream := Converter.Data (Registers.ADC.Bluetooth_Channel) > Half_Scale;
+      Converter.Control := Registers.ADC.Start;
+   end Look;
+
+   --  What is sent makes room; what waits goes to an idle DMA, up to the end of the ring.
+   procedure Pump is
+   begin
+      if Controller.Send_Count > 0 then
+         return;
+      end if;
+      Oldest := Oldest + Ring_Place (In_Flight);
+      Waiting := Waiting - In_Flight;
+      In_Flight := Natural'Min (Waiting, Send_Capacity - Natural (Oldest));
+      if In_Flight > 0 then
+         Controller.Send_Address := Outgoing (Oldest)'Address;
+         Controller.Send_Count := Word (In_Flight);
+      end if;
+   end Pump;
+
+   function Room return Natural is
+   begin
+      Pump;
+      return Send_Capacity - 1 - Waiting;
+   end Room;
+
+   procedure Send (Data : Byte_Array) is
+   begin
+      for Item of Data loop
+         Outgoing (Oldest + Ring_Place (Waiting)) := Item;
+         Waiting := Waiting + 1;
+      end loop;
+      Pump;
+   end Send;
+
+   procedure Forget is
+   begin
+      Pump;
+      Waiting := In_Flight;
+   end Forget;
+
+   --  Bytes of the current buffer that have come. The count is read before the next count: if
+   --  there still is a next buffer afterwards, the count was the current one's.
+   function Arrived return Natural is
+      Left : constant Word := Controller.Receive_Count;
+   begin
+      return (if Controller.Receive_Next_Count > 0 then Buffer_Size - Natural (Left)
+              else Buffer_Size);
+   end Arrived;
+
+   --  The buffer that was read becomes the DMA's next one, or its first when it has none.
+   procedure Give_Back is
+   begin
+      Controller.Receive_Next_Address := Received (Current)'Address;
+      Controller.Receive_Next_Count := Buffer_Size;
+      if Controller.Receive_Count = 0 and then Controller.Receive_Next_Count > 0 then
+         Controller.Receive_Next_Count := 0;
+         Controller.Receive_Address := Received (Current)'Address;
+         Controller.Receive_Count := Buffer_Size;
+      end if;
+      Current := Current + 1;
+      Read := 0;
+   end Give_Back;
+
+   procedure Receive (Data : out Byte_Array; Last : out Natural) is
+      Available : constant Natural := Arrived;
+      Count     : constant Natural := Natural'Min (Data'Length, Available - Read);
+   begin
+      Data (Data'First .. Data'First + Count - 1) := Received (Current) (Read + 1 .. Read + Count);
+      Last := Data'First + Count - 1;
+      Read := Read + Count;
+      if Read = Buffer_Size then
+         Give_Back;
+      end if;
+   end Receive;
+
+begin
+   PMC.PMC.Enable_Clock := Bit (USART1_Id) or Bit (ADC_Id) or Bit (PIOA_Id);
+   PIOA.Clear_Output := Reset_Line or Stream_Line;
+   PIOA.Set_Output := Select_Line;
+   PIOA.Enable_Output := Reset_Line or Stream_Line or Select_Line;
+   PIOA.Take_Line := Reset_Line or Stream_Line or Select_Line;
+   PIOA.Disable_Pull_Up := Serial;
+   PIOA.Select_A := Serial;
+   PIOA.Give_To_Peripheral := Serial;
+   Controller.Mode :=
+     Hardware_Handshake or Eight_Bits or No_Parity or Eight_Times_Sampling;
+   Controller.Baud_Rate := Divider;
+   Converter.Mode := Registers.ADC.Ten_Bits;
+   Converter.Enable_Channel := Bit (Registers.ADC.Bluetooth_Channel);
+   Converter.Control := Registers.ADC.Start;
+end NXT.Bluetooth_Line;

@@ -1,0 +1,116 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Interfaces;  use Interfaces;
+
+package body NXT.Frames is
+
+   --  CRC-16 with the polynomial 16#1021#, four bits at a time
+
+   type Nibble is mod 16;
+
+   Check_Start : constant Unsigned_16 := 16#FFFF#;
+
+   Steps : constant array (Nibble) of Unsigned_16 :=
+     (16#0000#, 16#1021#, 16#2042#, 16#3063#, 16#4084#, 16#50A5#, 16#60C6#, 16#70E7#,
+      16#8108#, 16#9129#, 16#A14A#, 16#B16B#, 16#C18C#, 16#D1AD#, 16#E1CE#, 16#F1EF#);
+
+   procedure Check (Value : in out Unsigned_16; Item : Byte) is
+      High : constant Unsigned_16 := Shift_Right (Unsigned_16 (Item), 4);
+   begin
+      Value := Shift_Left (Value, 4)
+        xor Steps (Nibble ((Shift_Right (Value, 12) xor High) and 15));
+      Value := Shift_Left (Value, 4)
+        xor Steps (Nibble ((Shift_Right (Value, 12) xor Unsigned_16 (Item)) and 15));
+   end Check;
+
+   procedure Encode (Content : Byte_Array; Line : out Byte_Array; Last : out Natural) is
+      Value        : Unsigned_16 := Check_Start;
+      Length_Place : Positive := Line'First;
+      Place        : Positive := Line'First + 1;
+
+      procedure Put (Item : Byte) is
+      begin
+         if Item = 0 then
+            Line (Length_Place) := Byte (Place - Length_Place);
+            Length_Place := Place;
+         else
+            Line (Place) := Item;
+         end if;
+         Place := Place + 1;
+      end Put;
+
+   begin
+      for Item of Content loop
+         Check (Value, Item);
+         Put (Item);
+      end loop;
+      Put (Byte (Value and 16#FF#));
+      Put (Byte (Shift_Right (Value, 8)));
+      Line (Length_Place) := Byte (Place - Length_Place);
+      Line (Place) := 0;
+      Last := Place;
+   end Encode;
+
+   procedure Keep (This : in out Reader; Item : Byte) is
+   begin
+      if This.Length = This.Data'Last then
+         This.Bad := True;
+      else
+         This.Length := This.Length + 1;
+         This.Data (This.Length) := Item;
+      end if;
+   end Keep;
+
+   procedure Begin_Block (This : in out Reader; Length : Byte) is
+   begin
+      if This.Zero then
+         Keep (This, 0);
+      end if;
+      This.Begun := True;
+      This.Left := Natural (Length) - 1;
+      This.Zero := Length < Byte'Last;
+   end Begin_Block;
+
+   function Is_Right (This : Reader) return Boolean is
+      Value : Unsigned_16 := Check_Start;
+   begin
+      if This.Bad or else This.Left > 0 or else This.Length <= Check_Bytes then
+         return False;
+      end if;
+      for Item of This.Data (1 .. This.Length - Check_Bytes) loop
+         Check (Value, Item);
+      end loop;
+      return This.Data (This.Length - 1) = Byte (Value and 16#FF#)
+        and then This.Data (This.Length) = Byte (Shift_Right (Value, 8));
+   end Is_Right;
+
+   procedure Finish (This : in out Reader; Complete : out Boolean) is
+   begin
+      Complete := Is_Right (This);
+      if Complete then
+         This.Content := This.Length - Check_Bytes;
+      elsif This.Begun then
+         This.Losses := This.Losses + 1;
+      end if;
+      This.Length := 0;
+      This.Left := 0;
+      This.Zero := False;
+      This.Begun := False;
+      This.Bad := False;
+   end Finish;
+
+   procedure Feed (This : in out Reader; Item : Byte; Complete : out Boolean) is
+   begin
+      Complete := False;
+      if Item = 0 then
+         Finish (This, Complete);
+      elsif This.Left > 0 then
+         Keep (This, Item);
+         This.Left := This.Left - 1;
+      else
+         Begin_Block (This, Item);
+      end if;
+   end Feed;
+
+end NXT.Frames;

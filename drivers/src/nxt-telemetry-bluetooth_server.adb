@@ -1,0 +1,43 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Ada.Real_Time;  use Ada.Real_Time;
+with NXT.Bluetooth;
+with NXT.Bytes;
+with NXT.Telemetry.Server;
+
+package body NXT.Telemetry.Bluetooth_Server is
+
+   Retry_Period : constant Time_Span := Seconds (1);
+
+   --  The module is asked until it answers.
+   procedure Start is
+   begin
+      loop
+         Bluetooth.Initialize;
+         exit when Bluetooth.Available;
+         delay until Clock + Retry_Period;
+      end loop;
+      Bluetooth.Set_Discoverable (True);
+      Bluetooth.Serve (Bluetooth.To_Pin (Pin));
+   end Start;
+
+   procedure Receive (Data : out Bytes.Byte_Array; Last : out Natural) is
+   begin
+      Bluetooth.Poll;
+      Bluetooth.Receive (Data, Last);
+   end Receive;
+
+   package Talk is new NXT.Telemetry.Server
+     (Program_Name => Program_Name,
+      Start        => Start,
+      Room         => Bluetooth.Room,
+      Send         => Bluetooth.Send,
+      Receive      => Receive,
+      Priority     => Priority,
+      Period_Ms    => Period_Ms,
+      Stack_Bytes  => Stack_Bytes);
+
+   procedure Require renames Talk.Require;
+
+end NXT.Telemetry.Bluetooth_Server;

@@ -1,0 +1,34 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  The task that talks to a host over a byte link. It never waits for the link: it gives it what
+--  there is room for and comes again. Without a word from the host for three seconds it is quiet.
+
+with NXT.Bytes;
+with System;
+
+generic
+   Program_Name : String;
+   --  At most 15 letters, shown to the user of the host.
+
+   with procedure Start;
+   --  Called once by the task, before anything else. May wait.
+
+   with function Room return Natural;
+   --  How many bytes Send takes now without waiting.
+
+   with procedure Send (Data : Bytes.Byte_Array);
+   --  Hand over at most Room bytes.
+
+   with procedure Receive (Data : out Bytes.Byte_Array; Last : out Natural);
+   --  What has arrived, at most Data'Length bytes, in Data (Data'First .. Last).
+
+   Priority    : System.Priority := System.Priority'First;
+   Period_Ms   : Positive := 10;
+   Stack_Bytes : Positive := 2_048;
+package NXT.Telemetry.Server is
+
+   procedure Require;
+   --  Does nothing: calling it keeps the compiler from finding the instance unused.
+
+end NXT.Telemetry.Server;
