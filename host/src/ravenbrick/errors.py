@@ -14,6 +14,7 @@ from typing import Any
 
 __all__ = [
     "BuildError",
+    "ConnectionFailedError",
     "CriteriaError",
     "DesignError",
     "ExitCode",
@@ -50,6 +51,7 @@ class ExitCode(IntEnum):
     CRITERIA_NOT_MET = 8, "The run finished, but a pass criterion of the scenario is not met."
     SCENARIO_UNREACHABLE = 9, "The scenario cannot happen: file missing, or an instant never comes."
     DESIGN_FAILED = 10, "design.py failed or left no design behind."
+    CONNECTION_FAILED = 11, "No real brick could be reached, or the transfer to it broke off."
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
 
@@ -128,3 +130,9 @@ class DesignError(RavenbrickError):
     """The controller's design failed."""
 
     exit_code = ExitCode.DESIGN_FAILED
+
+
+class ConnectionFailedError(RavenbrickError):
+    """A real brick cannot be reached or used."""
+
+    exit_code = ExitCode.CONNECTION_FAILED

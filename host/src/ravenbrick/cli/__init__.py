@@ -16,6 +16,7 @@ from ravenbrick.cli.new import home_command, new_command
 from ravenbrick.cli.report import report_command
 from ravenbrick.cli.run import run_command
 from ravenbrick.cli.schedule import schedule_command
+from ravenbrick.cli.upload import upload_command
 
 __all__ = [
     "build_command",
@@ -31,6 +32,7 @@ __all__ = [
     "report_command",
     "run_command",
     "schedule_command",
+    "upload_command",
 ]
 
 

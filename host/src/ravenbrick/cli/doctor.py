@@ -12,8 +12,10 @@ from typing import Any
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.errors import ToolMissingError
+from ravenbrick.errors import ConnectionFailedError, ToolMissingError
 from ravenbrick.target.build import TOOLS, Tool, find_tool
+from ravenbrick.target.real import LOADERS, brick_to_load
+from ravenbrick.target.usb_bricks import find_bricks
 
 __all__ = ["Check", "doctor_command"]
 
@@ -55,14 +57,40 @@ def _checks() -> list[Check]:
     return [python, *(_tool(tool) for tool in TOOLS), *(_module(name) for name in MODULES)]
 
 
+def _connection() -> list[Check]:
+    """What a real brick needs; nothing of it is needed for the virtual one."""
+    loaders = [_loader(tool) for tool in LOADERS.values()]
+    bricks = find_bricks()
+    on_bus = [Check(f"brick {b.node}", b.usable, b.mode.words) for b in bricks]
+    try:
+        brick_to_load(bricks)
+        ready = Check("upload", all(loader.ok for loader in loaders), "possible")
+    except ConnectionFailedError as error:
+        ready = Check("upload", False, error.sentence)
+    return [*loaders, *on_bus, ready]
+
+
+def _loader(tool: Tool) -> Check:
+    place = find_tool(tool)
+    advice = f"missing ({tool.purpose}); Debian package {tool.package}"
+    return Check(tool.program, place is not None, place or advice)
+
+
 @command("ravenbrick doctor")
 def doctor_command(json_output: JsonOption = False) -> dict[str, Any]:
-    """Look for the toolchain and the Python modules, and say what is missing."""
+    """Look for the toolchain, the Python modules and a real brick; say what is missing."""
     reporter = Reporter(json_output)
     checks = _checks()
     reporter.table(
         ("what", "state", "found"),
         [[check.name, "ok" if check.ok else "MISSING", check.found] for check in checks],
+        left=("state", "found"),
+    )
+    connection = _connection()
+    reporter.print("\nFor a real brick:")
+    reporter.table(
+        ("what", "state", "found"),
+        [[check.name, "ok" if check.ok else "no", check.found] for check in connection],
         left=("state", "found"),
     )
     missing = [check.name for check in checks if not check.ok]
@@ -71,4 +99,7 @@ def doctor_command(json_output: JsonOption = False) -> dict[str, Any]:
             f"missing: {', '.join(missing)}; run 'make setup' in the repository",
             detail="\n".join(f"{c.name}: {c.found}" for c in checks if not c.ok),
         )
-    return {"checks": [asdict(check) for check in checks]}
+    return {
+        "checks": [asdict(check) for check in checks],
+        "connection": [asdict(check) for check in connection],
+    }

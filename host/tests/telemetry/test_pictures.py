@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Steps cut out of live signals, and the pictures made of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from host.tests.telemetry.fake_program import Program
+
+from ravenbrick.errors import UsageError
+from ravenbrick.telemetry import Session
+from ravenbrick.telemetry.picture import signals_figure, steps_figure, units_of
+from ravenbrick.telemetry.steps import live_steps
+from ravenbrick.trace.design import Design, Response
+
+TIME_CONSTANT = 0.1
+
+
+def stepping() -> Session:
+    """Set-points 0, 4 and 2 V, half a second each, followed with a time constant of 0.1 s."""
+    program, session, speed = Program(), Session(), 0.0
+    session.receive(program.hear(session.connected(0.0)))
+    for number in range(375):
+        setpoint = (0.0, 4.0, 2.0)[number // 125]
+        session.receive(program.sample(1, setpoint, speed) + program.sample(2, 7900))
+        speed += (setpoint - speed) * (1 - math.exp(-0.004 / TIME_CONSTANT))
+        program.time_us += 4_000
+    return session
+
+
+def test_steps_are_found_and_scaled() -> None:
+    """Each change of the set-point is a step from 0 to 1, upwards and downwards."""
+    session = stepping()
+    assert session.run is not None
+    steps = live_steps(session.run.recording(), "setpoint", "speed")
+    assert [(round(s.at_s, 3), s.height) for s in steps] == [(0.5, 4.0), (1.0, -2.0)]
+    for step in steps:
+        at_time_constant = float(np.interp(TIME_CONSTANT, step.times, step.values))
+        assert at_time_constant == pytest.approx(1 - math.exp(-1), abs=0.02)
+
+
+def test_unknown_signals_are_named() -> None:
+    """The names that exist are said."""
+    session = stepping()
+    assert session.run is not None
+    with pytest.raises(UsageError, match="recorded are: battery, setpoint, speed"):
+        live_steps(session.run.recording(), "setpoint", "velocity")
+
+
+def test_pictures_name_axes_and_units() -> None:
+    """One axis per unit; steps over both responses of the design."""
+    session = stepping()
+    assert session.run is not None
+    assert units_of(session.run) == ["V", "mV"]
+    figure = signals_figure(session.run)
+    assert [axis.get_ylabel() for axis in figure.axes] == ["(V)", "(mV)"]
+    assert figure.axes[-1].get_xlabel() == "time since power-on (s)"
+    times = np.linspace(0, 0.5, 100)
+    response = Response(times, 1 - np.exp(-times / TIME_CONSTANT), 0.4, 0.0)
+    steps = live_steps(session.run.recording(), "setpoint", "speed")
+    design = Design(response, response, {}, ())
+    lines = steps_figure(steps, design, "setpoint", "speed").axes[0].get_lines()
+    labels = [str(line.get_label()) for line in lines]
+    assert labels[:2] == ["continuous design", "sampled design"]
+    assert labels[2] == "live, step of 4 at 0.50 s"
