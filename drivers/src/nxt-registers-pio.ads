@@ -67,6 +67,8 @@ package NXT.Registers.PIO is
 
    Bluetooth_Reset  : constant Line := 11;
    --  Active low.
+   USB_Pull_Up      : constant Line := 16;
+   --  Low: the brick appears on the bus.
    Sound_Output     : constant Line := 17;
    Bluetooth_Input  : constant Line := 21;
    Bluetooth_Output : constant Line := 22;

@@ -26,6 +26,7 @@ package NXT.Registers with Pure is
    USART1_Id : constant := 7;
    SSC_Id    : constant := 8;
    TWI_Id    : constant := 9;
+   UDP_Id    : constant := 11;
    TC1_Id    : constant := 13;
 
 end NXT.Registers;

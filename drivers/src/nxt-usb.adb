@@ -1,0 +1,366 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Ada.Interrupts.Names;
+with Interfaces;               use Interfaces;
+with NXT.Bytes;                use NXT.Bytes;
+with NXT.Priorities;
+with NXT.Registers.PIO;        use NXT.Registers, NXT.Registers.PIO;
+with NXT.Registers.PMC;
+with NXT.Registers.UDP;        use NXT.Registers.UDP;
+with NXT.USB_Descriptors;      use NXT.USB_Descriptors;
+
+package body NXT.USB is
+
+   Device : Registers.UDP.Peripheral renames Registers.UDP.UDP;
+
+   Control_Point : constant Endpoint := 0;
+   From_Host     : constant Endpoint := 1;
+   Into_Host     : constant Endpoint := 2;
+
+   function Interrupt_Of (Point : Endpoint) return Word is (Bit (Natural (Point)));
+
+   --  A write of a control register is in force a few clocks later; more reads than that
+   Most_Reads : constant := 20;
+
+   procedure Clear (Point : Endpoint; Flags : Word) is
+   begin
+      Device.Control (Point) := (Device.Control (Point) or Kept_By_Ones) and not Flags;
+      for Attempt in 1 .. Most_Reads loop
+         exit when not Has (Device.Control (Point), Flags);
+      end loop;
+   end Clear;
+
+   procedure Set (Point : Endpoint; Flags : Word) is
+   begin
+      Device.Control (Point) := Device.Control (Point) or Kept_By_Ones or Flags;
+      for Attempt in 1 .. Most_Reads loop
+         exit when (Device.Control (Point) and Flags) = Flags;
+      end loop;
+   end Set;
+
+   procedure Fill (Point : Endpoint; Data : Byte_Array) is
+   begin
+      for Item of Data loop
+         Device.Data (Point) := Word (Item);
+      end loop;
+      Set (Point, Packet_Ready);
+   end Fill;
+
+   procedure Empty (Point : Endpoint; Data : out Byte_Array) is
+   begin
+      for Item of Data loop
+         Item := Byte (Device.Data (Point) and 16#FF#);
+      end loop;
+   end Empty;
+
+   --  Packets on their way
+
+   type Packet is record
+      Length : Packet_Length;
+      Data   : Packet_Data;
+   end record;
+
+   type Place is mod Queue_Length;
+   type Packets is array (Place) of Packet;
+
+   type Queue is record
+      Items  : Packets;
+      Oldest : Place := 0;
+      Count  : Natural range 0 .. Queue_Length := 0;
+   end record;
+
+   procedure Remove (From : in out Queue) is
+   begin
+      From.Oldest := From.Oldest + 1;
+      From.Count := From.Count - 1;
+   end Remove;
+
+   --  The answer to a control request, sent in packets of the control endpoint
+
+   type Reply is record
+      Data  : Control_Data;
+      First : Positive := 1;
+      Last  : Natural := 0;
+      Short : Boolean := False;
+   end record;
+   --  Data (First .. Last) is still to be sent. Short: the host expects more, so that an empty
+   --  packet has to follow a full one.
+
+   No_Address : constant := 0;
+
+   protected Port with Interrupt_Priority => Priorities.USB_Interrupt is
+      procedure Attach (Serial : Serial_Text);
+      procedure Detach;
+      procedure Send (Data : Byte_Array);
+      procedure Receive (Data : out Packet_Data; Length : out Packet_Length);
+      function Is_Configured return Boolean;
+      function Free return Natural;
+   private
+      procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.UDP;
+      procedure Begin_Again;
+      procedure Configure (On : Boolean);
+      procedure Handle_Control;
+      procedure Obey (Item : Request);
+      procedure Answer (Data : Byte_Array; Wanted : Natural);
+      procedure Send_Reply;
+      procedure Take_Packets;
+      procedure Give_Packet;
+      Name      : Serial_Text := (others => '0');
+      In_Use    : Boolean := False;
+      Address   : Byte := No_Address;
+      Now       : Reply;
+      Incoming  : Queue;
+      Outgoing  : Queue;
+      In_Flight : Boolean := False;
+      Next_Bank : Word := Bank_0_Received;
+   end Port;
+   --  Address: given by the host, in force when the request has ended. In_Flight: the oldest
+   --  outgoing packet is in the port.
+
+   protected body Port is
+
+      procedure Begin_Again is
+      begin
+         In_Use := False;
+         Address := No_Address;
+         Now.Last := 0;
+         Device.Reset_Endpoint := 16#F#;
+         Device.Reset_Endpoint := 0;
+         Device.Function_Address := Enable_Function;
+         Device.Control (Control_Point) := Enabled;
+         Device.Disable_Interrupt := 16#F# or Bus_Events;
+         Device.Enable_Interrupt := Interrupt_Of (Control_Point);
+         Configure (False);
+      end Begin_Again;
+
+      procedure Configure (On : Boolean) is
+      begin
+         In_Use := On;
+         Incoming.Count := 0;
+         Outgoing.Count := 0;
+         In_Flight := False;
+         Next_Bank := Bank_0_Received;
+         if On then
+            Device.Control (From_Host) := Enabled or Bulk_Out;
+            Device.Control (Into_Host) := Enabled or Bulk_In;
+            Device.Enable_Interrupt := Interrupt_Of (From_Host) or Interrupt_Of (Into_Host);
+            Device.Global_State := Registers.UDP.Configured;
+         else
+            Device.Control (From_Host) := 0;
+            Device.Control (Into_Host) := 0;
+         end if;
+      end Configure;
+
+      procedure Attach (Serial : Serial_Text) is
+      begin
+         Name := Serial;
+         Device.Transceiver := 0;
+         Begin_Again;
+         PIOA.Clear_Output := Bit (USB_Pull_Up);
+      end Attach;
+
+      procedure Detach is
+      begin
+         PIOA.Set_Output := Bit (USB_Pull_Up);
+         Device.Disable_Interrupt := 16#F#;
+         Device.Transceiver := Disable_Transceiver;
+         Configure (False);
+      end Detach;
+
+      procedure Send_Reply is
+         Last : constant Natural := Natural'Min (Now.Last, Now.First + Control_Packet - 1);
+      begin
+         Fill (Control_Point, Now.Data (Now.First .. Last));
+         Now.Short := Now.Short and then Last - Now.First + 1 = Control_Packet;
+         Now.First := Last + 1;
+      end Send_Reply;
+
+      procedure Answer (Data : Byte_Array; Wanted : Natural) is
+         Count : constant Natural := Natural'Min (Data'Length, Wanted);
+      begin
+         Now.Data (1 .. Count) := Data (Data'First .. Data'First + Count - 1);
+         Now.First := 1;
+         Now.Last := Count;
+         Now.Short := Count < Wanted;
+         Send_Reply;
+      end Answer;
+
+      procedure Obey (Item : Request) is
+      begin
+         case Kind_Of (Item) is
+            when Get_Device =>
+               Answer (Device_Descriptor, Wanted (Item));
+            when Get_Configuration_Descriptor =>
+               Answer (Configuration_Descriptor, Wanted (Item));
+            when Get_Languages =>
+               Answer (Languages, Wanted (Item));
+            when Get_Serial =>
+               Answer (Text_Descriptor (Name), Wanted (Item));
+            when Set_Address =>
+               Address := Item (Value_Low);
+               Answer (Nothing, 0);
+            when Set_Configuration =>
+               Configure (Item (Value_Low) /= 0);
+               Answer (Nothing, 0);
+            when Get_Configuration =>
+               Answer ((1 => (if In_Use then 1 else 0)), Wanted (Item));
+            when Get_Status =>
+               Answer (Self_Powered_Status, Wanted (Item));
+            when Accepted =>
+               Answer (Nothing, 0);
+            when Unknown =>
+               Set (Control_Point, Stall);
+         end case;
+      end Obey;
+
+      procedure Handle_Control is
+         Flags : constant Word := Device.Control (Control_Point);
+         Item  : Request;
+      begin
+         if Has (Flags, Setup_Received) then
+            Empty (Control_Point, Item);
+            if Is_To_Host (Item) then
+               Set (Control_Point, To_Host);
+            else
+               Clear (Control_Point, To_Host);
+            end if;
+            Clear (Control_Point, Setup_Received);
+            Obey (Item);
+         elsif Has (Flags, Sent) then
+            Clear (Control_Point, Sent);
+            if Address /= No_Address then
+               Device.Function_Address := Enable_Function or Word (Address);
+               Device.Global_State := Addressed;
+               Address := No_Address;
+            elsif Now.First <= Now.Last or else Now.Short then
+               Send_Reply;
+            end if;
+         elsif Has (Flags, Stall_Sent) then
+            Clear (Control_Point, Stall_Sent or Stall);
+         elsif Has (Flags, Bank_0_Received) then
+            Clear (Control_Point, Bank_0_Received);
+         end if;
+      end Handle_Control;
+
+      --  Packets from the host, as long as there is room. Banks are filled in turn.
+      procedure Take_Packets is
+         Flags : Word;
+      begin
+         loop
+            Flags := Device.Control (From_Host);
+            exit when not Has (Flags, Next_Bank);
+            if Incoming.Count = Queue_Length then
+               Device.Disable_Interrupt := Interrupt_Of (From_Host);
+               exit;
+            end if;
+            declare
+               Slot : Packet renames Incoming.Items (Incoming.Oldest + Place (Incoming.Count));
+            begin
+               Slot.Length := Natural'Min (Received_Count (Flags), Packet_Size);
+               Empty (From_Host, Slot.Data (1 .. Slot.Length));
+            end;
+            Incoming.Count := Incoming.Count + 1;
+            Clear (From_Host, Next_Bank);
+            Next_Bank := Next_Bank xor (Bank_0_Received or Bank_1_Received);
+         end loop;
+      end Take_Packets;
+
+      procedure Give_Packet is
+         Oldest : Packet renames Outgoing.Items (Outgoing.Oldest);
+      begin
+         if Has (Device.Control (Into_Host), Sent) then
+            Clear (Into_Host, Sent);
+            if In_Flight then
+               Remove (Outgoing);
+               In_Flight := False;
+            end if;
+         end if;
+         if Outgoing.Count > 0 and then not In_Flight then
+            In_Flight := True;
+            Fill (Into_Host, Outgoing.Items (Outgoing.Oldest).Data (1 .. Oldest.Length));
+         end if;
+      end Give_Packet;
+
+      procedure Handle_Interrupt is
+         Pending : constant Word := Device.Interrupts;
+      begin
+         if Has (Pending, End_Of_Reset) then
+            Begin_Again;
+         end if;
+         Device.Clear_Interrupt := Pending and Bus_Events;
+         if Has (Pending, Interrupt_Of (Control_Point)) then
+            Handle_Control;
+         end if;
+         if In_Use and then Has (Pending, Interrupt_Of (From_Host)) then
+            Take_Packets;
+         end if;
+         if In_Use and then Has (Pending, Interrupt_Of (Into_Host)) then
+            Give_Packet;
+         end if;
+      end Handle_Interrupt;
+
+      function Is_Configured return Boolean is (In_Use);
+
+      function Free return Natural is (if In_Use then Queue_Length - Outgoing.Count else 0);
+
+      procedure Send (Data : Byte_Array) is
+      begin
+         if Free > 0 then
+            declare
+               Slot : Packet renames Outgoing.Items (Outgoing.Oldest + Place (Outgoing.Count));
+            begin
+               Slot.Length := Data'Length;
+               Slot.Data (1 .. Data'Length) := Data;
+            end;
+            Outgoing.Count := Outgoing.Count + 1;
+            Give_Packet;
+         end if;
+      end Send;
+
+      procedure Receive (Data : out Packet_Data; Length : out Packet_Length) is
+         Oldest : Packet renames Incoming.Items (Incoming.Oldest);
+      begin
+         Length := 0;
+         if In_Use and then Incoming.Count > 0 then
+            Length := Oldest.Length;
+            Data (1 .. Length) := Oldest.Data (1 .. Length);
+            Remove (Incoming);
+            Device.Enable_Interrupt := Interrupt_Of (From_Host);
+         end if;
+      end Receive;
+
+   end Port;
+
+   procedure Attach (Serial : Serial_Text := "001653000000") is
+   begin
+      Port.Attach (Serial);
+   end Attach;
+
+   procedure Detach is
+   begin
+      Port.Detach;
+   end Detach;
+
+   function Configured return Boolean is (Port.Is_Configured);
+
+   function Packets_Free return Natural is (Port.Free);
+
+   procedure Send (Data : Byte_Array) is
+   begin
+      Port.Send (Data);
+   end Send;
+
+   procedure Receive (Data : out Packet_Data; Length : out Packet_Length) is
+   begin
+      Port.Receive (Data, Length);
+   end Receive;
+
+begin
+   PMC.PMC.Enable_System_Clock := Port_Clock;
+   PMC.PMC.Enable_Clock := Bit (UDP_Id) or Bit (PIOA_Id);
+   PIOA.Set_Output := Bit (USB_Pull_Up);
+   PIOA.Enable_Output := Bit (USB_Pull_Up);
+   PIOA.Take_Line := Bit (USB_Pull_Up);
+   Device.Transceiver := Disable_Transceiver;
+end NXT.USB;
