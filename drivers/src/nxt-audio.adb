@@ -102,12 +102,12 @@ package body NXT.Audio is
    protected Player with Interrupt_Priority => Priorities.Audio_Interrupt is
       procedure Start (What : Source; Divider : Word);
       procedure Set_Muted (Now : Boolean);
+      procedure Stop;
       function Samples_Left return Unsigned_32;
       function Rate return Unsigned_32;
    private
       procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.SSC;
       procedure Fill (Buffer : Buffer_Id);
-      procedure Stop;
       procedure Connect;
       Now_Playing : Source;
       Left_Over   : Natural := 0;
@@ -244,6 +244,11 @@ package body NXT.Audio is
           others  => <>),
          (Clock_Frequency + Halves / 2) / Halves);
    end Play_Sample;
+
+   procedure Stop is
+   begin
+      Player.Stop;
+   end Stop;
 
    function Time_Remaining return Integer is
      (Integer (Unsigned_64 (Player.Samples_Left) * 1_000 / Unsigned_64 (Player.Rate)));

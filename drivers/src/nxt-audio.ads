@@ -37,6 +37,9 @@ package NXT.Audio with Elaborate_Body is
    --  Input_Length unsigned bytes from Input on, 128 being silence; they are read while they play.
    --  The rate is right to 1.5 per cent.
 
+   procedure Stop;
+   --  End what plays.
+
    function Time_Remaining return Integer;
    --  Milliseconds until the end of what plays, 0 when nothing does.
 
