@@ -28,6 +28,10 @@ package body NXT.Bluetooth is
    Handle       : Byte := 0;
    Last_Failed  : Boolean := False;
 
+   Most_Polls : constant := 200;
+   Patience   : Natural range 0 .. Most_Polls := 0;
+   --  Calls of Poll until the module is asked to close a connection that does not go on.
+
    function Available return Boolean is (Is_Available);
    function Address return BT_Address is (Own_Address);
    function State return Connection_State is (Now_Is);
@@ -113,8 +117,8 @@ package body NXT.Bluetooth is
             if Item.Arguments (1) = Yes then
                Handle := Item.Arguments (2);
                Send (Open_Stream, (1 => Handle));
-               Bluetooth_Line.Want_Stream (True);
                Now_Is := Opening;
+               Patience := Most_Polls;
             else
                Last_Failed := True;
                End_Connection;
@@ -143,29 +147,60 @@ package body NXT.Bluetooth is
       end loop;
    end Take_Messages;
 
+   procedure Leave_Stream (Closes_Itself : Boolean) is
+   begin
+      Bluetooth_Line.Forget;
+      Restart;
+      Now_Is := Closing;
+      Patience := (if Closes_Itself then Most_Polls else 0);
+   end Leave_Stream;
+
+   --  The wish for the stream follows the last message: what is sent after it belongs to it.
+   procedure Open_The_Stream (Is_Stream : Boolean) is
+   begin
+      if Is_Stream then
+         Now_Is := Connected;
+      elsif Patience = 0 then
+         Leave_Stream (Closes_Itself => False);
+      else
+         Patience := Patience - 1;
+         if Bluetooth_Line.All_Sent then
+            Bluetooth_Line.Want_Stream (True);
+         end if;
+      end if;
+   end Open_The_Stream;
+
+   --  The wish for messages waits until the last byte has left, which would be taken for one. The
+   --  module tells of an end that was not ours; otherwise, and when it does not, it is asked.
+   procedure Close_Down (Is_Stream : Boolean) is
+   begin
+      if Bluetooth_Line.All_Sent then
+         Bluetooth_Line.Want_Stream (False);
+      end if;
+      if Is_Stream then
+         return;
+      elsif Patience = 0 then
+         Send (Close_Connection, (1 => Handle));
+         Patience := Most_Polls;
+      else
+         Patience := Patience - 1;
+      end if;
+      Take_Messages;
+   end Close_Down;
+
    procedure Poll is
       Is_Stream : Boolean;
    begin
       Bluetooth_Line.Look (Is_Stream);
       case Now_Is is
          when Opening =>
-            if Is_Stream then
-               Now_Is := Connected;
-            else
-               Take_Messages;
-            end if;
+            Open_The_Stream (Is_Stream);
          when Connected =>
             if not Is_Stream then
-               Bluetooth_Line.Want_Stream (False);
-               Bluetooth_Line.Forget;
-               Restart;
-               Now_Is := Closing;
+               Leave_Stream (Closes_Itself => True);
             end if;
          when Closing =>
-            if not Is_Stream then
-               Send (Close_Connection, (1 => Handle));
-               Take_Messages;
-            end if;
+            Close_Down (Is_Stream);
          when Idle | Listening | Calling =>
             Take_Messages;
       end case;
@@ -174,9 +209,7 @@ package body NXT.Bluetooth is
    procedure Disconnect is
    begin
       if Now_Is in Opening | Connected then
-         Bluetooth_Line.Want_Stream (False);
-         Bluetooth_Line.Forget;
-         Now_Is := Closing;
+         Leave_Stream (Closes_Itself => False);
       end if;
    end Disconnect;
 

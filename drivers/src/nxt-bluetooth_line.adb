@@ -119,10 +119,19 @@ package body NXT.Bluetooth_Line is
       Pump;
    end Send;
 
-   procedure Forget is
+   function All_Sent return Boolean is
    begin
       Pump;
-      Waiting := In_Flight;
+      return Waiting = 0 and then Has (Controller.Status, Sent);
+   end All_Sent;
+
+   procedure Forget is
+   begin
+      Controller.DMA_Control := DMA_Send_Disable;
+      Controller.Send_Count := 0;
+      Waiting := 0;
+      In_Flight := 0;
+      Controller.DMA_Control := DMA_Send_Enable;
    end Forget;
 
    --  Bytes of the current buffer that have come. The count is read before the next count: if

@@ -30,11 +30,14 @@ package NXT.Bluetooth_Line is
    procedure Send (Data : Byte_Array) with
      Pre => Data'Length <= Room;
 
+   function All_Sent return Boolean;
+   --  Nothing waits, and the last bit has left.
+
    procedure Receive (Data : out Byte_Array; Last : out Natural) with
      Pre => Data'Length > 0;
    --  What has come, at most Data'Length bytes, in Data (Data'First .. Last).
 
    procedure Forget;
-   --  Throw away what is waiting to be sent.
+   --  Throw away what has not been sent; two bytes may still be on their way.
 
 end NXT.Bluetooth_Line;

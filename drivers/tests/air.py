@@ -37,7 +37,7 @@ class Peer:
 
     def signal(self, kind: str, data: bytes = b"", pin: str | None = None) -> None:
         """Something through the air, now."""
-        at = self.brick.cycles(self.now_ms)
+        at = max(self.brick.cycles(self.now_ms), self.brick.device.cycles)
         name = self.name if kind in ("page", "in_range") else ""
         self.brick.device.bluetooth_send(at, self.address, kind, data, name=name, pin=pin)
 

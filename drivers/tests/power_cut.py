@@ -112,9 +112,7 @@ def changed_page(before: bytes, after: bytes) -> int:
 
 def _mixture(one: bytes, other: bytes, share: float, chance: random.Random) -> bytes:
     """Bits of `one`, about `share` of them replaced by those of `other`."""
-    mask = bytes(
-        sum((chance.random() < share) << bit for bit in range(8)) for _ in range(len(one))
-    )
+    mask = bytes(sum((chance.random() < share) << bit for bit in range(8)) for _ in range(len(one)))
     return bytes((a & ~m) | (b & m) for a, b, m in zip(one, other, mask, strict=True))
 
 
