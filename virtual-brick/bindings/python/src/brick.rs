@@ -18,6 +18,9 @@ use crate::values::{Stop, Thread};
 /// Python's signals (Ctrl-C) are looked at this often: a tenth of a virtual second.
 const SIGNAL_CHECK_CYCLES: u64 = 4_805_486;
 
+/// Default of what carries bytes.
+const NOTHING: &[u8] = &[];
+
 /// A brick with a program, its surroundings and the record of its run.
 #[pyclass(module = "virtual_brick")]
 pub(crate) struct VirtualBrick(virtual_brick_facade::VirtualBrick);
@@ -81,7 +84,7 @@ impl VirtualBrick {
         self.0.bluetooth_waiting()
     }
 
-    #[pyo3(signature = (at_cycles, peer, kind, data=&[], name="", pin=None))]
+    #[pyo3(signature = (at_cycles, peer, kind, data=NOTHING, name="", pin=None))]
     fn bluetooth_send(
         &mut self,
         at_cycles: u64,
@@ -105,7 +108,7 @@ impl VirtualBrick {
         self.0.usb_attached()
     }
 
-    #[pyo3(signature = (at_cycles, number, timeout_cycles, kind, endpoint=0, data=&[], length=0))]
+    #[pyo3(signature = (at_cycles, number, timeout_cycles, kind, endpoint=0, data=NOTHING, length=0))]
     #[allow(clippy::too_many_arguments)]
     fn usb_transfer(
         &mut self,

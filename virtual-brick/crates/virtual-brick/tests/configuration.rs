@@ -30,7 +30,7 @@ fn a_whole_vehicle_is_read() {
     );
     let track = match &configuration.robot.body {
         BodyParameters::DifferentialDrive(drive) => Some(drive.track),
-        BodyParameters::Bench {} => None,
+        BodyParameters::Bench {} | BodyParameters::Balancer(_) => None,
     };
     assert_eq!(track, Some(0.115));
 }
