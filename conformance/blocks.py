@@ -15,14 +15,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from ravenbrick.codegen import check_program, generate_ada, generate_c, prove, random_vectors
+from ravenbrick.model import Execution, FixedFormat, FixedPoint, Rounding
+from ravenbrick.model.program import Program, with_constants
+
 from host.tests.codegen.brick_cycles import Cost, image_of_checks, step_costs
 from host.tests.codegen.c_build import WORD_FLAGS, ada_object
 from host.tests.codegen.paper_pi import LOOP, fixed_pi, paper_pi, plant
 from host.tests.codegen.test_block_c import LINEAR, fixed_program
 from host.tests.model.block_table import TABLE, block_diagram
-from ravenbrick.codegen import check_program, generate_ada, generate_c, prove, random_vectors
-from ravenbrick.model import Execution, FixedFormat, FixedPoint, Rounding
-from ravenbrick.model.program import Program, with_constants
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "reference" / "blocks.md"

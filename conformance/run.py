@@ -137,12 +137,14 @@ def other_control() -> list[str]:
 
 ENCODER_STRESS = "drivers/tests/test_encoder_stress.py"
 COMPATIBILITY = "drivers/tests/test_compatibility.py"
+NXT_PYTHON = "drivers/tests/test_nxt_python.py"
+BRICK_TELEMETRY = ("drivers/tests/test_telemetry.py", "drivers/tests/test_frames.py")
 
 
 def other_drivers() -> list[str]:
     """Drivers' tests that have no suite of their own."""
     files = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("drivers/tests/test_*.py")}
-    return sorted(files - {ENCODER_STRESS, COMPATIBILITY})
+    return sorted(files - {ENCODER_STRESS, COMPATIBILITY, NXT_PYTHON, *BRICK_TELEMETRY})
 
 
 SUITES: list[tuple[str, Callable[[], Row]]] = [
@@ -205,6 +207,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
             "drivers", "power-cut at every step of 36 savings to flash", "conformance/power_cut"
         ),
     ),
+    (
+        "drivers",
+        pytest_suite("drivers", "nxt-python: direct commands over USB and Bluetooth", NXT_PYTHON),
+    ),
     ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
     ("control", block_costs),
     ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
@@ -216,6 +222,18 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         pytest_suite("timing", "textbook cases, random task sets", "host/tests/schedule"),
     ),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
+    (
+        "course",
+        pytest_suite(
+            "course", "telemetry: host, brick, link losses", *BRICK_TELEMETRY, "host/tests/telemetry"
+        ),
+    ),
+    (
+        "course",
+        pytest_suite(
+            "course", "upload: bus, loaders, failures in words", "host/tests/target/test_upload.py"
+        ),
+    ),
 ]
 
 
