@@ -225,7 +225,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     (
         "course",
         pytest_suite(
-            "course", "telemetry: host, brick, link losses", *BRICK_TELEMETRY, "host/tests/telemetry"
+            "course",
+            "telemetry: host, brick, link losses",
+            *BRICK_TELEMETRY,
+            "host/tests/telemetry",
         ),
     ),
     (
