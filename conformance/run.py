@@ -123,6 +123,7 @@ FIXED_POINT = (
     f"{HOST_TESTS}/codegen/test_fixed_point_c.py",
     f"{HOST_TESTS}/control/test_peak_gain.py",
 )
+FIRMWARE = f"{HOST_TESTS}/firmware"
 MISRA = (f"{HOST_TESTS}/codegen/test_misra.py",)
 NXTWAY = (f"{HOST_TESTS}/control/test_nxtway.py",)
 
@@ -178,6 +179,22 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
                 "--release",
                 "--test=nxt_firmware_usb",
             ),
+        ),
+    ),
+    (
+        "firmware",
+        pytest_suite(
+            "firmware",
+            "nxt-python 3.5.1 as client of nxt-firmware, Bluetooth and USB",
+            f"{FIRMWARE}/test_nxt_python.py",
+        ),
+    ),
+    (
+        "firmware",
+        pytest_suite(
+            "firmware",
+            "nxc: a program compiled with nbc on nxt-firmware",
+            f"{FIRMWARE}/test_nxc.py",
         ),
     ),
     ("plant", cargo_suite("plant", "published motor points, body", "plant")),

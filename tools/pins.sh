@@ -14,6 +14,7 @@ DEBIAN_PACKAGES=(
     libc6-dev
     make
     git
+    nbc
     nxt-firmware
 )
 RUST_MINIMUM=1.86.0

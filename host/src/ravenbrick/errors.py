@@ -19,6 +19,7 @@ __all__ = [
     "DesignError",
     "ExitCode",
     "ImageFileError",
+    "PeerError",
     "ProjectFileError",
     "RavenbrickError",
     "RunFaultError",
@@ -122,6 +123,12 @@ class CriteriaError(RavenbrickError):
 
 class ScenarioError(RavenbrickError):
     """The scenario can never take place as written."""
+
+    exit_code = ExitCode.SCENARIO_UNREACHABLE
+
+
+class PeerError(RavenbrickError):
+    """A Bluetooth or USB peer of the brick did not get what it waited for."""
 
     exit_code = ExitCode.SCENARIO_UNREACHABLE
 

@@ -108,7 +108,9 @@ impl VirtualBrick {
         self.0.usb_attached()
     }
 
-    #[pyo3(signature = (at_cycles, number, timeout_cycles, kind, endpoint=0, data=NOTHING, length=0))]
+    #[pyo3(signature = (
+        at_cycles, number, timeout_cycles, kind, endpoint=0, data=NOTHING, length=0
+    ))]
     #[allow(clippy::too_many_arguments)]
     fn usb_transfer(
         &mut self,

@@ -3,8 +3,8 @@
 //! The board as the chip sees it: pins, buses, analogue inputs, time.
 //!
 //! Events at the same cycle are served in this order: encoder edges (motor A first), step of the
-//! plant, co-processor, sensors, Bluetooth, report of the display. An input acts at once on what the
-//! co-processor samples, and on the plant from its next step.
+//! plant, co-processor, sensors, Bluetooth, USB, report of the display. An input acts at once on
+//! what the co-processor samples, and on the plant from its next step.
 
 use at91sam7s::board::{
     Board, Character, ChipEvent, Cycles, PinLevels, PinOutputs, SerialPort, SoundBits, TwiReply,

@@ -36,7 +36,7 @@ impl fmt::Display for OutsideError {
                 now_cycles,
             } => write!(
                 f,
-                "cycle {at_cycles} has passed, it is cycle {now_cycles}; choose the present or later"
+                "cycle {at_cycles} has passed, it is cycle {now_cycles}; choose that or a later one"
             ),
             Self::TooMuch { place } => {
                 write!(f, "too much waits for the {place}; run the brick first")

@@ -1,0 +1,236 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The world at the brick's Bluetooth and USB: a computer in range, a USB host, a second brick.
+
+Each peer runs the brick when it has to wait, so a program that uses one is a deterministic run.
+`brick` is a `virtual_brick.VirtualBrick`.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+from ravenbrick.errors import PeerError
+from ravenbrick.target.clock import MASTER_CLOCK
+
+__all__ = ["BluetoothComputer", "BluetoothLink", "UsbComputer"]
+
+STEP_MS = 1
+CONNECT_MS = 60_000
+READ_MS = 10_000
+USB_MS = 2_000
+USB_RESET_MS = 20
+USB_ADDRESS = 5
+DEVICE_DESCRIPTOR = bytes([0x80, 6, 0, 1, 0, 0, 18, 0])
+
+
+def _run(brick: Any, milliseconds: int) -> None:
+    """Let time pass; raises PeerError when the run ends."""
+    stop = brick.run_until(brick.cycles + MASTER_CLOCK.cycles_of_ms(milliseconds))
+    if stop.reason != "reached":
+        raise PeerError(f"the brick stopped while a peer waited: {stop.reason}: {stop.message}")
+
+
+class BluetoothComputer:
+    """A computer in range of the brick that opens a serial connection to it.
+
+    `pin` is offered when the brick does not know the computer; a brick that knows it (its
+    configuration: `bluetooth.known`) does not ask.
+    """
+
+    def __init__(
+        self,
+        brick: Any,
+        address: str = "00:1A:7D:00:00:01",
+        name: str = "computer",
+        pin: str | None = None,
+    ) -> None:
+        self._brick, self.address, self._name, self._pin = brick, address, name, pin
+        self._connected = False
+        self._received = bytearray()
+        brick.bluetooth_send(brick.cycles, address, "in_range", name=name)
+
+    @property
+    def connected(self) -> bool:
+        """The connection stands."""
+        return self._connected
+
+    def connect(self, timeout_ms: int = CONNECT_MS) -> None:
+        """Open the connection. Raises PeerError when the brick refuses or does not answer."""
+        self._brick.bluetooth_send(
+            self._brick.cycles, self.address, "page", name=self._name, pin=self._pin
+        )
+        for _ in range(0, timeout_ms, STEP_MS):
+            _run(self._brick, STEP_MS)
+            kinds = self.collect()
+            if "refuse" in kinds:
+                raise PeerError(f"the brick refuses a connection with {self.address}")
+            if self._connected:
+                return
+        raise PeerError(f"the brick did not answer {self.address} in {timeout_ms} ms")
+
+    def collect(self) -> list[str]:
+        """Take what the brick has sent so far; the kinds of the signals."""
+        kinds = []
+        for _, peer, kind, data, _, _ in self._brick.bluetooth_sent():
+            if peer != self.address:
+                continue
+            kinds.append(kind)
+            self._received += data
+            if kind in ("accept", "close"):
+                self._connected = kind == "accept"
+        return kinds
+
+    def write(self, data: bytes) -> None:
+        """Bytes for the brick. Raises PeerError without a connection."""
+        if not self._connected:
+            raise PeerError(f"{self.address} is not connected with the brick; connect first")
+        self._brick.bluetooth_send(self._brick.cycles, self.address, "data", bytes(data))
+
+    def read(self, count: int, timeout_ms: int = READ_MS) -> bytes:
+        """So many bytes from the brick. Raises PeerError when they do not come."""
+        for _ in range(0, timeout_ms, STEP_MS):
+            self.collect()
+            if len(self._received) >= count:
+                data = bytes(self._received[:count])
+                del self._received[:count]
+                return data
+            if not self._connected:
+                raise PeerError(f"the connection of {self.address} has ended")
+            _run(self._brick, STEP_MS)
+        raise PeerError(
+            f"the brick sent {len(self._received)} of {count} bytes in {timeout_ms} ms"
+        )
+
+    def take(self) -> bytes:
+        """Whatever the brick has sent so far, without waiting."""
+        self.collect()
+        data = bytes(self._received)
+        self._received.clear()
+        return data
+
+    def close(self) -> None:
+        """End the connection; does nothing without one."""
+        if self._connected:
+            self._brick.bluetooth_send(self._brick.cycles, self.address, "close")
+            self._connected = False
+            _run(self._brick, STEP_MS)
+
+
+class UsbComputer:
+    """A USB host whose cable is plugged into the brick."""
+
+    def __init__(self, brick: Any) -> None:
+        self._brick = brick
+        self._number = 0
+        brick.schedule_input(brick.cycles, "usb.plugged", 1)
+
+    def enumerate(self, timeout_ms: int = READ_MS) -> tuple[int, int]:
+        """Reset, address, configuration 1; vendor and product of the device.
+
+        Raises PeerError when there is none.
+        """
+        for _ in range(0, timeout_ms, STEP_MS):
+            if self._brick.usb_attached:
+                break
+            _run(self._brick, STEP_MS)
+        else:
+            raise PeerError(f"no device on the cable in {timeout_ms} ms")
+        self.transfer("reset")
+        _run(self._brick, USB_RESET_MS)
+        self.control(bytes([0, 5, USB_ADDRESS, 0, 0, 0, 0, 0]))
+        descriptor = self.control(DEVICE_DESCRIPTOR)
+        self.control(bytes([0, 9, 1, 0, 0, 0, 0, 0]))
+        vendor, product = struct.unpack_from("<HH", descriptor.ljust(12, b"\0"), 8)
+        return vendor, product
+
+    def control(self, request: bytes) -> bytes:
+        """A control transfer; `request` is 8 bytes and the data for the device."""
+        return self.transfer("control", data=request)
+
+    def write(self, endpoint: int, data: bytes) -> None:
+        """Bytes to a bulk endpoint."""
+        self.transfer("out", endpoint, data)
+
+    def read(self, endpoint: int, length: int = 64) -> bytes:
+        """Bytes from a bulk endpoint, up to a packet that is not full."""
+        return self.transfer("in", endpoint, length=length)
+
+    def transfer(
+        self,
+        kind: str,
+        endpoint: int = 0,
+        data: bytes = b"",
+        length: int = 0,
+        timeout_ms: int = USB_MS,
+    ) -> bytes:
+        """A transfer from begin to end. Raises PeerError when it fails."""
+        self._number += 1
+        timeout_cycles = MASTER_CLOCK.cycles_of_ms(timeout_ms)
+        self._brick.usb_transfer(
+            self._brick.cycles, self._number, timeout_cycles, kind, endpoint, data, length
+        )
+        while True:
+            _run(self._brick, STEP_MS)
+            for _, number, received, failure in self._brick.usb_completed():
+                if number != self._number:
+                    continue
+                if received is None:
+                    raise PeerError(f"USB {kind} transfer on endpoint {endpoint}: {failure}")
+                return bytes(received)
+
+
+class BluetoothLink:
+    """Two bricks in range of each other; deterministic.
+
+    A signal takes `LATENCY_MS` through the air, and the bricks run in turn for that long, so
+    what one sends always lies in the other's future.
+    """
+
+    LATENCY_MS = 5
+
+    def __init__(self, first: Any, second: Any) -> None:
+        self._bricks = (first, second)
+        self._addresses = tuple(brick.bluetooth_device()[0] for brick in self._bricks)
+        if self._addresses[0] == self._addresses[1]:
+            raise PeerError(
+                f"both bricks have the Bluetooth address {self._addresses[0]}; "
+                "give one of them another in its configuration"
+            )
+        self._seen: list[tuple[str, bool] | None] = [None, None]
+        self.lost: list[tuple[int, str]] = []
+
+    def run_until(self, cycles: int) -> tuple[Any, Any]:
+        """Run both bricks to `cycles`; their stops. A brick whose run has ended stays behind."""
+        quantum = MASTER_CLOCK.cycles_of_ms(self.LATENCY_MS)
+        now = min(brick.cycles for brick in self._bricks)
+        while True:
+            now = min(now + quantum, cycles)
+            self._introduce()
+            stops = tuple(brick.run_until(now) for brick in self._bricks)
+            for index in (0, 1):
+                self._carry(index, quantum)
+            if now >= cycles:
+                return stops[0], stops[1]
+
+    def _introduce(self) -> None:
+        """Tell each brick how the other is seen in an inquiry, when that has changed."""
+        for index, other in ((0, 1), (1, 0)):
+            address, name, discoverable = self._bricks[other].bluetooth_device()
+            if self._seen[other] == (name, discoverable):
+                continue
+            self._seen[other] = (name, discoverable)
+            brick = self._bricks[index]
+            kind = "in_range" if discoverable else "out_of_range"
+            brick.bluetooth_send(brick.cycles, address, kind, name=name)
+
+    def _carry(self, sender: int, latency_cycles: int) -> None:
+        other = 1 - sender
+        brick = self._bricks[other]
+        for at_cycles, peer, kind, data, name, pin in self._bricks[sender].bluetooth_sent():
+            if peer != self._addresses[other]:
+                self.lost.append((at_cycles, peer))
+                continue
+            arrival = max(at_cycles + latency_cycles, brick.cycles)
+            brick.bluetooth_send(arrival, self._addresses[sender], kind, data, name, pin)

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""An NXC program, compiled with `nbc`, runs on the brick's own firmware."""
+
+from __future__ import annotations
+
+import shutil
+import struct
+import subprocess
+import tempfile
+from pathlib import Path
+
+import pytest
+from host.tests.support.nxt_firmware import brick_at_the_menu, encoder, picture, run_ms
+
+from ravenbrick.target.peers import UsbComputer
+
+PROGRAM = """
+task main()
+{
+  SetSensorTouch(IN_1);
+  ResetTachoCount(OUT_A);
+  TextOut(0, LCD_LINE1, "wait");
+  until (Sensor(IN_1) == 1);
+  PlayTone(880, 300);
+  RotateMotor(OUT_A, 60, 360);
+  ClearScreen();
+  TextOut(0, LCD_LINE1, "Ravenbrick");
+  NumOut(0, LCD_LINE3, Sensor(IN_1));
+  if (MotorTachoCount(OUT_A) >= 360) TextOut(0, LCD_LINE5, "turned");
+  while (true);
+}
+"""
+
+
+RESULT = [
+    "█▀▀▀▄                         █             ▀         █",
+    "█▄▄▄▀  ▀▀▀▄ █   █ ▄▀▀▀▄ █▀▀▄  █▀▀▀▄ ▀▄▀▀▄   █   ▄▀▀▀▄ █ ▄▀",
+    "█  ▀▄ ▄▀▀▀█ ▀▄ ▄▀ █▀▀▀  █  █  █   █  █      █   █   ▄ █▀▄",
+    "▀   ▀  ▀▀▀▀   ▀    ▀▀▀  ▀  ▀  ▀▀▀▀  ▀▀▀     ▀▀   ▀▀▀  ▀  ▀",
+    *[""] * 4,
+    " ▄█",
+    "  █",
+    "  █",
+    " ▀▀▀",
+    *[""] * 4,
+    " ▄                                █",
+    "▀█▀▀  █  █  ▀▄▀▀▄ █▀▀▄  ▄▀▀▀▄ ▄▀▀▀█",
+    " █ ▄  █ ▄█   █    █  █  █▀▀▀  █   █",
+    "  ▀    ▀ ▀  ▀▀▀   ▀  ▀   ▀▀▀   ▀▀▀▀",
+]
+
+
+def compiled(program: str) -> bytes:
+    """The bytecode of an NXC program; skips where `nbc` is absent."""
+    if shutil.which("nbc") is None:
+        pytest.skip("nbc is absent: install the Debian package nbc")
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "program.nxc"
+        source.write_text(program)
+        target = source.with_suffix(".rxe")
+        command = ["nbc", "-v=128", f"-O={target}", str(source)]
+        result = subprocess.run(command, capture_output=True, text=True)
+        assert target.exists(), result.stdout + result.stderr
+        return target.read_bytes()
+
+
+def upload(computer: UsbComputer, name: str, content: bytes) -> None:
+    """By the system commands of LEGO's communication protocol: open, write, close."""
+    filename = name.encode().ljust(20, b"\0")
+
+    def ask(telegram: bytes) -> bytes:
+        computer.write(1, telegram)
+        reply = computer.read(2)
+        assert reply[:3] == bytes([2, telegram[1], 0]), reply.hex()
+        return reply
+
+    handle = ask(b"\x01\x89" + filename + struct.pack("<I", len(content)))[3]
+    for start in range(0, len(content), 60):
+        ask(bytes([1, 0x83, handle]) + content[start : start + 60])
+    ask(bytes([1, 0x84, handle]))
+    computer.write(1, b"\x80\x00" + filename)
+
+
+def test_it_drives_a_motor_reads_sensor_and_encoder_plays_and_writes() -> None:
+    program = compiled(PROGRAM)
+    brick = brick_at_the_menu()
+    computer = UsbComputer(brick)
+    computer.enumerate()
+    upload(computer, "proof.rxe", program)
+    run_ms(brick, 800)
+    waiting = picture(brick)
+    assert encoder(brick, "A") == 0, "waits for the touch sensor"
+    brick.schedule_input(brick.cycles, "touch.1", 1)
+    begun = brick.cycles
+    run_ms(brick, 3000)
+    assert 360 <= encoder(brick, "A") < 450
+    sound = struct.iter_unpack("<h", brick.sound(begun))
+    heard = [number for number, (sample,) in enumerate(sound) if sample]
+    assert abs((heard[-1] - heard[0]) / 48_055 - 0.3) < 0.01, "300 ms"
+    assert waiting != picture(brick)
+    assert picture(brick) == RESULT + [""] * (32 - len(RESULT)), "\n".join(picture(brick))
