@@ -16,6 +16,10 @@ help: ## List the targets
 setup: ## Install what is missing and build what every command needs
 	@tools/setup
 
+.PHONY: page
+page: ## Build the brick's page for `ravenbrick view` (needs Node.js 18 and a Rust with WebAssembly)
+	@tools/page
+
 .PHONY: demo
 demo: setup ## The paper's vehicle, from motor constants to turning wheels: out/vehicle/report.html
 	@.venv/bin/ravenbrick demo examples/vehicle
@@ -32,7 +36,8 @@ style: ## Check style, borders between the parts, and generated tables
 
 .PHONY: test-rust
 test-rust: ## Tests of the virtual brick's crates
-	@cargo test $(CARGO_OPTIONS) --quiet --workspace --exclude virtual-brick-python
+	@cargo test $(CARGO_OPTIONS) --quiet --workspace \
+		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
 .PHONY: test-python
 test-python: ## Tests of run-time, drivers, control, tools and the whole drive
@@ -50,4 +55,4 @@ bench: setup ## Ratios measured side by side; writes benchmarks/results.{json,md
 
 .PHONY: clean
 clean: ## Remove everything that was built (keeps .venv)
-	rm -rf build out virtual-brick/target
+	rm -rf build out virtual-brick/target web/generated web/node_modules

@@ -116,6 +116,26 @@ def block_costs() -> Row:
     return suite_row("control", "blocks: C and Ada on the virtual brick", count, good)
 
 
+def page_suite() -> Row:
+    """Elements on an imitation of a browser, then the page itself in headless Chromium."""
+    name = "page: elements, and end to end in Chromium"
+    built = subprocess.run([str(ROOT / "tools" / "page")], capture_output=True, text=True)
+    if built.returncode != 0:
+        reason = (built.stderr.strip().splitlines() or ["make page failed"])[-1]
+        return suite_row("tools", name, 1, 0, [{"count": 1, "reason": reason}])
+    count = passed = 0
+    for options in ([], ["--config", "vitest.e2e.config.ts"]):
+        with tempfile.TemporaryDirectory() as folder:
+            report = Path(folder) / "report.json"
+            command = ["npx", "--no-install", "vitest", "run", *options]
+            command += ["--reporter=json", f"--outputFile={report}"]
+            subprocess.run(command, cwd=ROOT / "web", capture_output=True, text=True)
+            results: Row = json.loads(report.read_text())
+        count += results["numTotalTests"]
+        passed += results["numPassedTests"]
+    return suite_row("tools", name, count, passed)
+
+
 HOST_TESTS = "host/tests"
 BLOCKS = (f"{HOST_TESTS}/model/test_blocks.py", f"{HOST_TESTS}/codegen/test_block_c.py")
 FIXED_POINT = (
@@ -126,6 +146,9 @@ FIXED_POINT = (
 FIRMWARE = f"{HOST_TESTS}/firmware"
 MISRA = (f"{HOST_TESTS}/codegen/test_misra.py",)
 NXTWAY = (f"{HOST_TESTS}/control/test_nxtway.py",)
+DIGEST = (f"{HOST_TESTS}/page/test_digest.py",)
+GDB = (f"{HOST_TESTS}/cli/test_debug.py",)
+EXPORT = (f"{HOST_TESTS}/trace/test_export.py", f"{HOST_TESTS}/trace/test_real_runs.py")
 
 
 def other_control() -> list[str]:
@@ -238,6 +261,13 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         "timing",
         pytest_suite("timing", "textbook cases, random task sets", "host/tests/schedule"),
     ),
+    ("tools", pytest_suite("tools", "digest: native = Python = browser", *DIGEST)),
+    ("tools", pytest_suite("tools", "gdb: debugger, forwards and backwards", *GDB)),
+    ("tools", pytest_suite("tools", "perfetto: read by its library", *EXPORT, "-k", "perfetto")),
+    ("tools", pytest_suite("tools", "vcd: read by its library", *EXPORT, "-k", "vcd")),
+    ("tools", pytest_suite("tools", "mcap: read by its library", *EXPORT, "-k", "mcap")),
+    ("tools", pytest_suite("tools", "csv and parquet: read back", *EXPORT, "-k", "csv or parquet")),
+    ("tools", page_suite),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
     (
         "course",

@@ -22,7 +22,7 @@ FUNCTION_LINES = 70
 COLUMNS = 100
 BLOB_BYTES = 2_500_000
 SOURCE = {".rs", ".py", ".pyi", ".ads", ".adb", ".gpr", ".cgpr", ".S", ".s", ".ld", ".c", ".h"}
-SOURCE |= {".sh", ".mk"}
+SOURCE |= {".sh", ".mk", ".ts", ".js", ".css"}
 COLUMN_FREE = {".md", ".json", ".toml", ".lock"}
 BANNED = (
     (r"\bTODO\b|\bFIXME\b|\bXXX\b", "an open end: finish it or write it into an issue"),
@@ -140,12 +140,20 @@ CRATE_BORDERS = {
     "debugger": {"arm7tdmi", "at91sam7s", "nxt", "plant", "trace", "virtual-brick"},
     "wcet": {"arm7tdmi"},
 }
+BINDING_BORDERS = {
+    "python": {"debugger", "trace", "virtual-brick", "virtual-brick-facade"},
+    "wasm": {"trace", "virtual-brick"},
+    "wasm-glue": set(),
+}
 
 
 def crate_borders() -> Iterator[Complaint]:
     """Invariant 1: which crate may depend on which."""
-    for crate, allowed in CRATE_BORDERS.items():
-        manifest = ROOT / "virtual-brick" / "crates" / crate / "Cargo.toml"
+    workspace = ROOT / "virtual-brick"
+    borders = [("crates", crate, allowed) for crate, allowed in CRATE_BORDERS.items()]
+    borders += [("bindings", crate, allowed) for crate, allowed in BINDING_BORDERS.items()]
+    for folder, crate, allowed in borders:
+        manifest = workspace / folder / crate / "Cargo.toml"
         dependencies = tomllib.loads(manifest.read_text()).get("dependencies", {})
         for name in sorted(set(dependencies) & set(CRATE_BORDERS) - allowed):
             yield manifest, 1, f"the crate {crate} must not know {name}"

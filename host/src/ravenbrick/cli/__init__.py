@@ -17,6 +17,7 @@ from ravenbrick.cli.report import report_command
 from ravenbrick.cli.run import run_command
 from ravenbrick.cli.schedule import schedule_command
 from ravenbrick.cli.upload import upload_command
+from ravenbrick.cli.view import view_command
 
 __all__ = [
     "build_command",
@@ -33,6 +34,7 @@ __all__ = [
     "run_command",
     "schedule_command",
     "upload_command",
+    "view_command",
 ]
 
 

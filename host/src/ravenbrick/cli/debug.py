@@ -20,10 +20,10 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError
 from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.robot import read_robot
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 
@@ -31,8 +31,6 @@ __all__ = ["GDB", "debug_command", "gdb_command"]
 
 GDB = "gdb-multiarch"
 LOOPBACK = "127.0.0.1"
-# Surroundings without inputs: the user sets them with `monitor set`.
-NO_SCENARIO = 'schema_version = 1\nname = "debug"\nseed = 1\nduration_ms = 1\n'
 # GDB keeps registers across a reset that it does not know of.
 RESET = "define reset\nmonitor reset\nmaintenance flush register-cache\nend\n"
 RESET += "document reset\nBegin the run again.\nend\n"
@@ -42,15 +40,6 @@ def gdb_command(program: str, elf: Path, port: int, script: Path | None = None) 
     """The command line that connects GDB to the server."""
     commands = ["-x", str(script)] if script else []
     return [program, "-q", *commands, "-ex", f"target remote {LOOPBACK}:{port}", str(elf)]
-
-
-def _scenario(directory: Path, name: str | None, robot: Robot) -> Scenario:
-    if name is not None:
-        return read_scenario(scenario_path(directory, name), robot)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "debug.toml"
-        file.write_text(NO_SCENARIO)
-        return read_scenario(file, robot)
 
 
 def _serve(brick: Any, port: int, **wishes: Any) -> None:
@@ -122,7 +111,7 @@ def debug_command(
 ) -> dict[str, Any]:
     """Debug the program with GDB, forwards and backwards in time."""
     robot = read_robot(directory)
-    chosen = _scenario(directory, scenario, robot)
+    chosen = scenario_or_none(directory, scenario, robot)
     loaded = read_image(elf or Workspace.of(directory).image(image.kind, robot.name))
     brick = VirtualTarget().prepare(robot, chosen, loaded)
     if gdb:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.protocol import Progress, Target, no_progress
 from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Scenario, read_scenario
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.design import Design, read_design
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
@@ -30,10 +31,13 @@ __all__ = [
     "play",
     "project_scenarios",
     "read_run",
+    "scenario_or_none",
     "task_rows",
 ]
 
 DESIGN_SCRIPT = "design.py"
+# Surroundings without inputs: the user sets them.
+NO_SCENARIO = 'schema_version = 1\nname = "free"\nseed = 1\nduration_ms = 1\n'
 
 
 def design_project(workspace: Workspace) -> Design:
@@ -153,3 +157,13 @@ def shown_path(path: Path) -> str:
     """A path relative to where the user is, when it lies below."""
     here = Path.cwd()
     return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
+
+
+def scenario_or_none(directory: Path, name: str | None, robot: Robot) -> Scenario:
+    """The scenario of this name; without a name, one in which nothing happens."""
+    if name is not None:
+        return read_scenario(scenario_path(directory, name), robot)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "free.toml"
+        file.write_text(NO_SCENARIO)
+        return read_scenario(file, robot)

@@ -16,8 +16,10 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import TASK_HEAD, play, read_run, task_rows
 from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.run_file import read_run_file
 from ravenbrick.target.scenario import (
     Scenario,
     check_expectations,
@@ -55,10 +57,8 @@ def _with_options(
     return extended
 
 
-def _replayed(scenario: Scenario, replay: Path | None) -> tuple[Scenario, Recording | None]:
-    """The scenario as it is to be run: with the recorded inputs in place of its own."""
-    if replay is None:
-        return scenario, None
+def _replayed(scenario: Scenario, replay: Path) -> tuple[Scenario, str]:
+    """The scenario with the inputs of a recording in place of its own, and the old digest."""
     recording = Recording.load(replay)
     if recording.scenario != scenario.name:
         raise UsageError(
@@ -66,7 +66,29 @@ def _replayed(scenario: Scenario, replay: Path | None) -> tuple[Scenario, Record
             f"'{scenario.name}'; name that scenario"
         )
     inputs = tuple(replace(timed, place=f"{replay}:1") for timed in recording.inputs)
-    return replace(scenario, inputs=(), stimuli=inputs), recording
+    return replace(scenario, inputs=(), stimuli=inputs), recording.digest
+
+
+def _from_page(robot: Robot, scenario: Scenario, replay: Path) -> tuple[Scenario, str]:
+    """The scenario's surroundings with inputs and end of a run of the page, and its digest."""
+    run = read_run_file(replay)
+    if run.configuration != brick_configuration(robot, scenario, MASTER_CLOCK):
+        raise UsageError(
+            f"{replay}: was run in other surroundings than those of '{scenario.name}' (sensors, "
+            "robot.toml, seed); name the scenario of that run, or open the file in the page"
+        )
+    played = replace(
+        scenario,
+        inputs=(),
+        stimuli=run.inputs,
+        duration_ms=run.until_ms,
+        pictures_ms=(),
+        criteria=(),
+        expectations=(),
+        straight=None,
+        step=None,
+    )
+    return played, run.digest
 
 
 def _callback(text: str | None, period_ms: int, replay: Path | None) -> Callback | None:
@@ -94,7 +116,8 @@ def run_command(
         typer.Option(help="What must be seen: a sentence, or a file of them; may be repeated."),
     ] = None,
     stimulus: Annotated[
-        list[Path] | None, typer.Option(help="Inputs over time, .csv or .vcd; may be repeated.")
+        list[Path] | None,
+        typer.Option(help="Inputs over time: .csv, .vcd, or a run of the page; may be repeated."),
     ] = None,
     callback: Annotated[
         str | None, typer.Option(help="Python function that gives inputs: module:function.")
@@ -103,7 +126,7 @@ def run_command(
         int, typer.Option(min=1, help="How often to ask the callback.")
     ] = 10,
     replay: Annotated[
-        Path | None, typer.Option(help="Play the inputs of this recording instead.")
+        Path | None, typer.Option(help="Play the inputs of this recording, or run of the page.")
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
@@ -111,21 +134,25 @@ def run_command(
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
+    original: str | None = None
+    if replay is not None and replay.suffix == ".json":
+        chosen, original = _from_page(robot, chosen, replay)
     chosen = _with_options(chosen, robot, expect or [], stimulus or [])
-    played, original = _replayed(chosen, replay)
+    if replay is not None and original is None:
+        chosen, original = _replayed(chosen, replay)
     target = VirtualTarget(callback=_callback(callback, callback_period_ms, replay))
     loaded = read_image(elf or workspace.image(image.kind, robot.name))
     reporter = Reporter(json_output)
     with reporter.step(f"run '{chosen.name}'") as step:
-        recording = play(workspace, robot, played, loaded, target, step.progress)
-        run = read_run(robot, chosen if original is None else played, recording)
+        recording = play(workspace, robot, chosen, loaded, target, step.progress)
+        run = read_run(robot, chosen, recording)
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.3f} s on the brick"
     _show(run, reporter)
     kept = workspace.recording(chosen.name, loaded.kind)
     reporter.print(f"recording: {workspace.shown(kept)}")
     answer: dict[str, Any] = {**run_summary(run), "recording": str(kept)}
     if original is not None:
-        same = original.digest == recording.digest
+        same = original == recording.digest
         reporter.print("the same run again" if same else "ANOTHER trace digest than the replayed")
         answer["same_as_replayed"] = same
     require_criteria(run.criteria)

@@ -101,17 +101,22 @@ class Sequence:
 def read_stimulus(
     path: Path, clock: Clock, channels: Channels, delay_ms: int = 0
 ) -> tuple[TimedInput, ...]:
-    """Read a .csv or .vcd file.
+    """Read a .csv or .vcd file, or a run that the page saved (.json).
 
     Raises `ScenarioError` for a missing file, `ProjectFileError` with file and line for a wrong
     one, `ToolMissingError` when the library for the format is not installed.
     """
-    from ravenbrick.target import stimulus_csv, stimulus_vcd
+    from ravenbrick.target import stimulus_csv, stimulus_run, stimulus_vcd
 
-    readers = {".csv": stimulus_csv.read, ".vcd": stimulus_vcd.read}
+    readers = {
+        ".csv": stimulus_csv.read,
+        ".json": stimulus_run.read,
+        ".vcd": stimulus_vcd.read,
+    }
     reader = readers.get(path.suffix.lower())
     if reader is None:
-        raise ProjectFileError(path, 1, "", "is neither .csv nor .vcd; convert it to one of them")
+        known = ", ".join(readers)
+        raise ProjectFileError(path, 1, "", f"is none of {known}; convert it to one of them")
     if not path.is_file():
         raise ScenarioError(f"{path}: there is no such stimulus file; correct its name")
     sequence = Sequence(path, clock, Fraction(delay_ms, 1000))

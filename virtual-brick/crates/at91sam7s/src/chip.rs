@@ -159,6 +159,11 @@ impl<B: Board> Chip<B> {
         &mut self.board
     }
 
+    /// Levels of pins PA0 to PA31 as the PIO controller last saw them, one bit each.
+    pub fn pins(&self) -> u32 {
+        self.pio.pins()
+    }
+
     /// The processor clock is stopped until an interrupt is asserted.
     #[inline(always)]
     pub fn processor_stopped(&self) -> bool {

@@ -83,7 +83,9 @@ impl Recording {
     pub fn samples(&self, first: u64, end: u64) -> Vec<i16> {
         let mut samples = vec![0; end.saturating_sub(first) as usize];
         for stretch in &self.stretches {
-            for (number, sample) in (stretch.first..).zip(&stretch.samples) {
+            let passed = first.saturating_sub(stretch.first);
+            let rest = stretch.samples.get(passed as usize..).unwrap_or_default();
+            for (number, sample) in (stretch.first + passed..).zip(rest) {
                 let place = number.checked_sub(first).map(|place| place as usize);
                 if let Some(slot) = place.and_then(|place| samples.get_mut(place)) {
                     *slot = *sample;

@@ -167,12 +167,17 @@ impl Events {
 
     /// The events from the first to the last.
     pub fn iter(&self) -> impl Iterator<Item = Event> + '_ {
-        let columns = self
-            .at_cycles
+        self.iter_from(0)
+    }
+
+    /// The events from position `first` on.
+    pub fn iter_from(&self, first: usize) -> impl Iterator<Item = Event> + '_ {
+        let first = first.min(self.len());
+        let columns = self.at_cycles[first..]
             .iter()
-            .zip(&self.kinds)
-            .zip(&self.subjects)
-            .zip(&self.values);
+            .zip(&self.kinds[first..])
+            .zip(&self.subjects[first..])
+            .zip(&self.values[first..]);
         columns.map(|(((&at_cycles, &kind), &subject), &value)| Event {
             at_cycles,
             kind,
@@ -184,8 +189,15 @@ impl Events {
     /// All events packed one after the other, [`PACKED_EVENT_LENGTH`] bytes each.
     #[must_use]
     pub fn pack(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(self.len() * PACKED_EVENT_LENGTH);
-        self.iter()
+        self.pack_from(0)
+    }
+
+    /// The events from position `first` on, packed.
+    #[must_use]
+    pub fn pack_from(&self, first: usize) -> Vec<u8> {
+        let count = self.len().saturating_sub(first);
+        let mut bytes = Vec::with_capacity(count * PACKED_EVENT_LENGTH);
+        self.iter_from(first)
             .for_each(|event| bytes.extend_from_slice(&event.packed()));
         bytes
     }

@@ -61,6 +61,12 @@ impl VirtualBrick {
         self.recorder.running_thread(&ChipMemory(&self.chip))
     }
 
+    /// Levels of the chip's pins PA0 to PA31, one bit each.
+    #[must_use]
+    pub fn pins(&self) -> u32 {
+        self.chip.pins()
+    }
+
     /// What can be set from outside on this brick.
     #[must_use]
     pub fn inputs(&self) -> &[nxt::InputDescription] {

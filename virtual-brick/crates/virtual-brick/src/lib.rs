@@ -20,12 +20,16 @@ mod run;
 mod stop;
 mod threads;
 
+pub use arm7tdmi::Step as CpuStep;
 pub use brick::{BrickError, Snapshot, VirtualBrick};
 pub use checkpoint::{Checkpoint, NotPassed};
 pub use configuration::{Configuration, ConfigurationError};
-pub use image::{Image, ImageError, Placement, ScalarKind, Segment, Symbol, Symbols, Variable};
+pub use image::{
+    Image, ImageError, Lines, Placement, ScalarKind, Segment, Symbol, Symbols, Variable,
+};
 pub use inputs::InputError;
 pub use memory::MemoryError;
+pub use nxt::SOUND_SAMPLE_CYCLES;
 pub use observe::{Access, StepObserver};
 pub use outside::OutsideError;
 pub use probes::Probe;

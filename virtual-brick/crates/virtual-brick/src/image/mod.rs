@@ -5,6 +5,7 @@
 mod debug_types;
 mod error;
 mod header;
+mod lines;
 mod segments;
 mod symbols;
 mod variables;
@@ -13,6 +14,7 @@ use object::read::elf::ElfFile32;
 use object::LittleEndian;
 
 pub use error::ImageError;
+pub use lines::Lines;
 pub use segments::{Placement, Segment};
 pub use symbols::{Symbol, Symbols};
 pub use variables::{ScalarKind, Variable};
@@ -73,6 +75,12 @@ impl Image {
     #[must_use]
     pub fn symbols(&self) -> &Symbols {
         &self.symbols
+    }
+
+    /// The line table, read anew.
+    #[must_use]
+    pub fn lines(&self) -> Lines {
+        Lines::read(&self.elf)
     }
 
     /// Find a global object by name: `counter`, `functional_Y.correctedvoltage` or, for Ada,

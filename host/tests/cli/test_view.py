@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick view`, and runs of the page on the command line."""
+
+from __future__ import annotations
+
+import json
+import threading
+import urllib.error
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+import pytest
+from host.tests.support import fake_brick
+from typer.testing import CliRunner
+
+from ravenbrick.cli.app import app
+from ravenbrick.cli.view import page_server
+from ravenbrick.errors import ExitCode
+from ravenbrick.target import virtual
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.run_file import session_of
+from ravenbrick.target.scenario import read_scenario, scenario_path
+
+
+@pytest.fixture(autouse=True)
+def brick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A brick whose answers are known."""
+    monkeypatch.setattr(virtual, "_module", lambda: fake_brick)
+
+
+def call(*words: object) -> tuple[int, dict[str, Any]]:
+    """Exit code and JSON answer of a command."""
+    result = CliRunner().invoke(app, [str(word) for word in [*words, "--json"]])
+    return result.exit_code, json.loads(result.stdout)
+
+
+def bundle(project: Path) -> Path:
+    """A page that somebody built."""
+    folder = project.parent.parent / "build" / "page"
+    (folder / "assets").mkdir(parents=True)
+    (folder / "index.html").write_text("<p>page</p>")
+    (folder / "assets" / "brick.wasm").write_bytes(b"\0asm")
+    return folder
+
+
+def run_file(project: Path, file: Path, **changes: Any) -> Path:
+    """A run of the scenario 'drive' as the page would save it."""
+    robot = read_robot(project)
+    scenario = read_scenario(scenario_path(project, "drive"), robot)
+    run = session_of(robot, scenario)
+    run |= {"format": "ravenbrick run", "version": 1, "until_ms": 20_000, "digest": "0"}
+    file.write_text(json.dumps(run | changes))
+    return file
+
+
+def test_without_a_page_the_command_that_builds_it_is_named(project: Path) -> None:
+    """The bundle is not in the repository."""
+    code, answer = call("view", project, "--out", project / "there")
+    assert code == ExitCode.TOOL_MISSING
+    assert "run 'make page'" in answer["error"]
+    assert not (project / "there").exists()
+
+
+def test_a_folder_for_any_web_server_has_page_session_and_image(
+    project: Path, tmp_path: Path
+) -> None:
+    """`--out` writes what the server would serve."""
+    bundle(project)
+    folder = tmp_path / "there"
+    assert call("view", project, "drive", "--out", folder)[0] == ExitCode.OK
+    session = json.loads((folder / "session.json").read_text())
+    assert (session["project"], session["scenario"]) == ("vehicle", "drive")
+    assert session["inputs"][0] == {"at_cycles": 48_054_858, "name": "touch.1", "value": 1.0}
+    assert {task["name"] for task in session["tasks"]} >= {"control_task", "display_task"}
+    assert (folder / "image.elf").read_bytes()[:4] == b"\x7fELF"
+    assert (folder / "assets" / "brick.wasm").is_file()
+    assert call("view", project, "--out", folder)[0] == ExitCode.USAGE
+
+
+def test_the_server_gives_the_page_the_project_and_nothing_else(project: Path) -> None:
+    """Types, policy, and no way out of the bundle."""
+    (project.parent.parent / "build" / "secret").parent.mkdir(exist_ok=True)
+    folder = bundle(project)
+    (folder.parent / "secret").write_text("secret")
+    with page_server(folder, {"session.json": b"{}"}, 0) as server:
+        assert server.server_address[0] == "127.0.0.1"
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{server.server_port}"
+        with urllib.request.urlopen(f"{address}/assets/brick.wasm") as answer:
+            assert answer.headers["Content-Type"] == "application/wasm"
+            assert "default-src 'self'" in answer.headers["Content-Security-Policy"]
+        with urllib.request.urlopen(f"{address}/session.json") as answer:
+            assert (answer.read(), answer.headers["Content-Type"]) == (b"{}", "application/json")
+        for path in ("/../secret", "/%2e%2e/secret", "/absent"):
+            with pytest.raises(urllib.error.HTTPError, match="404"):
+                urllib.request.urlopen(f"{address}{path}")
+        server.shutdown()
+
+
+def test_a_port_in_use_is_a_sentence(project: Path) -> None:
+    """As for the debugger's server."""
+    with page_server(bundle(project), {}, 0) as server:
+        code, answer = call("view", project, "--port", server.server_port, "--no-browser")
+    assert code == ExitCode.USAGE
+    assert f"port {server.server_port}" in answer["error"]
+
+
+def test_a_run_of_the_page_is_replayed_to_its_end(project: Path, tmp_path: Path) -> None:
+    """Inputs and end are the page's; the digest is compared."""
+    file = run_file(project, tmp_path / "kept.json")
+    code, answer = call("run", project, "drive", "--replay", file)
+    assert code == ExitCode.OK
+    assert answer["same_as_replayed"] is False
+    file = run_file(project, tmp_path / "same.json", digest=answer["trace_digest"])
+    assert call("run", project, "drive", "--replay", file)[1]["same_as_replayed"] is True
+
+
+def test_inputs_of_the_page_are_a_stimulus(project: Path, tmp_path: Path) -> None:
+    """They come besides those of the scenario."""
+    turn = {"name": "motor.A.hand_angle"}
+    inputs = [turn | {"at_cycles": 478_145_829, "value": 0.2}]
+    inputs += [turn | {"at_cycles": 479_106_926, "value": 0.0}]
+    file = run_file(project, tmp_path / "hand.json", inputs=inputs)
+    code, fed = call("run", project, "drive", "--stimulus", file)
+    assert code == ExitCode.OK, fed
+    assert fed["trace_digest"] != call("run", project, "drive")[1]["trace_digest"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "named"),
+    [
+        ({"format": "other"}, ExitCode.PROJECT_FILE, "format"),
+        ({"version": 2}, ExitCode.PROJECT_FILE, "version"),
+        ({"inputs": [{"name": "touch.1"}]}, ExitCode.PROJECT_FILE, "at_cycles"),
+        ({"inputs": 5}, ExitCode.PROJECT_FILE, "inputs"),
+        ({"configuration": {}}, ExitCode.USAGE, "other surroundings"),
+    ],
+)
+def test_a_wrong_run_file_is_refused(
+    project: Path, tmp_path: Path, changes: dict[str, Any], code: int, named: str
+) -> None:
+    """With the field, or what differs."""
+    file = run_file(project, tmp_path / "wrong.json", **changes)
+    found, answer = call("run", project, "drive", "--replay", file)
+    assert (found, named in answer["error"]) == (code, True)

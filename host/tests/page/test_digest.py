@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One run, three builds of the virtual brick: the same trace digest."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from host.tests.conftest import VEHICLE
+
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.run_file import session_of
+from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+
+ROOT = VEHICLE.parent.parent
+ELF = Workspace.of(VEHICLE).image("ram", "vehicle")
+CRATES = ROOT / "virtual-brick"
+GLUE = ROOT / "web" / "generated" / "virtual_brick_bg.wasm"
+SCENARIOS = ("drive", "step")
+
+pytestmark = pytest.mark.skipif(
+    not ELF.is_file(), reason="the vehicle is not built; 'ravenbrick build' builds it"
+)
+
+
+@pytest.fixture(params=SCENARIOS)
+def run(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, str]:
+    """A run file of a whole scenario, and the digest that the Python module gives it."""
+    robot = read_robot(VEHICLE)
+    scenario = read_scenario(scenario_path(VEHICLE, request.param), robot)
+    end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
+    file = tmp_path / "run.json"
+    file.write_text(json.dumps(session_of(robot, scenario) | {"until_cycles": end}))
+    return file, VirtualTarget().run(robot, scenario, read_image(ELF)).digest
+
+
+def said(*command: object) -> str:
+    """What a program printed."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=CRATES, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_native_is_python(run: tuple[Path, str]) -> None:
+    """The façade's example, without any binding."""
+    file, digest = run
+    cargo = ["cargo", "run", "--locked", "--quiet", "-p", "virtual-brick", "--example", "digest"]
+    assert said(*cargo, "--", file, ELF) == digest
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="Node.js is not installed (nodejs)")
+@pytest.mark.skipif(not GLUE.is_file(), reason="the page is not built; 'make page' builds it")
+def test_web_assembly_is_python(run: tuple[Path, str]) -> None:
+    """The module of the page, run by Node.js."""
+    file, digest = run
+    script = CRATES / "bindings" / "wasm" / "digest.mjs"
+    assert json.loads(said("node", script, file, ELF))["digest"] == digest

@@ -1,0 +1,233 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+import { statSync, readdirSync } from "node:fs";
+import { gzipSync } from "node:zlib";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Browser, BrowserContext, Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import {
+  downloaded,
+  inked,
+  launch,
+  passes,
+  picture,
+  ravenbrick,
+  ROOT,
+  serve,
+  shownTime,
+} from "./harness";
+
+let browser: Browser;
+let drive: Awaited<ReturnType<typeof serve>>;
+let free: Awaited<ReturnType<typeof serve>>;
+
+beforeAll(async () => {
+  [browser, drive, free] = await Promise.all([launch(), serve("drive"), serve()]);
+});
+
+afterAll(async () => {
+  drive?.end();
+  free?.end();
+  await browser?.close();
+});
+
+/** A page that has loaded its brick, with what it asked of the network and complained about. */
+async function open(address: string, options: Parameters<Browser["newContext"]>[0] = {}) {
+  const context: BrowserContext = await browser.newContext({
+    viewport: { width: 1280, height: 900 },
+    ...options,
+  });
+  const page: Page = await context.newPage();
+  const requests: string[] = [];
+  const complaints: string[] = [];
+  page.on("request", (request) => requests.push(request.url()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+  await page.goto(address);
+  await page.waitForFunction(() => document.title.includes("–"));
+  return { context, page, requests, complaints };
+}
+
+const status = (page: Page) => page.textContent("#status");
+
+describe("sample: the drive in the tab", () => {
+  it("has the digest of the run on this machine, and plays again on it", async () => {
+    const native = await ravenbrick("run", "examples/vehicle", "drive");
+    const { context, page, requests, complaints } = await open(drive.address);
+    await picture(page, "1-ready");
+    await page.selectOption("#speed", "2");
+    await page.click("#run");
+    await passes(page, 3);
+    await picture(page, "2-driving");
+    await page.selectOption("#speed", "Infinity");
+    expect(await inked(page, "#lcd")).toBeGreaterThan(0.02);
+    expect(await inked(page, "#floor-view")).toBeGreaterThan(0.001);
+    expect(await inked(page, "#timeline-view")).toBeGreaterThan(0.005);
+    await page.waitForFunction(() =>
+      document.querySelector("#status")?.textContent?.startsWith("Ended (power off)"),
+    { timeout: 90_000 });
+    await picture(page, "3-ended");
+    const saved = await downloaded(page, "#save-run");
+    expect((JSON.parse(saved.text) as { digest: string }).digest).toBe(native["trace_digest"]);
+    const replay = ["run", "examples/vehicle", "drive", "--replay", saved.path];
+    expect((await ravenbrick(...replay))["same_as_replayed"]).toBe(true);
+    expect(requests.filter((url) => !url.startsWith(drive.address) && !url.startsWith("blob:")))
+      .toEqual([]);
+    expect(complaints).toEqual([]);
+    await context.close();
+  });
+});
+
+describe("steering by hand", () => {
+  it("drives with the joystick; run, link and inputs are the same run again", async () => {
+    const { context, page } = await open(free.address);
+    await page.selectOption("#speed", "5");
+    await page.keyboard.press("Space");
+    await passes(page, 1);
+    await page.keyboard.down("t");
+    await page.waitForTimeout(60);
+    await page.keyboard.up("t");
+    await passes(page, 4);
+    for (let turn = 0; turn < 4; turn += 1) await page.keyboard.press("a");
+    await passes(page, 7);
+    await page.keyboard.press("s");
+    await page.keyboard.press("Space");
+    const pose = (await page.textContent("#pose")) ?? "";
+    expect(Math.abs(Number(/heading (-?\d+)/.exec(pose)?.[1]))).toBeGreaterThan(5);
+    await picture(page, "4-by-hand");
+
+    const saved = await downloaded(page, "#save-run");
+    const { digest, until_ms } = JSON.parse(saved.text) as { digest: string; until_ms: number };
+    expect(Math.ceil((await shownTime(page)) * 1000)).toBe(until_ms);
+    const inputs = await downloaded(page, "#save-inputs");
+    expect(inputs.text).toMatch(/^at_cycles,motor\.A\.hand_angle,touch\.1\n/);
+    // The scenario 'drive' has a deviation: an open scenario has the same surroundings.
+    const idle = join(ROOT, "out", "page", "idle.toml");
+    const { writeFileSync } = await import("node:fs");
+    writeFileSync(
+      idle,
+      `schema_version = 1\nname = "idle"\nseed = 1\nduration_ms = ${until_ms}\n`,
+    );
+    const again = await ravenbrick("run", "examples/vehicle", idle, "--replay", saved.path);
+    expect(again["same_as_replayed"]).toBe(true);
+    const fed = await ravenbrick("run", "examples/vehicle", idle, "--stimulus", inputs.path);
+    expect(fed["trace_digest"]).toBe(digest);
+
+    await page.click("#save-link");
+    await page.waitForFunction(() => location.hash.startsWith("#run="));
+    const link = page.url();
+    const other = await context.newPage();
+    await other.goto(link);
+    await other.waitForFunction(() =>
+      /same run again|ANOTHER/.test(document.querySelector("#status")?.textContent ?? ""),
+    { timeout: 60_000 });
+    expect(await other.textContent("#status")).toBe(`The same run again: trace digest ${digest}`);
+    await context.close();
+  });
+
+  it("plugs, presses and breaks things", async () => {
+    const { context, page } = await open(free.address);
+    await page.selectOption('[aria-label="Sensor at port 4"]', "ultrasonic");
+    await page.waitForSelector('[data-input="distance.4"]');
+    await page.click("#run");
+    await page.check('[data-input="fault.twi_stuck"]');
+    await page.uncheck('[data-input="sensor.1.plugged"]');
+    await page.fill('[data-input="battery.voltage"]', "6.58");
+    await passes(page, 2);
+    expect(await page.textContent("#battery-voltage")).toBe("6.58 V");
+    await page.hover('[aria-label^="Orange"]');
+    await page.mouse.down();
+    expect(await page.getAttribute('[aria-label^="Orange"]', "aria-pressed")).toBe("true");
+    await picture(page, "5-faults");
+    await page.mouse.up();
+    await page.click("#reset");
+    expect(await shownTime(page)).toBe(0);
+    await context.close();
+  });
+});
+
+describe("time", () => {
+  it("is stepped by instruction, line and job, and keeps to real time", async () => {
+    const { context, page } = await open(drive.address);
+    await page.click("#run");
+    await page.waitForTimeout(1500);
+    await page.click("#run");
+    const rate = await shownTime(page);
+    expect(rate).toBeGreaterThan(0.5);
+    expect(rate).toBeLessThan(3);
+    const places: (string | null)[] = [];
+    for (const button of ["#step-i", "#step-i", "#step-l", "#step-j"]) {
+      const before = await page.textContent("#time");
+      await page.click(button);
+      await page.waitForFunction((old) => {
+        return document.querySelector("#time")?.textContent !== old;
+      }, before);
+      places.push(await page.textContent("#place"));
+    }
+    expect(places[2]).toMatch(/\.(ad[bs]|[cS]):\d+/);
+    await page.fill("#channel", "symbol:vehicle_control_left");
+    await page.keyboard.press("Enter");
+    await page.selectOption('[aria-label="Width of the schedule"]', "10");
+    await page.click("#step-j");
+    await picture(page, "6-stepped");
+    expect(await page.textContent('[aria-label="Shown channels"]')).toContain("control_left");
+    await page.fill("#channel", "symbol:nonsense");
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() =>
+      document.querySelector("#status")?.textContent?.includes("nonsense"),
+    );
+    await context.close();
+  });
+});
+
+describe("small and off-line", () => {
+  it("fits a phone, in the dark too", async () => {
+    const phone = { width: 360, height: 740 };
+    const { context, page } = await open(drive.address, {
+      viewport: phone,
+      colorScheme: "dark",
+      hasTouch: true,
+    });
+    await page.selectOption("#speed", "20");
+    await page.click("#run");
+    await passes(page, 3);
+    const width = await page.evaluate(() => document.documentElement.scrollWidth);
+    expect(width).toBeLessThanOrEqual(phone.width);
+    await picture(page, "7-phone-dark");
+    await context.close();
+  });
+
+  it("works without its server once it was loaded", async () => {
+    const { context, page } = await open(drive.address);
+    await page.evaluate(() => navigator.serviceWorker.ready.then(() => undefined));
+    // The second visit goes through the service worker and fills its cache.
+    await page.reload();
+    await page.waitForFunction(() => document.title.includes("–"));
+    await page.waitForTimeout(500);
+    await context.setOffline(true);
+    await page.reload();
+    await page.waitForFunction(() => document.title.includes("–"));
+    await page.click("#run");
+    await passes(page, 0.2);
+    await context.close();
+  });
+
+  it("is small and paints soon", async () => {
+    const assets = join(ROOT, "build", "page", "assets");
+    const packed = readdirSync(assets).map((name) => {
+      return [name, gzipSync(readFileSync(join(assets, name))).length] as const;
+    });
+    const total = packed.reduce((sum, [, bytes]) => sum + bytes, 0);
+    const raw = readdirSync(assets).reduce((sum, n) => sum + statSync(join(assets, n)).size, 0);
+    const { context, page } = await open(drive.address);
+    const paint = await page.evaluate(() =>
+      performance.getEntriesByName("first-contentful-paint").map((entry) => entry.startTime),
+    );
+    console.log(`page: ${raw} bytes, ${total} packed, first paint ${paint[0]?.toFixed(0)} ms`);
+    expect(total).toBeLessThan(500_000);
+    expect(paint[0]).toBeLessThan(2000);
+    expect(await status(page)).toContain("vehicle");
+    await context.close();
+  });
+});

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+/** Run, pause, step, speed, reset, and files. */
+import { seconds } from "./clock";
+import { el } from "./dom";
+import type { Frame, StepBy } from "./protocol";
+
+export interface Controls {
+  toggle(): void;
+  reset(): void;
+  step(by: StepBy): void;
+  speed(factor: number): void;
+  save(as: "file" | "link" | "inputs"): void;
+  open(file: File): void;
+}
+
+const SPEEDS: [string, number][] = [
+  ["1/100", 0.01],
+  ["1/10", 0.1],
+  ["1/4", 0.25],
+  ["1×", 1],
+  ["2×", 2],
+  ["5×", 5],
+  ["20×", 20],
+  ["fastest", Infinity],
+];
+
+export class Toolbar {
+  readonly element: HTMLElement;
+  readonly thread = el("select", { "aria-label": "Whose job to step" });
+  private readonly runButton: HTMLButtonElement;
+  private readonly time = el("output", { id: "time", "aria-label": "Virtual time" }, "0.000 s");
+  private readonly rate = el("output", { id: "rate", "aria-label": "Times real speed" });
+  private readonly place = el("output", { id: "place", "aria-label": "Next instruction" });
+  private readonly status = el("p", { id: "status", role: "status" });
+  private readonly speeds: HTMLSelectElement;
+  private names = "";
+
+  constructor(
+    private readonly controls: Controls,
+    extra: HTMLElement,
+  ) {
+    const button = (label: string, title: string, act: () => void, id: string) =>
+      el("button", { type: "button", title, id, click: act }, label);
+    this.runButton = button("Run", "Run or pause (space)", () => controls.toggle(), "run");
+    const steps = [
+      button("Instruction", "One instruction (.)", () => controls.step("instruction"), "step-i"),
+      button("Line", "To another source line (,)", () => controls.step("line"), "step-l"),
+      button("Job", "To the end of a job (j)", () => controls.step("job"), "step-j"),
+    ];
+    const options = SPEEDS.map(([label, factor]) =>
+      el("option", { value: factor, selected: factor === 1 }, label),
+    );
+    this.speeds = el("select", { id: "speed", "aria-label": "Speed" }, ...options);
+    this.speeds.addEventListener("change", () => controls.speed(Number(this.speeds.value)));
+    const reset = button("Reset", "Begin again (r)", () => controls.reset(), "reset");
+    this.element = el(
+      "header",
+      {},
+      el("h1", {}, "Ravenbrick"),
+      el(
+        "div",
+        { class: "row", role: "toolbar", "aria-label": "Run" },
+        ...[this.runButton, reset, this.speeds],
+        el("span", { class: "group" }, "Step:", ...steps, this.thread),
+        extra,
+        this.files(button),
+      ),
+      el("div", { class: "row readings" }, this.time, this.rate, this.place),
+      this.status,
+    );
+  }
+
+  private files(
+    button: (label: string, title: string, act: () => void, id: string) => HTMLButtonElement,
+  ): HTMLElement {
+    const { save, open } = this.controls;
+    const input = el("input", {
+      type: "file",
+      id: "open",
+      class: "unseen",
+      tabindex: -1,
+      "aria-label": "Program or saved run",
+      change: () => {
+        if (input.files?.[0]) open(input.files[0]);
+        input.value = "";
+      },
+    });
+    return el(
+      "span",
+      { class: "group" },
+      input,
+      button("Open …", "A program (.elf) or a saved run (.json)", () => input.click(), "open-file"),
+      button("Save run", "Program, inputs and seed as a file", () => save("file"), "save-run"),
+      button("Link", "The run as a link, in the clipboard", () => save("link"), "save-link"),
+      button("Inputs", "Inputs as a stimulus (.csv)", () => save("inputs"), "save-inputs"),
+    );
+  }
+
+  frame({ cycles, running, achieved, stop, place }: Frame): void {
+    this.runButton.textContent = running ? "Pause" : "Run";
+    this.time.value = `${seconds(cycles).toFixed(running ? 3 : 6)} s`;
+    this.rate.value = achieved > 0 ? `${achieved.toPrecision(3)} × real time` : "";
+    const ended = stop && stop.reason !== "reached";
+    if (ended) this.say(`Ended (${stop.reason.replace("_", " ")}): ${stop.message}`);
+    if (!place) {
+      this.place.value = "";
+      return;
+    }
+    const line = place.file ? `${place.file.split("/").pop()}:${place.line}` : "no source line";
+    const at = place.pc.toString(16).padStart(8, "0").toUpperCase();
+    this.place.value = `${at} ${place.function ?? ""} (${line})`;
+  }
+
+  setThreads(names: string[]): void {
+    if (names.join() === this.names) return;
+    this.names = names.join();
+    const chosen = this.thread.value;
+    const any = el("option", { value: "" }, "any task");
+    const others = names.map((name) => el("option", { value: name }, name));
+    this.thread.replaceChildren(any, ...others);
+    if (names.includes(chosen)) this.thread.value = chosen;
+  }
+
+  setSpeed(factor: number): void {
+    this.speeds.value = String(factor);
+  }
+
+  /** One notch slower (-1) or faster (1). */
+  shift(by: number): void {
+    const at = SPEEDS.findIndex(([, factor]) => factor === Number(this.speeds.value));
+    const next = SPEEDS[at + by];
+    if (!next) return;
+    this.setSpeed(next[1]);
+    this.controls.speed(next[1]);
+  }
+
+  say(text: string): void {
+    if (this.status.textContent !== text) this.status.textContent = text;
+  }
+}

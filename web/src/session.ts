@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+/** What is run: program, surroundings, tasks and inputs. */
+
+/** The configuration of the virtual brick; the core checks it and names what is wrong. */
+export interface Configuration {
+  seed?: number;
+  motors?: Record<string, object>;
+  body?: { kind: string; track?: number; wheel_radius?: number };
+  sensors?: Record<string, { kind: string }>;
+  [field: string]: unknown;
+}
+
+/** A task as robot.toml declares it; `bound_us` is the proven response time, when known. */
+export interface Task {
+  name: string;
+  period_us: number | null;
+  deadline_us: number | null;
+  priority: number;
+  bound_us?: number | null;
+}
+
+/** A scalar recorded with the signals. */
+export interface Probe {
+  symbol: string;
+  kind?: string;
+}
+
+/** An input at a cycle of the run. */
+export interface TimedInput {
+  at_cycles: number;
+  name: string;
+  value: number;
+}
+
+/** A program in its surroundings. */
+export interface Session {
+  project: string;
+  scenario: string | null;
+  configuration: Configuration;
+  probes: Probe[];
+  tasks: Task[];
+  inputs: TimedInput[];
+}
+
+/** A run that replays exactly: the session, the inputs that were applied, and how far. */
+export interface Run extends Session {
+  until_ms: number;
+  until_cycles: number;
+  digest: string;
+}
+
+/** A brick with a touch sensor and three free motors, for a program without a project. */
+export const PLAIN_SESSION: Session = {
+  project: "brick",
+  scenario: null,
+  configuration: {
+    seed: 1,
+    battery: { kind: "li_ion", voltage: 8.0, internal_resistance: 0.0 },
+    motors: Object.fromEntries(
+      ["A", "B", "C"].map((port) => [
+        port,
+        {
+          parameters: {
+            resistance: 6.8562,
+            torque_constant: 0.31739,
+            electric_constant: 0.46839,
+            viscous_friction: 0.0011278,
+            inertia: 0.000842,
+          },
+        },
+      ]),
+    ),
+    body: { kind: "bench" },
+    sensors: { "1": { kind: "touch" } },
+  },
+  probes: [],
+  tasks: [],
+  inputs: [],
+};
+
+/** Inputs as a stimulus for `ravenbrick run --stimulus`: exact, since instants are cycles. */
+export function stimulusCsv(inputs: readonly TimedInput[]): string {
+  const names = [...new Set(inputs.map((input) => input.name))].sort();
+  const rows = inputs.map((input) => {
+    const cells = names.map((name) => (name === input.name ? String(input.value) : ""));
+    return [input.at_cycles, ...cells].join(",");
+  });
+  return [["at_cycles", ...names].join(","), ...rows].join("\n") + "\n";
+}

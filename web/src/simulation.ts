@@ -1,0 +1,201 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+/** One brick and its run, steered by commands; knows neither the worker nor the page. */
+import { CLOCK_HZ, cyclesOfMs, msAtOrAfter } from "./clock";
+import type { Core, CoreClass } from "./core";
+import type { Frame, InputDescription, Place, Ready, Stop, Thread } from "./protocol";
+import type { Run, Session, TimedInput } from "./session";
+
+/** The wall clock is looked at after this many virtual milliseconds. */
+const PIECE_MS = 1;
+const RATE_WINDOW_MS = 500;
+const SCOPE_PERIOD_MS = 1;
+/** Before anybody sets them; the same inputs have no effect in a stimulus file. */
+const START: Record<string, number> = { touch: 0, button: 0, motor: 0 };
+
+export class Simulation {
+  private core!: Core;
+  private session!: Session;
+  private elf!: Uint8Array;
+  /** Inputs of the scenario or of a replayed run, scheduled at the beginning. */
+  private given: TimedInput[] = [];
+  private applied: TimedInput[] = [];
+  private stop: Stop | null = null;
+  private lcd: Uint8Array | null = null;
+  private eventsSeen = 0;
+  private soundSeen = 0;
+  private scope = { channels: [] as string[], period_ms: SCOPE_PERIOD_MS };
+  private lag = 0;
+  private rate = { wall: 0, cycles: 0, value: 0 };
+  private goal: Run | null = null;
+  running = false;
+  /** Virtual seconds per second; infinite for as fast as possible. */
+  factor = 1;
+
+  constructor(private readonly create: CoreClass) {}
+
+  /** Begin a run; throws the core's sentence when the image or configuration is refused. */
+  load(session: Session, elf: Uint8Array, goal: Run | null = null): Ready {
+    const core = new this.create(JSON.stringify(session.configuration), elf);
+    for (const probe of session.probes) core.add_probe(probe.symbol, probe.kind ?? "");
+    for (const input of session.inputs) {
+      core.schedule_input(input.at_cycles, input.name, input.value);
+    }
+    if (this.core) this.core.free();
+    this.core = core;
+    [this.session, this.elf, this.goal] = [session, elf, goal];
+    this.given = [...session.inputs].sort((a, b) => a.at_cycles - b.at_cycles);
+    this.applied = [];
+    [this.stop, this.lcd, this.running] = [null, null, false];
+    [this.eventsSeen, this.soundSeen, this.lag] = [0, 0, 0];
+    this.restoreScope();
+    return {
+      kind: "ready",
+      session,
+      inputs: JSON.parse(core.inputs()) as InputDescription[],
+      channels: JSON.parse(core.channels()) as Ready["channels"],
+      unobserved: core.threads_unobserved() ?? null,
+    };
+  }
+
+  /** The same run from its beginning, without what was set by hand. */
+  reset(): Ready {
+    return this.load(this.session, this.elf, this.goal);
+  }
+
+  get ended(): boolean {
+    return this.stop !== null && this.stop.reason !== "reached";
+  }
+
+  get cycles(): number {
+    return this.core.cycles();
+  }
+
+  /** A replayed run ends where it was saved. */
+  get atGoal(): boolean {
+    return this.goal !== null && this.cycles >= this.goal.until_cycles;
+  }
+
+  digest(): string {
+    return this.core.digest();
+  }
+
+  /** Set an input now; one that changes nothing is none. Throws when it is refused. */
+  input(name: string, value: number): void {
+    const before = this.inputsSoFar().findLast((input) => input.name === name)?.value;
+    if (value === (before ?? START[name.split(".")[0] ?? ""])) return;
+    const at_cycles = this.core.cycles();
+    this.core.schedule_input(at_cycles, name, value);
+    this.applied.push({ at_cycles, name, value });
+  }
+
+  chooseScope(channels: string[], period_ms: number): void {
+    this.core.choose_scope(channels, (period_ms * CLOCK_HZ) / 1000);
+    this.scope = { channels, period_ms };
+  }
+
+  step(by: string, thread: number): void {
+    this.running = false;
+    if (!this.ended) this.stop = JSON.parse(this.core.step(by, thread)) as Stop;
+  }
+
+  /** Run to a cycle. */
+  runTo(cycles: number): void {
+    const end = this.goal ? Math.min(cycles, this.goal.until_cycles) : cycles;
+    if (this.ended || end <= this.cycles) return;
+    this.stop = JSON.parse(this.core.run_until(end)) as Stop;
+  }
+
+  /** Catch up with `elapsed_ms` of wall time, but take no longer than `budget_ms` for it. */
+  advance(elapsed_ms: number, budget_ms: number, wall: () => number): void {
+    const began = wall();
+    const start = this.cycles;
+    const wanted = elapsed_ms * this.factor * (CLOCK_HZ / 1000) + this.lag;
+    const target = Number.isFinite(wanted) ? start + wanted : Infinity;
+    while (this.cycles < target && !this.ended && !this.atGoal) {
+      this.runTo(Math.min(this.cycles + cyclesOfMs(PIECE_MS), Math.ceil(target)));
+      if (wall() - began > budget_ms) break;
+    }
+    // What a slow machine could not do is given up: the run gets slower than asked for.
+    const late = target - this.cycles;
+    this.lag = late < cyclesOfMs(PIECE_MS) && Number.isFinite(late) ? late : 0;
+    if (this.ended || this.atGoal) this.running = false;
+  }
+
+  private achieved(wall: number): number {
+    const { cycles } = this;
+    if (!this.running || cycles < this.rate.cycles || wall - this.rate.wall > 4 * RATE_WINDOW_MS) {
+      this.rate = { wall, cycles, value: 0 };
+    } else if (wall - this.rate.wall >= RATE_WINDOW_MS) {
+      const virtual_ms = ((cycles - this.rate.cycles) / CLOCK_HZ) * 1000;
+      this.rate = { wall, cycles, value: virtual_ms / (wall - this.rate.wall) };
+    }
+    return this.rate.value;
+  }
+
+  /** What happened since the last frame. */
+  frame(wall: number): Frame {
+    const events = this.core.events(this.eventsSeen);
+    this.eventsSeen = this.core.event_count();
+    return {
+      kind: "frame",
+      cycles: this.cycles,
+      running: this.running,
+      achieved: this.achieved(wall),
+      stop: this.stop,
+      lcd: this.newPicture(),
+      signals: JSON.parse(this.core.signals()) as Frame["signals"],
+      events,
+      scope: this.core.take_scope(),
+      sound: this.newSound(),
+      threads: JSON.parse(this.core.threads()) as Thread[],
+      place: this.running ? null : (JSON.parse(this.core.place()) as Place),
+      inputs: this.inputsSoFar(),
+    };
+  }
+
+  /** Run on to a whole millisecond and describe the run up to there. */
+  save(): { run: Run; elf: Uint8Array } {
+    const until_ms = msAtOrAfter(this.cycles);
+    const until_cycles = cyclesOfMs(until_ms);
+    this.runTo(until_cycles);
+    const inputs = this.inputsSoFar();
+    const run = { ...this.session, inputs, until_ms, until_cycles, digest: this.digest() };
+    return { run, elf: this.elf };
+  }
+
+  private inputsSoFar(): TimedInput[] {
+    const due = this.given.filter((input) => input.at_cycles <= this.cycles);
+    return [...due, ...this.applied].sort((a, b) => a.at_cycles - b.at_cycles);
+  }
+
+  private newPicture(): Uint8Array | null {
+    const lcd = this.core.lcd();
+    if (this.lcd?.every((pixel, at) => pixel === lcd[at])) return null;
+    this.lcd = lcd;
+    return lcd.slice();
+  }
+
+  private newSound(): Int16Array {
+    const sample = this.create.sound_sample_cycles();
+    const whole = Math.floor(this.cycles / sample);
+    if (whole <= this.soundSeen) return new Int16Array();
+    const samples = this.core.sound(this.soundSeen * sample);
+    const wanted = samples.slice(0, whole - this.soundSeen);
+    this.soundSeen = whole;
+    return wanted.some((value) => value !== 0) ? wanted : new Int16Array();
+  }
+
+  /** Channels that the new brick does not have are left out. */
+  private restoreScope(): void {
+    const known = this.scope.channels.filter((channel) => {
+      try {
+        this.core.choose_scope([channel], 1);
+        return true;
+      } catch {
+        return false;
+      }
+    });
+    this.chooseScope(known, this.scope.period_ms);
+  }
+}

@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+/** The schedule as it happens: a lane per task and interrupt source, and a table of jobs. */
+import { CLOCK_HZ } from "../clock";
+import { colour, el, panel, surface } from "../dom";
+import { sourceName } from "../events";
+import type { Frame, Ready, Thread } from "../protocol";
+import { Schedule, type Lane, type Piece } from "../schedule";
+import type { Task } from "../session";
+import type { View } from "./view";
+
+const LANE_HEIGHT = 30;
+const LABEL_WIDTH = 130;
+const AXIS_HEIGHT = 18;
+const US = 1e6 / CLOCK_HZ;
+
+interface Row {
+  label: string;
+  lane: Lane;
+  task: Task | null;
+  interrupt: boolean;
+}
+
+function microseconds(cycles: number): string {
+  return `${(cycles * US).toFixed(0)} µs`;
+}
+
+export class Timeline implements View {
+  readonly element: HTMLElement;
+  private schedule = new Schedule();
+  private tasks: Task[] = [];
+  private threads: Thread[] = [];
+  private readonly canvas = el("canvas", {
+    id: "timeline-view",
+    role: "img",
+    "aria-label": "Schedule: execution of tasks and interrupts over time",
+  });
+  private readonly width = el(
+    "select",
+    { "aria-label": "Width of the schedule", change: () => this.draw() },
+    ...[2, 10, 50, 200, 1000].map((ms) =>
+      el("option", { value: ms, selected: ms === 50 }, `${ms} ms`),
+    ),
+  );
+  private readonly note = el("p", { class: "note" });
+  private readonly body = el("tbody", {});
+
+  constructor() {
+    const heads = ["task", "jobs", "last", "worst", "deadline", "bound", "misses", "processor"];
+    const head = el("tr", {}, ...heads.map((name) => el("th", { scope: "col" }, name)));
+    const table = el("table", {}, el("thead", {}, head), this.body);
+    const legend =
+      "Filled: executing. Outline: from release to completion. ↑ release, red: deadline missed.";
+    this.element = panel(
+      "timeline",
+      "Schedule",
+      el("div", { class: "row" }, this.width, el("span", { class: "note" }, legend)),
+      this.canvas,
+      el("div", { class: "scrolled" }, table),
+      this.note,
+    );
+  }
+
+  ready({ session, unobserved }: Ready): void {
+    this.schedule = new Schedule();
+    this.tasks = session.tasks;
+    this.threads = [];
+    this.note.textContent = unobserved ? `Tasks cannot be observed: ${unobserved}` : "";
+    this.draw();
+  }
+
+  frame(frame: Frame): void {
+    this.threads = frame.threads;
+    frame.threads.forEach((thread, index) => {
+      const deadline = this.task(thread.name)?.deadline_us;
+      this.schedule.setDeadline(index, deadline == null ? null : deadline / US);
+    });
+    this.schedule.add(frame.events, frame.cycles);
+    this.draw();
+    this.tabulate();
+  }
+
+  /** Index of the thread whose jobs are stepped: that of a task's name, or any. */
+  threadOf(name: string): number {
+    return this.threads.findIndex((thread) => thread.name === name);
+  }
+
+  get names(): string[] {
+    return this.threads.map((thread) => thread.name);
+  }
+
+  private task(name: string): Task | undefined {
+    return this.tasks.find((task) => task.name === name);
+  }
+
+  private rows(): Row[] {
+    const interrupts = [...this.schedule.interrupts]
+      .sort(([a], [b]) => a - b)
+      .map(([source, lane]) => ({ label: sourceName(source), lane, task: null, interrupt: true }));
+    const tasks = [...this.schedule.threads]
+      .map(([index, lane]) => ({ thread: this.threads[index], lane }))
+      .sort((a, b) => (b.thread?.priority ?? 0) - (a.thread?.priority ?? 0))
+      .map(({ thread, lane }) => ({
+        label: thread?.name || "?",
+        lane,
+        task: this.task(thread?.name ?? "") ?? null,
+        interrupt: false,
+      }));
+    return [...interrupts, ...tasks];
+  }
+
+  private draw(): void {
+    const rows = this.rows();
+    this.canvas.style.height = `${Math.max(1, rows.length) * LANE_HEIGHT + AXIS_HEIGHT}px`;
+    const drawing = surface(this.canvas);
+    if (!drawing) return;
+    const { context, width, height } = drawing;
+    const span = (Number(this.width.value) / 1000) * CLOCK_HZ;
+    const from = this.schedule.now - span;
+    const place = (at: number) => LABEL_WIDTH + ((at - from) / span) * (width - LABEL_WIDTH);
+    context.font = "12px system-ui, sans-serif";
+    rows.forEach((row, index) => this.lane(context, row, index * LANE_HEIGHT, from, place));
+    this.axis(context, width, height, from, span, place);
+  }
+
+  private lane(
+    context: CanvasRenderingContext2D,
+    row: Row,
+    top: number,
+    from: number,
+    place: (at: number) => number,
+  ): void {
+    const base = top + LANE_HEIGHT - 4;
+    context.fillStyle = colour("ink");
+    context.fillText(row.label, 4, base - 6, LABEL_WIDTH - 8);
+    context.save();
+    context.beginPath();
+    context.rect(LABEL_WIDTH, top, 1e5, LANE_HEIGHT);
+    context.clip();
+    const open = this.schedule.open(row.lane);
+    const pieces = open ? [...recent(row.lane.pieces, from), open] : recent(row.lane.pieces, from);
+    context.fillStyle = colour(row.interrupt ? "interrupt" : "accent");
+    for (const piece of pieces) {
+      const left = place(piece.from);
+      context.fillRect(left, top + 10, Math.max(0.75, place(piece.to) - left), base - top - 10);
+    }
+    for (const job of row.lane.jobs.slice(-500)) {
+      const end = job.completion ?? this.schedule.now;
+      if (end < from) continue;
+      context.strokeStyle = colour(job.missed ? "missed" : "job");
+      context.lineWidth = job.missed ? 2 : 1;
+      const left = place(job.release);
+      context.strokeRect(left, top + 8, Math.max(1, place(end) - left), base - top - 8);
+      context.beginPath();
+      context.moveTo(left, base);
+      context.lineTo(left, top + 1);
+      context.lineTo(left - 3, top + 5);
+      context.moveTo(left, top + 1);
+      context.lineTo(left + 3, top + 5);
+      context.stroke();
+    }
+    context.restore();
+  }
+
+  private axis(
+    context: CanvasRenderingContext2D,
+    width: number,
+    height: number,
+    from: number,
+    span: number,
+    place: (at: number) => number,
+  ): void {
+    const step = span / 5;
+    context.fillStyle = colour("ink");
+    context.textAlign = "center";
+    for (let at = Math.ceil(from / step) * step; at <= from + span; at += step) {
+      const x = place(at);
+      if (at < 0 || x > width - 20) continue;
+      context.fillText(`${((at / CLOCK_HZ) * 1000).toFixed(1)} ms`, x, height - 4);
+    }
+    context.textAlign = "start";
+  }
+
+  private tabulate(): void {
+    const now = Math.max(1, this.schedule.now);
+    const rows = this.rows().map(({ label, lane, task, interrupt }) => {
+      const { jobs, last, worst, misses } = lane.figures;
+      const bound = task?.bound_us;
+      const cells = interrupt
+        ? ["", "", "", "", "", ""]
+        : [
+            String(jobs),
+            microseconds(last),
+            microseconds(worst),
+            task?.deadline_us == null ? "–" : `${task.deadline_us} µs`,
+            bound == null ? "–" : `${bound} µs`,
+            String(misses),
+          ];
+      const beyond = bound != null && worst * US > bound;
+      const share = `${((100 * lane.busy) / now).toFixed(1)} %`;
+      return el(
+        "tr",
+        { class: misses > 0 || beyond ? "missed" : "", "data-task": label },
+        el("th", { scope: "row" }, label),
+        ...[...cells, share].map((text) => el("td", {}, text)),
+      );
+    });
+    this.body.replaceChildren(...rows);
+  }
+}
+
+/** The pieces that end after an instant; they are sorted. */
+function recent(pieces: readonly Piece[], from: number): Piece[] {
+  let first = pieces.length;
+  while (first > 0 && (pieces[first - 1]?.to ?? 0) >= from) first -= 1;
+  return pieces.slice(first);
+}

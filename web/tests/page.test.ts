@@ -1,0 +1,288 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import { App } from "../src/app";
+import { Kind } from "../src/events";
+import type { Command, Frame, Ready } from "../src/protocol";
+import { encodeRun } from "../src/run_file";
+import { PLAIN_SESSION } from "../src/session";
+import { pack } from "./events";
+
+// jsdom draws nothing; the drawings are looked at in the browser.
+vi.mock("uplot", () => ({ default: class {} }));
+
+const input = (name: string, highest = 1, whole = true, unit = "") => ({
+  name,
+  lowest: name.startsWith("motor") ? -highest : 0,
+  highest,
+  whole,
+  unit,
+});
+
+const READY: Ready = {
+  kind: "ready",
+  session: {
+    ...PLAIN_SESSION,
+    project: "vehicle",
+    tasks: [{ name: "control_task", period_us: 4000, deadline_us: 1000, priority: 2 }],
+  },
+  inputs: [
+    ...["left", "right", "orange", "grey"].map((name) => input(`button.${name}`)),
+    input("touch.1"),
+    input("sensor.1.plugged"),
+    input("fault.1.digital_0_low"),
+    input("motor.A.hand_angle", 1000, false, "rad"),
+    input("motor.B.load_torque", 5, false, "N m"),
+    { ...input("battery.voltage", 11.8, false, "V"), lowest: 5 },
+    input("fault.coprocessor_checksum", 65_535),
+    input("fault.twi_stuck"),
+  ],
+  channels: {
+    signals: ["motor.A.angle", "motor.B.angle", "motor.B.angular_velocity", "battery.voltage"],
+    symbols: [{ name: "vehicle_control_left", size: 4 }],
+  },
+  unobserved: null,
+};
+
+const FRAME: Frame = {
+  kind: "frame",
+  cycles: 48_054_858,
+  running: false,
+  achieved: 0,
+  stop: null,
+  lcd: null,
+  signals: { "motor.B.angle": Math.PI, "motor.B.angular_velocity": 2, "battery.voltage": 7.9 },
+  events: pack([10, Kind.release, 0, 10], [60_000, Kind.completion, 0, 10]),
+  scope: new Float64Array(),
+  sound: new Int16Array(),
+  threads: [{ name: "control_task", priority: 2, state: 1, stack_size: 4096, stack_used: 100 }],
+  place: { pc: 0x202000, function: "adainit", offset: 4, file: "/a/b/vehicle.adb", line: 12 },
+  inputs: [],
+};
+
+let sent: Command[] = [];
+let app: App;
+let life = new AbortController();
+
+beforeEach(() => {
+  // jsdom has no canvas.
+  vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockReturnValue(null);
+  document.body.innerHTML = '<div id="page"></div>';
+  sent = [];
+  const page = document.getElementById("page") as HTMLElement;
+  life.abort();
+  life = new AbortController();
+  app = new App(page, { send: (command) => sent.push(command) }, { signal: life.signal });
+  app.receive(READY);
+  sent = [];
+});
+
+const get = <Kind extends HTMLElement>(selector: string) => {
+  const found = document.querySelector<Kind>(selector);
+  if (!found) throw new Error(`nothing matches ${selector}`);
+  return found;
+};
+const inputs = () => sent.filter((c) => c.kind === "input").map((c) => [c.name, c.value]);
+const press = (key: string, target: EventTarget = document.body) => {
+  target.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+  target.dispatchEvent(new KeyboardEvent("keyup", { key, bubbles: true }));
+};
+
+describe("the brick's face", () => {
+  it("has four buttons that are down while they are held", () => {
+    const orange = get('[aria-label^="Orange button"]');
+    orange.dispatchEvent(new Event("pointerdown"));
+    expect(orange.getAttribute("aria-pressed")).toBe("true");
+    orange.dispatchEvent(new Event("pointerup"));
+    orange.dispatchEvent(new Event("pointercancel"));
+    expect(inputs()).toEqual([
+      ["button.orange", 1],
+      ["button.orange", 0],
+    ]);
+  });
+
+  it("is played by keys, except while somebody types", () => {
+    press("ArrowLeft");
+    press("Escape");
+    press("Enter", get("#channel"));
+    expect(inputs()).toEqual([
+      ["button.left", 1],
+      ["button.left", 0],
+      ["button.grey", 1],
+      ["button.grey", 0],
+    ]);
+  });
+});
+
+describe("what is plugged in", () => {
+  it("shows a touch sensor to press and its cable to pull", () => {
+    const touch = get('button[data-input="touch.1"]');
+    press(" ", touch);
+    const cable = get<HTMLInputElement>('[data-input="sensor.1.plugged"]');
+    expect(cable.checked).toBe(true);
+    cable.click();
+    expect(inputs()).toEqual([
+      ["touch.1", 1],
+      ["touch.1", 0],
+      ["sensor.1.plugged", 0],
+    ]);
+  });
+
+  it("changes with another sensor, which begins the run again", () => {
+    app.load(READY.session, new Uint8Array([1]));
+    const choice = get<HTMLSelectElement>('[aria-label="Sensor at port 3"]');
+    choice.value = "ultrasonic";
+    choice.dispatchEvent(new Event("change"));
+    const last = sent.at(-1);
+    expect(last?.kind === "load" && last.session.configuration.sensors).toEqual({
+      "1": { kind: "touch" },
+      "3": { kind: "ultrasonic" },
+    });
+  });
+});
+
+describe("the joystick", () => {
+  it("turns by slider and keys, to the left positive", () => {
+    const range = get<HTMLInputElement>('[aria-label^="Joystick angle"]');
+    range.value = "45";
+    range.dispatchEvent(new Event("input"));
+    press("d");
+    press("s");
+    const angles = inputs().map(([, value]) => ((value as number) * 180) / Math.PI);
+    expect(angles.map(Math.round)).toEqual([45, 40, 0]);
+  });
+});
+
+describe("the surroundings", () => {
+  it("have battery, load and faults to set", () => {
+    for (const [name, value] of [
+      ["battery.voltage", "6.5"],
+      ["motor.B.load_torque", "0.1"],
+      ["fault.coprocessor_checksum", "3"],
+    ] as const) {
+      const slider = get<HTMLInputElement>(`[data-input="${name}"]`);
+      slider.value = value;
+      slider.dispatchEvent(new Event("input"));
+    }
+    get('[data-input="fault.twi_stuck"]').click();
+    expect(inputs().map(([name]) => name)).toEqual([
+      "battery.voltage",
+      "motor.B.load_torque",
+      "fault.coprocessor_checksum",
+      "fault.twi_stuck",
+    ]);
+  });
+});
+
+describe("a frame", () => {
+  it("turns the hub, shows figures, time and place", () => {
+    app.receive(FRAME);
+    const hubs = [...document.querySelectorAll(".hub")].map((hub) => hub.getAttribute("transform"));
+    expect(hubs[1]).toBe("rotate(-180)");
+    expect(get('[data-figure="B.speed"]').textContent).toBe("115 °/s");
+    expect(get("#time").textContent).toBe("1.000000 s");
+    expect(get("#place").textContent).toBe("00202000 adainit (vehicle.adb:12)");
+    expect(get("#battery-voltage").textContent).toBe("7.90 V");
+  });
+
+  it("shows a missed deadline in the table of tasks", () => {
+    app.receive(FRAME);
+    const row = get('[data-task="control_task"]');
+    expect(row.className).toBe("missed");
+    const cells = [...row.querySelectorAll("td")].map((cell) => cell.textContent);
+    expect(cells.slice(0, 6)).toEqual(["1", "1248 µs", "1248 µs", "1000 µs", "–", "1"]);
+  });
+
+  it("says how a run ended", () => {
+    const stop = { reason: "fault" as const, at_cycles: 5, message: "no memory at 16#0#" };
+    app.receive({ ...FRAME, stop });
+    expect(get("#status").textContent).toBe("Ended (fault): no memory at 16#0#");
+  });
+});
+
+describe("running", () => {
+  it("is started and paused by button and space, stepped by keys", () => {
+    get("#run").click();
+    app.receive({ ...FRAME, running: true });
+    press(" ");
+    for (const key of [".", ",", "j"]) press(key);
+    press("r");
+    const told = sent.map((c) => (c.kind === "step" ? `${c.kind} ${c.by} ${c.thread}` : c.kind));
+    expect(told).toEqual([
+      ...["run", "pause", "step instruction -1", "step line -1", "step job -1", "reset"],
+    ]);
+  });
+
+  it("gets slower and faster", () => {
+    press("-");
+    press("+");
+    press("+");
+    expect(sent.map((c) => c.kind === "speed" && c.factor)).toEqual([0.25, 1, 2]);
+  });
+
+  it("steps the jobs of the chosen task", () => {
+    app.receive(FRAME);
+    const choice = get<HTMLSelectElement>('[aria-label="Whose job to step"]');
+    choice.value = "control_task";
+    get("#step-j").click();
+    expect(sent.at(-1)).toEqual({ kind: "step", by: "job", thread: 0 });
+  });
+});
+
+describe("the scope", () => {
+  it("asks for signals, pins and symbols, and takes back what is refused", () => {
+    app.scopeView.show("vehicle_control_left");
+    app.scopeView.show("pin:17");
+    expect(app.scopeView.channels).toEqual([
+      "signal:motor.B.angular_velocity",
+      "symbol:vehicle_control_left",
+      "pin:17",
+    ]);
+    app.receive({ kind: "failure", of: "scope", message: "no such symbol" });
+    expect(app.scopeView.channels).not.toContain("pin:17");
+    expect(get("#status").textContent).toBe("no such symbol");
+  });
+});
+
+describe("a saved run", () => {
+  it("is replayed when it is opened, and its digest compared", async () => {
+    const run = { ...READY.session, until_ms: 1, until_cycles: 48_055, digest: "ab" };
+    const text = encodeRun({ run, elf: new Uint8Array([7]) });
+    const opened = get<HTMLInputElement>("#open");
+    const file = new File([text], "vehicle.run.json");
+    Object.assign(file, { text: () => Promise.resolve(text) });
+    Object.defineProperty(opened, "files", { value: [file] });
+    opened.dispatchEvent(new Event("change"));
+    await vi.waitFor(() => expect(sent.map((c) => c.kind)).toContain("replay"));
+    app.receive({ kind: "replayed", expected: "ab", found: "cd" });
+    expect(get("#status").textContent).toContain("ANOTHER run");
+  });
+});
+
+describe("accessibility", () => {
+  it("names every control and every picture", () => {
+    const controls = document.querySelectorAll("button, input, select, canvas, svg");
+    const nameless = [...controls].filter((control) => {
+      const name = control.getAttribute("aria-label") ?? control.textContent?.trim();
+      const label = control.closest("label")?.textContent?.trim();
+      return !name && !label;
+    });
+    expect(nameless.map((control) => control.outerHTML)).toEqual([]);
+    for (const section of document.querySelectorAll("section")) {
+      const title = section.getAttribute("aria-labelledby") ?? "";
+      expect(document.getElementById(title)?.textContent).toBeTruthy();
+    }
+  });
+});
+
+describe("the beginning", () => {
+  it("says what to do when no project lies beside the page", async () => {
+    await app.begin("", () => Promise.reject(new Error("offline")));
+    expect(get("#status").textContent).toContain("Open a program (.elf)");
+  });
+
+  it("says that a link is damaged", async () => {
+    await app.begin("#run=AAAA", () => Promise.reject(new Error("offline")));
+    expect(get("#status").textContent).toContain("link");
+  });
+});

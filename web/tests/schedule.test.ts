@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+import { describe, expect, it } from "vitest";
+import { IDLE, Kind } from "../src/events";
+import { Schedule } from "../src/schedule";
+import { pack } from "./events";
+
+const { threadRunning, release, completion, interruptEntered, interruptLeft } = Kind;
+
+describe("the schedule", () => {
+  it("gives the processor to one thread after the other", () => {
+    const schedule = new Schedule();
+    const events = pack([10, threadRunning, 0], [30, threadRunning, 1], [45, threadRunning, IDLE]);
+    schedule.add(events, 50);
+    expect(schedule.threads.get(0)?.pieces).toEqual([{ from: 10, to: 30 }]);
+    expect(schedule.threads.get(1)?.pieces).toEqual([{ from: 30, to: 45 }]);
+  });
+
+  it("takes handlers out of the execution of the thread they interrupt", () => {
+    const schedule = new Schedule();
+    schedule.add(
+      pack(
+        [0, threadRunning, 0],
+        [10, interruptEntered, 9],
+        [12, interruptEntered, 1],
+        [15, interruptLeft],
+        [20, interruptLeft],
+        [30, threadRunning, IDLE],
+      ),
+      30,
+    );
+    const thread = schedule.threads.get(0);
+    expect(thread?.pieces).toEqual([
+      { from: 0, to: 10 },
+      { from: 20, to: 30 },
+    ]);
+    expect(thread?.busy).toBe(20);
+    expect(schedule.interrupts.get(9)?.pieces).toEqual([
+      { from: 10, to: 12 },
+      { from: 15, to: 20 },
+    ]);
+    expect(schedule.interrupts.get(1)?.busy).toBe(3);
+  });
+
+  it("measures a response time from the nominal release", () => {
+    const schedule = new Schedule();
+    schedule.add(pack([105, release, 0, 100], [180, completion, 0, 100]), 200);
+    expect(schedule.threads.get(0)?.figures).toEqual({ jobs: 1, worst: 80, last: 80, misses: 0 });
+  });
+
+  it("counts a missed deadline once, seen under way or at the completion", () => {
+    const schedule = new Schedule();
+    schedule.setDeadline(0, 50);
+    schedule.add(pack([100, release, 0, 100]), 149);
+    expect(schedule.threads.get(0)?.figures.misses).toBe(0);
+    schedule.add(pack(), 160);
+    expect(schedule.threads.get(0)?.figures.misses).toBe(1);
+    schedule.add(pack([170, completion, 0, 100]), 170);
+    expect(schedule.threads.get(0)?.figures.misses).toBe(1);
+    schedule.add(pack([200, release, 0, 200], [260, completion, 0, 200]), 300);
+    expect(schedule.threads.get(0)?.figures.misses).toBe(2);
+  });
+
+  it("shows the piece under way up to the present", () => {
+    const schedule = new Schedule();
+    schedule.add(pack([10, threadRunning, 0]), 25);
+    const lane = schedule.threads.get(0);
+    expect(lane).toBeUndefined();
+    schedule.add(pack([26, release, 0, 26]), 40);
+    const known = schedule.threads.get(0);
+    expect(known && schedule.open(known)).toEqual({ from: 10, to: 40 });
+  });
+});

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+// @vitest-environment node
+import { describe, expect, it } from "vitest";
+import { cyclesOfMs } from "../src/clock";
+import type { CoreClass } from "../src/core";
+import { PLAIN_SESSION } from "../src/session";
+import { Simulation } from "../src/simulation";
+
+/** A core that only counts, to see how it is driven. */
+class Counter {
+  static sound_sample_cycles = () => 1000;
+  now = 0;
+  scheduled: [number, string, number][] = [];
+  limits: number[] = [];
+  cycles = () => this.now;
+  run_until(limit: number): string {
+    this.limits.push(limit);
+    this.now = Math.max(this.now, limit);
+    return JSON.stringify({ reason: "reached", at_cycles: this.now, message: "" });
+  }
+  schedule_input(at: number, name: string, value: number): void {
+    this.scheduled.push([at, name, value]);
+  }
+  inputs = () => "[]";
+  channels = () => '{"signals": [], "symbols": []}';
+  threads_unobserved = () => undefined;
+  add_probe = () => undefined;
+  choose_scope = () => undefined;
+  digest = () => `at ${this.now}`;
+  free = () => undefined;
+}
+
+function begin(inputs = PLAIN_SESSION.inputs) {
+  const cores: Counter[] = [];
+  class Made extends Counter {
+    constructor() {
+      super();
+      cores.push(this);
+    }
+  }
+  const simulation = new Simulation(Made as unknown as CoreClass);
+  simulation.load({ ...PLAIN_SESSION, inputs }, new Uint8Array());
+  return { simulation, core: cores[0] as Counter };
+}
+
+/** A wall clock that gains `step` with each look. */
+function wall(step: number): () => number {
+  let now = 0;
+  return () => (now += step);
+}
+
+describe("the pace", () => {
+  it("follows the wall clock at the factor asked for", () => {
+    const { simulation, core } = begin();
+    simulation.factor = 0.5;
+    simulation.running = true;
+    for (let tick = 0; tick < 100; tick += 1) simulation.advance(20, 13, wall(0));
+    expect(core.now).toBeGreaterThan(cyclesOfMs(1000) - cyclesOfMs(1));
+    expect(core.now).toBeLessThan(cyclesOfMs(1000) + cyclesOfMs(1));
+  });
+
+  it("gives up what a slow machine cannot do instead of piling it up", () => {
+    const { simulation, core } = begin();
+    simulation.running = true;
+    simulation.advance(100, 13, wall(5));
+    const reached = core.now;
+    expect(reached).toBeLessThan(cyclesOfMs(10));
+    simulation.advance(1, 13, wall(0));
+    expect(core.now).toBeLessThan(reached + cyclesOfMs(3));
+  });
+
+  it("takes its whole budget when as fast as possible", () => {
+    const { simulation, core } = begin();
+    simulation.factor = Infinity;
+    simulation.running = true;
+    simulation.advance(16, 13, wall(1));
+    expect(core.limits.length).toBe(14);
+  });
+});
+
+describe("inputs", () => {
+  it("are applied now and kept; one that changes nothing is none", () => {
+    const { simulation, core } = begin();
+    simulation.runTo(500);
+    simulation.input("touch.1", 0);
+    simulation.input("touch.1", 1);
+    simulation.input("touch.1", 1);
+    simulation.input("battery.voltage", 8);
+    expect(core.scheduled).toEqual([
+      [500, "touch.1", 1],
+      [500, "battery.voltage", 8],
+    ]);
+    expect(simulation.save().run.inputs).toEqual([
+      { at_cycles: 500, name: "touch.1", value: 1 },
+      { at_cycles: 500, name: "battery.voltage", value: 8 },
+    ]);
+  });
+
+  it("of the scenario that are still to come are no part of the saved run", () => {
+    const { simulation } = begin([
+      { at_cycles: 10, name: "touch.1", value: 1 },
+      { at_cycles: cyclesOfMs(50), name: "touch.1", value: 0 },
+    ]);
+    simulation.runTo(cyclesOfMs(20));
+    expect(simulation.save().run.inputs).toEqual([{ at_cycles: 10, name: "touch.1", value: 1 }]);
+  });
+
+  it("are gone after a reset, those of the scenario come again", () => {
+    const { simulation } = begin([{ at_cycles: 10, name: "touch.1", value: 1 }]);
+    simulation.runTo(500);
+    simulation.input("touch.1", 0);
+    simulation.reset();
+    simulation.runTo(500);
+    expect(simulation.save().run.inputs).toEqual([{ at_cycles: 10, name: "touch.1", value: 1 }]);
+  });
+});
+
+describe("a saved run", () => {
+  it("ends at a whole millisecond, where its replay ends too", () => {
+    const { simulation } = begin();
+    simulation.runTo(cyclesOfMs(3) + 1);
+    const { run, elf } = simulation.save();
+    expect([run.until_ms, run.until_cycles, run.digest]).toEqual([
+      4,
+      cyclesOfMs(4),
+      `at ${cyclesOfMs(4)}`,
+    ]);
+    simulation.load(run, elf, run);
+    simulation.factor = Infinity;
+    simulation.running = true;
+    simulation.advance(16, 1e9, wall(0));
+    expect(simulation.cycles).toBe(run.until_cycles);
+    expect([simulation.running, simulation.atGoal]).toEqual([false, true]);
+  });
+});
