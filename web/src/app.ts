@@ -105,7 +105,8 @@ export class App implements Actions {
       case "ready":
         return this.ready(report);
       case "frame":
-        return this.frame(report);
+        this.frame(report);
+        return void requestAnimationFrame(() => this.link.send({ kind: "shown" }));
       case "saved":
         return void this.saved(report);
       case "replayed":

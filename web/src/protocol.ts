@@ -15,7 +15,9 @@ export type Command =
   | { kind: "step"; by: StepBy; thread: number }
   | { kind: "input"; name: string; value: number }
   | { kind: "scope"; channels: string[]; period_ms: number }
-  | { kind: "save" };
+  | { kind: "save" }
+  /** The last frame was shown: the next may come. */
+  | { kind: "shown" };
 
 /** What can be set from outside. */
 export interface InputDescription {

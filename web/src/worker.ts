@@ -7,11 +7,16 @@ import { Simulation } from "./simulation";
 
 const TICK_MS = 16;
 const BUDGET_MS = 13;
+/** A frame that the page has not answered after this time is taken for lost. */
+const PATIENCE_MS = 2000;
 
 const simulation = new Simulation(VirtualBrick);
 let loaded = false;
 let last = performance.now();
 let announced = false;
+let replayed: string | null = null;
+/** When the frame was sent that the page has not shown yet: a slow page gets fewer of them. */
+let unseen: number | null = null;
 
 function send(report: Report): void {
   const transfer: Transferable[] = [];
@@ -20,7 +25,8 @@ function send(report: Report): void {
 }
 
 function frame(): void {
-  send(simulation.frame(performance.now()));
+  unseen = performance.now();
+  send(simulation.frame(unseen));
 }
 
 /** A replayed run that has come to its end is compared with the one that was saved. */
@@ -29,8 +35,6 @@ function compare(): void {
   announced = true;
   send({ kind: "replayed", expected: replayed, found: simulation.digest() });
 }
-
-let replayed: string | null = null;
 
 function obey(command: Command): void {
   switch (command.kind) {
@@ -76,6 +80,10 @@ function obey(command: Command): void {
 
 self.addEventListener("message", (message: MessageEvent<Command>) => {
   const command = message.data;
+  if (command.kind === "shown") {
+    unseen = null;
+    return;
+  }
   try {
     if (!loaded && command.kind !== "load" && command.kind !== "replay") return;
     obey(command);
@@ -91,7 +99,8 @@ function tick(): void {
   const now = performance.now();
   if (simulation.running) {
     simulation.advance(Math.min(now - last, 250), BUDGET_MS, () => performance.now());
-    frame();
+    const free = unseen === null || now - unseen > PATIENCE_MS;
+    if (free || !simulation.running) frame();
     compare();
   }
   last = now;

@@ -72,7 +72,8 @@ beforeEach(() => {
   const page = document.getElementById("page") as HTMLElement;
   life.abort();
   life = new AbortController();
-  app = new App(page, { send: (command) => sent.push(command) }, { signal: life.signal });
+  const send = (command: Command) => void (command.kind === "shown" || sent.push(command));
+  app = new App(page, { send }, { signal: life.signal });
   app.receive(READY);
   sent = [];
 });

@@ -9,7 +9,7 @@ import type { Frame, Ready } from "../protocol";
 import type { Actions, View } from "./view";
 
 const ROWS_MAX = 60_000;
-const REDRAW_MS = 50;
+const REDRAW_MS = 60;
 const COLOURS = ["#2f6fab", "#c4572b", "#3b8a4b", "#8455a8", "#a67c00", "#607080", "#b03060"];
 const HEIGHT = 260;
 
@@ -74,7 +74,7 @@ export class Scope implements View {
     this.choose(this.channels.slice(0, -1));
   }
 
-  frame({ scope }: Frame): void {
+  frame({ scope, running }: Frame): void {
     const width = this.channels.length + 1;
     if (width === 1 || scope.length % width !== 0) return;
     for (let at = 0; at < scope.length; at += width) {
@@ -85,7 +85,7 @@ export class Scope implements View {
     }
     const surplus = (this.columns[0]?.length ?? 0) - ROWS_MAX;
     if (surplus > 0) for (const column of this.columns) column.splice(0, surplus);
-    this.draw();
+    this.draw(!running);
   }
 
   private choose(channels: string[]): void {

@@ -12,6 +12,7 @@ import type { View } from "./view";
 const LANE_HEIGHT = 30;
 const LABEL_WIDTH = 130;
 const AXIS_HEIGHT = 18;
+const REDRAW_MS = 100;
 const US = 1e6 / CLOCK_HZ;
 
 interface Row {
@@ -30,6 +31,7 @@ export class Timeline implements View {
   private schedule = new Schedule();
   private tasks: Task[] = [];
   private threads: Thread[] = [];
+  private drawn = 0;
   private readonly canvas = el("canvas", {
     id: "timeline-view",
     role: "img",
@@ -76,6 +78,9 @@ export class Timeline implements View {
       this.schedule.setDeadline(index, deadline == null ? null : deadline / US);
     });
     this.schedule.add(frame.events, frame.cycles);
+    const wall = performance.now();
+    if (frame.running && wall - this.drawn < REDRAW_MS) return;
+    this.drawn = wall;
     this.draw();
     this.tabulate();
   }

@@ -10,7 +10,7 @@ import webbrowser
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import typer
 
@@ -27,6 +27,7 @@ from ravenbrick.target.workspace import Workspace
 __all__ = ["page_server", "view_command"]
 
 LOOPBACK = "127.0.0.1"
+TYPES = {".js": "text/javascript", ".wasm": "application/wasm"}
 SESSION, IMAGE = "session.json", "image.elf"
 # The page needs its own files, its worker, and permission to compile the brick.
 POLICY = (
@@ -48,14 +49,9 @@ def _bundle(workspace: Workspace) -> Path:
 class _Handler(SimpleHTTPRequestHandler):
     """Files of the bundle, and the project's session and image beside them."""
 
-    extensions_map: ClassVar[dict[str, str]] = {
-        **SimpleHTTPRequestHandler.extensions_map,
-        ".js": "text/javascript",
-        ".wasm": "application/wasm",
-    }
-
     def __init__(self, *arguments: Any, own: dict[str, bytes], **options: Any) -> None:
         self._own = own
+        self.extensions_map = {**SimpleHTTPRequestHandler.extensions_map, **TYPES}
         super().__init__(*arguments, **options)
 
     def end_headers(self) -> None:
