@@ -25,9 +25,10 @@ from ravenbrick.target.scenario import read_scenario, scenario_path
 
 
 @pytest.fixture(autouse=True)
-def brick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A brick whose answers are known."""
+def brick(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A brick whose answers are known, in a tree of its own."""
     monkeypatch.setattr(virtual, "_module", lambda: fake_brick)
+    monkeypatch.setenv("RAVENBRICK_HOME", str(project.parent.parent))
 
 
 def call(*words: object) -> tuple[int, dict[str, Any]]:

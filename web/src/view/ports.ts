@@ -41,7 +41,8 @@ export class Ports implements View {
     inputs: InputDescription[],
   ): HTMLElement {
     const plugged = sensors[port]?.kind ?? "nothing";
-    const options = KINDS.map((kind) =>
+    const kinds = KINDS.includes(plugged) ? KINDS : [...KINDS, plugged];
+    const options = kinds.map((kind) =>
       el("option", { value: kind, selected: kind === plugged }, kind),
     );
     const choice = el("select", { "aria-label": `Sensor at port ${port}` }, ...options);

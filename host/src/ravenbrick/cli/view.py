@@ -17,12 +17,12 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import scenario_or_none
+from ravenbrick.cli.pipeline import scenario_or_none, shown_path
 from ravenbrick.errors import ToolMissingError, UsageError
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.run_file import session_of
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.target.workspace import Workspace, tree
 
 __all__ = ["page_server", "view_command"]
 
@@ -36,11 +36,11 @@ POLICY = (
 )
 
 
-def _bundle(workspace: Workspace) -> Path:
-    bundle = workspace.root / "build" / "page"
+def _bundle() -> Path:
+    bundle = tree() / "build" / "page"
     if not (bundle / "index.html").is_file():
         raise ToolMissingError(
-            f"{workspace.shown(bundle)}: the page is not built; run 'make page' in the repository "
+            f"{shown_path(bundle)}: the page is not built; run 'make page' in the repository "
             "(it needs Node.js 18 or newer, npm, and Rust's target wasm32-unknown-unknown)"
         )
     return bundle
@@ -120,9 +120,8 @@ def view_command(
     """See and steer the brick in a browser tab; the program runs in the tab itself."""
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
-    workspace = Workspace.of(directory)
-    loaded = read_image(elf or workspace.image(image.kind, robot.name))
-    bundle = _bundle(workspace)
+    loaded = read_image(elf or Workspace.of(directory).image(image.kind, robot.name))
+    bundle = _bundle()
     session = session_of(robot, chosen, named=scenario is not None)
     own = {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
     reporter = Reporter(json_output)
