@@ -141,7 +141,7 @@ CRATE_BORDERS = {
     "wcet": {"arm7tdmi"},
 }
 BINDING_BORDERS = {
-    "python": {"debugger", "trace", "virtual-brick", "virtual-brick-facade"},
+    "python": {"debugger", "nxt", "trace", "virtual-brick", "virtual-brick-facade"},
     "wasm": {"trace", "virtual-brick"},
     "wasm-glue": set(),
 }
