@@ -14,7 +14,6 @@ from pathlib import Path
 
 import control
 import numpy as np
-
 from ravenbrick.codegen import NamedNumber, ada_package, generate_c
 from ravenbrick.control import lqr, with_integrators, write_loop_results
 from ravenbrick.model import (

@@ -12,7 +12,6 @@ import argparse
 from pathlib import Path
 
 import control
-
 from ravenbrick.codegen import NamedNumber, ada_package, generate_c
 from ravenbrick.control import write_loop_results
 from ravenbrick.model import (

@@ -11,6 +11,7 @@ from ravenbrick.cli.demo import demo_command
 from ravenbrick.cli.design import design_command
 from ravenbrick.cli.doctor import doctor_command
 from ravenbrick.cli.export import export_command
+from ravenbrick.cli.grade import grade_command
 from ravenbrick.cli.monitor import monitor_command
 from ravenbrick.cli.new import home_command, new_command
 from ravenbrick.cli.report import report_command
@@ -26,6 +27,7 @@ __all__ = [
     "design_command",
     "doctor_command",
     "export_command",
+    "grade_command",
     "home_command",
     "main",
     "monitor_command",

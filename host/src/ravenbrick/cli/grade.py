@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick grade`: submissions against a rubric."""
+
+from __future__ import annotations
+
+import os
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.console import Reporter
+from ravenbrick.errors import CriteriaError, RavenbrickError, UsageError
+from ravenbrick.grading.adapters import ADAPTERS
+from ravenbrick.grading.campaign import run_campaign
+from ravenbrick.grading.rubric import read_rubric
+from ravenbrick.grading.submission import find_submissions
+
+__all__ = ["grade_command"]
+
+
+class Form(StrEnum):
+    """Forms of the report."""
+
+    TEXT = "text"
+    GRADESCOPE = "gradescope"
+    NBGRADER = "nbgrader"
+    GITHUB = "github"
+
+
+@command("ravenbrick grade submissions/ --rubric docs/lessons/rubrics/lab-01.toml")
+def grade_command(
+    submissions: Annotated[
+        list[Path], typer.Argument(help="Folders with src/, .zip files, or folders of these.")
+    ],
+    rubric: Annotated[Path, typer.Option(help="The rubric, a TOML file.")],
+    output: Annotated[
+        Path, typer.Option(help="Folder of results and images; kept for the next time.")
+    ] = Path("out/grade"),
+    workers: Annotated[int, typer.Option(min=1, help="Submissions at a time.")] = os.cpu_count()
+    or 1,
+    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use.")] = None,
+    run_design: Annotated[
+        bool, typer.Option("--run-design", help="Run the submission's design.py on this machine.")
+    ] = False,
+    form: Annotated[Form, typer.Option("--format", help="Form of the report.")] = Form.TEXT,
+    report: Annotated[Path | None, typer.Option(help="File for the report.")] = None,
+    at_least: Annotated[
+        float, typer.Option(min=0, max=1, help="Share of the points that each must reach.")
+    ] = 0.0,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Build and run submissions in a sandbox, and judge them by a rubric."""
+    chosen = read_rubric(rubric)
+    found = find_submissions(submissions)
+    if form is Form.GRADESCOPE and len(found) != 1:
+        raise UsageError("Gradescope wants the results of one submission; name one")
+    reporter = Reporter(json_output)
+    with reporter.step(f"grade {len(found)} by '{chosen.name}'") as step:
+        results = run_campaign(chosen, found, output, workers, dask, run_design, step.progress)
+        mean = sum(result["points"] for result in results) / len(results)
+        step.note = f"{mean:.4g} of {chosen.points:g} points on average"
+    defects = [f"{r['submission']}: {r['defect']}" for r in results if "defect" in r]
+    if defects:
+        raise RavenbrickError(f"the grader failed on {defects[0]}", detail="\n".join(defects[1:]))
+    text = ADAPTERS[form.value](results)
+    if report is not None:
+        report.write_text(text, encoding="utf-8")
+    elif form is not Form.TEXT or len(results) == 1:
+        reporter.print(text)
+    else:
+        rows = [[r["submission"], f"{r['points']:g}"] for r in results]
+        reporter.table(("submission", f"of {chosen.points:g}"), rows)
+    low = [r["submission"] for r in results if r["points"] < at_least * r["of"]]
+    if low:
+        error = CriteriaError(f"{len(low)} of {len(results)} reach less than asked for: {low[0]}")
+        error.data = {"results": results}
+        raise error
+    return {"rubric": chosen.name, "of": chosen.points, "results": results}

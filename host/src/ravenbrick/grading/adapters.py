@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Results in the forms that course platforms read."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from typing import Any
+
+__all__ = ["ADAPTERS", "github_actions", "gradescope", "nbgrader", "readable"]
+
+Result = dict[str, Any]
+
+
+def _told(row: Result) -> str:
+    return "(hidden check)" if row["hidden"] and row["points"] < row["of"] else str(row["found"])
+
+
+def readable(results: list[Result]) -> str:
+    """Markdown: a table of one submission, or of many."""
+    lines: list[str] = []
+    for result in results:
+        total = f"{result['points']:g} of {result['of']:g}"
+        lines += [f"## {result['submission']}: {total}", ""]
+        lines += ["| Check | Points | Found |", "|---|---|---|"]
+        for row in result["checks"]:
+            found = _told(row).replace("|", "/").replace("\n", "<br>")
+            lines.append(f"| {row['name']} | {row['points']:g} of {row['of']:g} | {found} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def gradescope(results: list[Result]) -> str:
+    """`results.json` of an autograder; one submission (Gradescope's autograder specification)."""
+    (result,) = results
+    tests = [
+        {
+            "name": row["name"],
+            "score": row["points"],
+            "max_score": row["of"],
+            "output": _told(row),
+            "visibility": "after_due_date" if row["hidden"] else "visible",
+        }
+        for row in result["checks"]
+    ]
+    return json.dumps({"score": result["points"], "tests": tests}, indent=1) + "\n"
+
+
+def nbgrader(results: list[Result]) -> str:
+    """CSV with the columns of nbgrader's export plug-in that a grade book needs."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(
+        ["assignment", "student_id", "raw_score", "late_submission_penalty", "score", "max_score"]
+    )
+    for result in results:
+        points = f"{result['points']:g}"
+        writer.writerow(
+            [result["rubric"], result["submission"], points, "0", points, f"{result['of']:g}"]
+        )
+    return text.getvalue()
+
+
+def github_actions(results: list[Result]) -> str:
+    """Workflow commands: an annotation per lost check, then a notice with the points."""
+    lines = []
+    for result in results:
+        for row in result["checks"]:
+            if row["points"] < row["of"]:
+                lines.append(f"::error title={_escaped(row['name'], True)}::{_escaped(_told(row))}")
+        total = f"{result['submission']}: {result['points']:g} of {result['of']:g} points"
+        lines.append(f"::notice title=Points::{_escaped(total)}")
+    return "\n".join(lines) + "\n"
+
+
+def _escaped(text: str, in_property: bool = False) -> str:
+    """As the workflow commands of GitHub Actions want it."""
+    escaped = text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    return escaped.replace(":", "%3A").replace(",", "%2C") if in_property else escaped
+
+
+ADAPTERS = {
+    "text": readable,
+    "gradescope": gradescope,
+    "nbgrader": nbgrader,
+    "github": github_actions,
+}

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a submission is graded by, typed, and how it is read."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ravenbrick import __version__
+from ravenbrick.target.located_toml import LocatedToml, read_toml
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import read_scenario
+from ravenbrick.target.validation import validate
+from ravenbrick.target.workspace import tree
+from ravenbrick.trace.expectation_text import ExpectationSyntaxError, parse_expectation
+
+__all__ = ["Check", "Limits", "Rubric", "digest_of", "read_rubric"]
+
+KINDS = ("expect", "criteria", "stack_share_at_most", "memory_at_most", "builds")
+RUNS = ("expect", "criteria", "stack_share_at_most")
+# What a result depends on besides submission and rubric.
+TOOLS = ("drivers/src", "runtime", "tools/application.gpr", "tools/ravenbrick.cgpr")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of the work on one submission; memory and files per process."""
+
+    design_seconds: int = 60
+    build_seconds: int = 120
+    run_seconds: int = 300
+    memory_mb: int = 4096
+    file_mb: int = 256
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the rubric; `kind` is one of KINDS, `value` what it asks for."""
+
+    name: str
+    points: float
+    kind: str
+    value: Any
+    scenario: Path | None
+    seeds: tuple[int, ...]
+    hidden: bool
+    place: str
+
+
+@dataclass(frozen=True)
+class Rubric:
+    """A whole rubric; `digest` covers all that a result depends on but the submission."""
+
+    path: Path
+    name: str
+    description: str
+    project: Path
+    folders: tuple[str, ...]
+    keep: frozenset[str]
+    limits: Limits
+    checks: tuple[Check, ...]
+    robot: Robot
+    digest: str
+
+    @property
+    def points(self) -> float:
+        """All that can be had."""
+        return sum(check.points for check in self.checks)
+
+
+def digest_of(files: Iterable[Path], root: Path, salt: str = "") -> str:
+    """Digest over names, relative to `root`, and contents."""
+    digest = hashlib.sha256(salt.encode())
+    for file in sorted(files):
+        name, content = file.relative_to(root).as_posix(), file.read_bytes()
+        digest.update(f"{len(name)} {name} {len(content)} ".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def _files(folder: Path) -> list[Path]:
+    return [
+        path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts
+    ]
+
+
+def _tools_digest() -> str:
+    root = tree()
+    files = [
+        f for name in TOOLS for p in [root / name] for f in ([p] if p.is_file() else _files(p))
+    ]
+    return digest_of(files, root)
+
+
+def _scenario(document: LocatedToml, index: int, name: str, robot: Robot) -> Path:
+    beside = document.path.parent / name
+    named = robot.directory / "scenarios" / f"{name}.toml"
+    path = beside if beside.is_file() else named
+    if not path.is_file():
+        raise document.error(
+            ("checks", index, "scenario"),
+            f"neither {beside} nor {named} is there; correct the name",
+        )
+    read_scenario(path, robot)
+    return path
+
+
+def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: Robot) -> Check:
+    kinds = [kind for kind in KINDS if kind in table]
+    if len(kinds) != 1:
+        raise document.error(
+            ("checks", index), f"expected exactly one of {', '.join(KINDS)}, found {len(kinds)}"
+        )
+    kind = kinds[0]
+    if (kind in RUNS) != ("scenario" in table):
+        must = "needs a 'scenario'" if kind in RUNS else "runs nothing; remove 'scenario'"
+        raise document.error(("checks", index), f"'{kind}' {must}")
+    place = f"{document.path}:{document.line_of(('checks', index))}"
+    if kind == "expect":
+        try:
+            parse_expectation(table["expect"], place)
+        except ExpectationSyntaxError as error:
+            raise document.error(("checks", index, "expect"), str(error)) from None
+    scenario = table.get("scenario")
+    return Check(
+        name=table["name"],
+        points=float(table["points"]),
+        kind=kind,
+        value=table[kind],
+        scenario=scenario and _scenario(document, index, scenario, robot),
+        seeds=tuple(table.get("seeds", ())),
+        hidden=table.get("hidden", False),
+        place=place,
+    )
+
+
+def read_rubric(path: Path) -> Rubric:
+    """Read a rubric and all that it names; raises `ProjectFileError` or `ScenarioError`."""
+    document = read_toml(path, missing="name a rubric, a TOML file")
+    validate(document, "rubric")
+    values = document.values
+    project = (path.parent / values["project"]).resolve()
+    if not (project / "robot.gpr").is_file():
+        raise document.error(("project",), f"'{project}' has no robot.gpr; name a project")
+    robot = read_robot(project)
+    checks = tuple(_check(document, i, t, robot) for i, t in enumerate(values["checks"]))
+    used = {path, *_files(project), *(c.scenario for c in checks if c.scenario)}
+    names = "".join(sorted(digest_of([file], file.parent) for file in used))
+    return Rubric(
+        path=path,
+        name=values["name"],
+        description=values.get("description", ""),
+        project=project,
+        folders=tuple(values.get("folders", ("src", "generated"))),
+        keep=frozenset(values.get("keep", ())),
+        limits=Limits(**values.get("limits", {})),
+        checks=checks,
+        robot=robot,
+        digest=hashlib.sha256(f"{__version__} {_tools_digest()} {names}".encode()).hexdigest(),
+    )

@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Grading of good, bad and hostile submissions."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from host.tests.grading.submissions import RUBRIC, SOURCES, write_submission
+
+from ravenbrick.errors import ProjectFileError, UsageError
+from ravenbrick.grading.adapters import github_actions, gradescope, nbgrader, readable
+from ravenbrick.grading.rubric import read_rubric
+from ravenbrick.grading.sandbox import run_limited
+from ravenbrick.grading.submission import Submission, find_submissions, read_sources, refusal
+
+RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
+
+
+@pytest.fixture(scope="module")
+def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """One campaign over four submissions, on two workers."""
+    folder = tmp_path_factory.mktemp("grade")
+    all_of = folder / "submissions"
+    write_submission(all_of / "good")
+    write_submission(all_of / "slow", SOURCES["tasks.adb"].replace("then 50 else", "then 20 else"))
+    write_submission(all_of / "broken", SOURCES["tasks.adb"].replace("end Tasks;", "end Task;"))
+    linker = 'pragma Linker_Options ("-Wl,-plugin,src/evil.h");\n'
+    write_submission(all_of / "hostile", linker + SOURCES["tasks.adb"])
+    command = [*RAVENBRICK, "grade", str(all_of), "--rubric", str(RUBRIC), "--workers", "2"]
+    command += ["--output", str(folder / "out"), "--json"]
+    first = subprocess.run(command, capture_output=True, text=True)
+    assert first.returncode == 0, first.stdout + first.stderr
+    again = subprocess.run(command, capture_output=True, text=True)
+    answer = json.loads(first.stdout)
+    assert json.loads(again.stdout) == answer
+    return {r["submission"]: r for r in answer["results"]}
+
+
+def test_a_right_submission_gets_all_points(graded: dict[str, Any]) -> None:
+    """The example itself."""
+    assert graded["good"]["points"] == graded["good"]["of"] == 10
+
+
+def test_a_wrong_behaviour_loses_the_points_of_its_check_only(graded: dict[str, Any]) -> None:
+    """Too slow a motor; what was found is told."""
+    assert graded["slow"]["points"] == 8
+    lost = [row for row in graded["slow"]["checks"] if row["points"] < row["of"]]
+    assert [row["name"] for row in lost] == ["the motor turns while the sensor is pressed"]
+    assert "rad/s" in lost[0]["found"]
+
+
+def test_what_does_not_compile_gets_nothing_and_the_compiler_s_line(graded: dict[str, Any]) -> None:
+    """File and line as the compiler names them, no folder of the grader."""
+    assert graded["broken"]["points"] == 0
+    found = graded["broken"]["checks"][0]["found"]
+    assert "tasks.adb:" in found and "/tmp" not in found
+
+
+def test_options_for_the_host_s_linker_are_refused(graded: dict[str, Any]) -> None:
+    """They could load code into the linker."""
+    assert graded["hostile"]["points"] == 0
+    assert "src/tasks.adb:1" in graded["hostile"]["checks"][0]["found"]
+
+
+@pytest.mark.parametrize("text", ['#include "/etc/passwd"', "# include <../../x.h>"])
+def test_files_outside_are_refused(text: str) -> None:
+    """A message of the compiler would show them."""
+    assert "not allowed" in (refusal({"src/a.c": text.encode()}) or "")
+    assert refusal({"src/a.c": b'#include "functional.h"'}) is None
+
+
+def test_an_archive_cannot_write_outside(tmp_path: Path) -> None:
+    """Only the last folder and the file name of a member count."""
+    with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
+        archive.writestr("../../src/tasks.adb", "package body Tasks is end Tasks;")
+        archive.writestr("work/src/main.adb", "procedure Main is begin null; end Main;")
+        archive.writestr("work/Makefile", "all:; rm -rf /")
+    sources = read_sources(Submission("x", tmp_path / "x.zip"), ("src",))
+    assert sorted(sources) == ["src/main.adb", "src/tasks.adb"]
+
+
+def test_no_submission_and_doubled_names_are_said(tmp_path: Path) -> None:
+    """Before anything is built."""
+    with pytest.raises(UsageError, match="no submission"):
+        find_submissions([tmp_path])
+    for folder in ("a", "b"):
+        write_submission(tmp_path / folder / "same")
+    with pytest.raises(UsageError, match="'same'"):
+        find_submissions([tmp_path / "a" / "same", tmp_path / "b" / "same"])
+
+
+LIMITS = [
+    ("while True: pass", "timed out"),
+    ("x = bytearray(2_000_000_000)", "MemoryError"),
+    ("open('x', 'wb').write(bytes(20_000_000))", "File too large"),
+]
+
+
+@pytest.mark.parametrize(("program", "what"), LIMITS)
+def test_the_sandbox_ends_what_takes_too_much(program: str, what: str, tmp_path: Path) -> None:
+    """Processor time, memory, files."""
+    outcome = run_limited([sys.executable, "-c", program], tmp_path, 1, 600, 10)
+    assert outcome.code != 0
+    assert outcome.timed_out if what == "timed out" else what in outcome.output
+
+
+WRONG = [
+    ("builds = true", "builds = true\nmemory_at_most = 5", "expected exactly one of"),
+    ('expect = "deadlines met"', 'expect = "all is well"', "is no expectation"),
+    ('scenario = "press"\nexpect = "dead', 'expect = "dead', "needs a 'scenario'"),
+    ('scenario = "press"', 'scenario = "pres"', "correct the name"),
+    ('name = "lab-01"', 'nome = "lab-01"', "did you mean 'name'"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "problem"), WRONG)
+def test_a_wrong_rubric_is_told_with_its_line(
+    old: str, new: str, problem: str, tmp_path: Path
+) -> None:
+    """File, line and field, as for the other files."""
+    text = RUBRIC.read_text().replace("../../../examples", str(RUBRIC.parents[3] / "examples"))
+    assert old in text
+    wrong = tmp_path / "rubric.toml"
+    wrong.write_text(text.replace(old, new, 1))
+    with pytest.raises(ProjectFileError, match=r"rubric.toml:\d+: ") as caught:
+        read_rubric(wrong)
+    assert problem in caught.value.sentence
+
+
+RESULT = {
+    "submission": "ada",
+    "rubric": "lab-01",
+    "points": 2.0,
+    "of": 5.0,
+    "checks": [
+        {"name": "speed, slow", "points": 2.0, "of": 2.0, "hidden": False, "found": "8 rad/s"},
+        {"name": "secret", "points": 0.0, "of": 3.0, "hidden": True, "found": "7\nrad/s"},
+    ],
+}
+
+
+def test_reports_have_the_forms_of_the_platforms() -> None:
+    """Hidden checks tell their points, not what was found."""
+    scope = json.loads(gradescope([RESULT]))
+    assert scope["score"] == 2.0
+    assert [t["max_score"] for t in scope["tests"]] == [2.0, 3.0]
+    assert [t["visibility"] for t in scope["tests"]] == ["visible", "after_due_date"]
+    assert nbgrader([RESULT]).splitlines()[1] == "lab-01,ada,2,0,2,5"
+    assert "::error title=secret::(hidden check)" in github_actions([RESULT])
+    assert "## ada: 2 of 5" in readable([RESULT])
+    assert "7" not in readable([RESULT]).split("secret")[1].split("\n")[0].split("|", 2)[2]

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Execute the lab sheets: `python -m tools.lessons [SHEET ...]`, all of docs/lessons without names.
+
+In a sheet, a fence `console` holds commands, one a line, which are run in a folder of the sheet's
+own; `console exit=8` expects the last one to end with 8. `LANGUAGE file=PATH` writes its content to
+the file. `text seen` after commands quotes lines that their output must contain, blanks apart.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SHEETS = ROOT / "docs" / "lessons"
+FENCE = re.compile(r"^```(\w+)(?: (\w+)(?:=(\S+))?)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+class SheetError(Exception):
+    """A step that does not do what the sheet says; the text names sheet and line."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A fence with what it asks for: `console`, `file` or `seen`."""
+
+    line: int
+    kind: str
+    argument: str
+    content: str
+
+
+def steps(text: str) -> Iterator[Step]:
+    """The fences that are to be executed, in order."""
+    for match in FENCE.finditer(text):
+        line = text.count("\n", 0, match.start()) + 1
+        language, word, value, content = match.groups()
+        if language == "console":
+            yield Step(line, "console", value or "0", content)
+        elif word == "file":
+            yield Step(line, "file", value, content)
+        elif (language, word) == ("text", "seen"):
+            yield Step(line, "seen", "", content)
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _execute(step: Step, folder: Path) -> str:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {k: v for k, v in os.environ.items() if k != "RAVENBRICK_BUILD"}
+    environment |= {"PATH": path, "COLUMNS": "160", "RAVENBRICK_HOME": str(ROOT)}
+    commands = [line for line in step.content.splitlines() if line.strip()]
+    output = ""
+    for number, command in enumerate(commands, 1):
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=folder,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        output += done.stdout
+        wanted = int(step.argument) if number == len(commands) else 0
+        if done.returncode != wanted:
+            raise SheetError(
+                f"'{command}' ended with {done.returncode}, not {wanted}:\n{done.stdout[-2000:]}"
+            )
+    return output
+
+
+def run_sheet(sheet: Path, folder: Path) -> str:
+    """Execute a sheet in an empty folder; all output. Raises `SheetError`."""
+    output, transcript = "", ""
+    for step in steps(sheet.read_text("utf-8")):
+        try:
+            if step.kind == "file":
+                path = folder / step.argument
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(step.content, encoding="utf-8")
+            elif step.kind == "console":
+                output = _execute(step, folder)
+                transcript += output
+            else:
+                seen = _plain(output)
+                for line in filter(None, map(_plain, step.content.splitlines())):
+                    if line not in seen:
+                        raise SheetError(f"'{line}' is not in the output:\n{output[-3000:]}")
+        except SheetError as error:
+            raise SheetError(f"{sheet.name}:{step.line}: {error}") from None
+    return transcript
+
+
+def find(names: list[str]) -> list[Path]:
+    """Sheets by the beginning of their file names, all without names."""
+    sheets = sorted(SHEETS.glob("[0-9][0-9]-*.md"))
+    return [s for s in sheets if not names or any(s.name.startswith(name) for name in names)]
+
+
+def main() -> int:
+    """Run sheets; 1 when one fails."""
+    parser = argparse.ArgumentParser(description="Execute lab sheets.")
+    parser.add_argument("sheets", nargs="*", help="01, 02, ...")
+    parser.add_argument("--show", action="store_true", help="print all output")
+    arguments = parser.parse_args()
+    failed = 0
+    for sheet in find(arguments.sheets):
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                transcript = run_sheet(sheet, Path(folder))
+            except SheetError as error:
+                failed += 1
+                print(f"FAILED {error}", flush=True)
+                continue
+        print(f"{sheet.name}: as written", flush=True)
+        if arguments.show:
+            print(transcript, flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
