@@ -2,9 +2,6 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with Ada.Real_Time;  use Ada.Real_Time;
-with NXT.Bluetooth;
-with NXT.Bytes;
-with NXT.Telemetry.Server;
 
 package body NXT.Telemetry.Bluetooth_Server is
 
@@ -28,16 +25,9 @@ package body NXT.Telemetry.Bluetooth_Server is
       Bluetooth.Receive (Data, Last);
    end Receive;
 
-   package Talk is new NXT.Telemetry.Server
-     (Program_Name => Program_Name,
-      Start        => Start,
-      Room         => Bluetooth.Room,
-      Send         => Bluetooth.Send,
-      Receive      => Receive,
-      Priority     => Priority,
-      Period_Ms    => Period_Ms,
-      Stack_Bytes  => Stack_Bytes);
-
-   procedure Require renames Talk.Require;
+   procedure Require is
+   begin
+      Talk.Require;
+   end Require;
 
 end NXT.Telemetry.Bluetooth_Server;
