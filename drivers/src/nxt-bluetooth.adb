@@ -36,9 +36,11 @@ package body NXT.Bluetooth is
    function Address return BT_Address is (Own_Address);
    function State return Connection_State is (Now_Is);
 
-   function To_Bytes (Item : BT_Address) return Byte_Array is
+   subtype Address_Bytes is Byte_Array (1 .. Address_Length);
+
+   function To_Bytes (Item : BT_Address) return Address_Bytes is
    begin
-      return Result : Byte_Array (1 .. Address_Length) do
+      return Result : Address_Bytes do
          for Index in Item'Range loop
             Result (Index + 1) := Item (Index);
          end loop;

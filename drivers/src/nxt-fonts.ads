@@ -28,8 +28,9 @@ package NXT.Fonts is
    function Shape_Of (Letter : Character) return Glyph;
    --  Blank for what is not printable.
 
-   function Font5x8 (Letter : Character) return LCD.LCD_Line
-     with Post => Font5x8'Result'Length = Glyph_Width;
+   subtype Letter_Line is LCD.LCD_Line (0 .. 4);
+
+   function Font5x8 (Letter : Character) return Letter_Line;
    --  The same, as known from GNAT for MINDSTORMS.
 
 private
@@ -138,7 +139,7 @@ private
    function Shape_Of (Letter : Character) return Glyph is
      (if Letter in Printable then Shapes (Letter) else Shapes (' '));
 
-   function Font5x8 (Letter : Character) return LCD.LCD_Line is
+   function Font5x8 (Letter : Character) return Letter_Line is
      (Shape_Of (Letter) (0), Shape_Of (Letter) (1), Shape_Of (Letter) (2), Shape_Of (Letter) (3),
       Shape_Of (Letter) (4));
 

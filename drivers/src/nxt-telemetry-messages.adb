@@ -69,8 +69,8 @@ package body NXT.Telemetry.Messages is
 
    procedure Put (Into : in out Builder; Item : Title) is
    begin
-      Put (Into, Item.Name (1 .. Item.Name_Last));
-      Put (Into, Item.Unit (1 .. Item.Unit_Last));
+      Put (Into, Item.Name (1 .. Natural (Item.Name_Last)));
+      Put (Into, Item.Unit (1 .. Natural (Item.Unit_Last)));
    end Put;
 
    procedure Build_Hello (Into : out Builder; Name : String; Now : Time) is

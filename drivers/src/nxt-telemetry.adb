@@ -36,7 +36,7 @@ package body NXT.Telemetry is
    begin
       Counts (Group) := Counts (Group) + 1;
       Last_Signal := Last_Signal + 1;
-      Signals (Last_Signal) := (Group, Counts (Group), As, To_Title (Name, Unit));
+      Signals (Last_Signal) := (Group, Short_Index (Counts (Group)), As, To_Title (Name, Unit));
    end Declare_Signal;
 
    function Declare_Parameter

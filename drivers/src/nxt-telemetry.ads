@@ -77,16 +77,20 @@ private
    subtype Name_Text is String (1 .. Name_Length);
    subtype Unit_Text is String (1 .. Unit_Length);
 
+   type Text_Length is range 0 .. Name_Length with Size => 8;
+
    type Title is record
       Name      : Name_Text;
       Unit      : Unit_Text;
-      Name_Last : Natural range 0 .. Name_Length := 0;
-      Unit_Last : Natural range 0 .. Unit_Length := 0;
+      Name_Last : Text_Length := 0;
+      Unit_Last : Text_Length := 0;
    end record;
+
+   type Short_Index is new Signal_Index with Size => 8;
 
    type Signal is record
       Group : Group_Id;
-      Index : Signal_Index;
+      Index : Short_Index;
       As    : Kind;
       Text  : Title;
    end record;

@@ -2,11 +2,13 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with Controller_Design;  use Controller_Design;
+with Live;
 with NXT.AVR;
 with NXT.Battery;
 with NXT.Buttons;
 with NXT.Motor_Controls;
 with NXT.Motor_Encoders;
+with NXT.Telemetry;
 with NXT.Touch_Sensors;
 with Speed_Controller;
 with System;
@@ -15,10 +17,9 @@ package body Bench is
 
    use NXT;
 
-   Speed_Setpoint : constant := 4.0;
-   Target_Angle   : constant := 360;
-   Fastest        : constant := 5.0;
-   --  Volts, degrees, and the largest set-point that the outer loop gives.
+   Target_Angle : constant := 360;
+   Fastest      : constant := 5.0;
+   --  Degrees, and the largest set-point that the outer loop gives.
 
    Sensor  : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
    Touched : Boolean := True;
@@ -101,7 +102,9 @@ package body Bench is
    procedure Drive is
       Supply : constant Float := Float (NXT.Battery.Voltage) * 0.001;
    begin
-      Now.Setpoint := (if Now.Mode = Position then Outer_Loop else Speed_Setpoint);
+      Now.Setpoint :=
+        (if Now.Mode = Position then Outer_Loop else NXT.Telemetry.Current (Live.Setpoint));
+      Live.Adopt;
       Speed_Controller.Parameters.Saturation := Supply;
       Speed_Controller.Inputs := (Now.Setpoint, Now.Speed);
       Speed_Controller.Step;
@@ -122,6 +125,7 @@ package body Bench is
       Speed_Seen := Now.Speed;
       Control_Seen := Now.Control;
       Shared.Set (Now);
+      Live.Publish (Now.Setpoint, Now.Speed, Now.Control, Now.Angle);
    end Control;
 
    function Latest return Status is (Shared.Get);

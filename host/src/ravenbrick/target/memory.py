@@ -44,7 +44,11 @@ class TaskStack:
 
 @dataclass(frozen=True)
 class MemoryReport:
-    """Sizes in bytes; `parts` maps each part of the program to its text, data and bss."""
+    """Sizes in bytes; `parts` maps each part of the program to its text, data and bss.
+
+    `used` is what lies in the region of `available` bytes: kernel state of a RAM image lies below
+    it, where the boot monitor's own variables were.
+    """
 
     image: str
     kind: str
@@ -110,7 +114,12 @@ def memory_report(image: ElfImage, robot: Robot) -> MemoryReport:
     """Report of an image; raises `ImageFileError` when it does not fit."""
     text, data, bss = (image.size_of(kind) for kind in ("text", "data", "bss"))
     region = REGIONS[image.kind]
-    used = text + data + (bss if image.kind == "ram" else 0)
+    used = sum(
+        section.size
+        for section in image.sections
+        if (image.kind == "ram" or section.kind != "bss")
+        and (image.kind == "flash" or region.begin <= section.address < region.end)
+    )
     if used > region.size:
         raise ImageFileError(
             f"{image.path}: takes {used} bytes, the {region.name} has {region.size}; shorten "
