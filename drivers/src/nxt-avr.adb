@@ -28,7 +28,7 @@ package body NXT.AVR is
    protected Shared with Priority => Priorities.Shared_Data is
       procedure Set_Motor (Motor : Motor_Id; Duty : PWM_Value; Brake : Boolean);
       procedure Set_Supply (Port : Sensor_Id; Supply : Sensor_Power);
-      procedure Switch_Off;
+      procedure End_With (Command : AVR_IO.Power_Command);
       procedure Brake_Motors;
       function Outputs return AVR_IO.Outputs;
       procedure Put_Inputs (Values : AVR_IO.Inputs);
@@ -63,11 +63,11 @@ package body NXT.AVR is
          Commands.Sensor_Supply (Port) := Supply;
       end Set_Supply;
 
-      procedure Switch_Off is
+      procedure End_With (Command : AVR_IO.Power_Command) is
       begin
          Commands := AVR_IO.All_Stopped;
-         Commands.Power := AVR_IO.Switch_Off;
-      end Switch_Off;
+         Commands.Power := Command;
+      end End_With;
 
       procedure Brake_Motors is
       begin
@@ -216,8 +216,13 @@ package body NXT.AVR is
 
    procedure Power_Down is
    begin
-      Shared.Switch_Off;
+      Shared.End_With (AVR_IO.Switch_Off);
    end Power_Down;
+
+   procedure Enter_Boot_Monitor is
+   begin
+      Shared.End_With (AVR_IO.Boot_Monitor);
+   end Enter_Boot_Monitor;
 
    function Data_Available return Boolean is (Shared.Received);
 

@@ -32,6 +32,9 @@ package NXT.AVR with Elaborate_Body is
    procedure Power_Down;
    --  Stop the motors and switch the brick off, within a few periods. There is no way back.
 
+   procedure Enter_Boot_Monitor;
+   --  See NXT.Power.
+
    --  Inputs: of the last frame received without error
 
    function Data_Available return Boolean;

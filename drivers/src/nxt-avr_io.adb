@@ -9,6 +9,8 @@ package body NXT.AVR_IO is
    Normal_Operation : constant := 16#00#;
    Power_Down       : constant := 16#5A#;
    Text_Follows     : constant := 16#CC#;
+   Boot_Command     : constant := 16#A5#;
+   --  With Power_Down in place of the frequency.
 
    Text : constant String := "Let's samba nxt arm in arm, (c)LEGO System A/S";
    pragma Compile_Time_Error (Text'Length + 1 /= Greeting_Length, "length of the greeting");
@@ -74,8 +76,9 @@ package body NXT.AVR_IO is
       return Frame : Output_Frame := (others => 0) do
          Frame (1) := (case Values.Power is
                           when Stay_On => Normal_Operation,
-                          when Switch_Off => Power_Down);
-         Frame (2) := PWM_Frequency_kHz;
+                          when Switch_Off => Power_Down,
+                          when Boot_Monitor => Boot_Command);
+         Frame (2) := (if Values.Power = Boot_Monitor then Power_Down else PWM_Frequency_kHz);
          Frame (3) := Two_Complement (Values.Duties (Motor_A));
          Frame (4) := Two_Complement (Values.Duties (Motor_B));
          Frame (5) := Two_Complement (Values.Duties (Motor_C));

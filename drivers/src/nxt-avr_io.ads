@@ -24,7 +24,7 @@ package NXT.AVR_IO is
    function Greeting return Greeting_Frame;
    --  Must be sent once; without it the co-processor switches the brick off after five minutes.
 
-   type Power_Command is (Stay_On, Switch_Off);
+   type Power_Command is (Stay_On, Switch_Off, Boot_Monitor);
 
    type Motor_Duties  is array (Motor_Id) of PWM_Value;
    type Motor_Brakes  is array (Motor_Id) of Boolean;

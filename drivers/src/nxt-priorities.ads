@@ -2,7 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Priorities of the drivers. Among interrupts the shortest deadline comes first: a byte on the
---  co-processor link lasts 22 us, a motor edge stays at least 1 ms and must not be miscounted; a
+--  co-processor link lasts 22 us, a motor edge stays at least 0.5 ms and must not be miscounted; a
 --  late beat of the sensors' buses makes them slower and nothing else, the display can wait,
 --  sound has a buffer of some milliseconds, and a USB host tries again for as long as it takes.
 
@@ -20,7 +20,8 @@ package NXT.Priorities with Pure is
    TWI_Interrupt     : constant System.Interrupt_Priority := System.Interrupt_Priority'Last;
    Encoder_Interrupt : constant System.Interrupt_Priority := TWI_Interrupt - 1;
    I2C_Interrupt     : constant System.Interrupt_Priority := Encoder_Interrupt - 1;
-   SPI_Interrupt     : constant System.Interrupt_Priority := I2C_Interrupt - 1;
+   RS485_Interrupt   : constant System.Interrupt_Priority := I2C_Interrupt - 1;
+   SPI_Interrupt     : constant System.Interrupt_Priority := RS485_Interrupt - 1;
    Audio_Interrupt   : constant System.Interrupt_Priority := SPI_Interrupt - 1;
    USB_Interrupt     : constant System.Interrupt_Priority := Audio_Interrupt - 1;
 

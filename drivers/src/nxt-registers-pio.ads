@@ -59,6 +59,9 @@ package NXT.Registers.PIO is
    --  Lines as the brick wires them (LEGO MINDSTORMS NXT Hardware Developer Kit, schematics)
    TWI_Data         : constant Line := 3;
    TWI_Clock        : constant Line := 4;
+   RS485_Receive    : constant Line := 5;
+   RS485_Send       : constant Line := 6;
+   RS485_Direction  : constant Line := 7;
    Display_Select   : constant Line := 10;
    Display_Data     : constant Line := 12;
    --  Low for a command, high for pixels; the line is the SPI's unused input.

@@ -23,6 +23,7 @@ package NXT.Registers with Pure is
    PIOA_Id   : constant := 2;
    ADC_Id    : constant := 4;
    SPI_Id    : constant := 5;
+   USART0_Id : constant := 6;
    USART1_Id : constant := 7;
    SSC_Id    : constant := 8;
    TWI_Id    : constant := 9;

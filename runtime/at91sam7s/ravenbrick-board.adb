@@ -12,7 +12,9 @@ package body Ravenbrick.Board is
    One_Wait_State_72_Cycles : constant Word := 16#0048_0100#;
    --  FMR: flash above 30 MHz needs FWS = 1; FMCN is the number of cycles in 1.5 us
 
-   Watchdog_Disabled : constant Word := 16#8000#;
+   Watchdog_Setting : Word with
+     Import, Convention => C, External_Name => "ravenbrick_watchdog_mode";
+   --  WDT_MR: the address of this symbol, which the linker script sets
 
    Enable_Main_Oscillator : constant Word := 16#0601#;
    --  MOR: start-up time of 6 * 8 slow clocks
@@ -71,7 +73,7 @@ package body Ravenbrick.Board is
    procedure Start is
    begin
       Flash_Mode := One_Wait_State_72_Cycles;
-      Watchdog_Mode := Watchdog_Disabled;
+      Watchdog_Mode := Word (To_Integer (Watchdog_Setting'Address));
       if (PMC.Master_Clock and PLL_Selected) /= PLL_Selected then
          Start_Clocks;
       end if;

@@ -1,0 +1,23 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  The brick's supply: why the program was started, and ways to end it for good. NXT.Battery has
+--  the voltage.
+
+package NXT.Power is
+
+   type Reset_Cause is (Power_On, Watchdog, Software, Reset_Pin, Brown_Out);
+
+   function Last_Reset return Reset_Cause;
+   --  Why the processor started last; after a RAM image was loaded, why the boot monitor did.
+
+   procedure Switch_Off;
+   --  Stop the motors and switch the brick off, within a few periods of the link to the
+   --  co-processor. There is no way back.
+
+   procedure Enter_Boot_Monitor;
+   --  Stop the motors and let the co-processor restart the processor in its boot monitor, as with
+   --  the reset button. This overwrites the beginning of the flash memory: a program in flash is
+   --  gone, and the brick clicks until it gets a new one over USB.
+
+end NXT.Power;

@@ -1,0 +1,22 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  Reset controller (datasheet, chapter RSTC).
+
+with System;
+
+package NXT.Registers.RSTC is
+
+   type Peripheral is record
+      Control : Word with Atomic;
+      Status  : Word with Atomic;
+      Mode    : Word with Atomic;
+   end record;
+
+   RSTC : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFF_FD00#);
+
+   --  Status: the cause of the last reset in three bits
+   Cause_Place : constant := 8;
+   Cause_Mask  : constant Word := 7;
+
+end NXT.Registers.RSTC;

@@ -1,0 +1,199 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Ada.Interrupts.Names;
+with NXT.Priorities;
+with NXT.Registers.PIO;        use NXT.Registers, NXT.Registers.PIO;
+with NXT.Registers.PMC;
+with NXT.Registers.USART;      use NXT.Registers.USART;
+with System.Storage_Elements;
+
+package body NXT.RS485 is
+
+   use System.Storage_Elements;
+   use type Word;
+
+   Controller : Registers.USART.Peripheral renames Registers.USART.USART0;
+
+   Pins : constant Word :=
+     Bit (RS485_Receive) or Bit (RS485_Send) or Bit (RS485_Direction);
+
+   --  Of four blocks the DMA controller fills one and has another; two wait to be read.
+   Block       : constant := 64;
+   Ring_Length : constant := 4 * Block;
+
+   type Ring_Index is mod Ring_Length;
+   type Ring_Bytes is array (Ring_Index) of Byte with Volatile_Components;
+
+   --  The rate in eighths of the divider: with eight samples a bit lasts as many clocks.
+   function Divider_Of (Rate : Bits_Per_Second) return Word is
+     ((Clock_Frequency + Word (Rate) / 2) / Word (Rate));
+
+   protected Transfer with Interrupt_Priority => Priorities.RS485_Interrupt is
+      procedure Open (Rate : Bits_Per_Second; To : Connection);
+      procedure Close;
+      procedure Send (Message : Byte_Array; Accepted : out Boolean);
+      function Is_Sending return Boolean;
+      entry Await_Sent;
+      procedure Receive (Data : out Byte_Array; Count : out Natural);
+      function Has_Lost return Boolean;
+   private
+      procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.US0;
+      procedure Give_Next;
+      procedure Look_For_Errors;
+
+      Opened   : Boolean := False;
+      Idle     : Boolean := True;
+      Lost     : Boolean := False;
+      Output   : Byte_Array (1 .. Longest_Message) := (others => 0);
+      Ring     : Ring_Bytes := (others => 0);
+      Given    : Ring_Index := 0;
+      First    : Ring_Index := 0;
+   end Transfer;
+   --  Given: begin of the block that the DMA controller got last. First: of what was not taken yet.
+
+   protected body Transfer is
+
+      procedure Open (Rate : Bits_Per_Second; To : Connection) is
+         Divider : constant Word := Divider_Of (Rate);
+      begin
+         PMC.PMC.Enable_Clock := Bit (PIOA_Id) or Bit (USART0_Id);
+         Controller.Disable_Interrupt := 16#FFFF_FFFF#;
+         Controller.DMA_Control := DMA_Receive_Disable or DMA_Send_Disable;
+         Controller.Control := Reset_Receiver or Reset_Transmitter or Reset_Errors;
+         Controller.Mode := RS485_Direction_Line or Eight_Bits or No_Parity or Eight_Times_Sampling
+           or (if To = Loop_Back then Local_Loop else 0);
+         Controller.Baud_Rate := Divider / 8 or (Divider mod 8) * 2 ** Fraction_Place;
+         PIOA.Select_A := Pins;
+         PIOA.Give_To_Peripheral := Pins;
+         Given := Block;
+         First := 0;
+         Lost := False;
+         Controller.Receive_Address := Ring (0)'Address;
+         Controller.Receive_Count := Block;
+         Controller.Receive_Next_Address := Ring (Block)'Address;
+         Controller.Receive_Next_Count := Block;
+         Controller.Control := Enable_Receiver or Enable_Transmitter;
+         Controller.DMA_Control := DMA_Receive_Enable or DMA_Send_Enable;
+         Controller.Enable_Interrupt := Receive_Ended;
+         Opened := True;
+         Idle := True;
+      end Open;
+
+      procedure Close is
+      begin
+         Opened := False;
+         Idle := True;
+         Controller.Disable_Interrupt := 16#FFFF_FFFF#;
+         Controller.DMA_Control := DMA_Receive_Disable or DMA_Send_Disable;
+         Controller.Control := Disable_Both;
+         PIOA.Disable_Output := Pins;
+         PIOA.Take_Line := Pins;
+      end Close;
+
+      procedure Send (Message : Byte_Array; Accepted : out Boolean) is
+      begin
+         Accepted := Opened and then Idle;
+         if Accepted then
+            Output (1 .. Message'Length) := Message;
+            Idle := False;
+            Controller.Send_Address := Output'Address;
+            Controller.Send_Count := Message'Length;
+            Controller.Enable_Interrupt := Send_Ended;
+         end if;
+      end Send;
+
+      function Is_Sending return Boolean is (not Idle);
+
+      entry Await_Sent when Idle is
+      begin
+         null;
+      end Await_Sent;
+
+      --  The controller has begun the block given last and gets the one after it, which was filled
+      --  two blocks ago. What nobody has taken from it is lost.
+      procedure Give_Next is
+         Next : constant Ring_Index := Given + Block;
+      begin
+         if First / Block = Next / Block then
+            Lost := True;
+            First := Next + Block;
+         end if;
+         Given := Next;
+         Controller.Receive_Next_Address := Ring (Next)'Address;
+         Controller.Receive_Next_Count := Block;
+      end Give_Next;
+
+      procedure Look_For_Errors is
+      begin
+         if Has (Controller.Status, Overrun or Framing_Error) then
+            Lost := True;
+            Controller.Control := Reset_Errors;
+         end if;
+      end Look_For_Errors;
+
+      procedure Handle_Interrupt is
+         Flags : constant Word := Controller.Status and Controller.Interrupt_Mask;
+      begin
+         if Has (Flags, Receive_Ended) then
+            Give_Next;
+         end if;
+         if Has (Flags, Send_Ended) then
+            Controller.Disable_Interrupt := Send_Ended;
+            Controller.Enable_Interrupt := Sent;
+         elsif Has (Flags, Sent) then
+            Controller.Disable_Interrupt := Sent;
+            Idle := True;
+         end if;
+      end Handle_Interrupt;
+
+      procedure Receive (Data : out Byte_Array; Count : out Natural) is
+         Now : constant Ring_Index :=
+           Ring_Index
+             ((To_Integer (Controller.Receive_Address) - To_Integer (Ring'Address))
+              mod Ring_Length);
+      begin
+         Look_For_Errors;
+         Data := (others => 0);
+         Count := 0;
+         while Opened and then First /= Now and then Count < Data'Length loop
+            Data (Data'First + Count) := Ring (First);
+            First := First + 1;
+            Count := Count + 1;
+         end loop;
+      end Receive;
+
+      function Has_Lost return Boolean is (Lost);
+
+   end Transfer;
+
+   procedure Open (Rate : Bits_Per_Second := 921_600; To : Connection := Line) is
+   begin
+      Transfer.Open (Rate, To);
+   end Open;
+
+   procedure Close is
+   begin
+      Transfer.Close;
+   end Close;
+
+   procedure Send (Message : Byte_Array; Accepted : out Boolean) is
+   begin
+      Transfer.Send (Message, Accepted);
+   end Send;
+
+   function Sending return Boolean is (Transfer.Is_Sending);
+
+   procedure Await_Sent is
+   begin
+      Transfer.Await_Sent;
+   end Await_Sent;
+
+   procedure Receive (Data : out Byte_Array; Count : out Natural) is
+   begin
+      Transfer.Receive (Data, Count);
+   end Receive;
+
+   function Lost_Bytes return Boolean is (Transfer.Has_Lost);
+
+end NXT.RS485;

@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Runs each example on a virtual brick and makes its picture and the list of examples.
+
+`python -m examples.devices.pictures` writes docs/pictures/devices/ and docs/guides/devices.md.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import virtual_brick
+
+from drivers.tests.observe import HEIGHT, WIDTH, Brick, bench
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+BUILD = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build"))
+PICTURES = ROOT / "docs" / "pictures" / "devices"
+GUIDE = ROOT / "docs" / "guides" / "devices.md"
+PIXEL = 2
+MARGIN = 4
+
+
+@dataclass(frozen=True)
+class Example:
+    """A program, the packages that it shows, its surroundings and when its picture is taken."""
+
+    device: str
+    packages: str
+    seen: str
+    at_ms: float
+    sensors: dict[str, str] = field(default_factory=dict)
+    inputs: tuple[tuple[float, str, float], ...] = ()
+
+
+EXAMPLES = {
+    "text_display": Example(
+        "display", "`NXT.Display`, `NXT.Display.Drawing`", "text and drawings", 150
+    ),
+    "buttons": Example(
+        "buttons", "`NXT.Buttons`", "the left one held", 500, inputs=((300, "button.left", 1),)
+    ),
+    "motors": Example(
+        "motors", "`NXT.Motor_Controls`, `NXT.Motor_Encoders`", "degrees after each move", 2_800
+    ),
+    "regulated_motors": Example(
+        "regulated motors", "`NXT.Regulated_Motors`", "a speed, then an angle", 3_500
+    ),
+    "touch": Example(
+        "touch sensor",
+        "`NXT.Touch_Sensors`",
+        "pressed three times",
+        1_000,
+        {"1": "touch"},
+        tuple((300 + 50 * n, "touch.1", 1 - n % 2) for n in range(6)),
+    ),
+    "light": Example(
+        "light sensor",
+        "`NXT.Light_Sensors`",
+        "bright ground",
+        600,
+        {"3": "light"},
+        ((10, "light.3.reflectance", 0.7),),
+    ),
+    "sound_level": Example(
+        "sound sensor",
+        "`NXT.Sound_Sensors`",
+        "85 dB of 1 kHz",
+        900,
+        {"2": "sound"},
+        ((10, "sound.2", 85.0), (10, "sound.2.frequency", 1_000.0)),
+    ),
+    "ultrasonic": Example(
+        "ultrasonic sensor",
+        "`NXT.Ultrasonic_Sensors`",
+        "a wall at 42 cm",
+        1_000,
+        {"4": "ultrasonic"},
+        ((10, "distance.4", 0.425),),
+    ),
+    "loudspeaker": Example("sound", "`NXT.Audio`", "the notes played", 900),
+    "battery_level": Example(
+        "battery and power", "`NXT.Battery`, `NXT.Power`", "a pack of 8 V", 400
+    ),
+    "storage": Example("flash storage", "`NXT.Parameters`", "the first start", 200),
+    "serial_line": Example("RS485", "`NXT.RS485`", "a text that came back", 150),
+}
+
+
+def build(name: str) -> bytes:
+    """The example's image for RAM."""
+    config = f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"
+    command = ["gprbuild", "-q", "-j2", config, "-P", str(HERE / "device.gpr")]
+    done = subprocess.run(
+        [*command, f"-XDEVICE={name}"], capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        raise SystemExit(f"{name}: {done.stdout}{done.stderr}")
+    return (BUILD / "devices" / name / "ram" / f"{name}.elf").read_bytes()
+
+
+def run(name: str) -> Brick:
+    """The example at the time of its picture."""
+    example = EXAMPLES[name]
+    sensors: dict[str, Any] = {port: {"kind": kind} for port, kind in example.sensors.items()}
+    configuration = json.dumps(bench() | {"sensors": sensors})
+    brick = Brick(virtual_brick.VirtualBrick(configuration, build(name)))
+    for at_ms, quantity, value in example.inputs:
+        brick.set(at_ms, quantity, value)
+    brick.run(example.at_ms)
+    return brick
+
+
+def picture(brick: Brick) -> str:
+    """The display as a drawing: one path of the dark pixels, line by line."""
+    strokes = []
+    for y, line in enumerate(brick.picture()):
+        x = 0
+        while x < WIDTH:
+            length = len(line[x:]) - len(line[x:].lstrip("#"))
+            if length:
+                strokes.append(f"M{x} {y}h{length}v1h-{length}z")
+            x += length or 1
+    width, height = WIDTH + 2 * MARGIN, HEIGHT + 2 * MARGIN
+    size = f'width="{PIXEL * width}" height="{PIXEL * height}"'
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" {size} '
+            f'viewBox="-{MARGIN} -{MARGIN} {width} {height}">',
+            f'<rect x="-{MARGIN}" y="-{MARGIN}" width="{width}" height="{height}" rx="2" '
+            'fill="#b9c6a5"/>',
+            f'<path fill="#20261c" d="{"".join(strokes)}"/>',
+            "</svg>",
+            "",
+        ]
+    )
+
+
+def guide() -> str:
+    """The list of examples."""
+    lines = [
+        "# One program for each device",
+        "",
+        "Generated by `python -m examples.devices.pictures`; do not edit. Each program is in",
+        "[examples/devices](../../examples/devices) in a folder of its name; this builds one:",
+        "",
+        "```",
+        "gprbuild --config=tools/ravenbrick.cgpr -P examples/devices/device.gpr -XDEVICE=touch",
+        "```",
+        "",
+        "The pictures are those of the virtual brick, and a test compares them.",
+        "",
+        "| Device | Program | Packages | Display |",
+        "|---|---|---|---|",
+    ]
+    for name, example in EXAMPLES.items():
+        source = f"[{name}](../../examples/devices/{name}/{name}.adb)"
+        image = f"![{example.seen}](../pictures/devices/{name}.svg)"
+        lines.append(
+            f"| {example.device} | {source} | {example.packages} | {image}<br>{example.seen} |"
+        )
+    return "\n".join([*lines, ""])
+
+
+def main() -> None:
+    """Write pictures and guide."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for name in EXAMPLES:
+        (PICTURES / f"{name}.svg").write_text(picture(run(name)), encoding="utf-8")
+    GUIDE.write_text(guide(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
