@@ -19,7 +19,7 @@ package NXT.Audio.Wav is
 private
 
    type File is limited record
-      First : Unsigned_32;
+      First : Unsigned_8;
    end record;
 
 end NXT.Audio.Wav;
