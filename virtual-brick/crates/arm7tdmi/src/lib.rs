@@ -16,6 +16,7 @@ pub mod alu;
 mod arm;
 mod arm_transfer;
 mod block_transfer;
+mod blocks;
 pub mod bus;
 pub mod cost;
 mod cpu;
@@ -32,6 +33,7 @@ mod thumb;
 mod thumb_transfer;
 mod timing;
 
+pub use blocks::{BlockBus, Blocks, BlocksRun, CodePlace, PlainRead};
 pub use bus::{Abort, Bus, Cycle, Width};
 pub use cpu::{Cpu, Step};
 pub use exceptions::Exception;

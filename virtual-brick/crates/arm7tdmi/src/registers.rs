@@ -240,4 +240,9 @@ impl RegisterFile {
     pub(crate) fn visible(&self) -> [u32; 16] {
         self.visible
     }
+
+    /// Writes all registers as the current mode sees them.
+    pub(crate) fn set_visible(&mut self, registers: &[u32; 16]) {
+        self.visible = *registers;
+    }
 }

@@ -67,6 +67,7 @@ impl<B: Board> Chip<B> {
         self.flash.reset(&timing);
         self.mc = Mc::default();
         self.sram_alias = 2;
+        self.flash.remapped();
         self.pit = Pit::new();
         self.tc = TimerBlock::new();
         self.pio = Pio::new();

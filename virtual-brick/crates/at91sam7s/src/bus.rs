@@ -19,7 +19,7 @@ const BOOT_ROM_WINDOW: u32 = 3;
 const PERIPHERALS: u32 = 0xF000_0000;
 
 #[inline(always)]
-fn misaligned(address: u32, width: Width) -> bool {
+pub(crate) fn misaligned(address: u32, width: Width) -> bool {
     match width {
         Width::Byte => false,
         Width::Halfword => address & 1 != 0,
@@ -29,7 +29,7 @@ fn misaligned(address: u32, width: Width) -> bool {
 
 /// What the core's byte lanes show of `word`.
 #[inline(always)]
-fn lane(word: u32, address: u32, width: Width) -> u32 {
+pub(crate) fn lane(word: u32, address: u32, width: Width) -> u32 {
     match width {
         Width::Byte => word >> ((address & 3) * 8) & 0xFF,
         Width::Halfword => word >> ((address & 2) * 8) & 0xFFFF,
@@ -48,13 +48,13 @@ fn replicate(value: u32, width: Width) -> u32 {
 
 impl<B: Board> Chip<B> {
     #[inline(always)]
-    fn is_sram(&self, address: u32) -> bool {
+    pub(crate) fn is_sram(&self, address: u32) -> bool {
         let window = address >> 20;
         window == SRAM_WINDOW || window == self.sram_alias
     }
 
     /// In the flash windows, given that the address is not in SRAM.
-    fn is_flash(address: u32) -> bool {
+    pub(crate) fn is_flash(address: u32) -> bool {
         address >> 20 < SRAM_WINDOW
     }
 

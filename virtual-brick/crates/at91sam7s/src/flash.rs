@@ -6,6 +6,8 @@
 //! write-page command programs it. Times: page 6 ms with erase, 3 ms without; whole plane 15 ms;
 //! lock bits and general purpose bits 3 ms (chapter 37, flash characteristics).
 
+use arm7tdmi::bus::Width;
+
 use crate::board::Cycles;
 use crate::fault::{Access, FaultKind};
 use crate::timing::TimingProfile;
@@ -46,6 +48,8 @@ pub(crate) struct Flash {
     odd_target: bool,
     costs: Costs,
     odd_target_cycles: Cycles,
+    /// Changes with the contents and the costs.
+    epoch: u32,
 }
 
 impl Flash {
@@ -69,6 +73,7 @@ impl Flash {
                 data: 1,
             },
             odd_target_cycles: timing.thumb_odd_target_cycles,
+            epoch: 0,
         };
         flash.set_costs(timing);
         flash
@@ -84,6 +89,7 @@ impl Flash {
     }
 
     fn set_costs(&mut self, timing: &TimingProfile) {
+        self.epoch = self.epoch.wrapping_add(1);
         let waits = Cycles::from(self.mode >> 8 & 3);
         let thumb = timing.flash_sequential_thumb.cycles(waits);
         self.costs = Costs {
@@ -145,6 +151,64 @@ impl Flash {
         regular + late
     }
 
+    /// Changes with everything that code decoded from flash depends on.
+    #[inline(always)]
+    pub(crate) fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// Another memory appears where code may have been decoded.
+    pub(crate) fn remapped(&mut self) {
+        self.epoch = self.epoch.wrapping_add(1);
+    }
+
+    /// A fetch at `address` would be sequential and cost what the table says.
+    pub(crate) fn in_sequence(&self, address: u32) -> bool {
+        self.next_fetch == address && !self.odd_target
+    }
+
+    /// Sequential fetches were made up to `address`.
+    pub(crate) fn continue_at(&mut self, address: u32) {
+        self.next_fetch = address;
+    }
+
+    /// Cycles of a sequential fetch without what a branch left behind.
+    pub(crate) fn sequential_cycles(&self, address: u32, width: Width) -> Cycles {
+        match width {
+            Width::Word => self.costs.arm,
+            _ if address & 2 == 0 => self.costs.thumb_boundary,
+            _ => self.costs.thumb,
+        }
+    }
+
+    /// Cycles of the two fetches after a branch, when one at `sequence` would be sequential.
+    pub(crate) fn refill_cycles(&self, sequence: u32, target: u32, width: Width) -> Cycles {
+        let size = if width == Width::Word { 4 } else { 2 };
+        let second = self.sequential_cycles(target.wrapping_add(size), width);
+        if sequence == target {
+            return self.sequential_cycles(target, width) + second;
+        }
+        let late = if width != Width::Word && target & 2 != 0 {
+            self.odd_target_cycles
+        } else {
+            0
+        };
+        self.costs.first + second + late
+    }
+
+    /// No fetch or read costs more.
+    pub(crate) fn most_cycles(&self) -> Cycles {
+        let Costs {
+            first,
+            arm,
+            thumb,
+            thumb_boundary,
+            data,
+        } = self.costs;
+        let regular = first.max(arm).max(thumb).max(thumb_boundary).max(data);
+        regular + self.odd_target_cycles
+    }
+
     /// Cycles of a data read; the code prefetch buffer keeps its content.
     #[inline]
     pub(crate) fn data_cycles(&self) -> Cycles {
@@ -160,6 +224,7 @@ impl Flash {
     pub(crate) fn load_byte(&mut self, address: u32, value: u8) {
         let slot = (address as usize >> 2) % WORDS;
         let shift = (address & 3) * 8;
+        self.epoch = self.epoch.wrapping_add(1);
         self.words[slot] = (self.words[slot] & !(0xFF << shift)) | (u32::from(value) << shift);
     }
 
@@ -243,6 +308,7 @@ impl Flash {
             self.errors |= LOCKE;
             return 0;
         }
+        self.epoch = self.epoch.wrapping_add(1);
         let keep = self.mode & NEBP != 0;
         let start = page as usize * PAGE_WORDS;
         for (cell, new) in self.words[start..start + PAGE_WORDS]
@@ -287,6 +353,7 @@ impl Flash {
             self.errors |= LOCKE;
             return 0;
         }
+        self.epoch = self.epoch.wrapping_add(1);
         self.words.fill(0xFFFF_FFFF);
         15_000
     }

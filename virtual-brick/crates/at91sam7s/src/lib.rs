@@ -12,6 +12,7 @@ mod aic;
 mod boot;
 mod bus;
 mod chip;
+mod code;
 mod dbgu;
 mod event;
 mod fault;

@@ -279,6 +279,7 @@ impl<B: Board> Chip<B> {
             0x00 => {
                 self.mc.write_remap(value);
                 self.sram_alias = if self.mc.remapped { 0 } else { 2 };
+                self.flash.remapped();
             }
             0x60 => self.flash.set_mode(value, &self.configuration.timing),
             0x64 => self.flash.command(self.now, value)?,

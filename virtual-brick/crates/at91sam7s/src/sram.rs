@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! 64 KiB of static memory, kept as words, with write watches for an outside observer.
+//! 64 KiB of static memory, kept as words, with write watches for an outside observer and marks on
+//! words that were decoded as code.
 
 use arm7tdmi::bus::Width;
 
 use crate::board::Cycles;
 
 const WORDS: usize = 0x4000;
+const WATCHED: u8 = 1 << 0;
+const CODE: u8 = 1 << 1;
 
 /// A write to a watched word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +26,10 @@ pub struct WatchHit {
 #[derive(Clone, Debug)]
 pub(crate) struct Sram {
     words: Box<[u32; WORDS]>,
-    watched: Box<[u64; WORDS / 64]>,
+    /// Per word: the bits below.
+    marks: Box<[u8; WORDS]>,
     hits: Vec<WatchHit>,
+    code_changes: Vec<u32>,
 }
 
 #[inline(always)]
@@ -36,8 +41,9 @@ impl Sram {
     pub(crate) fn new() -> Self {
         Self {
             words: Box::new([0; WORDS]),
-            watched: Box::new([0; WORDS / 64]),
+            marks: Box::new([0; WORDS]),
             hits: Vec::new(),
+            code_changes: Vec::new(),
         }
     }
 
@@ -65,24 +71,71 @@ impl Sram {
             Width::Byte => merge(self.words[slot], value, 0xFF, (address & 3) * 8),
         };
         self.words[slot] = word;
-        if self.watched[slot / 64] >> (slot % 64) & 1 != 0 {
+        if self.marks[slot] != 0 {
+            self.marked_written(now, slot);
+        }
+    }
+
+    #[cold]
+    fn marked_written(&mut self, now: Cycles, slot: usize) {
+        if self.marks[slot] & WATCHED != 0 {
             self.hits.push(WatchHit {
                 at_cycles: now,
                 address: 0x0020_0000 + 4 * slot as u32,
-                value: word,
+                value: self.words[slot],
             });
         }
+        self.code_changed(slot);
+    }
+
+    fn code_changed(&mut self, slot: usize) {
+        if self.marks[slot] & CODE != 0 {
+            self.marks[slot] &= !CODE;
+            self.code_changes.push(slot as u32);
+        }
+    }
+
+    /// Write, unless somebody wants to know of it; true when written.
+    #[inline(always)]
+    pub(crate) fn write_unmarked(&mut self, address: u32, width: Width, value: u32) -> bool {
+        let slot = index(address);
+        if self.marks[slot] != 0 {
+            return false;
+        }
+        self.words[slot] = match width {
+            Width::Word => value,
+            Width::Halfword => merge(self.words[slot], value, 0xFFFF, (address & 2) * 8),
+            Width::Byte => merge(self.words[slot], value, 0xFF, (address & 3) * 8),
+        };
+        true
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_marked(&self, address: u32) -> bool {
+        self.marks[index(address)] != 0
+    }
+
+    /// Tell the next change of a word, which was decoded as code.
+    pub(crate) fn mark_code(&mut self, address: u32) {
+        self.marks[index(address)] |= CODE;
+    }
+
+    /// Number of a word that was decoded as code and changed.
+    #[inline]
+    pub(crate) fn next_code_change(&mut self) -> Option<u32> {
+        self.code_changes.pop()
     }
 
     /// Write without time and without watches.
     pub(crate) fn load_byte(&mut self, address: u32, value: u8) {
         let slot = index(address);
         self.words[slot] = merge(self.words[slot], u32::from(value), 0xFF, (address & 3) * 8);
+        self.code_changed(slot);
     }
 
     pub(crate) fn watch(&mut self, address: u32) {
         let slot = index(address);
-        self.watched[slot / 64] |= 1 << (slot % 64);
+        self.marks[slot] |= WATCHED;
     }
 
     #[inline(always)]

@@ -5,11 +5,12 @@
 use std::fmt;
 use std::sync::Arc;
 
-use arm7tdmi::{psr, Cpu};
+use arm7tdmi::{psr, Blocks, Cpu};
 use trace::Trace;
 
 use crate::assembly::{self, Machine};
 use crate::configuration::{Configuration, ConfigurationError};
+use crate::engine::Engine;
 use crate::guard::Guard;
 use crate::image::{Image, ImageError, Placement, ScalarKind};
 use crate::inputs::{Input, InputError, InputSchedule};
@@ -32,6 +33,8 @@ pub struct VirtualBrick {
     pub(crate) inputs: InputSchedule,
     pub(crate) guard: Guard,
     pub(crate) ended: Option<Stop>,
+    pub(crate) engine: Engine,
+    pub(crate) blocks: Blocks<Machine>,
     threads_unobserved: Option<String>,
 }
 
@@ -99,6 +102,8 @@ impl VirtualBrick {
             inputs: InputSchedule::default(),
             guard: Guard::default(),
             ended: None,
+            engine: configuration.engine,
+            blocks: Blocks::default(),
             threads_unobserved,
         })
     }

@@ -48,6 +48,11 @@ impl Guard {
         (after == before) | (after < VECTORS_END) | self.arrival.is_some()
     }
 
+    /// The core came back to the same instruction with interrupts enabled.
+    pub(crate) fn interruptible_loop(&mut self) {
+        self.repeated = None;
+    }
+
     /// Look at a step that is of concern; a dead end when the run cannot go on.
     pub(crate) fn check(
         &mut self,

@@ -8,6 +8,7 @@ mod assembly;
 mod brick;
 mod checkpoint;
 mod configuration;
+mod engine;
 mod guard;
 mod image;
 mod inputs;
@@ -24,6 +25,7 @@ pub use arm7tdmi::Step as CpuStep;
 pub use brick::{BrickError, Snapshot, VirtualBrick};
 pub use checkpoint::{Checkpoint, NotPassed};
 pub use configuration::{Configuration, ConfigurationError};
+pub use engine::Engine;
 pub use image::{
     Image, ImageError, Lines, Placement, ScalarKind, Segment, Symbol, Symbols, Variable,
 };

@@ -22,6 +22,8 @@ pub struct Access {
 pub trait StepObserver {
     /// Whether [`StepObserver::access`] is to be called.
     const SEES_ACCESSES: bool;
+    /// Whether the other functions are to be called. Without, the fast engine can run.
+    const SEES_STEPS: bool = true;
 
     /// A step is about to be made; true ends the run before it.
     fn before_step(&mut self, brick: &VirtualBrick) -> bool;
@@ -38,6 +40,7 @@ pub(crate) struct Unobserved;
 
 impl StepObserver for Unobserved {
     const SEES_ACCESSES: bool = false;
+    const SEES_STEPS: bool = false;
 
     #[inline(always)]
     fn before_step(&mut self, _brick: &VirtualBrick) -> bool {

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The run: processor steps and skipped idle time between inputs and samples.
 
-use arm7tdmi::Step;
+use arm7tdmi::{psr, Step};
 use at91sam7s::ResetCause;
 
 use crate::assembly;
 use crate::brick::VirtualBrick;
+use crate::engine::Engine;
 use crate::image::Placement;
 use crate::observe::{ObservedBus, StepObserver, Unobserved};
 use crate::stop::{Stop, StopReason};
@@ -97,6 +98,9 @@ impl VirtualBrick {
                 self.after_step(self.cpu.next_instruction_address())?;
                 continue;
             }
+            if !O::SEES_STEPS && self.engine == Engine::Fast {
+                self.run_blocks(end);
+            }
             if observer.before_step(self) {
                 return Err(Break::Observer);
             }
@@ -111,6 +115,21 @@ impl VirtualBrick {
             }
         }
         Ok(())
+    }
+
+    /// As far as the fast engine gets before an instruction boundary at which something besides
+    /// the processor can act, or an instruction that it leaves to the reference engine.
+    #[inline]
+    fn run_blocks(&mut self, end: u64) {
+        let status = self.cpu.cpsr();
+        let (irq, fiq) = (status & psr::I == 0, status & psr::F == 0);
+        let budget = self.chip.quiet_cycles(end, irq, fiq);
+        let run = self
+            .cpu
+            .run_blocks(&mut self.chip, &mut self.blocks, budget);
+        if run.spun {
+            self.guard.interruptible_loop();
+        }
     }
 
     #[inline(always)]

@@ -10,6 +10,8 @@ use nxt::{BatteryConfiguration, BluetoothConfiguration, BoardConfiguration, Sens
 use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
 use serde::Deserialize;
 
+use crate::engine::Engine;
+
 pub use error::ConfigurationError;
 
 /// One millisecond of the master clock, rounded up.
@@ -28,6 +30,8 @@ pub struct Configuration {
     pub signal_period_cycles: u64,
     /// How much the trace may hold.
     pub trace_limits: trace::Limits,
+    /// What executes instructions; the run is the same with each.
+    pub engine: Engine,
 }
 
 #[derive(Deserialize)]
@@ -51,6 +55,8 @@ struct Fields {
     signal_period_cycles: u64,
     #[serde(default)]
     trace_limits: LimitFields,
+    #[serde(default)]
+    engine: Engine,
 }
 
 #[derive(Default, Deserialize)]
@@ -115,6 +121,7 @@ impl Fields {
                     .signal_values
                     .unwrap_or(defaults.signal_values),
             },
+            engine: self.engine,
         })
     }
 }

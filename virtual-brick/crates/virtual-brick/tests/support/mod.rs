@@ -5,6 +5,7 @@
 
 pub mod arm;
 pub mod elf;
+pub mod random;
 
 use arm::Program;
 use elf::ElfBuilder;

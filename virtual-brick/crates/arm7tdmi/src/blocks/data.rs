@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Operations on registers only.
+
+use super::bus::BlockBus;
+use super::run::{follow, Handler, Op, Run};
+use crate::alu::{add, shift_by_constant, shift_by_register, Shifted, Sum};
+use crate::instruction::AluOperation;
+use crate::multiply::{signed_cycles, unsigned_cycles};
+
+/// Kinds of second operand that have handlers of their own.
+pub(super) const CONSTANT: u8 = 0;
+/// A constant whose rotation gives the carry in bit 0 of the mode.
+pub(super) const CONSTANT_CARRY: u8 = 1;
+pub(super) const REGISTER: u8 = 2;
+/// Shifts by 1 to 31.
+pub(super) const LEFT: u8 = 3;
+pub(super) const RIGHT: u8 = 4;
+pub(super) const RIGHT_ARITHMETIC: u8 = 5;
+/// Any other shift by a constant, of the kind in the mode.
+pub(super) const ANY_SHIFT: u8 = 6;
+/// By the register whose number is the amount.
+pub(super) const BY_REGISTER: u8 = 7;
+
+#[inline(always)]
+fn operand<B: BlockBus, const KIND: u8>(run: &Run<'_, B>, op: &Op<B>) -> Shifted {
+    let carry = run.carry != 0;
+    let amount = u32::from(op.amount & 31);
+    let kind = u32::from(op.mode);
+    match KIND {
+        CONSTANT => Shifted {
+            value: op.value,
+            carry,
+        },
+        CONSTANT_CARRY => Shifted {
+            value: op.value,
+            carry: op.mode != 0,
+        },
+        REGISTER => Shifted {
+            value: run.get(op.second),
+            carry,
+        },
+        LEFT => {
+            let value = run.get(op.second);
+            Shifted {
+                value: value << amount,
+                carry: value >> (32 - amount & 31) & 1 != 0,
+            }
+        }
+        RIGHT => {
+            let value = run.get(op.second);
+            Shifted {
+                value: value >> amount,
+                carry: value >> (amount.wrapping_sub(1) & 31) & 1 != 0,
+            }
+        }
+        RIGHT_ARITHMETIC => {
+            let value = run.get(op.second);
+            Shifted {
+                value: ((value as i32) >> amount) as u32,
+                carry: value >> (amount.wrapping_sub(1) & 31) & 1 != 0,
+            }
+        }
+        ANY_SHIFT => shift_by_constant(kind, run.get(op.second), amount, carry),
+        _ => {
+            let amount = run.get(op.amount) & 0xFF;
+            shift_by_register(kind, run.get(op.second), amount, carry)
+        }
+    }
+}
+
+#[inline(always)]
+const fn of_value(value: u32) -> Sum {
+    Sum {
+        value,
+        carry: false,
+        overflow: false,
+    }
+}
+
+/// Data processing; `OPERATION` in the order of [`AluOperation`].
+fn data<B: BlockBus, const OPERATION: u8, const KIND: u8, const FLAGS: bool>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    let Shifted { value: b, carry } = operand::<B, KIND>(run, op);
+    if KIND == BY_REGISTER {
+        run.cycles += 1;
+    }
+    let a = run.get(op.first);
+    let carry_in = run.carry != 0;
+    let (sum, logical) = match OPERATION {
+        0x0 | 0x8 => (of_value(a & b), true),
+        0x1 | 0x9 => (of_value(a ^ b), true),
+        0x2 | 0xA => (add(a, !b, true), false),
+        0x3 => (add(b, !a, true), false),
+        0x4 | 0xB => (add(a, b, false), false),
+        0x5 => (add(a, b, carry_in), false),
+        0x6 => (add(a, !b, carry_in), false),
+        0x7 => (add(b, !a, carry_in), false),
+        0xC => (of_value(a | b), true),
+        0xD => (of_value(b), true),
+        0xE => (of_value(a & !b), true),
+        _ => (of_value(!b), true),
+    };
+    if FLAGS {
+        run.set_nz(sum.value);
+        if !logical {
+            run.carry = u32::from(sum.carry);
+            run.overflow = u32::from(sum.overflow);
+        } else if KIND != CONSTANT && KIND != REGISTER {
+            run.carry = u32::from(carry);
+        }
+    }
+    if !matches!(OPERATION, 0x8..=0xB) {
+        run.set(op.destination, sum.value);
+    }
+    follow(run, rest);
+}
+
+const fn with_flags<B: BlockBus, const OPERATION: u8, const KIND: u8>(flags: bool) -> Handler<B> {
+    if flags {
+        data::<B, OPERATION, KIND, true>
+    } else {
+        data::<B, OPERATION, KIND, false>
+    }
+}
+
+const fn with_kind<B: BlockBus, const OPERATION: u8>(kind: u8, flags: bool) -> Handler<B> {
+    match kind {
+        CONSTANT => with_flags::<B, OPERATION, CONSTANT>(flags),
+        CONSTANT_CARRY => with_flags::<B, OPERATION, CONSTANT_CARRY>(flags),
+        REGISTER => with_flags::<B, OPERATION, REGISTER>(flags),
+        LEFT => with_flags::<B, OPERATION, LEFT>(flags),
+        RIGHT => with_flags::<B, OPERATION, RIGHT>(flags),
+        RIGHT_ARITHMETIC => with_flags::<B, OPERATION, RIGHT_ARITHMETIC>(flags),
+        ANY_SHIFT => with_flags::<B, OPERATION, ANY_SHIFT>(flags),
+        _ => with_flags::<B, OPERATION, BY_REGISTER>(flags),
+    }
+}
+
+/// The handler of a data processing operation.
+pub(super) const fn data_handler<B: BlockBus>(
+    operation: AluOperation,
+    kind: u8,
+    flags: bool,
+) -> Handler<B> {
+    match operation {
+        AluOperation::And => with_kind::<B, 0>(kind, flags),
+        AluOperation::Eor => with_kind::<B, 1>(kind, flags),
+        AluOperation::Sub => with_kind::<B, 2>(kind, flags),
+        AluOperation::Rsb => with_kind::<B, 3>(kind, flags),
+        AluOperation::Add => with_kind::<B, 4>(kind, flags),
+        AluOperation::Adc => with_kind::<B, 5>(kind, flags),
+        AluOperation::Sbc => with_kind::<B, 6>(kind, flags),
+        AluOperation::Rsc => with_kind::<B, 7>(kind, flags),
+        AluOperation::Tst => with_kind::<B, 8>(kind, flags),
+        AluOperation::Teq => with_kind::<B, 9>(kind, flags),
+        AluOperation::Cmp => with_kind::<B, 10>(kind, flags),
+        AluOperation::Cmn => with_kind::<B, 11>(kind, flags),
+        AluOperation::Orr => with_kind::<B, 12>(kind, flags),
+        AluOperation::Mov => with_kind::<B, 13>(kind, flags),
+        AluOperation::Bic => with_kind::<B, 14>(kind, flags),
+        AluOperation::Mvn => with_kind::<B, 15>(kind, flags),
+    }
+}
+
+/// MUL and MLA: multiplicand in `first`, multiplier in `second`, addend in `amount`.
+pub(super) fn multiply<B: BlockBus, const ACCUMULATE: bool, const FLAGS: bool>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    let multiplier = run.get(op.second);
+    let mut result = run.get(op.first).wrapping_mul(multiplier);
+    if ACCUMULATE {
+        result = result.wrapping_add(run.get(op.amount));
+    }
+    run.cycles += signed_cycles(multiplier) + u32::from(ACCUMULATE);
+    if FLAGS {
+        run.set_nz(result);
+    }
+    run.set(op.destination, result);
+    follow(run, rest);
+}
+
+/// The long multiplications: lower half of the result in `amount`; mode 1 sets flags.
+pub(super) fn multiply_long<B: BlockBus, const SIGNED: bool, const ACCUMULATE: bool>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    let (multiplicand, multiplier) = (run.get(op.first), run.get(op.second));
+    let (mut result, array) = if SIGNED {
+        let product = i64::from(multiplicand as i32) * i64::from(multiplier as i32);
+        (product as u64, signed_cycles(multiplier))
+    } else {
+        let product = u64::from(multiplicand) * u64::from(multiplier);
+        (product, unsigned_cycles(multiplier))
+    };
+    if ACCUMULATE {
+        let high = u64::from(run.get(op.destination)) << 32;
+        result = result.wrapping_add(high | u64::from(run.get(op.amount)));
+    }
+    run.cycles += array + 1 + u32::from(ACCUMULATE);
+    if op.mode != 0 {
+        run.set_nz((result >> 32) as u32 | u32::from(result as u32 != 0));
+    }
+    run.set(op.amount, result as u32);
+    run.set(op.destination, (result >> 32) as u32);
+    follow(run, rest);
+}
+
+/// An instruction of which only the fetch is left.
+pub(super) fn nothing<B: BlockBus>(run: &mut Run<'_, B>, _op: &Op<B>, rest: &[Op<B>]) {
+    follow(run, rest);
+}

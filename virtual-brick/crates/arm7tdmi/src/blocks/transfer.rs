@@ -1,0 +1,229 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Loads and stores. What a plain access cannot do is left to the reference engine, before the
+//! instruction has changed anything.
+
+use super::bus::{BlockBus, PlainRead};
+use super::run::{follow, Handler, Op, Run};
+use crate::alu::shift_by_constant;
+use crate::bus::Width;
+
+/// How the address comes about.
+pub(super) const FIXED: u8 = 0;
+/// `first` plus the value.
+pub(super) const OFFSET: u8 = 1;
+/// `first` plus `second` shifted left by the amount.
+pub(super) const INDEXED: u8 = 2;
+/// As the bits of the mode tell.
+pub(super) const GENERAL: u8 = 3;
+
+/// Bits of the mode.
+pub(super) const UP: u8 = 1 << 0;
+pub(super) const BEFORE: u8 = 1 << 1;
+pub(super) const WRITE_BACK: u8 = 1 << 2;
+pub(super) const BY_REGISTER: u8 = 1 << 3;
+/// Position of the kind of shift.
+pub(super) const SHIFT: u8 = 4;
+
+/// What is transferred.
+pub(super) const WORD: u8 = 0;
+pub(super) const BYTE: u8 = 1;
+pub(super) const HALFWORD: u8 = 2;
+pub(super) const SIGNED_BYTE: u8 = 3;
+pub(super) const SIGNED_HALFWORD: u8 = 4;
+
+const fn width(item: u8) -> Width {
+    match item {
+        WORD => Width::Word,
+        BYTE | SIGNED_BYTE => Width::Byte,
+        _ => Width::Halfword,
+    }
+}
+
+/// Address of the access and, in general addressing, the moved base.
+#[inline(always)]
+fn address<B: BlockBus, const ADDRESSING: u8>(run: &Run<'_, B>, op: &Op<B>) -> (u32, u32) {
+    match ADDRESSING {
+        FIXED => (op.value, 0),
+        OFFSET => (run.get(op.first).wrapping_add(op.value), 0),
+        INDEXED => {
+            let offset = run.get(op.second) << (op.amount & 31);
+            (run.get(op.first).wrapping_add(offset), 0)
+        }
+        _ => {
+            let offset = if op.mode & BY_REGISTER == 0 {
+                op.value
+            } else {
+                let (kind, amount) = (u32::from(op.mode >> SHIFT), u32::from(op.amount));
+                shift_by_constant(kind, run.get(op.second), amount, run.carry != 0).value
+            };
+            let base = run.get(op.first);
+            let moved = if op.mode & UP != 0 {
+                base.wrapping_add(offset)
+            } else {
+                base.wrapping_sub(offset)
+            };
+            let used = if op.mode & BEFORE != 0 { moved } else { base };
+            (used, moved)
+        }
+    }
+}
+
+fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    let (at, moved) = address::<B, ADDRESSING>(run, op);
+    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(ITEM)) else {
+        return run.leave_before(op);
+    };
+    run.cycles += cycles + 1;
+    if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    let value = match ITEM {
+        SIGNED_BYTE => value as u8 as i8 as u32,
+        SIGNED_HALFWORD => value as u16 as i16 as u32,
+        _ => value,
+    };
+    run.set(op.destination, value);
+    follow(run, rest);
+}
+
+fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    let (at, moved) = address::<B, ADDRESSING>(run, op);
+    let value = run.get(op.destination);
+    let Some(cycles) = run.bus.plain_write(at, width(ITEM), value) else {
+        return run.leave_before(op);
+    };
+    run.cycles += cycles;
+    run.after_store = op.address;
+    if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    follow(run, rest);
+}
+
+const fn load_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
+    match addressing {
+        FIXED => load::<B, ITEM, FIXED>,
+        OFFSET => load::<B, ITEM, OFFSET>,
+        INDEXED => load::<B, ITEM, INDEXED>,
+        _ => load::<B, ITEM, GENERAL>,
+    }
+}
+
+const fn store_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
+    match addressing {
+        FIXED => store::<B, ITEM, FIXED>,
+        OFFSET => store::<B, ITEM, OFFSET>,
+        INDEXED => store::<B, ITEM, INDEXED>,
+        _ => store::<B, ITEM, GENERAL>,
+    }
+}
+
+/// The handler of a single load.
+pub(super) const fn load_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
+    match item {
+        WORD => load_item::<B, WORD>(addressing),
+        BYTE => load_item::<B, BYTE>(addressing),
+        HALFWORD => load_item::<B, HALFWORD>(addressing),
+        SIGNED_BYTE => load_item::<B, SIGNED_BYTE>(addressing),
+        _ => load_item::<B, SIGNED_HALFWORD>(addressing),
+    }
+}
+
+/// The handler of a single store.
+pub(super) const fn store_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
+    match item {
+        WORD => store_item::<B, WORD>(addressing),
+        BYTE => store_item::<B, BYTE>(addressing),
+        _ => store_item::<B, HALFWORD>(addressing),
+    }
+}
+
+/// First address of a multiple transfer and the moved base: base in `first`, size in `amount`.
+#[inline(always)]
+fn block_address<B: BlockBus>(run: &Run<'_, B>, op: &Op<B>) -> (u32, u32) {
+    let (base, size) = (run.get(op.first), u32::from(op.amount));
+    let (up, before) = (op.mode & UP != 0, op.mode & BEFORE != 0);
+    let (lowest, moved) = if up {
+        (base, base.wrapping_add(size))
+    } else {
+        (base.wrapping_sub(size), base.wrapping_sub(size))
+    };
+    let start = if before == up {
+        lowest.wrapping_add(4)
+    } else {
+        lowest
+    };
+    (start, moved)
+}
+
+/// LDM; with `RETURNS` r15 is in the list, which ends the block.
+pub(super) fn load_block<B: BlockBus, const RETURNS: bool>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    let (mut at, moved) = block_address(run, op);
+    let mut registers = run.registers;
+    let mut cycles = 1;
+    if op.mode & WRITE_BACK != 0 {
+        registers[usize::from(op.first & 15)] = moved;
+    }
+    let mut list = op.value;
+    while list != 0 {
+        let Some(read) = run.bus.plain_read(at, Width::Word) else {
+            return run.leave_before(op);
+        };
+        registers[(list.trailing_zeros() & 15) as usize] = read.value;
+        cycles += read.cycles;
+        at = at.wrapping_add(4);
+        list &= list - 1;
+    }
+    if RETURNS {
+        let size = 4 >> (run.next & 1);
+        let target = registers[15] & !(size - 1) | run.next & 1;
+        if !run.branch_to(op, target) {
+            return run.leave_before(op);
+        }
+    }
+    run.cycles += cycles;
+    run.registers = registers;
+    if !RETURNS {
+        follow(run, rest);
+    }
+}
+
+/// STM.
+pub(super) fn store_block<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, rest: &[Op<B>]) {
+    let (start, moved) = block_address(run, op);
+    let count = op.value.count_ones();
+    let mut cycles = 0;
+    for word in 0..count {
+        let at = start.wrapping_add(4 * word);
+        let Some(cost) = run.bus.plain_write_cycles(at, Width::Word) else {
+            return run.leave_before(op);
+        };
+        cycles += cost;
+    }
+    let (mut list, mut at) = (op.value, start);
+    while list != 0 {
+        let value = run.registers[(list.trailing_zeros() & 15) as usize];
+        let _ = run.bus.plain_write(at, Width::Word, value);
+        if at == start && op.mode & WRITE_BACK != 0 {
+            run.set(op.first, moved);
+        }
+        at = at.wrapping_add(4);
+        list &= list - 1;
+    }
+    run.cycles += cycles;
+    run.after_store = op.address;
+    follow(run, rest);
+}

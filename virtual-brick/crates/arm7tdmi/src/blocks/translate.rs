@@ -1,0 +1,558 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! From opcodes to blocks.
+
+use super::analysis::{needed_flags, repeats};
+use super::branch::{
+    branch, branch_if_handler, branch_link, exchange, fall_through, jump, leave, long_branch,
+    long_branch_suffix, only_if_handler, spin,
+};
+use super::bus::{BlockBus, CodePlace};
+use super::data::{self, data_handler, multiply, multiply_long, nothing};
+use super::run::{size_of, width_of, Handler, Op};
+use super::transfer::{self, load_block, load_handler, store_block, store_handler};
+use crate::bus::Width;
+use crate::instruction::{
+    AluOperation, BlockTransfer, DataProcessing, Instruction, Multiply, Operand, Operation,
+    Transfer, ALWAYS,
+};
+use crate::timing::TimingProfile;
+
+/// Instructions in a block at most.
+const INSTRUCTIONS_MAX: usize = 32;
+/// Bytes that a block covers at most, with the two instructions that may count besides.
+pub(super) const BYTES_MAX: u32 = 4 * (INSTRUCTIONS_MAX as u32 + 2);
+/// A block is ended when it can take this many cycles.
+const CYCLES_MAX: u32 = 160;
+
+/// Instructions that run one after the other.
+pub(super) struct Block<B: BlockBus> {
+    /// Address of the first; bit 0 tells Thumb state.
+    pub key: u32,
+    /// Halfwords whose change makes it void.
+    pub halfwords: u32,
+    /// Most cycles it can take.
+    pub worst: u32,
+    /// Running it again changes nothing, as long as memory stays.
+    pub repeats: bool,
+    pub ops: Box<[Op<B>]>,
+    /// Keys and numbers of the blocks that followed last.
+    pub links: [(u32, u32); 2],
+}
+
+/// What stands at the beginning of a block.
+struct Source {
+    key: u32,
+    place: CodePlace,
+    instructions: Vec<Instruction>,
+}
+
+/// Puts operations together.
+struct Builder<'a, B: BlockBus> {
+    bus: &'a B,
+    key: u32,
+    region: u8,
+    address: u32,
+    before: u16,
+    through: u16,
+    ops: Vec<Op<B>>,
+}
+
+fn decode<B: BlockBus>(bus: &B, address: u32, width: Width) -> Instruction {
+    let word = bus.code_word(address);
+    match width {
+        Width::Word => Instruction::arm(word),
+        _ => Instruction::thumb((word >> (8 * (address & 2))) as u16),
+    }
+}
+
+/// Control never goes on behind it.
+fn ends(instruction: &Instruction) -> bool {
+    let operation = match &instruction.operation {
+        Operation::DataProcessing(processing) => {
+            processing.destination == 15 && !processing.operation.compares()
+        }
+        Operation::Transfer(transfer) => transfer.load && transfer.register == 15,
+        Operation::BlockTransfer(block) => block.load && block.list >> 15 != 0 || block.status,
+        Operation::LoadAddress { .. }
+        | Operation::Multiply(_)
+        | Operation::LongBranchPrefix { .. } => false,
+        _ => true,
+    };
+    operation && instruction.condition == ALWAYS
+}
+
+fn stores(instruction: &Instruction) -> bool {
+    match &instruction.operation {
+        Operation::Transfer(transfer) => !transfer.load,
+        Operation::BlockTransfer(block) => !block.load,
+        _ => false,
+    }
+}
+
+fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most: u32) -> Source {
+    let (start, size, width) = (key & !1, size_of(key), width_of(key));
+    let mut source = Source {
+        key,
+        place,
+        instructions: Vec::with_capacity(INSTRUCTIONS_MAX),
+    };
+    let mut worst = 0;
+    while source.instructions.len() < INSTRUCTIONS_MAX && worst < CYCLES_MAX {
+        let offset = size * source.instructions.len() as u32;
+        // The instruction and its fetch two ahead lie behind the block in the same memory.
+        let ahead = offset + 2 * size;
+        let expected = CodePlace {
+            halfword: place.halfword + ahead / 2,
+            ..place
+        };
+        if bus.code_place(start.wrapping_add(ahead)) != Some(expected) {
+            break;
+        }
+        let instruction = decode(bus, start.wrapping_add(offset), width);
+        source.instructions.push(instruction);
+        worst += most_cycles(&instruction, most);
+        if ends(&instruction) {
+            break;
+        }
+    }
+    source
+}
+
+fn most_cycles(instruction: &Instruction, most: u32) -> u32 {
+    let cycles = instruction.cycles(TimingProfile::default());
+    let data = cycles.reads.count() + cycles.writes.count();
+    cycles.internal_max + most * (1 + 2 * cycles.refills + data)
+}
+
+/// The block that begins at `key`; none when no instruction there can be in a block.
+pub(super) fn translate<B: BlockBus>(bus: &mut B, key: u32, place: CodePlace) -> Option<Block<B>> {
+    let most = bus.access_cycles_max();
+    let source = read_source(bus, key, place, most);
+    if source.instructions.is_empty() {
+        return None;
+    }
+    let ops = build(bus, &source);
+    let (size, count) = (size_of(key), source.instructions.len() as u32);
+    let worst = source
+        .instructions
+        .iter()
+        .map(|instruction| most_cycles(instruction, most))
+        .sum();
+    // Stores near the end could change what was fetched ahead already.
+    let near_end = source.instructions.iter().rev().take(2).any(stores);
+    let covered = size * if near_end { count + 2 } else { count };
+    for offset in (0..covered).step_by(2) {
+        bus.mark_code((key & !1).wrapping_add(offset));
+    }
+    Some(Block {
+        key,
+        halfwords: covered / 2,
+        worst,
+        repeats: repeats(&source.instructions),
+        ops: ops.into_boxed_slice(),
+        links: [(u32::MAX, 0); 2],
+    })
+}
+
+fn build<B: BlockBus>(bus: &B, source: &Source) -> Vec<Op<B>> {
+    let (size, width) = (size_of(source.key), width_of(source.key));
+    let needed = needed_flags(&source.instructions);
+    let mut builder = Builder {
+        bus,
+        key: source.key,
+        region: source.place.region,
+        address: source.key & !1,
+        before: 0,
+        through: 0,
+        ops: Vec::with_capacity(source.instructions.len() + 1),
+    };
+    let mut prefix = None;
+    for (instruction, &flags) in source.instructions.iter().zip(&needed) {
+        let fetched = builder.address.wrapping_add(2 * size);
+        builder.through += bus.sequential_fetch_cycles(fetched, width) as u16;
+        builder.instruction(instruction, flags, prefix);
+        prefix = match instruction.operation {
+            Operation::LongBranchPrefix { offset } => Some(offset),
+            _ => None,
+        };
+        builder.before = builder.through;
+        builder.address = builder.address.wrapping_add(size);
+    }
+    if !source.instructions.last().is_some_and(ends) {
+        let next = builder.address | source.key & 1;
+        builder.push(fall_through).value = next;
+    }
+    builder.ops
+}
+
+impl<B: BlockBus> Builder<'_, B> {
+    fn push(&mut self, handler: Handler<B>) -> &mut Op<B> {
+        let index = self.ops.len();
+        self.ops.push(Op {
+            handler,
+            address: self.address,
+            value: 0,
+            before: self.before,
+            through: self.through,
+            destination: 0,
+            first: 0,
+            second: 0,
+            amount: 0,
+            mode: 0,
+            cycles: 0,
+        });
+        &mut self.ops[index]
+    }
+
+    /// r15 as an instruction here reads it.
+    fn pc(&self) -> u32 {
+        self.address.wrapping_add(2 * size_of(self.key))
+    }
+
+    fn instruction(&mut self, instruction: &Instruction, flags: bool, prefix: Option<u32>) {
+        let condition = instruction.condition;
+        if let Operation::Branch { offset, link } = instruction.operation {
+            if !link && condition < ALWAYS {
+                return self.conditional_branch(condition, offset);
+            }
+        }
+        if condition > ALWAYS {
+            self.push(nothing);
+            return;
+        }
+        if condition < ALWAYS {
+            self.push(only_if_handler(condition));
+        }
+        match &instruction.operation {
+            Operation::DataProcessing(processing) => self.data_processing(processing, flags),
+            Operation::Multiply(product) => self.multiply(product, flags),
+            Operation::Transfer(transfer) => self.transfer(transfer),
+            Operation::BlockTransfer(block) => self.block_transfer(block),
+            Operation::LoadAddress {
+                destination,
+                offset,
+            } => {
+                let value = (self.pc() & !3).wrapping_add(*offset);
+                self.constant(*destination, value);
+            }
+            Operation::LongBranchPrefix { offset } => {
+                self.constant(14, self.pc().wrapping_add(*offset));
+            }
+            Operation::Branch { offset, link } => self.branch(*offset, *link),
+            Operation::BranchExchange { register } if *register != 15 => {
+                self.push(exchange).second = *register as u8;
+            }
+            Operation::LongBranchSuffix { offset } => self.long_branch_suffix(*offset, prefix),
+            _ => {
+                self.push(leave);
+            }
+        }
+    }
+
+    fn constant(&mut self, destination: u32, value: u32) {
+        let op = self.push(data_handler(AluOperation::Mov, data::CONSTANT, false));
+        op.destination = destination as u8;
+        op.value = value;
+    }
+
+    /// Cycles of a branch to a known target that a block may go to.
+    fn refill_cycles(&self, target: u32) -> Option<u8> {
+        let place = self.bus.code_place(target)?;
+        let sequence = self.address.wrapping_add(3 * size_of(self.key));
+        let width = width_of(self.key);
+        let cycles = self.bus.refill_cycles(sequence, target, width);
+        (place.region == self.region).then_some(cycles as u8)
+    }
+
+    fn branch(&mut self, offset: u32, link: bool) {
+        let target = self.pc().wrapping_add(offset);
+        let (spins, state) = (target == self.address, self.key & 1);
+        let Some(cycles) = self.refill_cycles(target) else {
+            self.push(leave);
+            return;
+        };
+        let op = self.push(match (link, spins) {
+            (true, true) => leave,
+            (true, false) => branch_link,
+            (false, true) => spin,
+            (false, false) => branch,
+        });
+        op.value = target | state;
+        op.cycles = cycles;
+    }
+
+    fn conditional_branch(&mut self, condition: u32, offset: u32) {
+        let target = self.pc().wrapping_add(offset);
+        match self.refill_cycles(target) {
+            Some(cycles) if target != self.address => {
+                let state = self.key & 1;
+                let op = self.push(branch_if_handler(condition));
+                op.value = target | state;
+                op.cycles = cycles;
+            }
+            _ => {
+                self.push(only_if_handler(condition));
+                self.push(leave);
+            }
+        }
+    }
+
+    fn long_branch_suffix(&mut self, offset: u32, prefix: Option<u32>) {
+        let Some(prefix) = prefix else {
+            self.push(long_branch_suffix).value = offset;
+            return;
+        };
+        // r15 as the first half read it.
+        let base = self.pc().wrapping_sub(2).wrapping_add(prefix);
+        let target = base.wrapping_add(offset) & !1;
+        match self.refill_cycles(target) {
+            Some(cycles) if target != self.address => {
+                let op = self.push(long_branch);
+                op.value = target | 1;
+                op.cycles = cycles;
+            }
+            _ => {
+                self.push(leave);
+            }
+        }
+    }
+
+    fn data_processing(&mut self, processing: &DataProcessing, flags: bool) {
+        let DataProcessing {
+            operation,
+            destination,
+            first,
+            second,
+            sets_flags,
+        } = *processing;
+        let moves = matches!(operation, AluOperation::Mov | AluOperation::Mvn);
+        let reads_pc = !moves && first == 15 || operand_reads_pc(second);
+        if destination == 15 {
+            return self.jump(processing);
+        }
+        if reads_pc {
+            return match self.pc_relative(processing) {
+                Some(value) if !sets_flags => self.constant(destination, value),
+                _ => {
+                    self.push(leave);
+                }
+            };
+        }
+        if operation.compares() && !flags {
+            let by_register = matches!(second, Operand::ShiftedByRegister { .. });
+            if !by_register {
+                self.push(nothing);
+                return;
+            }
+        }
+        let (kind, value, register, amount, mode) = operand_parts(second);
+        let op = self.push(data_handler(operation, kind, flags));
+        (op.value, op.second, op.amount, op.mode) = (value, register, amount, mode);
+        op.destination = destination as u8;
+        op.first = first as u8;
+    }
+
+    /// MOV r15, Rm is a branch in the present state; others are left to the reference engine.
+    fn jump(&mut self, processing: &DataProcessing) {
+        let plain = match processing.second {
+            Operand::Shifted {
+                register,
+                kind: 0,
+                amount: 0,
+            } if register != 15 => Some(register),
+            _ => None,
+        };
+        match plain {
+            Some(register) if processing.operation == AluOperation::Mov && !processing.sets_flags => {
+                self.push(jump).second = register as u8;
+            }
+            _ => {
+                self.push(leave);
+            }
+        }
+    }
+
+    /// Value of the usual ways to compute an address from r15.
+    fn pc_relative(&self, processing: &DataProcessing) -> Option<u32> {
+        let pc = self.pc();
+        match (processing.operation, processing.first, processing.second) {
+            (AluOperation::Add, 15, Operand::Constant { value, .. }) => Some(pc.wrapping_add(value)),
+            (AluOperation::Sub, 15, Operand::Constant { value, .. }) => Some(pc.wrapping_sub(value)),
+            (
+                AluOperation::Mov,
+                _,
+                Operand::Shifted {
+                    register: 15,
+                    kind: 0,
+                    amount: 0,
+                },
+            ) => Some(pc),
+            _ => None,
+        }
+    }
+
+    fn multiply(&mut self, product: &Multiply, flags: bool) {
+        let third = product.low.or(product.addend).unwrap_or(0);
+        let used = [product.destination, product.multiplicand, product.multiplier, third];
+        if used.contains(&15) {
+            self.push(leave);
+            return;
+        }
+        let kind = product.kind;
+        let handler: Handler<B> = match (kind.long, kind.signed, kind.accumulate, flags) {
+            (false, _, false, false) => multiply::<B, false, false>,
+            (false, _, false, true) => multiply::<B, false, true>,
+            (false, _, true, false) => multiply::<B, true, false>,
+            (false, _, true, true) => multiply::<B, true, true>,
+            (true, false, false, _) => multiply_long::<B, false, false>,
+            (true, false, true, _) => multiply_long::<B, false, true>,
+            (true, true, false, _) => multiply_long::<B, true, false>,
+            (true, true, true, _) => multiply_long::<B, true, true>,
+        };
+        let op = self.push(handler);
+        op.destination = product.destination as u8;
+        op.first = product.multiplicand as u8;
+        op.second = product.multiplier as u8;
+        op.amount = third as u8;
+        op.mode = u8::from(flags);
+    }
+
+    fn transfer(&mut self, transfer: &Transfer) {
+        let pc_moves = transfer.base == 15 && (transfer.write_back || !transfer.before);
+        if transfer.register == 15 || pc_moves || operand_reads_pc(transfer.offset) {
+            self.push(leave);
+            return;
+        }
+        let addressing = self.addressing(transfer);
+        let item = match (transfer.width, transfer.signed) {
+            (Width::Word, _) => transfer::WORD,
+            (Width::Byte, false) => transfer::BYTE,
+            (Width::Halfword, false) => transfer::HALFWORD,
+            (Width::Byte, true) => transfer::SIGNED_BYTE,
+            (Width::Halfword, true) => transfer::SIGNED_HALFWORD,
+        };
+        let Some((addressing, value, second, amount, mode)) = addressing else {
+            self.push(leave);
+            return;
+        };
+        let op = self.push(if transfer.load {
+            load_handler(item, addressing)
+        } else {
+            store_handler(item, addressing)
+        });
+        (op.value, op.second, op.amount, op.mode) = (value, second, amount, mode);
+        op.destination = transfer.register as u8;
+        op.first = transfer.base as u8;
+    }
+
+    /// Addressing, value, second register, amount and mode of a transfer.
+    fn addressing(&self, transfer: &Transfer) -> Option<(u8, u32, u8, u8, u8)> {
+        let simple = transfer.before && !transfer.write_back;
+        let signed = |value: u32| {
+            if transfer.add {
+                value
+            } else {
+                value.wrapping_neg()
+            }
+        };
+        match transfer.offset {
+            Operand::Constant { value, .. } if transfer.base == 15 => {
+                let at = (self.pc() & !3).wrapping_add(signed(value));
+                Some((transfer::FIXED, at, 0, 0, 0))
+            }
+            _ if transfer.base == 15 => None,
+            Operand::Constant { value, .. } if simple => {
+                Some((transfer::OFFSET, signed(value), 0, 0, 0))
+            }
+            Operand::Shifted {
+                register,
+                kind: 0,
+                amount,
+            } if simple && transfer.add => {
+                Some((transfer::INDEXED, 0, register as u8, amount as u8, 0))
+            }
+            Operand::Constant { value, .. } => {
+                Some((transfer::GENERAL, value, 0, 0, mode_of(transfer, 0)))
+            }
+            Operand::Shifted {
+                register,
+                kind,
+                amount,
+            } => {
+                let mode = transfer::BY_REGISTER | (kind as u8) << transfer::SHIFT;
+                let mode = mode_of(transfer, mode);
+                Some((transfer::GENERAL, 0, register as u8, amount as u8, mode))
+            }
+            Operand::ShiftedByRegister { .. } => None,
+        }
+    }
+
+    fn block_transfer(&mut self, block: &BlockTransfer) {
+        let stores_pc = !block.load && block.list >> 15 != 0;
+        let odd = block.size_bytes != 4 * block.list.count_ones();
+        if block.status || block.base == 15 || stores_pc || odd {
+            self.push(leave);
+            return;
+        }
+        let returns = block.list >> 15 != 0;
+        let op = self.push(match (block.load, returns) {
+            (false, _) => store_block,
+            (true, false) => load_block::<B, false>,
+            (true, true) => load_block::<B, true>,
+        });
+        op.value = block.list;
+        op.first = block.base as u8;
+        op.amount = block.size_bytes as u8;
+        op.mode = u8::from(block.up) * transfer::UP
+            | u8::from(block.before) * transfer::BEFORE
+            | u8::from(block.write_back) * transfer::WRITE_BACK;
+    }
+}
+
+fn mode_of(transfer: &Transfer, mode: u8) -> u8 {
+    let moves = transfer.write_back || !transfer.before;
+    mode | u8::from(transfer.add) * transfer::UP
+        | u8::from(transfer.before) * transfer::BEFORE
+        | u8::from(moves) * transfer::WRITE_BACK
+}
+
+fn operand_reads_pc(operand: Operand) -> bool {
+    match operand {
+        Operand::Constant { .. } => false,
+        Operand::Shifted { register, .. } => register == 15,
+        Operand::ShiftedByRegister {
+            register, amount, ..
+        } => register == 15 || amount == 15,
+    }
+}
+
+/// Kind, value, register, amount and mode of a second operand.
+fn operand_parts(operand: Operand) -> (u8, u32, u8, u8, u8) {
+    match operand {
+        Operand::Constant { value, carry: None } => (data::CONSTANT, value, 0, 0, 0),
+        Operand::Constant {
+            value,
+            carry: Some(carry),
+        } => (data::CONSTANT_CARRY, value, 0, 0, u8::from(carry)),
+        Operand::Shifted {
+            register,
+            kind,
+            amount,
+        } => {
+            let special = match (kind, amount) {
+                (0, 0) => data::REGISTER,
+                (0, _) => data::LEFT,
+                (1, 1..) => data::RIGHT,
+                (2, 1..) => data::RIGHT_ARITHMETIC,
+                _ => data::ANY_SHIFT,
+            };
+            (special, 0, register as u8, amount as u8, kind as u8)
+        }
+        Operand::ShiftedByRegister {
+            register,
+            kind,
+            amount,
+        } => (data::BY_REGISTER, 0, register as u8, amount as u8, kind as u8),
+    }
+}

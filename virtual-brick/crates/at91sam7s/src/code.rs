@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The chip as the bus of decoded blocks: code in SRAM and flash, plain accesses to them.
+
+use arm7tdmi::bus::Width;
+use arm7tdmi::{BlockBus, CodePlace, PlainRead};
+
+use crate::board::{Board, Cycles};
+use crate::bus::{lane, misaligned};
+use crate::chip::Chip;
+use crate::flash::FLASH_BYTES;
+
+const SRAM: u8 = 0;
+const FLASH: u8 = 1;
+const SRAM_HALFWORDS: u32 = 0x8000;
+const FLASH_HALFWORDS: u32 = FLASH_BYTES as u32 / 2;
+/// Steps in the exception vectors are looked at one by one.
+const VECTORS_END: u32 = 0x20;
+/// Longest stretch asked for at once.
+const QUIET_CYCLES_MAX: Cycles = 1 << 30;
+
+impl<B: Board> Chip<B> {
+    /// Processor cycles in which nothing can act on the processor and `limit` is not reached,
+    /// unless it accesses something else than memory.
+    #[inline]
+    #[must_use]
+    pub fn quiet_cycles(&self, limit: Cycles, irq: bool, fiq: bool) -> u32 {
+        let mut horizon = self.schedule.earliest().min(limit);
+        if irq {
+            horizon = horizon.min(self.aic.irq_seen_at());
+        }
+        if fiq {
+            horizon = horizon.min(self.aic.fiq_seen_at());
+        }
+        if horizon <= self.now {
+            return 0;
+        }
+        let quiet = horizon - self.now - 1;
+        let cycles = if self.ratio == 1 {
+            quiet
+        } else {
+            quiet / self.ratio
+        };
+        cycles.min(QUIET_CYCLES_MAX) as u32
+    }
+
+    fn flash_ready(&self) -> bool {
+        self.flash.ready_at() <= self.now
+    }
+
+    #[inline(always)]
+    fn sram_cycles(&self) -> u32 {
+        self.configuration.timing.sram_cycles as u32
+    }
+}
+
+impl<B: Board> BlockBus for Chip<B> {
+    const CODE_HALFWORDS: u32 = SRAM_HALFWORDS + FLASH_HALFWORDS;
+
+    #[inline]
+    fn code_place(&self, address: u32) -> Option<CodePlace> {
+        if address < VECTORS_END {
+            None
+        } else if self.is_sram(address) {
+            Some(CodePlace {
+                halfword: address / 2 % SRAM_HALFWORDS,
+                region: SRAM,
+            })
+        } else if Self::is_flash(address) {
+            Some(CodePlace {
+                halfword: SRAM_HALFWORDS + address / 2 % FLASH_HALFWORDS,
+                region: FLASH,
+            })
+        } else {
+            None
+        }
+    }
+
+    fn code_word(&self, address: u32) -> u32 {
+        if self.is_sram(address) {
+            self.sram.word(address)
+        } else {
+            self.flash.word(address)
+        }
+    }
+
+    #[inline]
+    fn code_epoch(&self) -> u32 {
+        self.flash.epoch()
+    }
+
+    fn mark_code(&mut self, address: u32) {
+        if self.is_sram(address) {
+            self.sram.mark_code(address);
+        }
+    }
+
+    #[inline]
+    fn next_code_change(&mut self) -> Option<u32> {
+        self.sram.next_code_change().map(|word| 2 * word)
+    }
+
+    fn sequential_fetch_cycles(&self, address: u32, width: Width) -> u32 {
+        if self.is_sram(address) {
+            self.sram_cycles()
+        } else {
+            self.flash.sequential_cycles(address, width) as u32
+        }
+    }
+
+    #[inline]
+    fn refill_cycles(&self, sequence: u32, target: u32, width: Width) -> u32 {
+        if self.is_sram(target) {
+            2 * self.sram_cycles()
+        } else {
+            self.flash.refill_cycles(sequence, target, width) as u32
+        }
+    }
+
+    fn in_sequence(&self, address: u32) -> bool {
+        self.is_sram(address) || self.flash_ready() && self.flash.in_sequence(address)
+    }
+
+    fn continue_at(&mut self, address: u32) {
+        if !self.is_sram(address) {
+            self.flash.continue_at(address);
+        }
+    }
+
+    fn access_cycles_max(&self) -> u32 {
+        self.sram_cycles().max(self.flash.most_cycles() as u32)
+    }
+
+    #[inline(always)]
+    fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead> {
+        if misaligned(address, width) {
+            return None;
+        }
+        if self.is_sram(address) {
+            return Some(PlainRead {
+                value: lane(self.sram.word(address), address, width),
+                cycles: self.sram_cycles(),
+            });
+        }
+        (Self::is_flash(address) && self.flash_ready()).then(|| PlainRead {
+            value: lane(self.flash.word(address), address, width),
+            cycles: self.flash.data_cycles() as u32,
+        })
+    }
+
+    #[inline(always)]
+    fn plain_write(&mut self, address: u32, width: Width, value: u32) -> Option<u32> {
+        let plain = !misaligned(address, width)
+            && self.is_sram(address)
+            && self.sram.write_unmarked(address, width, value);
+        plain.then_some(self.sram_cycles())
+    }
+
+    #[inline(always)]
+    fn plain_write_cycles(&self, address: u32, width: Width) -> Option<u32> {
+        let plain = !misaligned(address, width)
+            && self.is_sram(address)
+            && !self.sram.is_marked(address);
+        plain.then_some(self.sram_cycles())
+    }
+
+    #[inline]
+    fn pass(&mut self, cycles: u32) {
+        self.now += Cycles::from(cycles) * self.ratio;
+    }
+}

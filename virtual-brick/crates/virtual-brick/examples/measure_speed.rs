@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Measures how fast each engine runs a program on the whole brick, peripherals and plant
+//! included, until the program ends or a number of cycles has passed. Prints one line of JSON.
+//!
+//! Usage: `cargo run --release -p virtual-brick --example measure_speed -- PROGRAM.elf [CYCLES
+//! [RUNS]]`.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use arm7tdmi::Step;
+use virtual_brick::{Access, Configuration, Engine, StepObserver, VirtualBrick, CLOCK_HZ};
+
+/// Counts instructions.
+struct Counter(u64);
+
+impl StepObserver for Counter {
+    const SEES_ACCESSES: bool = false;
+
+    fn before_step(&mut self, _brick: &VirtualBrick) -> bool {
+        false
+    }
+
+    fn access(&mut self, _access: Access) {}
+
+    fn after_step(&mut self, _brick: &VirtualBrick, step: Step) -> bool {
+        self.0 += u64::from(step == Step::Instruction);
+        false
+    }
+}
+
+fn main() -> ExitCode {
+    match measure() {
+        Ok(line) => {
+            println!("{line}");
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn measure() -> Result<String, String> {
+    let mut arguments = std::env::args().skip(1);
+    let path = arguments.next().ok_or("expected the path of an ELF image")?;
+    let mut number = |default: u64| match arguments.next() {
+        Some(text) => text.parse().map_err(|_| format!("'{text}' is no number")),
+        None => Ok(default),
+    };
+    let (cycles, runs) = (number(1 << 30)?, number(5)?);
+    let elf = std::fs::read(&path).map_err(|error| format!("{path}: {error}"))?;
+    let mut counter = Counter(0);
+    let mut counted = brick(Engine::Reference, &elf)?;
+    let _ = counted.run_observed(cycles, &mut counter);
+    let mut answer = format!(
+        r#"{{"instructions":{},"cycles":{}"#,
+        counter.0,
+        counted.cycles()
+    );
+    for (name, engine) in [("fast", Engine::Fast), ("reference", Engine::Reference)] {
+        let mut seconds = Vec::new();
+        for _ in 0..runs.max(1) {
+            let mut brick = brick(engine, &elf)?;
+            let start = Instant::now();
+            brick.run_until(cycles);
+            seconds.push(start.elapsed().as_secs_f64());
+            let same = brick.processor() == counted.processor();
+            if !same || brick.cycles() != counted.cycles() {
+                return Err(format!("{path}: the engines differ at the end"));
+            }
+        }
+        seconds.sort_by(f64::total_cmp);
+        let least = seconds[0];
+        let virtual_seconds = counted.cycles() as f64 * CLOCK_HZ.1 as f64 / CLOCK_HZ.0 as f64;
+        let median = seconds[seconds.len() / 2];
+        answer += &format!(
+            r#","{name}":{{"mips":{:.1},"mips_best":{:.1},"times_real_time":{:.2}}}"#,
+            counter.0 as f64 / median / 1e6,
+            counter.0 as f64 / least / 1e6,
+            virtual_seconds / median
+        );
+    }
+    Ok(answer + "}")
+}
+
+fn brick(engine: Engine, elf: &[u8]) -> Result<VirtualBrick, String> {
+    let mut configuration = Configuration::from_json("{}").map_err(|error| error.to_string())?;
+    configuration.engine = engine;
+    VirtualBrick::new(&configuration, elf).map_err(|error| error.to_string())
+}

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The fast engine does what the reference engine does: same registers, memory, cycles, trace.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use support::arm::{Program, EQ, NE};
+use support::random::{self, Kind, Numbers};
+use support::{image, vehicle};
+use virtual_brick::{Engine, StopReason, VirtualBrick};
+
+const RAM_BYTES: usize = 0x1_0000;
+
+fn pair(elf: &[u8]) -> (VirtualBrick, VirtualBrick) {
+    let mut configuration = vehicle();
+    let fast = VirtualBrick::new(&configuration, elf).unwrap();
+    configuration.engine = Engine::Reference;
+    (fast, VirtualBrick::new(&configuration, elf).unwrap())
+}
+
+fn assert_same(fast: &VirtualBrick, reference: &VirtualBrick, what: &str) {
+    assert_eq!(fast.cycles(), reference.cycles(), "{what}");
+    assert_eq!(fast.processor(), reference.processor(), "{what}");
+    let memory = |brick: &VirtualBrick| brick.read_memory(0x0020_0000, RAM_BYTES).unwrap();
+    assert!(memory(fast) == memory(reference), "{what}: memory");
+    assert_eq!(fast.trace().digest(), reference.trace().digest(), "{what}");
+}
+
+/// Runs both in the same pieces of random length and compares after each.
+fn compare(elf: &[u8], seed: u64, pieces: u32, longest: u32) {
+    let (mut fast, mut reference) = pair(elf);
+    let mut numbers = Numbers::new(seed ^ 0x5EED);
+    let mut until = 0;
+    for _ in 0..pieces {
+        until += u64::from(1 + numbers.below(longest));
+        let stops = (fast.run_until(until), reference.run_until(until));
+        assert_eq!(stops.0, stops.1, "seed {seed}");
+        assert_same(&fast, &reference, &format!("seed {seed} at {until}"));
+    }
+}
+
+#[test]
+fn random_programs_in_ram_with_interrupts_and_stores_into_code() {
+    for seed in 0..40 {
+        compare(&random::image(seed, Kind::Ram), seed, 12, 8_000);
+    }
+}
+
+#[test]
+fn random_programs_in_flash_with_wait_states() {
+    for seed in 0..16 {
+        compare(&random::image(seed, Kind::Flash), seed, 10, 200_000);
+    }
+}
+
+#[test]
+fn random_programs_at_the_slow_clock() {
+    for seed in 0..8 {
+        compare(&random::image(seed, Kind::SlowFlash), seed, 6, 4_000_000);
+    }
+}
+
+#[test]
+fn random_programs_really_run() {
+    let (mut fast, _) = pair(&random::image(1, Kind::Ram));
+    assert_eq!(fast.run_until(100_000).reason, StopReason::Reached);
+    let served = fast.read_memory(0x0020_7FFC, 4).unwrap();
+    assert_ne!(served, [0; 4], "no interrupt was served");
+}
+
+/// A flag in memory that an interrupt would set: the loop is passed over, not its cycles.
+#[test]
+fn waiting_loops_take_the_same_time() {
+    let mut program = Program::new();
+    program.load(2, 0x0020_8000).load(3, 0xFFFF_FD3C);
+    let again = program.here();
+    program.ldr(0, 2, 0).tst(0, 1).branch(EQ, again);
+    let elf = image(&program).build();
+    compare(&elf, 1, 20, 5_000);
+}
+
+#[test]
+fn a_spinning_processor_takes_the_same_time() {
+    let mut program = Program::new();
+    program.status(0x13).stop();
+    compare(&image(&program).build(), 2, 20, 5_000);
+}
+
+/// The instruction behind a store is fetched already, the third one is not.
+#[test]
+fn a_store_changes_only_what_was_not_fetched() {
+    let mut program = Program::new();
+    program.load(9, support::RAM).load(11, 0xE3A0_4007); // mov r4, #7
+    program.raw(0xE3A0_7004); // mov r7, #4
+    let again = program.here();
+    let store = program.here() as u32;
+    program.str(11, 9, 4 * (store + 1)).str(11, 9, 4 * (store + 4));
+    program.raw(0xE3A0_4001).raw(0xE3A0_5001); // mov r4, #1; mov r5, #1
+    program.raw(0xE3A0_6001); // mov r6, #1: becomes mov r4, #7
+    program.subs(7, 1).branch(NE, again).stop();
+    let elf = image(&program).build();
+    compare(&elf, 3, 12, 60);
+    let (mut fast, _) = pair(&elf);
+    fast.run_until(10_000);
+    assert_eq!(fast.processor().register(6), 0);
+    assert_eq!(fast.processor().register(4), 7);
+}
