@@ -89,6 +89,9 @@ class VirtualBrick:
 
     def __new__(cls, configuration_json: str, elf: bytes) -> VirtualBrick:
         """Assemble a brick and load a program. Raises ConfigurationError, ImageError."""
+    @staticmethod
+    def from_binary(configuration_json: str, content: bytes, address: int) -> VirtualBrick:
+        """As the constructor, of a program without headers: its bytes from an address on."""
     @property
     def cycles(self) -> int:
         """The present."""
@@ -155,6 +158,9 @@ class VirtualBrick:
 
         Releases the interpreter lock; Ctrl-C interrupts the run, which can then go on.
         """
+    @property
+    def lcd_version(self) -> int:
+        """Grows when the program sends to the display: while it stays, so does the picture."""
     def lcd(self) -> bytes:
         """The picture: 64 rows of 100 pixels from the top left, one byte 0 or 1 each."""
     def sound(self, from_cycles: int = 0) -> bytes:

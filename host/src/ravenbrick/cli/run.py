@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +18,7 @@ from ravenbrick.cli.pipeline import TASK_HEAD, play, read_run, task_rows
 from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
-from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.elf_image import read_binary, read_image
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.run_file import read_run_file
 from ravenbrick.target.scenario import (
@@ -38,6 +39,21 @@ from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.summary import Run, run_summary
 
 __all__ = ["run_command"]
+
+
+class TimingProfile(str, Enum):
+    """Timing that no document fixes (docs/reference/timing.md)."""
+
+    NOMINAL = "nominal"
+    OPTIMISTIC = "optimistic"
+    PESSIMISTIC = "pessimistic"
+
+
+class Engine(str, Enum):
+    """What executes instructions."""
+
+    FAST = "fast"
+    REFERENCE = "reference"
 
 
 def _with_options(
@@ -128,6 +144,17 @@ def run_command(
     replay: Annotated[
         Path | None, typer.Option(help="Play the inputs of this recording, or run of the page.")
     ] = None,
+    binary: Annotated[
+        Path | None,
+        typer.Option("--bin", help="Image without headers instead, as written into memory."),
+    ] = None,
+    at: Annotated[ImageChoice, typer.Option(help="Where --bin goes.")] = ImageChoice.FLASH,
+    timing_profile: Annotated[
+        TimingProfile, typer.Option(help="Values of the timing that no document fixes.")
+    ] = TimingProfile.NOMINAL,
+    engine: Annotated[
+        Engine, typer.Option(help="What executes instructions; the run is the same.")
+    ] = Engine.FAST,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Run a scenario on the virtual brick, keep the recording, check the pass criteria."""
@@ -140,8 +167,14 @@ def run_command(
     chosen = _with_options(chosen, robot, expect or [], stimulus or [])
     if replay is not None and original is None:
         chosen, original = _replayed(chosen, replay)
-    target = VirtualTarget(callback=_callback(callback, callback_period_ms, replay))
-    loaded = read_image(elf or workspace.image(image.kind, robot.name))
+    settings = {"engine": engine.value, "timing": {"profile": timing_profile.value}}
+    target = VirtualTarget(
+        callback=_callback(callback, callback_period_ms, replay), settings=settings
+    )
+    if binary is None:
+        loaded = read_image(elf or workspace.image(image.kind, robot.name))
+    else:
+        loaded = read_binary(binary, at.kind)
     reporter = Reporter(json_output)
     with reporter.step(f"run '{chosen.name}'") as step:
         recording = play(workspace, robot, chosen, loaded, target, step.progress)

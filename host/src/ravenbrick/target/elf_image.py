@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""An ELF image for the brick: read, and refused with a reason when it cannot be one."""
+"""An image for the brick: read, and refused with a reason when it cannot be one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,16 @@ from elftools.elf.sections import SymbolTableSection
 
 from ravenbrick.errors import ImageFileError
 
-__all__ = ["REGIONS", "ElfImage", "ImageKind", "Region", "Section", "Symbol", "read_image"]
+__all__ = [
+    "REGIONS",
+    "ElfImage",
+    "ImageKind",
+    "Region",
+    "Section",
+    "Symbol",
+    "read_binary",
+    "read_image",
+]
 
 ImageKind = Literal["ram", "flash"]
 _BUILD = "build it with 'ravenbrick build'"
@@ -63,7 +72,10 @@ class Symbol:
 
 @dataclass(frozen=True)
 class ElfImage:
-    """A checked image; `content` is the whole file."""
+    """A checked image; `content` is the whole file.
+
+    A `bare` image has no headers: its bytes lie from `entry` on, and nothing has a name.
+    """
 
     path: Path
     content: bytes
@@ -71,6 +83,7 @@ class ElfImage:
     entry: int
     sections: tuple[Section, ...]
     symbols: dict[str, Symbol]
+    bare: bool = False
 
     def size_of(self, kind: str) -> int:
         """Bytes of all sections of a kind."""
@@ -166,14 +179,32 @@ def _symbols(elf: ELFFile) -> dict[str, Symbol]:
     return found
 
 
-def read_image(path: Path) -> ElfImage:
-    """Read and check an image; raises `ImageFileError` with what is wrong and what to do."""
+def _content(path: Path) -> bytes:
     try:
-        content = path.read_bytes()
+        return path.read_bytes()
     except FileNotFoundError:
         raise _refuse(path, "there is no such image") from None
     except OSError as error:
         raise _refuse(path, f"cannot be read ({error.strerror})") from None
+
+
+def read_binary(path: Path, kind: ImageKind) -> ElfImage:
+    """Read an image without headers, for the begin of flash or of the RAM for programs.
+
+    Raises `ImageFileError` when it is empty or too large.
+    """
+    content, region = _content(path), REGIONS[kind]
+    if not 0 < len(content) <= region.size:
+        raise ImageFileError(
+            f"{path}: has {len(content)} bytes, expected 1 to {region.size} for {region.name}; "
+            "give the file as it is written into memory"
+        )
+    return ElfImage(path, content, kind, region.begin, (), {}, bare=True)
+
+
+def read_image(path: Path) -> ElfImage:
+    """Read and check an image; raises `ImageFileError` with what is wrong and what to do."""
+    content = _content(path)
     _check_header(path, content)
     try:
         elf = ELFFile(io.BytesIO(content))

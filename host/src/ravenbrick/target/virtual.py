@@ -7,6 +7,7 @@ from __future__ import annotations
 import importlib
 import json
 from bisect import bisect_left
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -53,12 +54,19 @@ def _module() -> Any:
 class VirtualTarget:
     """Runs images on the cycle-accurate virtual brick; `module` is for tests.
 
-    `callback` gives further inputs while the scenario runs.
+    `callback` gives further inputs while the scenario runs. `settings` are fields of the brick's
+    configuration that concern the simulation: `engine`, `timing` (docs/reference/timing.md).
     """
 
-    def __init__(self, module: Any = None, callback: Callback | None = None) -> None:
+    def __init__(
+        self,
+        module: Any = None,
+        callback: Callback | None = None,
+        settings: Mapping[str, Any] | None = None,
+    ) -> None:
         self._module = module if module is not None else _module()
         self._callback = callback
+        self._settings = dict(settings or {})
 
     @property
     def name(self) -> str:
@@ -101,9 +109,14 @@ class VirtualTarget:
         return brick
 
     def _assemble(self, robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
-        configuration = json.dumps(brick_configuration(robot, scenario, MASTER_CLOCK))
+        fields = brick_configuration(robot, scenario, MASTER_CLOCK)
+        configuration = json.dumps({**fields, **self._settings})
+        kind = self._module.VirtualBrick
         try:
-            brick = self._module.VirtualBrick(configuration, image.content)
+            if image.bare:
+                brick = kind.from_binary(configuration, image.content, image.entry)
+            else:
+                brick = kind(configuration, image.content)
         except self._module.ImageError as error:
             raise ImageFileError(f"{image.path}: {error}; build the image again") from None
         except self._module.ConfigurationError as error:
@@ -113,7 +126,7 @@ class VirtualTarget:
                 f"the module 'virtual_brick' has another clock ({brick.clock_hz}); "
                 "run 'make setup' to build the one of this version"
             )
-        if brick.threads_unobserved is not None:
+        if brick.threads_unobserved is not None and not image.bare:
             raise ImageFileError(
                 f"{image.path}: its tasks cannot be observed ({brick.threads_unobserved}); "
                 "link it with the project's run-time"
@@ -131,6 +144,8 @@ class VirtualTarget:
         return inputs
 
     def _probe(self, brick: Any, robot: Robot, image: ElfImage) -> None:
+        if image.bare:
+            return
         for index, setpoint in enumerate(robot.setpoints):
             if setpoint.symbol not in image.symbols:
                 raise robot.document.error(
@@ -191,6 +206,7 @@ class _Play:
         self._moment = _Moment(brick, image)
         self._visited: list[int] = []
         self._seen: list[tuple[int, Picture]] = []
+        self._version = -1
         self._content = b""
         self.pictures: list[Picture] = []
         self.inputs: list[TimedInput] = []
@@ -220,6 +236,9 @@ class _Play:
         return Stop(stop.reason, stop.at_cycles, stop.message)
 
     def _look(self) -> None:
+        if self._brick.lcd_version == self._version:
+            return
+        self._version = self._brick.lcd_version
         content = self._brick.lcd()
         if content != self._content:
             self._content = content

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use trace::{EventKind, NameSpace};
-use virtual_brick_facade::{BrickError, Configuration, ScalarKind, CLOCK_HZ};
+use virtual_brick_facade::{BrickError, Configuration, Image, ScalarKind, CLOCK_HZ};
 
 use crate::debugging::Service;
 use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
@@ -37,10 +37,17 @@ impl VirtualBrick {
             Configuration::from_json(configuration_json).map_err(raise::<ConfigurationError>)?;
         virtual_brick_facade::VirtualBrick::new(&configuration, elf)
             .map(Self)
-            .map_err(|error| match error {
-                BrickError::Configuration(error) => raise::<ConfigurationError>(error),
-                BrickError::Image(error) => raise::<ImageError>(error),
-            })
+            .map_err(refused)
+    }
+
+    #[staticmethod]
+    fn from_binary(configuration_json: &str, content: &[u8], address: u32) -> PyResult<Self> {
+        let image = Image::binary(content, address).map_err(raise::<ImageError>)?;
+        let configuration =
+            Configuration::from_json(configuration_json).map_err(raise::<ConfigurationError>)?;
+        virtual_brick_facade::VirtualBrick::with_image(&configuration, image)
+            .map(Self)
+            .map_err(refused)
     }
 
     #[getter]
@@ -149,6 +156,11 @@ impl VirtualBrick {
 
     fn lcd<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.0.lcd())
+    }
+
+    #[getter]
+    fn lcd_version(&self) -> u64 {
+        self.0.lcd_version()
     }
 
     #[pyo3(signature = (from_cycles = 0))]
@@ -282,6 +294,13 @@ impl VirtualBrick {
         self.0
             .read_scalar(name, scalar_kind(kind)?)
             .map_err(raise::<ImageError>)
+    }
+}
+
+fn refused(error: BrickError) -> PyErr {
+    match error {
+        BrickError::Configuration(error) => raise::<ConfigurationError>(error),
+        BrickError::Image(error) => raise::<ImageError>(error),
     }
 }
 

@@ -35,10 +35,7 @@ impl Default for Cpu {
 impl Cpu {
     /// A core just reset: supervisor mode, ARM state, interrupts disabled, next instruction at 0.
     pub const fn new() -> Self {
-        Self::with_profile(TimingProfile {
-            undefined_internal_cycles: 1,
-            mask_change_delayed: true,
-        })
+        Self::with_profile(TimingProfile::nominal())
     }
 
     /// A core just reset that follows the given timing choices.

@@ -15,11 +15,26 @@ pub struct TimingProfile {
     pub mask_change_delayed: bool,
 }
 
-impl Default for TimingProfile {
-    fn default() -> Self {
+impl TimingProfile {
+    /// As the data sheet has it; no choice makes the core slower.
+    pub const fn nominal() -> Self {
         Self {
             undefined_internal_cycles: 1,
             mask_change_delayed: true,
         }
+    }
+
+    /// Each choice at its quickest.
+    pub const fn optimistic() -> Self {
+        Self {
+            undefined_internal_cycles: 0,
+            mask_change_delayed: false,
+        }
+    }
+}
+
+impl Default for TimingProfile {
+    fn default() -> Self {
+        Self::nominal()
     }
 }

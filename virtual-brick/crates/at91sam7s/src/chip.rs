@@ -11,6 +11,7 @@ use crate::event::{EventKind, Schedule};
 use crate::fault::{Fault, FaultKind};
 use crate::flash::{Flash, FLASH_BYTES};
 use crate::mc::Mc;
+use crate::pins::PIOA;
 use crate::pio::{PeripheralLines, Pio};
 use crate::pit::Pit;
 use crate::pmc::Pmc;
@@ -355,7 +356,11 @@ impl<B: Board> Chip<B> {
         if self.board.next_event() <= at {
             self.board.advance(at);
         }
-        self.update_pins(at);
+        let clocked = self.pmc.clocked(PIOA);
+        let levels = self.board.pin_levels();
+        if !self.pio.settled(self.outputs, levels, clocked) {
+            self.update_pins(at);
+        }
         self.take_from_board(at);
         self.refresh_board(at);
     }

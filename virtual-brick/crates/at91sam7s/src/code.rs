@@ -57,7 +57,7 @@ impl<B: Board> Chip<B> {
 impl<B: Board> BlockBus for Chip<B> {
     const CODE_HALFWORDS: u32 = SRAM_HALFWORDS + FLASH_HALFWORDS;
 
-    #[inline]
+    #[inline(always)]
     fn code_place(&self, address: u32) -> Option<CodePlace> {
         if address < VECTORS_END {
             None
@@ -76,6 +76,7 @@ impl<B: Board> BlockBus for Chip<B> {
         }
     }
 
+    #[inline(always)]
     fn code_word(&self, address: u32) -> u32 {
         if self.is_sram(address) {
             self.sram.word(address)
@@ -117,10 +118,12 @@ impl<B: Board> BlockBus for Chip<B> {
         }
     }
 
+    #[inline(always)]
     fn in_sequence(&self, address: u32) -> bool {
         self.is_sram(address) || self.flash_ready() && self.flash.in_sequence(address)
     }
 
+    #[inline(always)]
     fn continue_at(&mut self, address: u32) {
         if !self.is_sram(address) {
             self.flash.continue_at(address);
@@ -158,9 +161,8 @@ impl<B: Board> BlockBus for Chip<B> {
 
     #[inline(always)]
     fn plain_write_cycles(&self, address: u32, width: Width) -> Option<u32> {
-        let plain = !misaligned(address, width)
-            && self.is_sram(address)
-            && !self.sram.is_marked(address);
+        let plain =
+            !misaligned(address, width) && self.is_sram(address) && !self.sram.is_marked(address);
         plain.then_some(self.sram_cycles())
     }
 

@@ -77,6 +77,23 @@ impl Pio {
         }
     }
 
+    /// Levels that chip and board make together.
+    fn joined(&self, outputs: PinOutputs, board: PinLevels) -> u32 {
+        let chip = outputs.driven & outputs.level;
+        let free = !outputs.driven;
+        let outside = free & board.driven & board.level;
+        let floating = free & !board.driven;
+        let pulled = floating & outputs.pull_up;
+        let kept = floating & !outputs.pull_up & self.pins;
+        chip | outside | pulled | kept
+    }
+
+    /// [`Self::sample`] would find nothing new.
+    pub(crate) fn settled(&self, outputs: PinOutputs, board: PinLevels, clocked: bool) -> bool {
+        let pins = self.joined(outputs, board);
+        pins == self.pins && (!clocked || pins == self.levels)
+    }
+
     /// Work out the pin levels; returns the pins that changed and those that changed and are
     /// seen by a clocked controller.
     pub(crate) fn sample(
@@ -85,13 +102,7 @@ impl Pio {
         board: PinLevels,
         clocked: bool,
     ) -> (u32, u32) {
-        let chip = outputs.driven & outputs.level;
-        let free = !outputs.driven;
-        let outside = free & board.driven & board.level;
-        let floating = free & !board.driven;
-        let pulled = floating & outputs.pull_up;
-        let kept = floating & !outputs.pull_up & self.pins;
-        let pins = chip | outside | pulled | kept;
+        let pins = self.joined(outputs, board);
         let changed = pins ^ self.pins;
         self.pins = pins;
         if !clocked {

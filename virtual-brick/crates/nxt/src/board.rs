@@ -397,11 +397,15 @@ impl Board for NxtBoard {
                 self.battery.set_current(robot.supply_current());
                 self.measured.update(robot, &mut self.ports);
             }
-            let measurable = self.measurable();
-            self.coprocessor.advance(at, measurable, &mut self.log);
+            if self.coprocessor.next_event() <= at {
+                let measurable = self.measurable();
+                self.coprocessor.advance(at, measurable, &mut self.log);
+            }
             self.ports
                 .set_supplies(at, self.coprocessor.sensor_supplies());
-            self.ports.advance(at);
+            if self.ports.next_event() <= at {
+                self.ports.advance(at);
+            }
             self.bluetooth.advance(at);
             self.usb.advance(at);
             if self.refresh.due_at <= at {

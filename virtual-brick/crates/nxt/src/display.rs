@@ -75,6 +75,7 @@ pub struct Display {
     enabled: bool,
     inverse: bool,
     all_on: bool,
+    version: u64,
     /// Column to which the end of the cursor-update mode returns.
     cursor: Option<usize>,
     contrast_follows: bool,
@@ -101,6 +102,7 @@ impl Display {
             enabled: false,
             inverse: false,
             all_on: false,
+            version: 0,
             cursor: None,
             contrast_follows: false,
         }
@@ -146,8 +148,15 @@ impl Display {
         }
     }
 
+    /// Grows with each byte that the controller gets: while it stays, so does the picture.
+    #[must_use]
+    pub const fn version(&self) -> u64 {
+        self.version
+    }
+
     /// A byte of pixels, the least significant uppermost. Beyond the RAM it is lost.
     pub(crate) fn write_data(&mut self, byte: u8) {
+        self.version += 1;
         if self.column >= RAM_COLUMNS {
             return;
         }
@@ -197,6 +206,7 @@ impl Display {
 
     /// A command byte, or the second byte of the contrast command.
     pub(crate) fn write_command(&mut self, byte: u8) -> Result<(), BoardFault> {
+        self.version += 1;
         if self.contrast_follows {
             self.contrast_follows = false;
             self.contrast = byte;

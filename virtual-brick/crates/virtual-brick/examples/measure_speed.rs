@@ -45,7 +45,9 @@ fn main() -> ExitCode {
 
 fn measure() -> Result<String, String> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("expected the path of an ELF image")?;
+    let path = arguments
+        .next()
+        .ok_or("expected the path of an ELF image")?;
     let mut number = |default: u64| match arguments.next() {
         Some(text) => text.parse().map_err(|_| format!("'{text}' is no number")),
         None => Ok(default),

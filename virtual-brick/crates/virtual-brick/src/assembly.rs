@@ -36,7 +36,11 @@ pub(crate) fn machine(configuration: &Configuration) -> Result<Machine, Configur
         &configuration.robot,
         configuration.seed,
     )?;
-    Ok(Chip::new(board, ChipConfiguration::default()))
+    let chip = ChipConfiguration {
+        timing: configuration.timing.chip,
+        ..ChipConfiguration::default()
+    };
+    Ok(Chip::new(board, chip))
 }
 
 /// Put the image into memory and bring the machine to the state in which it is started.

@@ -80,10 +80,18 @@ impl VirtualBrick {
     /// # Errors
     /// The configuration or the image cannot be used.
     pub fn new(configuration: &Configuration, elf: &[u8]) -> Result<Self, BrickError> {
+        Self::with_image(configuration, Image::parse(elf)?)
+    }
+
+    /// Assemble a brick and load a program that was read already.
+    ///
+    /// # Errors
+    /// The configuration cannot be used.
+    pub fn with_image(configuration: &Configuration, image: Image) -> Result<Self, BrickError> {
         let mut chip = assembly::machine(configuration)?;
-        let image = Arc::new(Image::parse(elf)?);
+        let image = Arc::new(image);
         assembly::load(&mut chip, &image).map_err(ImageError::malformed)?;
-        let mut cpu = Cpu::new();
+        let mut cpu = Cpu::with_profile(configuration.timing.core);
         if image.placement() == Placement::Ram {
             start_at(&mut cpu, image.entry());
         }
@@ -197,6 +205,12 @@ impl VirtualBrick {
     #[must_use]
     pub fn lcd(&self) -> Vec<u8> {
         self.chip.board().display().picture().to_bytes()
+    }
+
+    /// Grows when the program sends something to the display: while it stays, so does the picture.
+    #[must_use]
+    pub fn lcd_version(&self) -> u64 {
+        self.chip.board().display().version()
     }
 
     /// Sound played so far from a cycle on: signed 16-bit samples of

@@ -24,7 +24,7 @@ mod threads;
 pub use arm7tdmi::Step as CpuStep;
 pub use brick::{BrickError, Snapshot, VirtualBrick};
 pub use checkpoint::{Checkpoint, NotPassed};
-pub use configuration::{Configuration, ConfigurationError};
+pub use configuration::{Configuration, ConfigurationError, Timing};
 pub use engine::Engine;
 pub use image::{
     Image, ImageError, Lines, Placement, ScalarKind, Segment, Symbol, Symbols, Variable,

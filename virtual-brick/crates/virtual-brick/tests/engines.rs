@@ -95,7 +95,9 @@ fn a_store_changes_only_what_was_not_fetched() {
     program.raw(0xE3A0_7004); // mov r7, #4
     let again = program.here();
     let store = program.here() as u32;
-    program.str(11, 9, 4 * (store + 1)).str(11, 9, 4 * (store + 4));
+    program
+        .str(11, 9, 4 * (store + 1))
+        .str(11, 9, 4 * (store + 4));
     program.raw(0xE3A0_4001).raw(0xE3A0_5001); // mov r4, #1; mov r5, #1
     program.raw(0xE3A0_6001); // mov r6, #1: becomes mov r4, #7
     program.subs(7, 1).branch(NE, again).stop();

@@ -73,7 +73,11 @@ fn flags(instruction: &Instruction) -> Flags {
         Operation::Multiply(product) => {
             let written = if product.sets_flags { N | Z } else { 0 };
             let third = product.low.or(product.addend).unwrap_or(0);
-            let used = [product.destination, product.multiplicand, product.multiplier];
+            let used = [
+                product.destination,
+                product.multiplicand,
+                product.multiplier,
+            ];
             Flags {
                 writes: written,
                 replaces: written,

@@ -50,11 +50,7 @@ pub(super) fn jump<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>
 }
 
 /// The second half of a Thumb BL whose first half is not before it.
-pub(super) fn long_branch_suffix<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: &[Op<B>],
-) {
+pub(super) fn long_branch_suffix<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
     let target = run.get(14).wrapping_add(op.value) | 1;
     if run.branch_to(op, target) {
         run.set(14, op.address.wrapping_add(2) | 1);
@@ -74,11 +70,7 @@ pub(super) fn fall_through<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest:
     run.next = op.value;
 }
 
-fn branch_if<B: BlockBus, const CONDITION: u8>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: &[Op<B>],
-) {
+fn branch_if<B: BlockBus, const CONDITION: u8>(run: &mut Run<'_, B>, op: &Op<B>, rest: &[Op<B>]) {
     if holds::<B, CONDITION>(run) {
         run.branch(op, op.value, u32::from(op.cycles));
     } else {

@@ -20,10 +20,10 @@ use std::fmt;
 
 pub use bus::{BlockBus, CodePlace, PlainRead};
 
-use crate::bus::{Cycle, Width};
+use crate::bus::Cycle;
 use crate::cpu::Cpu;
 use crate::registers::psr;
-use run::{size_of, width_of, Run, NOWHERE};
+use run::{size_of, Run, NOWHERE};
 use translate::{translate, Block, BYTES_MAX};
 
 /// Blocks kept at most; with more, all are forgotten.
@@ -81,6 +81,7 @@ impl<B: BlockBus> Blocks<B> {
     }
 
     /// Follow what happened to the code since the last run.
+    #[inline(always)]
     fn update(&mut self, bus: &mut B) {
         let epoch = bus.code_epoch();
         if self.epoch != epoch || self.starts.is_empty() {
@@ -117,18 +118,20 @@ impl<B: BlockBus> Blocks<B> {
     }
 
     /// Number of the block that begins at `key`, translated if need be.
-    #[inline(never)]
-    fn find(&mut self, bus: &mut B, key: u32, region: u8) -> Option<u32> {
-        let place = bus.code_place(key & !1)?;
-        if place.region != region {
-            return None;
-        }
+    #[inline(always)]
+    fn find(&mut self, bus: &mut B, key: u32, place: CodePlace) -> Option<u32> {
         let known = self.starts[place.halfword as usize];
-        if let Some(number) = known.checked_sub(1) {
-            if self.blocks[number as usize].key == key {
-                return Some(number);
+        if let Some(block) = self.blocks.get(known.wrapping_sub(1) as usize) {
+            if block.key == key {
+                return Some(known - 1);
             }
         }
+        self.add(bus, key, place, known)
+    }
+
+    /// Translates the block at `key`, in place of the one that began there.
+    #[inline(never)]
+    fn add(&mut self, bus: &mut B, key: u32, place: CodePlace, known: u32) -> Option<u32> {
         let block = translate(bus, key, place)?;
         if let Some(number) = known.checked_sub(1) {
             self.starts[place.halfword as usize] = 0;
@@ -161,7 +164,11 @@ impl<B: BlockBus> Blocks<B> {
                 return Some(number);
             }
         }
-        let number = self.find(bus, key, region)?;
+        let place = bus.code_place(key & !1)?;
+        if place.region != region {
+            return None;
+        }
+        let number = self.find(bus, key, place)?;
         if let Some(block) = self.blocks.get_mut(from as usize) {
             block.links = [(key, number), links[0]];
         }
@@ -189,7 +196,7 @@ impl Cpu {
         if !self.pipeline_follows(bus, start, place.region) {
             return BlocksRun::default();
         }
-        let Some(first) = blocks.find(bus, start, place.region) else {
+        let Some(first) = blocks.find(bus, start, place) else {
             return BlocksRun::default();
         };
         let mut run = self.begin(bus, start, place.region);
@@ -264,15 +271,16 @@ impl Cpu {
 }
 
 /// The two opcodes that memory holds at `key`.
+#[inline(always)]
 fn opcodes<B: BlockBus>(bus: &B, key: u32) -> [u32; 2] {
-    let (address, size) = (key & !1, size_of(key));
-    [address, address.wrapping_add(size)].map(|address| {
-        let word = bus.code_word(address);
-        match width_of(key) {
-            Width::Word => word,
-            _ => word >> (8 * (address & 2)) & 0xFFFF,
-        }
-    })
+    let (address, next) = (key & !1, (key & !1).wrapping_add(size_of(key)));
+    let (first, second) = (bus.code_word(address), bus.code_word(next));
+    if key & 1 == 0 {
+        [first, second]
+    } else {
+        let half = |word: u32, address: u32| word >> (8 * (address & 2)) & 0xFFFF;
+        [half(first, address), half(second, next)]
+    }
 }
 
 fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32, budget: u32) {

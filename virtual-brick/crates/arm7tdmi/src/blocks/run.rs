@@ -113,9 +113,7 @@ impl<B: BlockBus> Run<'_, B> {
             return false;
         }
         let sequence = op.address.wrapping_add(3 * size_of(self.next));
-        let refill = self
-            .bus
-            .refill_cycles(sequence, address, width_of(target));
+        let refill = self.bus.refill_cycles(sequence, address, width_of(target));
         self.branch(op, target, refill);
         true
     }

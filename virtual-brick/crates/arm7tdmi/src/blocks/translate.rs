@@ -364,7 +364,9 @@ impl<B: BlockBus> Builder<'_, B> {
             _ => None,
         };
         match plain {
-            Some(register) if processing.operation == AluOperation::Mov && !processing.sets_flags => {
+            Some(register)
+                if processing.operation == AluOperation::Mov && !processing.sets_flags =>
+            {
                 self.push(jump).second = register as u8;
             }
             _ => {
@@ -377,8 +379,12 @@ impl<B: BlockBus> Builder<'_, B> {
     fn pc_relative(&self, processing: &DataProcessing) -> Option<u32> {
         let pc = self.pc();
         match (processing.operation, processing.first, processing.second) {
-            (AluOperation::Add, 15, Operand::Constant { value, .. }) => Some(pc.wrapping_add(value)),
-            (AluOperation::Sub, 15, Operand::Constant { value, .. }) => Some(pc.wrapping_sub(value)),
+            (AluOperation::Add, 15, Operand::Constant { value, .. }) => {
+                Some(pc.wrapping_add(value))
+            }
+            (AluOperation::Sub, 15, Operand::Constant { value, .. }) => {
+                Some(pc.wrapping_sub(value))
+            }
             (
                 AluOperation::Mov,
                 _,
@@ -394,7 +400,12 @@ impl<B: BlockBus> Builder<'_, B> {
 
     fn multiply(&mut self, product: &Multiply, flags: bool) {
         let third = product.low.or(product.addend).unwrap_or(0);
-        let used = [product.destination, product.multiplicand, product.multiplier, third];
+        let used = [
+            product.destination,
+            product.multiplicand,
+            product.multiplier,
+            third,
+        ];
         if used.contains(&15) {
             self.push(leave);
             return;
@@ -553,6 +564,12 @@ fn operand_parts(operand: Operand) -> (u8, u32, u8, u8, u8) {
             register,
             kind,
             amount,
-        } => (data::BY_REGISTER, 0, register as u8, amount as u8, kind as u8),
+        } => (
+            data::BY_REGISTER,
+            0,
+            register as u8,
+            amount as u8,
+            kind as u8,
+        ),
     }
 }

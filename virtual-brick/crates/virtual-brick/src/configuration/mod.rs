@@ -5,6 +5,7 @@
 //! Floating quantities are SI; the unit of each is told at its field.
 
 mod error;
+mod timing;
 
 use nxt::{BatteryConfiguration, BluetoothConfiguration, BoardConfiguration, SensorPorts};
 use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
@@ -13,6 +14,7 @@ use serde::Deserialize;
 use crate::engine::Engine;
 
 pub use error::ConfigurationError;
+pub use timing::Timing;
 
 /// One millisecond of the master clock, rounded up.
 const SIGNAL_PERIOD_CYCLES: u64 = 48_055;
@@ -32,6 +34,8 @@ pub struct Configuration {
     pub trace_limits: trace::Limits,
     /// What executes instructions; the run is the same with each.
     pub engine: Engine,
+    /// Timing that no document fixes.
+    pub timing: Timing,
 }
 
 #[derive(Deserialize)]
@@ -57,6 +61,8 @@ struct Fields {
     trace_limits: LimitFields,
     #[serde(default)]
     engine: Engine,
+    #[serde(default)]
+    timing: timing::TimingFields,
 }
 
 #[derive(Default, Deserialize)]
@@ -108,6 +114,7 @@ impl Fields {
             sensors: self.sensors,
         };
         board.check()?;
+        let timing = self.timing.check()?;
         let defaults = trace::Limits::default();
         Ok(Configuration {
             seed: self.seed,
@@ -122,6 +129,7 @@ impl Fields {
                     .unwrap_or(defaults.signal_values),
             },
             engine: self.engine,
+            timing,
         })
     }
 }

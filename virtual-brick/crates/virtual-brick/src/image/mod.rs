@@ -53,6 +53,21 @@ impl Image {
         })
     }
 
+    /// A program as its bytes in memory, from `address` on; it starts there, in ARM state.
+    ///
+    /// # Errors
+    /// The bytes do not fit the brick's memory for programs there, or there are none.
+    pub fn binary(bytes: &[u8], address: u32) -> Result<Self, ImageError> {
+        let segments = segments::binary(bytes, address)?;
+        Ok(Self {
+            elf: [].into(),
+            placement: segments::placement(&segments)?,
+            segments,
+            entry: address,
+            symbols: Symbols::default(),
+        })
+    }
+
     /// Segments with contents, by their physical (load) address.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {

@@ -62,6 +62,19 @@ pub(super) fn read(file: &Elf<'_>) -> Result<Vec<Segment>, ImageError> {
     Ok(segments)
 }
 
+/// The one segment of a file without headers.
+pub(super) fn binary(bytes: &[u8], address: u32) -> Result<Vec<Segment>, ImageError> {
+    if bytes.is_empty() {
+        return Err(ImageError::Empty);
+    }
+    let length = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
+    check_load_memory(address, length)?;
+    Ok(vec![Segment {
+        address,
+        bytes: bytes.to_vec(),
+    }])
+}
+
 /// RAM or flash: a flash image has at least one segment in flash and none loaded into RAM.
 pub(super) fn placement(segments: &[Segment]) -> Result<Placement, ImageError> {
     let first = segments.first().ok_or(ImageError::Empty)?;

@@ -123,7 +123,11 @@ fn set_up(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
     }
     program.status(0xD3).load(13, STACK + 0x800);
     program.poke(0xFFFF_F004, 0).poke(0xFFFF_F120, 2); // system interrupt
-    let period = if kind == Kind::SlowFlash { 0xFFFF } else { 4 + numbers.below(200) };
+    let period = if kind == Kind::SlowFlash {
+        0xFFFF
+    } else {
+        4 + numbers.below(200)
+    };
     program.poke(0xFFFF_FD30, 0x0300_0000 | period);
     program.load(11, HARMLESS).load(12, TIMER).status(0x13);
 }
@@ -151,7 +155,13 @@ fn piece(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
         }
         22 if kind == Kind::Ram => store_into_code(program, numbers),
         _ => {
-            let oddities = [0xEF00_0000, 0xE7FF_FFFF, 0xE10F_0000, 0xE108_1092, 0xE1A0_000F];
+            let oddities = [
+                0xEF00_0000,
+                0xE7FF_FFFF,
+                0xE10F_0000,
+                0xE108_1092,
+                0xE1A0_000F,
+            ];
             program.raw(oddities[numbers.below(5) as usize]);
         }
     }
@@ -159,7 +169,11 @@ fn piece(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
 
 fn data_processing(program: &mut Program, numbers: &mut Numbers) {
     let code = numbers.below(16);
-    let flags = if code & 0b1100 == 0b1000 { 1 } else { numbers.below(2) };
+    let flags = if code & 0b1100 == 0b1000 {
+        1
+    } else {
+        numbers.below(2)
+    };
     let first = match numbers.below(12) {
         0 => 15,
         1 => 8,
@@ -172,8 +186,16 @@ fn data_processing(program: &mut Program, numbers: &mut Numbers) {
         _ => numbers.below(32) << 7 | numbers.below(4) << 5 | numbers.register(),
     };
     // Shifts by register with r15 read another r15: rare enough to leave out.
-    let first = if second & 1 << 4 != 0 && first == 15 { 0 } else { first };
-    let second = if second >> 25 == 0 && second & 0x90 == 0x90 { second & !0x80 } else { second };
+    let first = if second & 1 << 4 != 0 && first == 15 {
+        0
+    } else {
+        first
+    };
+    let second = if second >> 25 == 0 && second & 0x90 == 0x90 {
+        second & !0x80
+    } else {
+        second
+    };
     let operands = first << 16 | numbers.register() << 12 | second;
     program.raw(numbers.condition() | code << 21 | flags << 20 | operands);
 }
@@ -196,7 +218,11 @@ fn transfer(program: &mut Program, numbers: &mut Numbers) {
         3 => 0x052A_0000 | up | 4 * numbers.below(4),
         // Halfwords and signed items; a signed store does not exist.
         _ => {
-            let signed = if load == 1 { 0x90 | (1 + numbers.below(3)) << 5 } else { 0xB0 };
+            let signed = if load == 1 {
+                0x90 | (1 + numbers.below(3)) << 5
+            } else {
+                0xB0
+            };
             0x0148_0000 | up | numbers.below(16) << 8 | 2 * numbers.below(8) | signed
         }
     };

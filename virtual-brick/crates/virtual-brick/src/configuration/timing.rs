@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Timing that no document fixes: a profile and single values in its place.
+
+use at91sam7s::TimingProfile;
+use serde::Deserialize;
+
+use super::error::ConfigurationError;
+
+/// No doubtful value is as large.
+const MOST_CYCLES: u64 = 16;
+
+/// The doubtful costs of core and chip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timing {
+    /// Of the core.
+    pub core: arm7tdmi::TimingProfile,
+    /// Of memory, interrupt path and data controller.
+    pub chip: TimingProfile,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Profile {
+    #[default]
+    Nominal,
+    Optimistic,
+    Pessimistic,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TimingFields {
+    #[serde(default)]
+    profile: Profile,
+    flash_first_wait_cycles: Option<u64>,
+    flash_sequential_arm_wait_cycles: Option<u64>,
+    flash_sequential_thumb_wait_cycles: Option<u64>,
+    flash_data_wait_cycles: Option<u64>,
+    thumb_odd_target_cycles: Option<u64>,
+    apb_cycles: Option<u64>,
+    aic_level_cycles: Option<u64>,
+    aic_edge_cycles: Option<u64>,
+    core_sync_cycles: Option<u64>,
+    pdc_steal_cycles: Option<u64>,
+    pio_input_cycles: Option<u64>,
+    pio_filter_cycles: Option<u64>,
+    undefined_internal_cycles: Option<u64>,
+    mask_change_delayed: Option<bool>,
+}
+
+impl Profile {
+    const fn timing(self) -> Timing {
+        match self {
+            Self::Nominal => Timing {
+                core: arm7tdmi::TimingProfile::nominal(),
+                chip: TimingProfile::nominal(),
+            },
+            Self::Optimistic => Timing {
+                core: arm7tdmi::TimingProfile::optimistic(),
+                chip: TimingProfile::optimistic(),
+            },
+            Self::Pessimistic => Timing {
+                core: arm7tdmi::TimingProfile::nominal(),
+                chip: TimingProfile::pessimistic(),
+            },
+        }
+    }
+}
+
+impl TimingFields {
+    /// The profile with the values that replace its own.
+    pub(super) fn check(&self) -> Result<Timing, ConfigurationError> {
+        let Timing { mut core, mut chip } = self.profile.timing();
+        let mut undefined = u64::from(core.undefined_internal_cycles);
+        let values = [
+            ("flash_first_wait_cycles", self.flash_first_wait_cycles),
+            (
+                "flash_sequential_arm_wait_cycles",
+                self.flash_sequential_arm_wait_cycles,
+            ),
+            (
+                "flash_sequential_thumb_wait_cycles",
+                self.flash_sequential_thumb_wait_cycles,
+            ),
+            ("flash_data_wait_cycles", self.flash_data_wait_cycles),
+            ("thumb_odd_target_cycles", self.thumb_odd_target_cycles),
+            ("apb_cycles", self.apb_cycles),
+            ("aic_level_cycles", self.aic_level_cycles),
+            ("aic_edge_cycles", self.aic_edge_cycles),
+            ("core_sync_cycles", self.core_sync_cycles),
+            ("pdc_steal_cycles", self.pdc_steal_cycles),
+            ("pio_input_cycles", self.pio_input_cycles),
+            ("pio_filter_cycles", self.pio_filter_cycles),
+            ("undefined_internal_cycles", self.undefined_internal_cycles),
+        ];
+        let places = [
+            &mut chip.flash_first.per_wait_state_cycles,
+            &mut chip.flash_sequential_arm.per_wait_state_cycles,
+            &mut chip.flash_sequential_thumb.per_wait_state_cycles,
+            &mut chip.flash_data.per_wait_state_cycles,
+            &mut chip.thumb_odd_target_cycles,
+            &mut chip.apb_cycles,
+            &mut chip.aic_level_cycles,
+            &mut chip.aic_edge_cycles,
+            &mut chip.core_sync_cycles,
+            &mut chip.pdc_steal_cycles,
+            &mut chip.pio_input_cycles,
+            &mut chip.pio_filter_cycles,
+            &mut undefined,
+        ];
+        for ((name, value), place) in values.into_iter().zip(places) {
+            let Some(value) = value else { continue };
+            let least = u64::from(name == "apb_cycles");
+            if !(least..=MOST_CYCLES).contains(&value) {
+                let problem = format!("must be {least} to {MOST_CYCLES} cycles");
+                return Err(ConfigurationError::field(
+                    &format!("timing.{name}"),
+                    problem,
+                ));
+            }
+            *place = value;
+        }
+        core.undefined_internal_cycles = undefined as u32;
+        if let Some(delayed) = self.mask_change_delayed {
+            core.mask_change_delayed = delayed;
+        }
+        Ok(Timing { core, chip })
+    }
+}
