@@ -9,6 +9,7 @@ fails is written down with what passed, and the command ends with 1.
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -28,6 +29,8 @@ RESULTS = ROOT / "conformance" / "results.json"
 CARGO = "cargo"
 LOCKED = "--locked"
 CRATES = ROOT / "virtual-brick"
+CAMPAIGN_SECONDS = 120
+PUBLIC_CASES = 38_000
 NXT_FIRMWARE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 
 
@@ -46,18 +49,50 @@ def suite_row(
 
 def single_step() -> Row:
     """The processor against the vectors of an independent core: state, writes and cycles."""
-    command = [CARGO, "run", LOCKED, "--quiet", "--release", "-p", "arm7tdmi"]
-    command += ["--example", "single_step", "--"]
     vectors = ROOT / "conformance" / "cpu" / "arm7tdmi-single-step.tar.xz"
-    result = subprocess.run([*command, str(vectors)], cwd=CRATES, capture_output=True, text=True)
-    if not result.stdout.strip():
-        raise SystemExit(f"single-step: no result\n{result.stderr}")
-    row: Row = json.loads(result.stdout.strip().splitlines()[-1])
+    row = cargo_example("arm7tdmi", "single_step", str(vectors))
     excluded = [
         {"count": 0, "reason": f"no case, but of {e['class']} the {e['comparison']}: {e['reason']}"}
         for e in row["excluded"]
     ]
     return {**row, "excluded": excluded}
+
+
+def cargo_example(package: str, example: str, *arguments: str) -> Row:
+    """The summary that an example of a crate prints as its last line."""
+    command = [CARGO, "run", LOCKED, "--quiet", "--release", "-p", package]
+    command += ["--example", example, "--", *arguments]
+    result = subprocess.run(command, cwd=CRATES, capture_output=True, text=True)
+    if not result.stdout.strip():
+        raise SystemExit(f"{example}: no result\n{result.stderr[-2000:]}")
+    row: Row = json.loads(result.stdout.strip().splitlines()[-1])
+    return row
+
+
+def public_single_step() -> Row:
+    """SingleStepTests/ARM7TDMI, whose files lie outside: see conformance/cpu/README.md."""
+    folder = os.environ.get("ARM7TDMI_SINGLE_STEP_TESTS")
+    suite = "single-step, public"
+    if not folder:
+        reason = (
+            "the environment variable ARM7TDMI_SINGLE_STEP_TESTS does not name the folder with "
+            "the suite's files (conformance/cpu/README.md)"
+        )
+        return suite_row("cpu", suite, PUBLIC_CASES, 0, [{"count": PUBLIC_CASES, "reason": reason}])
+    return cargo_example("arm7tdmi", "public_single_step", folder)
+
+
+def engines() -> Row:
+    """Random programs on the fast and the reference engine, for a time."""
+    row = cargo_example("virtual-brick", "compare_engines", str(CAMPAIGN_SECONDS))
+    return suite_row(row["area"], row["suite"], row["case_count"], row["passed"])
+
+
+def fuzz() -> Row:
+    """Damaged files, random programs, registers and inputs, for a time."""
+    row = cargo_example("virtual-brick", "fuzz", str(CAMPAIGN_SECONDS))
+    suite = f"fuzz for {CAMPAIGN_SECONDS} s: images, configurations, programs, registers, inputs"
+    return suite_row(row["area"], suite, row["case_count"], row["passed"])
 
 
 def cargo_suite(area: str, suite: str, package: str, *options: str) -> Callable[[], Row]:
@@ -173,9 +208,12 @@ def other_drivers() -> list[str]:
 
 SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("cpu", single_step),
+    ("cpu", public_single_step),
+    ("cpu", engines),
     ("cpu", cargo_suite("cpu", "instructions, exceptions, silicon cycle table", "arm7tdmi")),
     ("peripherals", cargo_suite("peripherals", "registers and behaviour", "at91sam7s")),
     ("peripherals", cargo_suite("peripherals", "board devices", "nxt")),
+    ("peripherals", fuzz),
     (
         "firmware",
         third_party(

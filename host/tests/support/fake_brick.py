@@ -85,6 +85,7 @@ class VirtualBrick:
 
     fault_ms: int | None = None
     threads_unobserved: str | None = None
+    lcd_version = 1
 
     def __init__(self, configuration_json: str, elf: bytes) -> None:
         self._configuration = json.loads(configuration_json)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -41,7 +41,7 @@ from ravenbrick.trace.summary import Run, run_summary
 __all__ = ["run_command"]
 
 
-class TimingProfile(str, Enum):
+class TimingProfile(StrEnum):
     """Timing that no document fixes (docs/reference/timing.md)."""
 
     NOMINAL = "nominal"
@@ -49,7 +49,7 @@ class TimingProfile(str, Enum):
     PESSIMISTIC = "pessimistic"
 
 
-class Engine(str, Enum):
+class Engine(StrEnum):
     """What executes instructions."""
 
     FAST = "fast"

@@ -30,6 +30,33 @@ impl StepObserver for Counter {
     }
 }
 
+/// Processor time of the thread where the system tells it, else elapsed time.
+struct Start {
+    elapsed: Instant,
+    processor: Option<u64>,
+}
+
+impl Start {
+    fn now() -> Self {
+        Self {
+            elapsed: Instant::now(),
+            processor: Self::nanoseconds(),
+        }
+    }
+
+    fn nanoseconds() -> Option<u64> {
+        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+        text.split(' ').next()?.parse().ok()
+    }
+
+    fn seconds(&self) -> f64 {
+        match (self.processor, Self::nanoseconds()) {
+            (Some(before), Some(after)) => (after - before) as f64 / 1e9,
+            _ => self.elapsed.elapsed().as_secs_f64(),
+        }
+    }
+}
+
 fn main() -> ExitCode {
     match measure() {
         Ok(line) => {
@@ -66,9 +93,9 @@ fn measure() -> Result<String, String> {
         let mut seconds = Vec::new();
         for _ in 0..runs.max(1) {
             let mut brick = brick(engine, &elf)?;
-            let start = Instant::now();
+            let start = Start::now();
             brick.run_until(cycles);
-            seconds.push(start.elapsed().as_secs_f64());
+            seconds.push(start.seconds());
             let same = brick.processor() == counted.processor();
             if !same || brick.cycles() != counted.cycles() {
                 return Err(format!("{path}: the engines differ at the end"));

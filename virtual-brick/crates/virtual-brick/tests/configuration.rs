@@ -105,3 +105,18 @@ fn text_after_the_configuration_is_refused() {
 fn text_that_is_not_json_is_refused_with_line_and_column() {
     assert!(problem("{").1.contains("line 1"));
 }
+
+#[test]
+fn timing_is_a_profile_with_single_values_in_its_place() {
+    let configuration = Configuration::from_json("{}").unwrap();
+    assert_eq!(configuration.timing, virtual_brick::Timing::default());
+    let json =
+        r#"{"timing": {"profile": "pessimistic", "core_sync_cycles": 0}, "engine": "reference"}"#;
+    let configuration = Configuration::from_json(json).unwrap();
+    assert_eq!(configuration.timing.chip.apb_cycles, 3);
+    assert_eq!(configuration.timing.chip.core_sync_cycles, 0);
+    assert_eq!(configuration.engine, virtual_brick::Engine::Reference);
+    let (path, problem) = problem(r#"{"timing": {"apb_cycles": 0}}"#);
+    assert_eq!(path, "timing.apb_cycles");
+    assert_eq!(problem, "must be 1 to 16 cycles");
+}

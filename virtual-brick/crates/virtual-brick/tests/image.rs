@@ -210,3 +210,13 @@ fn every_truncation_of_an_image_is_handled() {
             > 80
     );
 }
+
+#[test]
+fn bytes_without_headers_lie_where_they_are_put() {
+    let image = Image::binary(&[1, 2, 3, 4], 0x0010_0000).unwrap();
+    assert_eq!(image.placement(), Placement::Flash);
+    assert_eq!(image.segments()[0].bytes, [1, 2, 3, 4]);
+    assert!(Image::binary(&[], 0x0010_0000).is_err());
+    assert!(Image::binary(&[0; 0x4_0001], 0x0010_0000).is_err());
+    assert!(Image::binary(&[0; 4], 0x0020_0000).is_err());
+}
