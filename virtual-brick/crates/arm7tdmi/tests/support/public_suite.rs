@@ -3,8 +3,8 @@
 //! Tests of the public suite SingleStepTests/ARM7TDMI: state before and after one instruction,
 //! and every bus cycle of it with its number.
 //!
-//! A state is r0 to r15 as the current mode sees them, then the banks that are not in view (FIQ
-//! r8 to r14; r13 and r14 of supervisor, abort, interrupt, undefined), CPSR, SPSRs in the order
+//! A state is r0 to r15 as user mode sees them, then the banks (FIQ r8 to r14; r13 and r14 of
+//! supervisor, abort, interrupt, undefined), CPSR, SPSRs in the order
 //! FIQ, supervisor, abort, interrupt, undefined, and the two opcodes in the pipeline.
 
 use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Mode, TimingProfile, Width};
@@ -35,14 +35,16 @@ pub enum Excluded {
     MultiplyWithPc,
     WriteBackToPc,
     StatusToPc,
+    OddSignedHalfword,
 }
 
 impl Excluded {
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::IllegalMode,
         Self::MultiplyWithPc,
         Self::WriteBackToPc,
         Self::StatusToPc,
+        Self::OddSignedHalfword,
     ];
 
     pub const fn sentence(self) -> &'static str {
@@ -57,6 +59,9 @@ impl Excluded {
                 "write-back to r15 or SWP with base r15, which sections 4.9 and 4.12 forbid"
             }
             Self::StatusToPc => "MRS to r15, which section 4.6 forbids",
+            Self::OddSignedHalfword => {
+                "LDRSH from an odd address, undefined in section 4.10: the suite reads a byte"
+            }
         }
     }
 }
@@ -161,6 +166,9 @@ impl Suite {
             "mul_mla" | "mull_mlal" if [0, 8, 12, 16].into_iter().any(|at| field(at) == 15) => {
                 Some(Excluded::MultiplyWithPc)
             }
+            "ldrsb_ldrsh" if opcode >> 5 & 3 == 3 && case.reads_a_byte() => {
+                Some(Excluded::OddSignedHalfword)
+            }
             "mrs" if field(12) == 15 => Some(Excluded::StatusToPc),
             "swp" if field(16) == 15 => Some(Excluded::WriteBackToPc),
             name if name.starts_with("ld") && field(16) == 15 && (bit(21) || !bit(24)) => {
@@ -208,22 +216,24 @@ impl Case {
         })
     }
 
+    fn reads_a_byte(&self) -> bool {
+        let byte = |transfer: &Transfer| transfer.kind == 1 && transfer.size == 1;
+        self.transfers.iter().any(byte)
+    }
+
     fn load(&self, cpu: &mut Cpu) {
-        let mode = Mode::from_psr(self.before[CPSR]);
         cpu.set_cpsr(self.before[CPSR]);
         for (bank, first, start, count) in BANKS {
-            if Some(bank) != mode {
-                for index in 0..count {
-                    let value = self.before[start + index];
-                    cpu.set_banked_register(bank, first + index as u32, value);
-                }
+            for index in 0..count {
+                let value = self.before[start + index];
+                cpu.set_banked_register(bank, first + index as u32, value);
             }
         }
         for (bank, &value) in SPSR_MODES.into_iter().zip(&self.before[CPSR + 1..]) {
             cpu.set_spsr_of(bank, value);
         }
         for (number, &value) in (0..).zip(&self.before[..15]) {
-            cpu.set_register(number, value);
+            cpu.set_banked_register(Mode::User, number, value);
         }
         cpu.set_pc(self.base);
     }
@@ -237,15 +247,13 @@ impl Case {
         };
         for number in 0..15 {
             let expected = self.after[number as usize];
-            compare(format!("r{number}"), cpu.register(number), expected, !0);
+            let found = cpu.banked_register(Mode::User, number);
+            compare(format!("r{number}"), found, expected, !0);
         }
         let size = if cpu.thumb() { 2 } else { 4 };
         let ahead = cpu.next_instruction_address().wrapping_add(2 * size);
         compare("r15".to_owned(), ahead, self.after[15], !(size - 1));
         for (bank, first, start, count) in BANKS {
-            if Some(bank) == cpu.mode() {
-                continue;
-            }
             for index in 0..count {
                 let number = first + index as u32;
                 let expected = self.after[start + index];
