@@ -20,7 +20,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from conformance import blocks
+from conformance import blocks, identification
 from tools import tables
 from tools.tables import Row, merge_rows
 
@@ -171,6 +171,12 @@ def page_suite() -> Row:
     return suite_row("tools", name, count, passed)
 
 
+def identified_motors() -> Row:
+    """Hidden motors on the virtual brick: each parameter's interval in at least 95 of 100 runs."""
+    count, good = identification.main()
+    return suite_row("control", "identification: true value inside in 95 of 100 runs", count, good)
+
+
 HOST_TESTS = "host/tests"
 BLOCKS = (f"{HOST_TESTS}/model/test_blocks.py", f"{HOST_TESTS}/codegen/test_block_c.py")
 FIXED_POINT = (
@@ -267,9 +273,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ),
     (
         "drivers",
-        pytest_suite(
-            "drivers", "source compatibility: every operation of GNAT GPL", COMPATIBILITY
-        ),
+        pytest_suite("drivers", "source compatibility: every operation of GNAT GPL", COMPATIBILITY),
     ),
     (
         "drivers",
@@ -291,6 +295,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ),
     ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
     ("control", block_costs),
+    ("control", identified_motors),
     ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
     ("control", pytest_suite("control", "misra: C:2012 by cppcheck", *MISRA)),
     ("control", pytest_suite("control", "nxtway: published gains", *NXTWAY)),

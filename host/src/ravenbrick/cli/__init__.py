@@ -12,6 +12,7 @@ from ravenbrick.cli.design import design_command
 from ravenbrick.cli.doctor import doctor_command
 from ravenbrick.cli.export import export_command
 from ravenbrick.cli.grade import grade_command
+from ravenbrick.cli.identify import identify_command
 from ravenbrick.cli.monitor import monitor_command
 from ravenbrick.cli.new import home_command, new_command
 from ravenbrick.cli.report import report_command
@@ -29,6 +30,7 @@ __all__ = [
     "export_command",
     "grade_command",
     "home_command",
+    "identify_command",
     "main",
     "monitor_command",
     "new_command",

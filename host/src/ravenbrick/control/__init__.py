@@ -12,8 +12,20 @@ from ravenbrick.control.discretisation import (
     compare_discretisations,
     discretise,
 )
-from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
+from ravenbrick.control.encoder_run import (
+    EncoderRun,
+    RunMeasures,
+    SampleTiming,
+    encoder_run,
+    measure_runs,
+)
 from ravenbrick.control.estimator import LoopSpecification, pi_with_estimator
+from ravenbrick.control.estimator_menu import (
+    EstimatorRow,
+    compare_speed_estimators,
+    plot_speed_estimators,
+    standard_menu,
+)
 from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
 from ravenbrick.control.peak_gain import peak_gain
 from ravenbrick.control.regulator import (
@@ -52,6 +64,7 @@ __all__ = [
     "DiscretisationMethod",
     "EncoderRun",
     "EstimatorComparison",
+    "EstimatorRow",
     "Extreme",
     "LoopSpecification",
     "Margins",
@@ -60,6 +73,7 @@ __all__ = [
     "PiGains",
     "PlantInLoop",
     "RunMeasures",
+    "SampleTiming",
     "SampledLoop",
     "StateFeedback",
     "StepMetrics",
@@ -67,6 +81,7 @@ __all__ = [
     "Tolerance",
     "closed_loop_bound",
     "compare_discretisations",
+    "compare_speed_estimators",
     "discretise",
     "dlqr",
     "encoder_run",
@@ -86,6 +101,8 @@ __all__ = [
     "pi_direct",
     "pi_family",
     "pi_with_estimator",
+    "plot_speed_estimators",
+    "standard_menu",
     "step_metrics",
     "with_integrators",
     "worst_case",

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,10 +13,11 @@ import numpy as np
 
 from ravenbrick.control.flow import Array
 from ravenbrick.control.metrics import SETTLING_BAND
+from ravenbrick.control.speed_estimators import Measurement, SpeedEstimator, WindowEstimator
 from ravenbrick.errors import DesignError
-from ravenbrick.model import Diagram, Encoder, Execution, SpeedLoop, SpeedWindow
+from ravenbrick.model import Diagram, Encoder, Execution, SpeedLoop
 
-__all__ = ["EncoderRun", "RunMeasures", "encoder_run", "measure_runs"]
+__all__ = ["EncoderRun", "RunMeasures", "SampleTiming", "encoder_run", "measure_runs"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,92 @@ class _Motor:
         self.speed = final + (self.speed - final) * decay
 
 
+@dataclass(frozen=True, eq=False)
+class SampleTiming:
+    """When things happen, sample by sample: `release` (s) after the period's begin, `delay` (s)
+
+    from there to the motor's new voltage. Shorter sequences than the run are repeated.
+    """
+
+    release: Array
+    delay: Array
+
+    def __post_init__(self) -> None:
+        if not len(self.release) or len(self.release) != len(self.delay):
+            raise DesignError("release and delay need the same number of samples, at least one")
+        if min(self.release.min(), self.delay.min()) < 0:
+            raise DesignError("release and delay must not be negative")
+
+    @classmethod
+    def constant(cls, delay: float) -> SampleTiming:
+        """No jitter."""
+        return cls(np.zeros(1), np.full(1, delay))
+
+    def of_sample(self, index: int) -> tuple[float, float]:
+        """Release and delay of a sample."""
+        place = index % len(self.release)
+        return float(self.release[place]), float(self.delay[place])
+
+
+class _Bench:
+    """The motor in time, with voltages that arrive at their instants."""
+
+    def __init__(self, loop: SpeedLoop, encoder: Encoder) -> None:
+        self._motor = _Motor(loop)
+        self._encoder = encoder
+        self._now = 0.0
+        self._voltage = 0.0
+        self._arriving: deque[tuple[float, float]] = deque()
+        self._count = encoder.count(0.0)
+        self._last_edge = 0.0
+
+    def send(self, instant: float, voltage: float) -> None:
+        """A voltage that the motor gets at `instant`; an earlier one still under way is late."""
+        if self._arriving:
+            instant = max(instant, self._arriving[-1][0])
+        self._arriving.append((instant, voltage))
+
+    def advance_to(self, instant: float) -> None:
+        """Move on; edges are timed exactly."""
+        while self._arriving and self._arriving[0][0] <= instant:
+            at, voltage = self._arriving.popleft()
+            self._move(at)
+            self._voltage = voltage
+        self._move(instant)
+
+    def _move(self, instant: float) -> None:
+        duration = instant - self._now
+        if duration <= 0:
+            return
+        before = _Motor(self._motor.loop, self._motor.speed, self._motor.angle)
+        self._motor.advance(self._voltage, duration)
+        count = self._encoder.count(self._motor.angle)
+        if count != self._count:
+            newest = max(count, self._count) if count > self._count else count + 1
+            self._last_edge = self._now + self._crossing(before, newest, duration)
+            self._count = count
+        self._now = instant
+
+    def _crossing(self, start: _Motor, count: int, duration: float) -> float:
+        """When the angle passes the edge to `count`, by bisection to a nanosecond."""
+        edge = self._encoder.angle(1) * (count - self._encoder.phase)
+        early, late = 0.0, duration
+        rising = self._motor.angle > start.angle
+        while late - early > 1e-9:
+            middle = (early + late) / 2
+            moved = _Motor(start.loop, start.speed, start.angle)
+            moved.advance(self._voltage, middle)
+            if (moved.angle >= edge) == rising:
+                late = middle
+            else:
+                early = middle
+        return late
+
+    def measurement(self) -> Measurement:
+        """What a sample sees now."""
+        return Measurement(self._now, self._count, self._last_edge, self._motor.speed)
+
+
 def encoder_run(
     loop: SpeedLoop,
     controller: Diagram,
@@ -80,40 +168,45 @@ def encoder_run(
     supply_voltage: float | None = None,
     voltage_step: float | None = None,
     points_per_sample: int = 4,
+    estimator: SpeedEstimator | None = None,
+    timing: SampleTiming | None = None,
 ) -> EncoderRun:
     """Step of `set_point` (V) at time 0 from rest, for `duration` (s).
 
     `window` in samples (None: ideal speed sample), `delay` (s) from sampling to the motor's new
     voltage, `phase` of the encoder in counts. `supply_voltage` replaces the diagram's parameter
     Saturation; `voltage_step` (V) is the resolution of the motor voltage, such as one percent of
-    duty cycle. The controller is executed in its own number format.
+    duty cycle. `estimator` replaces the window; `timing` replaces the constant delay by instants,
+    such as those of a recorded run. The controller is executed in its own number format.
     """
     sample_time = controller.sample_time
     execution = Execution(controller)
     if supply_voltage is not None:
         execution.set_parameter("Saturation", supply_voltage)
-    encoder = Encoder(phase=phase)
-    estimator = SpeedWindow(encoder, window or 1, sample_time)
-    motor = _Motor(loop)
-    whole = math.floor(delay / sample_time + 1e-9)
-    pending = [0.0] * (whole + 1)
-    samples: list[tuple[float, float, int]] = []
+    bench = _Bench(loop, Encoder(phase=phase))
+    if estimator is None and window is not None:
+        estimator = WindowEstimator(Encoder(phase=phase), window, sample_time)
+    timing = timing or SampleTiming.constant(delay)
+    grid = np.arange(math.ceil(duration / sample_time - 1e-9) * points_per_sample)
+    fine = grid * sample_time / points_per_sample
     speeds: list[float] = []
-    for _ in range(math.ceil(duration / sample_time - 1e-9)):
-        count = encoder.count(motor.angle)
-        estimate = estimator.sample(count)
-        signal = (motor.speed if window is None else estimate) * loop.feedback_gain
+    samples: list[tuple[float, float, int]] = []
+    command = 0.0
+    for index in range(len(fine) // points_per_sample):
+        release, until = timing.of_sample(index)
+        instant = index * sample_time + release
+        _record(bench, fine, speeds, instant)
+        seen = bench.measurement()
+        speed = seen.true_speed if estimator is None else estimator.estimate(seen, command)
+        signal = speed * loop.feedback_gain
         output = execution.step({"Input_Voltage": set_point, "Real_Voltage": signal})
         command = float(output["correctedvoltage"])
         if voltage_step is not None:
             command = round(command / voltage_step) * voltage_step
-        samples.append((signal, command, count))
-        pending.append(command)
-        previous, present = pending.pop(0), pending[0]
-        change = delay - whole * sample_time
-        _one_sample(motor, (previous, present), change, sample_time, points_per_sample, speeds)
+        samples.append((signal, command, seen.count))
+        bench.send(instant + until, command)
+    _record(bench, fine, speeds, math.inf)
     columns = np.array(samples)
-    fine = np.arange(len(speeds), dtype=np.float64) * sample_time / points_per_sample
     return EncoderRun(
         set_point=set_point,
         time=np.arange(len(samples), dtype=np.float64) * sample_time,
@@ -125,22 +218,13 @@ def encoder_run(
     )
 
 
-def _one_sample(
-    motor: _Motor,
-    voltages: tuple[float, float],
-    change: float,
-    sample_time: float,
-    points: int,
-    speeds: list[float],
-) -> None:
-    """Move the motor over one sample whose voltage changes at `change` (s); append true speeds."""
-    previous, present = voltages
-    cell = sample_time / points
-    for index in range(points):
-        speeds.append(motor.speed)
-        before = min(max(change - index * cell, 0.0), cell)
-        motor.advance(previous, before)
-        motor.advance(present, cell - before)
+def _record(bench: _Bench, fine: Array, speeds: list[float], instant: float) -> None:
+    """True speeds at the points of the fine grid up to the instant; then go there."""
+    while len(speeds) < len(fine) and fine[len(speeds)] <= instant:
+        bench.advance_to(float(fine[len(speeds)]))
+        speeds.append(bench.measurement().true_speed)
+    if math.isfinite(instant):
+        bench.advance_to(instant)
 
 
 def measure_runs(runs: Sequence[EncoderRun], mean_over: float = 0.02) -> RunMeasures:

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick identify`: experiment, fit, validation, plant parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import play
+from ravenbrick.control.identification import (
+    IdentifiedMotor,
+    MotorData,
+    Validation,
+    fit_motor,
+    validate_motor,
+)
+from ravenbrick.errors import DesignError
+from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.motor_data import motor_data
+
+__all__ = ["identify_command"]
+
+_LARGEST_ERROR = 5.0
+_KNOWN = ("resistance", "torque_constant", "electric_constant")
+
+
+@command("ravenbrick identify . experiments/identify.toml experiments/identify-check.toml")
+def identify_command(
+    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    scenario: Annotated[str, typer.Argument(help="Experiment: drives the motor open loop.")],
+    validation: Annotated[str, typer.Argument(help="Other experiment, to validate on.")],
+    motor: Annotated[str, typer.Option(help="Motor A, B or C.")] = "B",
+    output: Annotated[Path | None, typer.Option(help="Where to write the parameters.")] = None,
+    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Run an experiment on the virtual brick, fit the motor, validate, write its parameters."""
+    workspace = Workspace.of(directory)
+    robot = read_robot(directory)
+    reporter = Reporter(json_output, total=4)
+    loaded = read_image(workspace.image(image.kind, robot.name))
+    runs: list[MotorData] = []
+    for name in (scenario, validation):
+        chosen = read_scenario(scenario_path(directory, name), robot)
+        with reporter.step(f"run '{chosen.name}'") as step:
+            recording = play(workspace, robot, chosen, loaded, VirtualTarget(), step.progress)
+            runs.append(motor_data(recording, motor))
+            step.note = f"{len(runs[-1].time)} samples, {len(runs[-1].voltage)} voltages"
+    with reporter.step("fit") as step:
+        found = fit_motor(runs[0])
+        step.note = f"error {found.error:.2f} counts"
+    with reporter.step("validate") as step:
+        checked = validate_motor(found, runs[1])
+        step.note = f"error {checked.error:.2f} counts, {checked.share:.4%} explained"
+    reporter.table(
+        ("parameter", "unit", "value", "low", "high"),
+        [[p.name, p.unit, *(f"{v:.6g}" for v in (p.value, p.low, p.high))]
+         for p in found.parameters],
+        left=("unit",),
+    )  # fmt: skip
+    if checked.error > _LARGEST_ERROR:
+        raise DesignError(
+            f"the fitted motor is off by {checked.error:.1f} counts on '{validation}'; the motor "
+            "is loaded, changes, or is not of this model: nothing was written"
+        )
+    path = output or workspace.design_file.parent / f"motor-{motor}.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(_parameter_file(found, checked, robot, motor, scenario), encoding="utf-8")
+    reporter.print(f"parameters: {workspace.shown(path)}")
+    return {
+        "motor": motor,
+        "parameters": {p.name: {"value": p.value, "low": p.low, "high": p.high, "unit": p.unit}
+                       for p in found.parameters},
+        "fit_error_counts": found.error,
+        "validation_error_counts": checked.error,
+        "file": str(path),
+    }  # fmt: skip
+
+
+def _parameter_file(
+    found: IdentifiedMotor, checked: Validation, robot: Robot, motor: str, scenario: str
+) -> str:
+    """TOML with the plant's parameters as robot.toml writes them, and the model's own."""
+    parameters = robot.motors[robot.motor_ports[motor].motor]
+    known = {name: parameters[name].value for name in _KNOWN}
+    source = f"identified from '{scenario}'"
+    lines = [
+        f"# Motor {motor} of '{robot.name}', written by ravenbrick identify.",
+        f"# Error {found.error:.2f} counts, on other data {checked.error:.2f} counts.",
+        "",
+        "[model]",
+    ]
+    for one in found.parameters:
+        half = (one.high - one.low) / 2
+        entry = f'value = {one.value:.8g}, unit = "{one.unit}", tolerance = {half:.3g}'
+        lines.append(f'{one.name} = {{ {entry}, source = "{source}" }}')
+    lines += ["", "# For [motors.<name>] of robot.toml; resistance and constants as given there."]
+    lines.append("[motor]")
+    units = {"viscous_friction": "N m s/rad", "inertia": "kg m^2", "coulomb_friction": "N m"}
+    for name, value in found.constants(known).items():
+        entry = f'value = {value:.8g}, unit = "{units[name]}"'
+        lines.append(f'{name} = {{ {entry}, source = "{source}" }}')
+    return "\n".join([*lines, ""])
