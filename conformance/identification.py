@@ -65,7 +65,7 @@ def campaign(runs: int) -> dict[str, int]:
     total: dict[str, int] = {}
     for seed in range(runs):
         for name, good in held(seed, robot, experiment, image).items():
-            total[name] = total.get(name, 0) + good
+            total[name] = total.get(name, 0) + int(good)
     return total
 
 

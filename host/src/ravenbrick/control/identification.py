@@ -34,6 +34,10 @@ _LOWEST = (1e-3, 1e-3, 0.0)
 _HIGHEST = (1e3, 10.0, 50.0)
 _LEAST_TURNS = 1.0
 _LONGEST_DELAY = 0.005
+# Lags of the covariance as a share of the samples, and what so many cost in the critical value
+# (Kiefer and Vogelsang, Econometric Theory 21, 2005: 1.96 + 2.9694 b + 0.4160 b^2 for b lags).
+_LAG_SHARE = 0.1
+_LAG_CORRECTION = (1.96 + 2.9694 * _LAG_SHARE + 0.4160 * _LAG_SHARE**2) / 1.96
 _WORST_CONDITION = 1e7
 
 
@@ -73,7 +77,7 @@ class Interval95:
 
     def holds(self, true_value: float) -> bool:
         """Whether the interval contains the value."""
-        return self.low <= true_value <= self.high
+        return bool(self.low <= true_value <= self.high)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +223,7 @@ def fit_motor(data: MotorData) -> IdentifiedMotor:
         residuals, [*_START, 0.0, 0.0], bounds=(low, high), x_scale=scale, diff_step=1e-4
     )
     spread = _spread(np.asarray(found.jac), np.asarray(found.fun))
-    factor = stats.norm.ppf(1 - 0.05 / (2 * len(NAMES)))
+    factor = stats.norm.ppf(1 - 0.05 / (2 * len(NAMES))) * _LAG_CORRECTION
     parameters = tuple(
         Interval95(name, unit, value, max(value - factor * s, 0.0), value + factor * s)
         for name, unit, value, s in zip(NAMES, _UNITS, map(float, found.x), spread, strict=False)
@@ -238,7 +242,7 @@ def _spread(jacobian: Array, residuals: Array) -> list[float]:
         )
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     scores = jacobian * residuals[:, np.newaxis]
-    lags = int(4 * (len(residuals) / 100) ** (2 / 9)) + 20
+    lags = int(_LAG_SHARE * len(residuals))
     middle = scores.T @ scores
     for lag in range(1, lags + 1):
         part = scores[lag:].T @ scores[:-lag]
