@@ -46,10 +46,10 @@ def build(folder: Path, state: str, layout: str) -> Path:
 def ours(elf: Path) -> dict[str, Any]:
     """Speeds of both engines on the whole brick, in guest MIPS and times real time."""
     command = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "virtual-brick"]
-    command += ["--example", "measure_speed", "--", str(elf), str(CYCLES_MAX)]
+    command += ["--example", "brick_speed", "--", str(elf), str(CYCLES_MAX)]
     result = subprocess.run(command, cwd=ROOT / "virtual-brick", capture_output=True, text=True)
     if result.returncode != 0:
-        raise SystemExit(f"measure_speed {elf.name}: {result.stderr}")
+        raise SystemExit(f"brick_speed {elf.name}: {result.stderr}")
     answer: dict[str, Any] = json.loads(result.stdout)
     return answer
 

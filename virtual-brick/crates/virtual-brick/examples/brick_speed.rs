@@ -3,7 +3,7 @@
 //! Measures how fast each engine runs a program on the whole brick, peripherals and plant
 //! included, until the program ends or a number of cycles has passed. Prints one line of JSON.
 //!
-//! Usage: `cargo run --release -p virtual-brick --example measure_speed -- PROGRAM.elf [CYCLES
+//! Usage: `cargo run --release -p virtual-brick --example brick_speed -- PROGRAM.elf [CYCLES
 //! [RUNS]]`.
 
 use std::process::ExitCode;
