@@ -5,172 +5,99 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
+import nxt.brick
+import nxt.error
+import nxt.motor
+import nxt.sensor
+import nxt.sensor.generic
 import pytest
+from ravenbrick.errors import PeerError
+from ravenbrick.target.peers import BluetoothComputer, UsbComputer
 
-from drivers.tests.air import Peer
 from drivers.tests.observe import Brick
+from host.tests.support.nxt_sockets import BluetoothSocket, UsbSocket
 
-nxt_brick = pytest.importorskip("nxt.brick", reason="the Python package nxt-python is missing")
-import nxt.error  # noqa: E402
-import nxt.motor  # noqa: E402
-import nxt.sensor  # noqa: E402
-import nxt.sensor.generic  # noqa: E402
-
-USB_BULK_OUT, USB_BULK_IN = 1, 2
-PATIENCE_MS = 500
 DEVICE, CONFIGURATION, TEXT = 1, 2, 3
+GET_DESCRIPTOR, GET_CONFIGURATION = 6, 8
 
 
-class Cable:
-    """A USB host that has configured the brick; packets for nxt-python."""
+@dataclass
+class Host:
+    """nxt-python's brick, the virtual one, and the link between them."""
 
-    type = "usb"
-    bsize = 60
-
-    def __init__(self, brick: Brick) -> None:
-        self.brick = brick
-        self.now_ms = 0.0
-        self._number = 0
-        brick.set(0, "usb.plugged", 1)
+    remote: nxt.brick.Brick
+    brick: Brick
+    link: str
 
     def run(self, ms: float) -> None:
         """Let time pass."""
-        self.now_ms += ms
-        self.brick.run(self.now_ms)
-
-    def transfer(self, kind: str, **wishes: Any) -> bytes:
-        """One transfer to its end."""
-        self._number += 1
-        at = max(self.brick.cycles(self.now_ms), self.brick.device.cycles)
-        patience = self.brick.cycles(PATIENCE_MS)
-        self.brick.device.usb_transfer(at, self._number, patience, kind, **wishes)
-        for _ in range(2 * PATIENCE_MS):
-            self.run(1)
-            for _, number, data, failure in self.brick.device.usb_completed():
-                assert number == self._number
-                if failure is not None:
-                    raise OSError(failure)
-                return bytes(data)
-        raise OSError("no end")
-
-    def control(self, request: int, value: int, length: int = 0, to_host: bool = False) -> bytes:
-        """A standard request to the device."""
-        kind = 0x80 if to_host else 0
-        fields = (kind, request, value & 0xFF, value >> 8, 0, 0, length & 0xFF, length >> 8)
-        return self.transfer("control", data=bytes(fields))
-
-    def enumerate(self) -> None:
-        """What every host does with a new device."""
-        self.transfer("reset")
-        self.control(5, 9)
-        self.control(9, 1)
-
-    def send(self, data: bytes) -> None:
-        """A telegram for the brick."""
-        self.transfer("out", endpoint=USB_BULK_OUT, data=data)
-
-    def recv(self) -> bytes:
-        """A telegram from the brick."""
-        return self.transfer("in", endpoint=USB_BULK_IN, length=64)
-
-    def close(self) -> None:
-        """Nothing to let go of."""
-
-
-class Air:
-    """A Bluetooth connection; each telegram with its length before it."""
-
-    type = "bluetooth"
-    bsize = 60
-
-    def __init__(self, brick: Brick) -> None:
-        self.peer = Peer(brick)
-        self.run = self.peer.run
-
-    def send(self, data: bytes) -> None:
-        """A telegram for the brick."""
-        self.peer.send(len(data).to_bytes(2, "little") + data)
-
-    def recv(self) -> bytes:
-        """A telegram from the brick."""
-
-        def whole() -> bool:
-            stream = self.peer.stream
-            return len(stream) >= 2 and len(stream) >= 2 + int.from_bytes(stream[:2], "little")
-
-        assert self.peer.run(PATIENCE_MS, whole), "no answer"
-        return self.peer.take()[2:]
-
-    def close(self) -> None:
-        """Nothing to let go of."""
+        self.brick.device.run_until(self.brick.device.cycles + self.brick.cycles(ms))
 
 
 @pytest.fixture(params=["usb", "bluetooth"])
-def host(request: pytest.FixtureRequest, brick: Callable[..., Brick]) -> Any:
-    """The link, connected, and nxt-python's brick on it."""
+def host(request: pytest.FixtureRequest, brick: Callable[..., Brick]) -> Host:
+    """The client, connected."""
     device = brick(f"direct_{request.param}")
-    link: Any = Cable(device) if request.param == "usb" else Air(device)
-    link.run(1500)
+    device.run(1500)
+    socket: Any
     if request.param == "usb":
-        link.enumerate()
+        socket = UsbSocket(UsbComputer(device.device))
     else:
-        assert link.peer.connect()
-        link.run(50)
-    return link, nxt_brick.Brick(link)
+        socket = BluetoothSocket(BluetoothComputer(device.device, pin="1234"))
+    return Host(nxt.brick.Brick(socket), device, request.param)
 
 
-def test_the_brick_introduces_itself(host: Any) -> None:
+def test_the_brick_introduces_itself(host: Host) -> None:
     """Name, address, versions, battery."""
-    link, brick = host
+    brick = host.remote
     name, address, _, _ = brick.get_device_info()
     assert name.rstrip("\0") == "Ravenbrick"
-    if link.type == "bluetooth":
+    if host.link == "bluetooth":
         assert address == "00:16:53:01:02:03"
     assert brick.get_firmware_version() == ((1, 124), (1, 0))
     assert brick.get_battery_level() == pytest.approx(8000, abs=20)
 
 
-def test_sensors_are_read(host: Any) -> None:
+def test_sensors_are_read(host: Host) -> None:
     """The touch sensor of port 1, free and pressed."""
-    link, brick = host
+    brick = host.remote
     touch = brick.get_sensor(nxt.sensor.Port.S1, nxt.sensor.generic.Touch)
-    link.run(20)
+    host.run(20)
     assert touch.get_sample() is False
-    device = link.brick if link.type == "usb" else link.peer.brick
-    now = link.now_ms if link.type == "usb" else link.peer.now_ms
-    device.set(now + 5, "touch.1", 1)
-    link.run(50)
+    host.brick.device.schedule_input(host.brick.device.cycles, "touch.1", 1)
+    host.run(50)
     assert touch.get_sample() is True
 
 
-def test_motors_run_and_stop(host: Any) -> None:
+def test_motors_run_and_stop(host: Host) -> None:
     """A motor runs at a power, counts degrees, and brakes; another stops at its limit."""
-    link, brick = host
+    brick = host.remote
     motor = brick.get_motor(nxt.motor.Port.B)
     motor.reset_position(False)
     motor.run(70, regulated=False)
-    link.run(500)
+    host.run(500)
     turned = motor.get_tacho().rotation_count
     assert turned > 150
     motor.brake()
-    link.run(200)
+    host.run(200)
     stands = motor.get_tacho().rotation_count
-    link.run(200)
+    host.run(200)
     assert motor.get_tacho().rotation_count == stands
     on, run = nxt.motor.Mode.ON | nxt.motor.Mode.BRAKE, nxt.motor.RunState.RUNNING
     idle = nxt.motor.RegulationMode.IDLE
     brick.set_output_state(nxt.motor.Port.C, -50, on, idle, 0, run, 90)
-    link.run(1500)
+    host.run(1500)
     state = brick.get_output_state(nxt.motor.Port.C)
     assert state[5] is nxt.motor.RunState.IDLE
     assert -150 < state[7] <= -90
 
 
-def test_what_is_unknown_is_refused(host: Any) -> None:
+def test_what_is_unknown_is_refused(host: Host) -> None:
     """Files and programs belong to LEGO's firmware; wrong ports and tones are out of range."""
-    _, brick = host
+    brick = host.remote
     with pytest.raises(nxt.error.ProtocolError):
         brick.start_program("x.rxe")
     with pytest.raises(nxt.error.ProtocolError):
@@ -182,16 +109,19 @@ def test_what_is_unknown_is_refused(host: Any) -> None:
 
 def test_usb_descriptors(brick: Callable[..., Brick]) -> None:
     """LEGO's identity, two bulk endpoints, a serial number; other requests stall."""
-    link = Cable(brick("direct_usb"))
-    link.run(100)
-    link.enumerate()
-    device = link.control(6, DEVICE << 8, 18, to_host=True)
-    assert device[8:12] == bytes((0x94, 0x06, 0x02, 0x00)) and len(device) == 18
-    whole = link.control(6, CONFIGURATION << 8, 255, to_host=True)
+    device = brick("direct_usb")
+    device.run(100)
+    computer = UsbComputer(device.device)
+    assert computer.enumerate() == (0x0694, 0x0002)
+
+    def ask(request: int, kind: int, index: int = 0, length: int = 255) -> bytes:
+        return computer.control(bytes((0x80, request, index, kind, 0, 0, length, 0)))
+
+    whole = ask(GET_DESCRIPTOR, CONFIGURATION)
     assert len(whole) == 32 == int.from_bytes(whole[2:4], "little")
     assert [whole[20], whole[27]] == [0x01, 0x82]
-    serial = link.control(6, TEXT << 8 | device[16], 255, to_host=True)
+    serial = ask(GET_DESCRIPTOR, TEXT, ask(GET_DESCRIPTOR, DEVICE)[16])
     assert serial[2:].decode("utf-16-le") == "001653000000"
-    with pytest.raises(OSError, match="stalled"):
-        link.control(6, 9 << 8, 8, to_host=True)
-    assert link.control(8, 0, 1, to_host=True) == b"\x01"
+    with pytest.raises(PeerError, match="stalled"):
+        ask(GET_DESCRIPTOR, 9)
+    assert ask(GET_CONFIGURATION, 0, length=1) == b"\x01"

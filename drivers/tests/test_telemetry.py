@@ -5,15 +5,16 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import pytest
-from ravenbrick.telemetry import Session, VersionError
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.peers import BluetoothComputer
+from ravenbrick.telemetry import Session
 from ravenbrick.telemetry.frames import frame
-from ravenbrick.telemetry.messages import Ask, SetParameter, Verdict, encode
+from ravenbrick.telemetry.messages import Ask, Refused, SetParameter, Verdict, encode
 
-from drivers.tests.air import Peer
 from drivers.tests.observe import Brick
 
 START_MS = 1500
@@ -21,37 +22,48 @@ PERIOD_US = 4_000
 
 
 class Host:
-    """The session on the other device."""
+    """The session on a computer near the brick."""
 
-    def __init__(self, peer: Peer) -> None:
-        self.peer = peer
+    def __init__(self, brick: Brick) -> None:
+        self.brick = brick
+        self.computer = BluetoothComputer(brick.device, pin="1234")
         self.session = Session()
+
+    @property
+    def now_s(self) -> float:
+        """Seconds since power-on."""
+        return MASTER_CLOCK.seconds(self.brick.device.cycles)
+
+    def run(self, ms: float) -> None:
+        """Let time pass in silence."""
+        self.brick.device.run_until(self.brick.device.cycles + self.brick.cycles(ms))
+
+    def ask(self) -> None:
+        """Begin the conversation anew."""
+        self.computer.write(self.session.connected(self.now_s))
 
     def connect(self) -> None:
         """Connect and ask."""
-        assert self.peer.connect()
-        self.peer.run(50)
-        self.peer.take()
-        self.peer.send(self.session.connected(self.peer.now_ms / 1000))
+        self.computer.connect(timeout_ms=1000)
+        self.run(50)
+        self.ask()
 
-    def talk(self, ms: float, silent: bool = False) -> None:
+    def talk(self, ms: float) -> None:
         """Let time pass in the conversation."""
-        end = self.peer.now_ms + ms
-        while self.peer.now_ms < end:
-            if not silent:
-                data = self.session.pending(self.peer.now_ms / 1000)
-                if data:
-                    self.peer.send(data)
-            self.peer.run(10)
-            self.session.receive(self.peer.take())
+        end_s = self.now_s + ms / 1000
+        while self.now_s < end_s:
+            if data := self.session.pending(self.now_s):
+                self.computer.write(data)
+            self.run(10)
+            self.session.receive(self.computer.take())
 
 
 @pytest.fixture
-def host(brick: Callable[..., Brick]) -> Iterator[Host]:
+def host(brick: Callable[..., Brick]) -> Host:
     """A brick whose program listens, and a host near it."""
-    peer = Peer(brick("telemetry"))
-    peer.run(START_MS)
-    yield Host(peer)
+    device = brick("telemetry")
+    device.run(START_MS)
+    return Host(device)
 
 
 def test_signals_arrive_with_their_instants(host: Host) -> None:
@@ -84,11 +96,11 @@ def test_parameters_change_while_the_program_runs(host: Host) -> None:
     assert host.session.run is not None
     assert host.session.run.recording().signal("setpoint")[1][-1] == 12.5
     for number, wrong in enumerate((51.0, -1.0, float("nan"), float("inf"))):
-        host.peer.send(frame(encode(SetParameter(1, wrong))))
+        host.computer.write(frame(encode(SetParameter(1, wrong))))
         host.talk(50)
         assert len(host.session.answers) == 2 + number
         assert host.session.answers[-1].verdict is Verdict.OUT_OF_RANGE
-    host.peer.send(frame(encode(SetParameter(2, 1.0))))
+    host.computer.write(frame(encode(SetParameter(2, 1.0))))
     host.talk(50)
     assert host.session.answers[-1].verdict is Verdict.UNKNOWN
     assert host.session.run.recording().signal("setpoint")[1][-1] == 12.5
@@ -98,8 +110,8 @@ def test_a_lost_link_loses_no_time_of_the_program(host: Host) -> None:
     """The connection breaks: the program goes on; the next connection continues the same run."""
     host.connect()
     host.talk(300)
-    host.peer.signal("close")
-    host.peer.run(500)
+    host.computer.close()
+    host.run(500)
     host.connect()
     host.talk(300)
     run = host.session.run
@@ -113,26 +125,23 @@ def test_a_silent_host_is_left_alone(host: Host) -> None:
     """Three seconds without a word, and the brick is quiet until it is asked again."""
     host.connect()
     host.talk(300)
-    host.talk(3500, silent=True)
-    host.peer.take()
-    host.peer.run(500)
-    assert host.peer.take() == b""
-    host.peer.send(host.session.connected(host.peer.now_ms / 1000))
+    host.run(3500)
+    host.computer.take()
+    host.run(500)
+    assert host.computer.take() == b""
+    host.ask()
     host.talk(200)
     assert host.session.run is not None and host.session.run.groups[1].times_us[-1] > 5_000_000
 
 
 def test_another_version_is_refused(host: Host) -> None:
     """The brick says which version it speaks, and nothing else."""
-    host.connect()
-    host.peer.run(300)
-    host.peer.take()
-    host.peer.send(frame(encode(Ask(9))))
-    host.peer.run(200)
-    with pytest.raises(VersionError, match="version 1"):
-        host.session.receive(
-            b"\0" + b"".join(p + b"\0" for p in host.peer.take().split(b"\0") if p[1:2] == b"\x07")
-        )
+    host.computer.connect(timeout_ms=1000)
+    host.run(50)
+    host.computer.write(frame(encode(Ask(9))))
+    host.run(200)
+    answer = host.computer.take()
+    assert answer == frame(encode(Refused(1)))
 
 
 def test_garbage_does_no_harm(host: Host) -> None:
@@ -141,11 +150,11 @@ def test_garbage_does_no_harm(host: Host) -> None:
     host.talk(100)
     rng = random.Random(1)
     for _ in range(40):
-        host.peer.send(rng.randbytes(rng.randint(1, 120)))
+        host.computer.write(rng.randbytes(rng.randint(1, 120)))
         host.talk(50)
-    before = host.peer.brick.integer("published")
+    before = host.brick.integer("published")
     host.talk(1000)
-    assert host.peer.brick.integer("published") - before == pytest.approx(250, abs=1)
+    assert host.brick.integer("published") - before == pytest.approx(250, abs=1)
     assert host.session.status.damaged > 3
     host.session.set_parameter("kp", 1.5)
     host.talk(700)

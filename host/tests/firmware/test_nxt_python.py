@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,58 +12,19 @@ import nxt.motor
 import pytest
 from host.tests.firmware.test_nxc import compiled
 from host.tests.support.nxt_firmware import COMPUTER, brick_at_the_menu, encoder, run_ms
+from host.tests.support.nxt_sockets import BluetoothSocket, UsbSocket
 
 from ravenbrick.target.peers import BluetoothComputer, UsbComputer
 
 PROGRAM = "task main() { OnFwd(OUT_B, 50); Wait(400); Off(OUT_B); Wait(5000); }"
 
 
-class BluetoothSocket:
-    """nxt-python's way to a brick, over the virtual air: each telegram behind its length."""
-
-    bsize = 118
-    type = "bluetooth"
-
-    def __init__(self, brick: Any) -> None:
-        self._computer = BluetoothComputer(brick, COMPUTER)
-        self._computer.connect()
-
-    def send(self, data: bytes) -> None:
-        self._computer.write(struct.pack("<H", len(data)) + data)
-
-    def recv(self) -> bytes:
-        (length,) = struct.unpack("<H", self._computer.read(2))
-        return self._computer.read(length)
-
-    def close(self) -> None:
-        self._computer.close()
-
-
-class UsbSocket:
-    """nxt-python's way to a brick, over the virtual cable."""
-
-    bsize = 60
-    type = "usb"
-
-    def __init__(self, brick: Any) -> None:
-        self._computer = UsbComputer(brick)
-        assert self._computer.enumerate() == (0x0694, 0x0002), "LEGO, NXT"
-
-    def send(self, data: bytes) -> None:
-        self._computer.write(1, data)
-
-    def recv(self) -> bytes:
-        return self._computer.read(2)
-
-    def close(self) -> None:
-        pass
-
-
 @pytest.fixture(params=[BluetoothSocket, UsbSocket])
 def client(request: pytest.FixtureRequest) -> Iterator[tuple[nxt.brick.Brick, Any]]:
     """The client connected with a brick, and that brick."""
     brick = brick_at_the_menu()
-    with nxt.brick.Brick(request.param(brick)) as connected:
+    computers = {BluetoothSocket: BluetoothComputer(brick, COMPUTER), UsbSocket: UsbComputer(brick)}
+    with nxt.brick.Brick(request.param(computers[request.param])) as connected:
         yield connected, brick
 
 

@@ -99,9 +99,7 @@ class BluetoothComputer:
             if not self._connected:
                 raise PeerError(f"the connection of {self.address} has ended")
             _run(self._brick, STEP_MS)
-        raise PeerError(
-            f"the brick sent {len(self._received)} of {count} bytes in {timeout_ms} ms"
-        )
+        raise PeerError(f"the brick sent {len(self._received)} of {count} bytes in {timeout_ms} ms")
 
     def take(self) -> bytes:
         """Whatever the brick has sent so far, without waiting."""
