@@ -260,6 +260,14 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         "firmware",
         pytest_suite(
             "firmware",
+            "boot monitor: load-and-go and flashing as libnxt does them",
+            f"{FIRMWARE}/test_boot_monitor.py",
+        ),
+    ),
+    (
+        "firmware",
+        pytest_suite(
+            "firmware",
             "nxc: a program compiled with nbc on nxt-firmware",
             f"{FIRMWARE}/test_nxc.py",
         ),

@@ -109,6 +109,14 @@ class VirtualBrick:
 
         Raises InputError.
         """
+    def enter_boot_monitor(self) -> None:
+        """Bring the brick into its boot monitor (SAM-BA), as recovery does.
+
+        The first 32 KiB of the flash and RAM are lost; a run that had ended goes on.
+        """
+    @property
+    def in_boot_monitor(self) -> bool:
+        """The monitor waits for commands on the USB, or a routine that it called runs."""
     def bluetooth_device(self) -> tuple[str, str, bool]:
         """The Bluetooth module as others see it: address, name, whether inquiries find it."""
     @property

@@ -76,6 +76,15 @@ impl VirtualBrick {
             .map_err(raise::<InputError>)
     }
 
+    fn enter_boot_monitor(&mut self) {
+        self.0.enter_boot_monitor();
+    }
+
+    #[getter]
+    fn in_boot_monitor(&self) -> bool {
+        self.0.in_boot_monitor()
+    }
+
     fn bluetooth_device(&self) -> (String, String, bool) {
         let device = self.0.bluetooth_device();
         let discoverable = self.0.bluetooth_discoverable();

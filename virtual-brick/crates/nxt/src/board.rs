@@ -14,6 +14,7 @@ use plant::{MotorDrive, ParameterError, RobotParameters};
 
 use crate::battery::Battery;
 use crate::bluetooth::{Bluetooth, ChipLines};
+use crate::boot_monitor::BootMonitor;
 use crate::buttons::Buttons;
 use crate::configuration::BoardConfiguration;
 use crate::coprocessor::{Coprocessor, Measurable, ADDRESS};
@@ -66,6 +67,7 @@ pub struct NxtBoard {
     battery: Battery,
     bluetooth: Bluetooth,
     usb: UsbHost,
+    boot_monitor: Option<BootMonitor>,
     ports: Ports,
     physics: Physics,
     measured: Measured,
@@ -115,6 +117,7 @@ impl NxtBoard {
             battery: Battery::new(configuration.battery.clone()),
             bluetooth: Bluetooth::new(&configuration.bluetooth),
             usb: UsbHost::default(),
+            boot_monitor: None,
             physics: Physics::new(robot, phases)?,
             measured: Measured::new(&configuration.sensors, robot),
             inputs: inputs::inputs(ports.sensors(), robot),
@@ -155,6 +158,25 @@ impl NxtBoard {
     /// The USB host, to give it work.
     pub fn usb_mut(&mut self) -> &mut UsbHost {
         &mut self.usb
+    }
+
+    /// The boot monitor's end of the USB, while it has it.
+    #[must_use]
+    pub const fn boot_monitor(&self) -> Option<&BootMonitor> {
+        self.boot_monitor.as_ref()
+    }
+
+    /// The boot monitor's end of the USB, to take commands and to answer them.
+    pub fn boot_monitor_mut(&mut self) -> Option<&mut BootMonitor> {
+        self.boot_monitor.as_mut()
+    }
+
+    /// The chip comes back from a power cycle in its boot monitor, which takes the USB until a
+    /// program switches the pull-up off.
+    pub fn enter_boot_monitor(&mut self, now: Cycles) {
+        self.coprocessor.restart(now, self.phase);
+        self.boot_monitor = Some(BootMonitor::default());
+        self.usb.set_pull_up(true);
     }
 
     /// The display.
@@ -314,7 +336,11 @@ impl Board for NxtBoard {
             ready: !high(MODULE_RTS),
         };
         self.bluetooth.lines_changed(now, lines);
-        self.usb.set_pull_up(self.driven(USB_PULL_UP, false));
+        if self.driven(USB_PULL_UP, true) {
+            self.boot_monitor = None;
+        }
+        let on = self.boot_monitor.is_some() || self.driven(USB_PULL_UP, false);
+        self.usb.set_pull_up(on);
     }
 
     fn pin_levels(&self) -> PinLevels {
@@ -342,7 +368,7 @@ impl Board for NxtBoard {
 
     fn twi_write(&mut self, now: Cycles, byte: u8) -> TwiReply {
         if self.addressed {
-            self.coprocessor.write(now, byte, &mut self.log);
+            self.coprocessor.write(now, byte);
         }
         self.reply()
     }
@@ -434,7 +460,15 @@ impl Board for NxtBoard {
     }
 
     fn usb_signal(&mut self, now: Cycles) -> Option<UsbSignal> {
-        self.usb.signal(now)
+        let Some(monitor) = &mut self.boot_monitor else {
+            return self.usb.signal(now);
+        };
+        while let Some(signal) = self.usb.signal(now) {
+            if let Some(answer) = monitor.signal(signal) {
+                self.usb.answer(now, answer);
+            }
+        }
+        None
     }
 
     fn usb_answer(&mut self, now: Cycles, answer: UsbAnswer) {

@@ -56,8 +56,6 @@ pub enum PowerOffReason {
 /// Something that the board does not model and therefore does not do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardFault {
-    /// The boot monitor was requested; it does not come.
-    BootMonitorEntry,
     /// A motor's duty cycle beyond 100 %, taken as 100 %.
     DutyBeyondRange {
         /// The motor.
@@ -85,10 +83,6 @@ pub enum BoardFault {
 impl fmt::Display for BoardFault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::BootMonitorEntry => write!(
-                formatter,
-                "co-processor: the boot monitor was requested, which is not modelled"
-            ),
             Self::DutyBeyondRange { motor, duty } => write!(
                 formatter,
                 "co-processor: motor {}: duty cycle {duty} %, expected -100 to 100",

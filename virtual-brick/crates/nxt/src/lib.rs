@@ -13,6 +13,7 @@
 mod battery;
 mod bluetooth;
 mod board;
+mod boot_monitor;
 mod buttons;
 mod configuration;
 mod coprocessor;
@@ -35,6 +36,7 @@ pub use bluetooth::{
     BluetoothText, ChipLines, KnownDevice,
 };
 pub use board::NxtBoard;
+pub use boot_monitor::BootMonitor;
 pub use buttons::Button;
 pub use configuration::{BoardConfiguration, GyroAxis, SensorConfiguration, SensorPorts};
 pub use coprocessor::{MotorCommand, SensorSupply};

@@ -319,14 +319,12 @@ fn power_down_cuts_the_supply_after_10_ms_and_opens_the_motors() {
 }
 
 #[test]
-fn a_request_for_the_boot_monitor_is_a_fault_and_ends_the_run() {
+fn a_request_for_the_boot_monitor_ends_the_run() {
     let mut rig = Rig::running(SENSORS, "{}");
     rig.send([0xA5, 0x5A, 0, 0, 0, 0, 0, 0]);
     rig.run(milliseconds(200));
     assert!(!rig.board.powered());
     let kinds: Vec<_> = rig.events().into_iter().map(|(_, kind)| kind).collect();
-    let fault = BoardEventKind::Fault(BoardFault::BootMonitorEntry);
-    assert!(kinds.contains(&fault));
     assert!(kinds.contains(&BoardEventKind::PowerOff(PowerOffReason::BootMonitor)));
 }
 

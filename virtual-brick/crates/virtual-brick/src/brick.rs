@@ -15,6 +15,7 @@ use crate::guard::Guard;
 use crate::image::{Image, ImageError, Placement, ScalarKind};
 use crate::inputs::{Input, InputError, InputSchedule};
 use crate::memory::{ChipMemory, MemoryError};
+use crate::monitor::Monitor;
 use crate::probes::Probe;
 use crate::recorder::Recorder;
 use crate::stop::Stop;
@@ -35,6 +36,7 @@ pub struct VirtualBrick {
     pub(crate) ended: Option<Stop>,
     pub(crate) engine: Engine,
     pub(crate) blocks: Blocks<Machine>,
+    pub(crate) monitor: Option<Monitor>,
     threads_unobserved: Option<String>,
 }
 
@@ -112,6 +114,7 @@ impl VirtualBrick {
             ended: None,
             engine: configuration.engine,
             blocks: Blocks::default(),
+            monitor: None,
             threads_unobserved,
         })
     }

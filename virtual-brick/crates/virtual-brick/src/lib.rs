@@ -13,6 +13,7 @@ mod guard;
 mod image;
 mod inputs;
 mod memory;
+mod monitor;
 mod observe;
 mod outside;
 mod probes;

@@ -45,7 +45,10 @@ impl VirtualBrick {
             let slice = self
                 .serve_due()
                 .map_err(Break::End)
-                .and_then(|()| self.run_slice(limit_cycles, observer));
+                .and_then(|()| match self.monitor {
+                    Some(_) => self.run_monitor(limit_cycles).map_err(Break::End),
+                    None => self.run_slice(limit_cycles, observer),
+                });
             match slice {
                 Ok(()) => {}
                 Err(Break::End(stop)) => self.ended = Some(stop),
@@ -158,7 +161,7 @@ impl VirtualBrick {
 
     /// Record what happened, end the run at the first fault of the chip, follow a reset.
     #[inline]
-    fn after_step(&mut self, instruction: u32) -> Result<(), Stop> {
+    pub(crate) fn after_step(&mut self, instruction: u32) -> Result<(), Stop> {
         if self.recorder.has_news(&self.chip) | self.chip.fault().is_some() {
             self.attend(instruction)?;
         }

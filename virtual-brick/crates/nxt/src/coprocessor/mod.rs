@@ -141,6 +141,17 @@ impl Coprocessor {
         self.readings = readings(measurable);
     }
 
+    /// The chip's supply comes back after a power cycle; faults from outside stay.
+    pub fn restart(&mut self, now: Cycles, phase: Cycles) {
+        *self = Self {
+            on_at: now + START_UP + phase,
+            last_frame_at: now,
+            wrong_sums: self.wrong_sums,
+            holds_bus: self.holds_bus,
+            ..Self::new(phase)
+        };
+    }
+
     /// Whether the chip has its supply.
     pub const fn powered(&self) -> bool {
         self.powered
@@ -182,7 +193,7 @@ impl Coprocessor {
     }
 
     /// A byte to the co-processor.
-    pub fn write(&mut self, now: Cycles, byte: u8, log: &mut EventLog) {
+    pub fn write(&mut self, now: Cycles, byte: u8) {
         match self.incoming.push(byte) {
             None => {}
             Some(Received::Handshake) => self.handshake = true,
@@ -191,7 +202,6 @@ impl Coprocessor {
                 self.switch_off(now + POWER_DOWN_DELAY, PowerOffReason::Requested);
             }
             Some(Received::BootMonitor) => {
-                log.fault(now, BoardFault::BootMonitorEntry);
                 self.switch_off(now + BOOT_MONITOR_DELAY, PowerOffReason::BootMonitor);
             }
         }
