@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cycles that the drivers' operations and interrupts take, measured on the virtual brick.
 
-`python -m drivers.tests.cost_table <elf of tests/costs> <file>` writes the table as Markdown.
+`python -m drivers.tests.cost_table <elf of costs> <elf of more_costs> <file>` writes the table as Markdown,
+and the figures as JSON beside it.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import sys
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
+from typing import Any
 
 import virtual_brick
 
@@ -38,11 +40,28 @@ OPERATIONS = [
     "`Audio.Time_Remaining`",
     "nothing",
 ]
-SOURCES = {2: "motor edges (PIOA)", 5: "display (SPI)", 8: "sound (SSC)", 9: "co-processor (TWI)"}
+MORE_OPERATIONS = [
+    "nothing",
+    "`Display.Put_At_Noupdate`, 16 letters",
+    "`Display.Drawing.Draw_Line`, 100 pixels",
+    "`Regulated_Motors.Turn_To`",
+    "`RS485.Send`, 16 bytes",
+    "`RS485.Receive`, 16 bytes",
+    "`Parameters.Store.Load`",
+    "nothing",
+]
+SOURCES = {
+    2: "motor edges (PIOA)",
+    5: "display (SPI)",
+    6: "RS485 (USART0)",
+    8: "sound (SSC)",
+    9: "co-processor (TWI)",
+}
 SOURCES |= {12: "alarm of the run-time (TC0)", 13: "sensor buses (TC1)"}
 PERIOD_CYCLES = 100 * CLOCK_NUMERATOR // (CLOCK_DENOMINATOR * 1000)
 END_MS = 2_500
-MAIN, LINK = 0, 1
+TASKS = {"coprocessor_task": 2.0, "regulator_task": 4.0}
+MAIN = 0
 MASK_SYMBOL = "ravenbrick__interrupts__masked"
 STEP_CYCLES = 4
 ACTIVE_MS = 1.0
@@ -67,6 +86,15 @@ class Interrupt:
     name: str
     count: int
     mean: float
+    longest: int
+
+
+@dataclass(frozen=True)
+class Task:
+    """Longest job of a driver's task, cycles, and its period, ms."""
+
+    name: str
+    period_ms: float
     longest: int
 
 
@@ -156,23 +184,29 @@ def longest_masking(elf: bytes, window: Span) -> int:
     return longest
 
 
-def windows(run: Run) -> list[Span]:
+def windows(run: Run, count: int) -> list[Span]:
     """The period of each operation: the last release is that of the last one."""
     last = run.releases[-1]
-    starts = [
-        last - (len(OPERATIONS) - 1 - place) * PERIOD_CYCLES for place in range(len(OPERATIONS))
-    ]
+    starts = [last - (count - 1 - place) * PERIOD_CYCLES for place in range(count)]
     return [(begin - 100, begin + PERIOD_CYCLES - 200) for begin in starts]
 
 
-def measure(elf: bytes) -> tuple[list[Operation], list[Interrupt], int]:
-    """Operations, interrupts and the longest job of the co-processor's task."""
+def longest_job(run: Run, thread: int, period_ms: float, window: Span) -> int:
+    """Most cycles that a periodic task takes in one of its periods."""
+    period = round(period_ms * CLOCK_NUMERATOR / (CLOCK_DENOMINATOR * 1000))
+    return max(thread_cycles(run, thread, (at, at + period)) for at in range(*window, period))
+
+
+def measure(
+    elf: bytes, names: list[str] = OPERATIONS
+) -> tuple[list[Operation], list[Interrupt], list[Task]]:
+    """Operations, interrupts and the drivers' own tasks."""
     brick = start(elf)
     brick.run(END_MS)
-    assert brick.integer("operations") == len(OPERATIONS)
+    assert brick.integer("operations") == len(names)
     run = observe(brick)
-    caused = {5, 8, 13}
-    spans = windows(run)
+    caused = {5, 6, 8, 13}
+    spans = windows(run, len(names))
     empty = thread_cycles(run, MAIN, spans[0])
     operations = [
         Operation(
@@ -181,55 +215,115 @@ def measure(elf: bytes) -> tuple[list[Operation], list[Interrupt], int]:
             handler_cycles(run, window, caused),
             longest_masking(elf, window),
         )
-        for name, window in zip(OPERATIONS, spans, strict=True)
+        for name, window in zip(names, spans, strict=True)
     ]
     interrupts = []
     for source, name in SOURCES.items():
         own = [cycles for _, _, number, cycles in run.handlers if number == source]
         if own:
             interrupts.append(Interrupt(name, len(own), sum(own) / len(own), max(own)))
-    periods = range(spans[0][0], spans[-1][0], PERIOD_CYCLES // 50)
-    link = max(thread_cycles(run, LINK, (at, at + PERIOD_CYCLES // 50)) for at in periods)
-    return operations, interrupts, link
+    threads = brick.device.thread_names()
+    tasks = [
+        Task(
+            name, period, longest_job(run, threads.index(name), period, (spans[0][0], spans[-1][0]))
+        )
+        for name, period in TASKS.items()
+        if name in threads
+    ]
+    return operations, interrupts, tasks
 
 
-def table(elf: bytes) -> str:
+def figures(elf: bytes, more: bytes) -> dict[str, Any]:
+    """All figures of both programs by name, in cycles, for programs that reckon with them."""
+    operations, interrupts, tasks = measure(elf)
+    others, other_interrupts, other_tasks = measure(more, MORE_OPERATIONS)
+    operations = operations[1:-1] + others[1:-1]
+    known = {row.name for row in interrupts}
+    interrupts += [row for row in other_interrupts if row.name not in known]
+    tasks += [row for row in other_tasks if row.name not in {task.name for task in tasks}]
+    return {
+        "clock_hz": [CLOCK_NUMERATOR, CLOCK_DENOMINATOR],
+        "operations": [
+            {
+                "name": row.name.replace("`", ""),
+                "task_cycles": row.task,
+                "interrupt_cycles": row.interrupts,
+                "masked_cycles": row.masked,
+            }
+            for row in operations
+        ],
+        "interrupts": [
+            {
+                "name": row.name,
+                "count": row.count,
+                "mean_cycles": round(row.mean, 1),
+                "longest_cycles": row.longest,
+            }
+            for row in interrupts
+        ],
+        "tasks": [
+            {"name": row.name, "period_ms": row.period_ms, "longest_cycles": row.longest}
+            for row in tasks
+        ],
+    }
+
+
+def table(known: dict[str, Any]) -> str:
     """The page."""
-    operations, interrupts, link = measure(elf)
     lines = [
         "# What the drivers cost",
         "",
         "Generated by `make -C drivers costs` from a run on the virtual brick; do not edit. All",
-        "figures are cycles of the processor's 48.05 MHz clock, of one run of an image in RAM.",
+        "figures are cycles of the processor's 48.05 MHz clock, of one run of an image in RAM;",
+        "[driver-costs.json](driver-costs.json) has the same for programs, such as a schedulability",
+        "analysis.",
         "",
         "| Operation | Task | Interrupts caused | Longest masking |",
         "|---|---:|---:|---:|",
     ]
     lines += [
-        f"| {row.name} | {row.task} | {row.interrupts} | {row.masked} |" for row in operations[1:-1]
+        f"| `{row['name'].replace(', ', '`, ', 1)}{'' if ', ' in row['name'] else '`'} "
+        f"| {row['task_cycles']} | {row['interrupt_cycles']} | {row['masked_cycles']} |"
+        for row in known["operations"]
     ]
     lines += [
         "",
-        "*Task*: processor time of the calling task beyond that of a job that does nothing.",
-        "*Interrupts caused*: handlers of display, sound and sensor buses until the effect is",
-        "over, at their own priorities. *Longest masking*: time for which interrupts of some",
-        "priority wait because of a protected action, in the caller or beside it; the short",
+        "*Task*: processor time of the calling task beyond that of a job that does nothing; it also",
+        "bounds for how long the operation's protected actions keep other tasks waiting.",
+        "*Interrupts caused*: handlers of display, serial line, sound and sensor buses until the",
+        "effect is over, at their own priorities. *Longest masking*: time for which interrupts of",
+        "some priority wait because of a protected action, in the caller or beside it; the short",
         "sections with all interrupts off are not in it. No operation polls.",
         "",
         "| Interrupt | Count | Mean | Longest |",
         "|---|---:|---:|---:|",
     ]
     lines += [
-        f"| {row.name} | {row.count} | {row.mean:.0f} | {row.longest} |" for row in interrupts
+        f"| {row['name']} | {row['count']} | {row['mean_cycles']:.0f} | {row['longest_cycles']} |"
+        for row in known["interrupts"]
     ]
     lines += [
         "",
         "Handlers from their entry in the interrupt controller to its end, without those nested in",
-        f"them. The task of the co-processor link takes at most {link} cycles in 2 ms.",
+        "them.",
         "",
+        "| Task of the drivers | Period, ms | Longest job |",
+        "|---|---:|---:|",
     ]
-    return "\n".join(lines)
+    lines += [
+        f"| `{row['name']}` | {row['period_ms']:g} | {row['longest_cycles']} |"
+        for row in known["tasks"]
+    ]
+    return "\n".join([*lines, ""])
+
+
+def main(elf: Path, more: Path, page: Path) -> None:
+    """Write the page, and the figures beside it."""
+    known = figures(elf.read_bytes(), more.read_bytes())
+    page.write_text(table(known), encoding="utf-8")
+    text = json.dumps(known, indent=1) + "\n"
+    page.with_suffix(".json").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    Path(sys.argv[2]).write_text(table(Path(sys.argv[1]).read_bytes()))
+    main(*map(Path, sys.argv[1:]))
