@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A program that runs, a monitor on its Bluetooth port, and the same run again from the record."""
+
+from __future__ import annotations
+
+import json
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ravenbrick.cli import app
+from ravenbrick.target.byte_ports import open_port
+from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.telemetry import Monitor, Session, open_link
+from ravenbrick.telemetry.steps import live_steps
+from typer.testing import CliRunner
+
+BENCH = Path(__file__).resolve().parent / "motor-bench"
+SECONDS = 3.0
+
+
+@pytest.fixture(scope="module")
+def image() -> Any:
+    """The image of the motor bench, built."""
+    result = CliRunner().invoke(app, ["build", str(BENCH), "--json"])
+    assert result.exit_code == 0, result.output
+    return read_image(Path(json.loads(result.output)["image"]))
+
+
+def prepared(image: Any) -> Any:
+    """A brick with the step scenario: the motor starts after a second."""
+    robot = read_robot(BENCH)
+    scenario = read_scenario(scenario_path(BENCH, "step"), robot)
+    return VirtualTarget().prepare(robot, scenario, image)
+
+
+@pytest.mark.parametrize("kind", ["tcp:0", "pty"])
+def test_a_monitored_run_plays_again(image: Any, tmp_path: Path, kind: str) -> None:
+    """Signals arrive, set-point and gain change on the brick, the record gives the same run."""
+    port, record = open_port(kind), LiveRecord("step")
+    session = Session()
+    monitor = Monitor(session, lambda: open_link(port.address))
+    session.set_parameter("setpoint", 3.0)
+    session.set_parameter("kp", 0.4)
+    finished = threading.Event()
+
+    def listen() -> None:
+        while not finished.is_set():
+            monitor.poll()
+        monitor.end()
+
+    listener = threading.Thread(target=listen)
+    listener.start()
+    brick = prepared(image)
+    try:
+        stopped = LiveRun(brick, port, record, "1234").run(SECONDS)
+    finally:
+        finished.set()
+        listener.join()
+        port.close()
+    assert stopped.reason == "reached"
+    run = session.run
+    assert run is not None and run.missing == 0
+    assert {p.name: session.values[i] for i, p in session.parameters.items()} == pytest.approx(
+        {"setpoint": 3.0, "kp": 0.4, "ki_ts": 0.0322144}
+    )
+    recording = run.recording()
+    assert recording.signal("setpoint")[1][-1] == 3.0
+    assert recording.signal("speed")[1][-1] == pytest.approx(3.0, abs=0.2)
+    assert len(live_steps(recording, "setpoint", "speed")) >= 1
+    record.save(tmp_path / "run.json")
+    assert replay_live(prepared(image), LiveRecord.load(tmp_path / "run.json"))
+
+
+def test_a_changed_record_is_another_run(image: Any, tmp_path: Path) -> None:
+    """The comparison can fail; a damaged record is refused in words."""
+    port, record = open_port("tcp:0"), LiveRecord("step")
+    LiveRun(prepared(image), port, record, "1234", speed=0.0).run(0.5)
+    port.close()
+    record.digest = record.digest[::-1]
+    assert not replay_live(prepared(image), record)
+    broken = tmp_path / "run.json"
+    broken.write_text('{"format": "ravenbrick live run 1", "signals": 3}')
+    result = CliRunner().invoke(app, ["live", str(BENCH), "step", "--replay", str(broken)])
+    assert result.exit_code == 2 and "not the record of a live run" in result.output

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick live`: the virtual brick in real time, its Bluetooth on a port of this computer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.console import Reporter
+from ravenbrick.errors import RunFaultError, UsageError
+from ravenbrick.target.byte_ports import open_port
+from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+
+__all__ = ["live_command"]
+
+
+@command("ravenbrick live examples/motor-bench step --bluetooth tcp:5555")
+def live_command(
+    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    scenario: Annotated[str, typer.Argument(help="Whose surroundings and inputs to take.")],
+    bluetooth: Annotated[
+        str, typer.Option(help="tcp:PORT on 127.0.0.1 (0 takes any), or pty.")
+    ] = "tcp:5555",
+    pin: Annotated[str, typer.Option(help="The program's Bluetooth code.")] = "1234",
+    seconds: Annotated[
+        float | None, typer.Option(min=0.1, help="Virtual seconds; without it until Ctrl-C.")
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(min=0.0, help="Virtual seconds per second; 0: as fast as possible.")
+    ] = 1.0,
+    record: Annotated[
+        Path | None, typer.Option(help="Keep what came from outside, to play it again.")
+    ] = None,
+    replay: Annotated[
+        Path | None, typer.Option(help="Play such a record instead, and compare the runs.")
+    ] = None,
+    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Run the program in real time for other programs to talk to, such as `ravenbrick monitor`."""
+    workspace, robot = Workspace.of(directory), read_robot(directory)
+    chosen = read_scenario(scenario_path(directory, scenario), robot)
+    loaded = read_image(workspace.image(image.kind, robot.name))
+    brick = VirtualTarget().prepare(robot, chosen, loaded)
+    reporter = Reporter(json_output)
+    if replay is not None:
+        kept = LiveRecord.load(replay)
+        if kept.scenario != chosen.name:
+            raise UsageError(f"{replay}: is of the scenario '{kept.scenario}'; name that one")
+        same = replay_live(brick, kept)
+        reporter.print("the same run again" if same else "ANOTHER trace digest than the recorded")
+        return {"trace_digest": brick.trace_digest(), "same_as_replayed": same}
+    port, run_record = open_port(bluetooth), LiveRecord(chosen.name)
+    reporter.print(f"Bluetooth of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
+    reporter.print(f"  ravenbrick monitor {port.address}")
+    live = LiveRun(brick, port, run_record, pin, speed, reporter.print)
+    try:
+        stopped = live.run(seconds)
+        if stopped.reason == "fault":
+            raise RunFaultError(f"the program stopped with a fault: {stopped.message}")
+    except KeyboardInterrupt:
+        run_record.end_cycles, run_record.digest = brick.cycles, brick.trace_digest()
+        reporter.print("ended from the keyboard")
+    finally:
+        port.close()
+        if record is not None:
+            run_record.save(record)
+    return {
+        "trace_digest": run_record.digest,
+        "end_cycles": run_record.end_cycles,
+        "signals": len(run_record.signals),
+        "record": str(record) if record else None,
+    }

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A virtual brick in real time whose Bluetooth other programs reach; what they do is recorded.
+
+A live run depends on when bytes come. Its record holds them with their instants, and playing it
+gives the same run, cycle by cycle.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.errors import PeerError, UsageError
+from ravenbrick.target.byte_ports import BytePort
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.peers import BluetoothComputer
+
+__all__ = ["AirSignal", "LiveRecord", "LiveRun", "replay_live"]
+
+_FORMAT = "ravenbrick live run 1"
+_SLICE_MS = 5
+_PAGE_PERIOD_S = 1.0
+_LISTENING_MS = 500
+
+
+@dataclass(frozen=True)
+class AirSignal:
+    """Something that reached the brick through the air at a cycle."""
+
+    at_cycles: int
+    peer: str
+    kind: str
+    data: bytes = b""
+    name: str = ""
+    pin: str | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """With plain types."""
+        return {**vars(self), "data": base64.b64encode(self.data).decode("ascii")}
+
+
+@dataclass
+class LiveRecord:
+    """All that a live run depended on, its end and its digest."""
+
+    scenario: str
+    signals: list[AirSignal] = field(default_factory=list)
+    end_cycles: int = 0
+    digest: str = ""
+
+    def save(self, path: Path) -> None:
+        """Write the record as JSON."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        content = {**vars(self), "signals": [signal.as_json() for signal in self.signals]}
+        path.write_text(json.dumps({"format": _FORMAT, **content}, indent=1) + "\n")
+
+    @classmethod
+    def load(cls, path: Path) -> LiveRecord:
+        """Read what `save` wrote; raises `UsageError`."""
+        try:
+            content = json.loads(path.read_text("utf-8"))
+            if content.pop("format") != _FORMAT:
+                raise ValueError("another format")
+            signals = [
+                AirSignal(**{**item, "data": base64.b64decode(item["data"], validate=True)})
+                for item in content.pop("signals")
+            ]
+            return cls(signals=signals, **content)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise UsageError(
+                f"{path}: not the record of a live run ({type(error).__name__}); "
+                "'ravenbrick live --record' writes one"
+            ) from None
+
+
+class _RecordedBrick:
+    """The brick as a peer sees it, with a note of all that the peer sends."""
+
+    def __init__(self, brick: Any, record: LiveRecord) -> None:
+        self._brick, self._record = brick, record
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._brick, name)
+
+    def bluetooth_send(
+        self,
+        at_cycles: int,
+        peer: str,
+        kind: str,
+        data: bytes = b"",
+        name: str = "",
+        pin: str | None = None,
+    ) -> None:
+        """Pass the signal on and keep it."""
+        self._brick.bluetooth_send(at_cycles, peer, kind, data, name=name, pin=pin)
+        self._record.signals.append(AirSignal(at_cycles, peer, kind, bytes(data), name, pin))
+
+
+@dataclass
+class LiveRun:
+    """One brick, one port; `speed` is virtual seconds per second, 0 for as fast as possible."""
+
+    brick: Any
+    port: BytePort
+    record: LiveRecord
+    pin: str
+    speed: float = 1.0
+    tell: Callable[[str], None] = lambda _text: None
+    clock: Callable[[], float] = time.monotonic
+    pause: Callable[[float], None] = time.sleep
+    _computer: BluetoothComputer = field(init=False)
+    _next_page_s: float = 1.0
+
+    def __post_init__(self) -> None:
+        """The computer comes into range."""
+        recorded = _RecordedBrick(self.brick, self.record)
+        self._computer = BluetoothComputer(recorded, pin=self.pin)
+
+    @property
+    def _now_s(self) -> float:
+        return MASTER_CLOCK.seconds(self.brick.cycles)
+
+    def run(self, seconds: float | None, stop: Callable[[], bool] = lambda: False) -> Any:
+        """For so many virtual seconds, or until stopped; why the brick stopped."""
+        begin = self.clock()
+        slice_cycles = MASTER_CLOCK.cycles_of_ms(_SLICE_MS)
+        while True:
+            stopped = self.brick.run_until(self.brick.cycles + slice_cycles)
+            if stopped.reason != "reached" or stop():
+                break
+            if seconds is not None and self._now_s >= seconds:
+                break
+            self._exchange()
+            ahead = self._now_s / self.speed - (self.clock() - begin) if self.speed else 0.0
+            if ahead > 0:
+                self.pause(ahead)
+        self.record.end_cycles = self.brick.cycles
+        self.record.digest = self.brick.trace_digest()
+        return stopped
+
+    def _exchange(self) -> None:
+        from_client = self.port.read()
+        if self._computer.connected and not self.port.in_use:
+            self._computer.close()
+            self.tell("the client has gone")
+        elif self.port.in_use and not self._computer.connected:
+            self._page()
+        if self._computer.connected:
+            if from_client:
+                self._computer.write(from_client)
+            self.port.write(self._computer.take())
+
+    def _page(self) -> None:
+        """Connect; a program that does not listen yet is asked again after a second."""
+        if self._now_s < self._next_page_s:
+            return
+        self._next_page_s = self._now_s + _PAGE_PERIOD_S
+        try:
+            self._computer.connect(timeout_ms=_LISTENING_MS)
+            self.tell(f"connected at {self._now_s:.2f} s")
+        except PeerError as error:
+            self.tell(f"{error}; trying again")
+
+
+def replay_live(brick: Any, record: LiveRecord) -> bool:
+    """Play a record on a fresh brick with the same image; whether the run was the same."""
+    for signal in record.signals:
+        brick.bluetooth_send(
+            signal.at_cycles,
+            signal.peer,
+            signal.kind,
+            signal.data,
+            name=signal.name,
+            pin=signal.pin,
+        )
+    brick.run_until(record.end_cycles)
+    return bool(brick.trace_digest() == record.digest)
