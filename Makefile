@@ -53,6 +53,13 @@ conformance: setup ## Full campaigns against outside truth; writes conformance/r
 bench: setup ## Ratios measured side by side; writes benchmarks/results.{json,md}
 	@$(PYTHON) -m benchmarks.run
 
+.PHONY: docs
+docs: setup ## The documentation site and the lab sheets as PDF: docs/_build
+	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements-docs.txt
+	@$(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
+	@$(PYTHON) -m tools.sheets_pdf docs/_build/lab-sheets.pdf
+	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
+
 .PHONY: clean
 clean: ## Remove everything that was built (keeps .venv)
-	rm -rf build out virtual-brick/target web/generated web/node_modules
+	rm -rf build out docs/_build virtual-brick/target web/generated web/node_modules
