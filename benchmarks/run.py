@@ -24,6 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results.json"
 VEHICLE = ROOT / "examples" / "vehicle"
 REPEATS = 5
+GRADED = 40
 
 # Value and source of peers that cannot run beside ours.
 PUBLISHED = {
@@ -112,7 +113,31 @@ def cpu_speed() -> Iterator[Row]:
         yield figure_row(figure, value, unit, peer, peer_value)
 
 
-FIGURES: list[Callable[[], Iterator[Row]]] = [cpu_speed, vehicle_speed, vehicle_memory, run_time]
+def grading() -> Iterator[Row]:
+    """Submissions graded per minute, images built before: two workers and Dask against one."""
+    from conformance.course.grade_campaign import measure
+
+    answer = measure(GRADED)
+    per_minute = {
+        way: 60 * GRADED / answer[f"{way}_seconds"]
+        for way in ("build", "one_worker", "two_workers", "dask")
+        if f"{way}_seconds" in answer
+    }
+    one = per_minute["one_worker"]
+    yield figure_row("grading with builds, two workers", per_minute["build"], "submissions per min")
+    peer = ("one worker", one)
+    yield figure_row("grading, two workers", per_minute["two_workers"], "per min", *peer)
+    if "dask" in per_minute:
+        yield figure_row("grading, local Dask cluster of two", per_minute["dask"], "per min", *peer)
+
+
+FIGURES: list[Callable[[], Iterator[Row]]] = [
+    cpu_speed,
+    vehicle_speed,
+    vehicle_memory,
+    run_time,
+    grading,
+]
 
 
 def main() -> int:

@@ -131,7 +131,8 @@ def pytest_suite(area: str, suite: str, *paths: str) -> Callable[[], Row]:
         with tempfile.TemporaryDirectory() as folder:
             report = Path(folder) / "report.xml"
             command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={report}", *paths]
-            subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            everything = {**os.environ, "RAVENBRICK_LONG": "1"}
+            subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=everything)
             root = ElementTree.parse(report).getroot()
         cases = list(root.iter("testcase"))
         skipped = Counter(
@@ -175,6 +176,17 @@ def identified_motors() -> Row:
     """Hidden motors on the virtual brick: each parameter's interval in at least 95 of 100 runs."""
     count, good = identification.main()
     return suite_row("control", "identification: true value inside in 95 of 100 runs", count, good)
+
+
+def grade_campaign() -> Row:
+    """200 submissions: two workers and a Dask cluster give the results of one worker."""
+    from conformance.course.grade_campaign import NO_DASK, measure
+
+    answer = measure()
+    passed = answer["two_workers_same"] + answer.get("dask_same", 0)
+    excluded = [] if "dask_same" in answer else [{"count": answer["count"], "reason": NO_DASK}]
+    suite = "grade: 200 submissions on 2 workers and Dask as on 1"
+    return suite_row("course", suite, 2 * answer["count"], passed, excluded)
 
 
 HOST_TESTS = "host/tests"
@@ -320,6 +332,11 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("tools", pytest_suite("tools", "csv and parquet: read back", *EXPORT, "-k", "csv or parquet")),
     ("tools", page_suite),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
+    ("course", pytest_suite("course", "bench, line, balancer", "examples/test_examples.py")),
+    ("course", pytest_suite("course", "template: from new to a run", "host/tests/cli/test_new.py")),
+    ("course", pytest_suite("course", "lab sheets executed", "tools/tests/test_lessons.py")),
+    ("course", pytest_suite("course", "grade: rubrics, sandbox, reports", "host/tests/grading")),
+    ("course", grade_campaign),
     (
         "course",
         pytest_suite(

@@ -75,7 +75,8 @@ def _with_dask(jobs: dict[str, Job], address: str) -> Iterator[tuple[str, Result
         distributed = importlib.import_module("distributed")
     except ImportError:
         raise ToolMissingError(
-            "the package 'distributed' is not installed; run 'pip install distributed'"
+            "the package 'distributed' is not installed; run "
+            "'pip install -r tools/requirements-cluster.txt'"
         ) from None
     try:
         client = distributed.Client(address, timeout=20)

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The lab sheets do what they say, and the tool that executes them sees when they do not."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from tools.lessons import SHEETS, SheetError, find, run_sheet, steps
+
+QUICK = ("08-fixed-point.md",)
+LONG = "RAVENBRICK_LONG" in os.environ
+ALL = find([])
+
+
+@pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)
+def test_a_sheet_has_all_its_parts(sheet: Path) -> None:
+    """Length, aims, theory with a source, steps with commands, questions, a solution."""
+    text = sheet.read_text()
+    assert "**90 minutes.** Aims: " in text
+    headings = re.findall(r"^## (.*)$", text, re.MULTILINE)
+    assert headings[:2] == ["Theory", "Steps"] and headings[-1] == "Questions"
+    assert re.search(r"\([^()]*\d{4}|\(.*(?:ed\.|Any text|\*)", text.split("## Steps")[0])
+    assert any(step.kind == "console" for step in steps(text))
+    number = int(sheet.name[:2])
+    assert f"## {number}. " in (SHEETS / "solutions.md").read_text()
+
+
+def test_there_are_ten_and_more_in_order() -> None:
+    """Numbered without a gap."""
+    assert [int(sheet.name[:2]) for sheet in ALL] == list(range(1, len(ALL) + 1))
+    assert len(ALL) >= 10
+
+
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        pytest.param(
+            sheet,
+            marks=pytest.mark.skipif(
+                not LONG and sheet.name not in QUICK, reason="builds programs: make conformance"
+            ),
+        )
+        for sheet in ALL
+    ],
+    ids=lambda sheet: sheet.stem,
+)
+def test_the_commands_of_a_sheet_do_what_it_says(sheet: Path, tmp_path: Path) -> None:
+    """Every command, in order, in an empty folder; quoted output must appear."""
+    run_sheet(sheet, tmp_path)
+
+
+WRONG = [
+    ("```console\nfalse\n```\n", "ended with 1, not 0"),
+    ("```console exit=3\ntrue\n```\n", "ended with 0, not 3"),
+    ("```console\necho 42\n```\n```text seen\n43\n```\n", "'43' is not in the output"),
+]
+
+
+@pytest.mark.parametrize(("text", "problem"), WRONG)
+def test_what_is_not_as_written_is_told(text: str, problem: str, tmp_path: Path) -> None:
+    """Sheet and line are named."""
+    sheet = tmp_path / "99-wrong.md"
+    sheet.write_text("# 99\n\n" + text)
+    with pytest.raises(SheetError, match=rf"99-wrong.md:\d+: (.|\n)*{problem}"):
+        run_sheet(sheet, tmp_path)
+
+
+def test_a_file_of_a_sheet_is_there_for_its_commands(tmp_path: Path) -> None:
+    """Below folders, too."""
+    sheet = tmp_path / "98-right.md"
+    sheet.write_text(
+        "```python file=a/b.py\nprint(6 * 7)\n```\n\n```console\npython3 a/b.py\n```\n"
+    )
+    assert run_sheet(sheet, tmp_path) == "42\n"
