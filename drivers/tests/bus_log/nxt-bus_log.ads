@@ -1,0 +1,10 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  The two-wire bus of a sensor port against a peripheral that follows a script, beat by beat.
+
+package NXT.Bus_Log is
+
+   procedure Run_Scenarios;
+
+end NXT.Bus_Log;
