@@ -3,7 +3,8 @@
 """Run every suite against outside truth and write `conformance/results.{json,md}`.
 
 `python -m conformance.run [AREA ...]` runs all suites or those of the named areas. A suite that
-fails is written down with what passed, and the command ends with 1.
+fails is written down with what passed, and the command ends with 1. The environment variable ACATS
+names the folder of the Ada conformity suite, which is no part of the project.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from conformance import blocks, identification
+from conformance.acats import campaign
 from tools import tables
 from tools.tables import Row, merge_rows
 
@@ -189,6 +191,23 @@ def grade_campaign() -> Row:
     return suite_row("course", suite, 2 * answer["count"], passed, excluded)
 
 
+def acats(suite: str, refused: bool) -> Callable[[], Row]:
+    """Tests of the Ada conformity suite: those that run, or those that must be refused."""
+
+    def run() -> Row:
+        try:
+            outcomes = [o for o in campaign.whole() if (o.chapter in campaign.REJECTED) == refused]
+        except campaign.SuiteMissingError as missing:
+            return suite_row("runtime", suite, 0, 0, [{"count": 0, "reason": str(missing)}])
+        passed = sum(o.status == "passed" for o in outcomes)
+        reasons = Counter(o.reason for o in outcomes if o.status == "excluded")
+        excluded = [{"count": n, "reason": reason} for reason, n in reasons.most_common()]
+        return suite_row("runtime", suite, len(outcomes), passed, excluded)
+
+    return run
+
+
+RESTRICTIONS = "runtime/tests/test_restrictions.py"
 HOST_TESTS = "host/tests"
 BLOCKS = (f"{HOST_TESTS}/model/test_blocks.py", f"{HOST_TESTS}/codegen/test_block_c.py")
 FIXED_POINT = (
@@ -313,6 +332,9 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         "drivers",
         pytest_suite("drivers", "nxt-python: direct commands over USB and Bluetooth", NXT_PYTHON),
     ),
+    ("runtime", pytest_suite("runtime", "restriction programs are refused", RESTRICTIONS)),
+    ("runtime", acats("ACATS: programs that the profiles admit", refused=False)),
+    ("runtime", acats("ACATS: restriction programs are refused", refused=True)),
     ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
     ("control", block_costs),
     ("control", identified_motors),

@@ -7,6 +7,7 @@ DEBIAN_PACKAGES=(
     gappa
     gnat-12-arm-linux-gnueabi
     gcc-arm-none-eabi
+    libnewlib-arm-none-eabi
     gdb-multiarch
     gprbuild
     python3-venv

@@ -27,6 +27,9 @@ package Ravenbrick.Failures is
    Entry_Queue_Full : constant String := "Program_Error: second caller of entry" & ASCII.NUL;
    --  Max_Entry_Queue_Length => 1, RM D.7
 
+   Longest_Queue : constant String := "Program_Error: entry queue at its maximum" & ASCII.NUL;
+   --  Max_Queue_Length, RM D.4 (15.d)
+
    Second_Suspended : constant String := "Program_Error: second task suspended" & ASCII.NUL;
    --  RM D.10 (10)
 
@@ -41,6 +44,8 @@ package Ravenbrick.Failures is
 
    No_Secondary_Stack : constant String := "Storage_Error: no secondary stack" & ASCII.NUL;
    Secondary_Stack_Full : constant String := "Storage_Error: secondary stack full" & ASCII.NUL;
+   Heap_Full : constant String := "Storage_Error: heap full" & ASCII.NUL;
+   Pool_Full : constant String := "Storage_Error: storage pool full" & ASCII.NUL;
    Stack_Not_Static : constant String := "Storage_Error: task stack not static" & ASCII.NUL;
 
 end Ravenbrick.Failures;

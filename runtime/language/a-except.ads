@@ -22,7 +22,9 @@ package Ada.Exceptions is
 
 private
 
-   type Exception_Data is null record;
+   type Exception_Data is limited record
+      Unused : Integer := 0;
+   end record;
    type Exception_Id is access all Exception_Data;
    for Exception_Id'Storage_Size use 0;
 
@@ -31,5 +33,16 @@ private
    type Exception_Occurrence is limited null record;
 
    Null_Occurrence : constant Exception_Occurrence := (null record);
+
+   --  What raise statements with a message name the predefined exceptions by
+
+   Constraint_Error_Data : Exception_Data
+     with Export, Convention => C, External_Name => "constraint_error";
+   Program_Error_Data : Exception_Data
+     with Export, Convention => C, External_Name => "program_error";
+   Storage_Error_Data : Exception_Data
+     with Export, Convention => C, External_Name => "storage_error";
+   Tasking_Error_Data : Exception_Data
+     with Export, Convention => C, External_Name => "tasking_error";
 
 end Ada.Exceptions;

@@ -35,6 +35,9 @@ package System.Parameters is
    ptr_bits  : constant := 32;
    subtype C_Address is System.Address;
 
+   C_Malloc_Linkname : constant String := "__gnat_malloc";
+   --  What Interfaces.C.Strings allocates with
+
    Garbage_Collected : constant Boolean := False;
    No_Abort          : constant Boolean := True;
 

@@ -20,6 +20,9 @@ package System.Tasking is
 
    type Task_Entry_Index is new Entry_Index range Null_Task_Entry .. Max_Task_Entry;
 
+   type Call_Modes is (Simple_Call, Conditional_Call, Asynchronous_Call, Timed_Call);
+   --  The profiles have simple calls of entries only
+
    type Ada_Task_Control_Block (Entry_Num : Task_Entry_Index) is limited record
       Thread : aliased Ravenbrick.Threads.Thread;
    end record

@@ -19,11 +19,12 @@ __all__ = [
     "CYCLES_PER_MS",
     "CYCLES_PER_SECOND",
     "IDLE",
-    "RUNTIME",
+    "RUNTIMES",
     "UNITS_PER_SECOND",
     "Run",
     "Runner",
     "build",
+    "make_runtime",
 ]
 
 HERE = Path(__file__).resolve().parent
@@ -33,8 +34,9 @@ BUILD = PRODUCTS / "runtime" / "tests"
 RUNTIMES = {
     "arm": PRODUCTS / "runtime" / "ravenscar",
     "thumb": PRODUCTS / "runtime" / "ravenscar-thumb",
+    "jorvik": PRODUCTS / "runtime" / "jorvik",
 }
-RUNTIME = RUNTIMES["arm"]
+MAKE_VARIABLES = {"arm": (), "thumb": ("CODE=thumb",), "jorvik": ("PROFILE=jorvik",)}
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 
 CYCLES_PER_SECOND = 336_384_000 / 7
@@ -52,10 +54,12 @@ EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", 
 
 
 @cache
-def _make_runtime(code: str) -> None:
+def make_runtime(runtime: str) -> None:
+    """Build the library of one of RUNTIMES."""
     products = f"BUILD={PRODUCTS / 'runtime'}"
     subprocess.run(
-        ["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products, f"CODE={code}"], check=True
+        ["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products, *MAKE_VARIABLES[runtime]],
+        check=True,
     )
 
 
@@ -63,10 +67,10 @@ def _make_runtime(code: str) -> None:
 def build(name: str, image: str = "ram", code: str = "arm", runtime: str = "arm") -> Path:
     """Path of the program `name` of this folder, built with one call of gprbuild.
 
-    `code` and `runtime`: "arm" or "thumb", the states of the program and of the run-time. The
-    linker's map stands beside the image.
+    `code`: "arm" or "thumb", the state of the program. `runtime`: the same for the run-time of the
+    Ravenscar profile, "jorvik" for the other one. The linker's map stands beside the image.
     """
-    _make_runtime(runtime)
+    make_runtime(runtime)
     folder = BUILD / f"{code}-on-{runtime}"
     elf = folder / name / image / f"{name}.elf"
     subprocess.run(

@@ -8,7 +8,6 @@ import json
 import math
 import re
 import struct
-import subprocess
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -22,14 +21,11 @@ from runtime.tests.harness import (
     CYCLES_PER_MS,
     CYCLES_PER_SECOND,
     IDLE,
-    RUNTIME,
     UNITS_PER_SECOND,
     Run,
     Runner,
     build,
 )
-
-REJECTED = Path(__file__).parent / "rejected"
 
 # A halted program is one that the last-chance handler stopped
 RUNNING = "reached"
@@ -472,63 +468,20 @@ class TestFigures:
         assert 0 < figures["protected_call"] <= 60 * 100
 
 
-def compile_rejected(source: Path, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Compile one program that violates the profile."""
-    return subprocess.run(
-        ["arm-linux-gnueabi-gcc-12", "-c", f"--RTS={RUNTIME}", "-gnatA", "-mcpu=arm7tdmi",
-         "-mfloat-abi=soft", "-gnatw.X", str(source)],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )  # fmt: skip
+def test_jorvik_queues(run: Runner) -> None:
+    """Several entries, served in the order of declaration, their callers in the order of calls."""
+    result = run("jorvik_queues", runtime="jorvik")
+    assert result.failure() is None
+    assert result.journal() == "a1b23ldce"
 
 
-REJECTED_PROGRAMS = {
-    "abort_statement.adb": "No_Abort_Statements",
-    "allocated_task.ads": "No_Task_Allocators",
-    "calendar.adb": "No_Calendar",
-    "complex_barrier.adb": "Simple_Barriers",
-    "dynamic_attachment.adb": "not declared",
-    "dynamic_priority.adb": "No_Dynamic_Priorities",
-    "local_object.adb": "No_Local_Protected_Objects",
-    "local_task.adb": "No_Task_Hierarchy",
-    "propagated_handler.adb": "No_Exception_Propagation",
-    "relative_delay.adb": "No_Relative_Delay",
-    "requeue_statement.adb": "No_Requeue_Statements",
-    "select_statement.adb": "No_Select_Statements",
-    "size_unknown.adb": "No_Implicit_Heap_Allocations",
-    "task_entry.ads": "Max_Task_Entries",
-    "timing_event.adb": "No_Local_Timing_Events",
-    "two_entries.ads": "not allowed in configurable run-time mode",
-}
-
-
-@pytest.mark.parametrize(("program", "reason"), REJECTED_PROGRAMS.items())
-def test_a_violation_of_the_profile_does_not_compile(
-    program: str, reason: str, tmp_path: Path
-) -> None:
-    """The compiler refuses the program and says which rule it violates."""
-    build("preemption")
-    result = compile_rejected(REJECTED / program, tmp_path)
-    assert result.returncode != 0
-    assert reason in result.stderr
-
-
-def test_every_rejected_program_is_tested() -> None:
-    """No file of the folder is left out, but for specifications of bodies and the heap."""
-    bodies = {path.name for path in REJECTED.glob("*.adb")}
-    alone = {path.name for path in REJECTED.glob("*.ads")} - {f"{name[:-1]}s" for name in bodies}
-    assert bodies | alone == set(REJECTED_PROGRAMS) | {"heap.adb"}
-
-
-def test_an_allocator_does_not_link(tmp_path: Path) -> None:
-    """There is no heap: the allocation subprogram does not exist."""
-    build("preemption")
-    assert compile_rejected(REJECTED / "heap.adb", tmp_path).returncode == 0
-    symbols = subprocess.run(
-        ["arm-none-eabi-nm", str(tmp_path / "heap.o"), str(RUNTIME / "adalib" / "libgnat.a")],
-        capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
-    assert "U __gnat_malloc" in symbols
-    assert "T __gnat_malloc" not in symbols
+def test_library_units_without_a_heap(run: Runner) -> None:
+    """Storage pools, elementary functions, images and packed arrays."""
+    result = run("library_units")
+    assert result.failure() is None
+    assert result.journal() == "abcdefg"
+    angle = 0.5
+    expected = (math.sin(angle), math.exp(angle), math.atan2(angle, 2.0), angle**1.5)
+    *values, cycles, _ = result.words("results", 6)
+    assert values == [pytest.approx(1e6 * value, abs=1) for value in expected]
+    assert 500 < cycles < 5_000

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  There is no heap: the program does not link
+--  The size of the heap is not stated: the program does not link
 
 procedure Heap is
    type Integer_Access is access Integer;

@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Build and run the tests, write `results.json` and the table beside it.
+
+`ACATS=<folder> python -m conformance.acats.campaign [TEST ...]` runs all tests or those whose names
+begin so; verdicts wait in the build folder, so that an interrupted campaign goes on where it was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from conformance.acats.build import Builder, BuildError
+from conformance.acats.execution import Verdict, execute
+from conformance.acats.judgement import is_only_ravenscar, judge, judge_refused
+from conformance.acats.suite import EXECUTED, REJECTED, AcatsTest, Suite, SuiteMissingError
+from conformance.acats.table import table
+
+__all__ = ["REJECTED", "Outcome", "SuiteMissingError", "run", "whole"]
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+RESULTS = HERE / "results.json"
+PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
+WORKERS = 2
+WORK = PRODUCTS / "conformance" / "acats"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A test's line of the results: `status` is passed, failed or excluded."""
+
+    test: str
+    chapter: str
+    profile: str
+    status: str
+    reason: str
+
+
+class Profile:
+    """A run-time with the builder for it and what its tests have shown so far."""
+
+    def __init__(self, suite: Suite, name: str) -> None:
+        self.name = name
+        products = f"BUILD={PRODUCTS / 'runtime'}"
+        make = ["make", "-s", "-C", str(ROOT / "runtime"), products, f"PROFILE={name}"]
+        subprocess.run(make, check=True, stdout=sys.stderr)
+        self.rts = PRODUCTS / "runtime" / name
+        self.builder = Builder(suite, self.rts, WORK / name)
+        self.builder.prepare()
+        self.digest = self._digest()
+        self.record = WORK / f"{name}.jsonl"
+        self.known: dict[str, BuildError | Verdict] = {}
+        if self.record.exists():
+            for line in self.record.read_text().splitlines():
+                entry = json.loads(line)
+                if entry["digest"] == self.digest:
+                    refused, ran = entry["refused"], entry["ran"]
+                    self.known[entry["test"]] = BuildError(*refused) if refused else Verdict(**ran)
+
+    def _digest(self) -> str:
+        digest = hashlib.sha256()
+        own = [HERE / f"{name}.py" for name in ("suite", "build", "execution")]
+        paths = [*self.rts.rglob("*.a"), *self.rts.rglob("*.ads"), *(HERE / "support").iterdir()]
+        for path in [*sorted(paths), *own]:
+            digest.update(path.read_bytes())
+        return digest.hexdigest()
+
+    def _found(self, test: AcatsTest) -> BuildError | Verdict:
+        """Build and run, and note what happened."""
+        if test.name in self.known:
+            return self.known[test.name]
+        found: BuildError | Verdict
+        try:
+            image = self.builder.build(test)
+            found = replace(execute(image.elf), removed_handlers=image.removed_handlers)
+        except BuildError as refusal:
+            found = refusal
+        refused = [found.step, found.reasons] if isinstance(found, BuildError) else None
+        ran = None if isinstance(found, BuildError) else asdict(found)
+        entry = {"test": test.name, "digest": self.digest, "refused": refused, "ran": ran}
+        with self.record.open("a") as file:
+            file.write(json.dumps(entry) + "\n")
+        return found
+
+    def outcome(self, test: AcatsTest) -> Outcome:
+        """The judgement on what happened."""
+        judgement = judge_refused if test.chapter in REJECTED else judge
+        return Outcome(test.name, test.chapter, self.name, *judgement(test, self._found(test)))
+
+
+def _one(ravenscar: Profile, jorvik: Profile, test: AcatsTest) -> Outcome:
+    """With the smaller profile when it admits the test, else with the larger one."""
+    outcome = ravenscar.outcome(test)
+    return jorvik.outcome(test) if is_only_ravenscar(outcome.reason) else outcome
+
+
+def run(names: list[str], workers: int) -> list[Outcome]:
+    """Outcomes of the tests whose names begin with one of `names`, of all when there is none."""
+    suite = Suite.from_environment()
+    WORK.mkdir(parents=True, exist_ok=True)
+    ravenscar, jorvik = Profile(suite, "ravenscar"), Profile(suite, "jorvik")
+    tests = [
+        test
+        for test in suite.tests((*EXECUTED, *REJECTED))
+        if not names or test.name.startswith(tuple(names))
+    ]
+    outcomes = []
+    start = time.monotonic()
+    with ThreadPoolExecutor(workers) as pool:
+        waiting = [pool.submit(_one, ravenscar, jorvik, test) for test in tests]
+        for number, future in enumerate(as_completed(waiting), 1):
+            outcomes.append(future.result())
+            if sys.stdout.isatty() or number % 200 == 0 or number == len(tests):
+                failed = sum(o.status == "failed" for o in outcomes)
+                seconds = time.monotonic() - start
+                end = "\r" if number < len(tests) else "\n"
+                text = f"[{number}/{len(tests)}] {failed} failed, {seconds:.0f} s"
+                print(text, end=end, file=sys.stderr, flush=True)
+    return sorted(outcomes, key=lambda o: o.test)
+
+
+@cache
+def whole() -> list[Outcome]:
+    """Run all tests and write the results and their table."""
+    outcomes = run([], WORKERS)
+    rows = [asdict(o) for o in outcomes]
+    lines = ",\n".join(json.dumps(row, sort_keys=True) for row in rows)
+    RESULTS.write_text(f"[\n{lines}\n]\n")
+    RESULTS.with_suffix(".md").write_text(table(rows))
+    return outcomes
+
+
+def main(arguments: list[str]) -> int:
+    """Run the campaign; 1 when a test failed, 2 when the suite is not there."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tests", nargs="*", help="beginnings of names; all tests when absent")
+    parser.add_argument("--workers", type=int, default=WORKERS)
+    parser.add_argument("--json", action="store_true", help="print the outcomes as JSON")
+    options = parser.parse_args(arguments)
+    try:
+        outcomes = run(options.tests, options.workers) if options.tests else whole()
+    except SuiteMissingError as missing:
+        print(missing, file=sys.stderr)
+        return 2
+    failed = [o for o in outcomes if o.status == "failed"]
+    if options.json:
+        print(json.dumps([asdict(o) for o in outcomes]))
+    else:
+        for outcome in failed:
+            print(f"{outcome.test}: {outcome.reason}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
