@@ -121,7 +121,7 @@ class Builder:
             copy = folder / f"{path.name}.chop"
             copy.write_text(self.suite.text(path), encoding="latin-1")
             copies.append(copy.name)
-        result = _run([f"{PREFIX}gnatchop-12", "-q", "-w", *copies], folder)
+        result = _run([f"{PREFIX}gnatchop-12", "-q", "-c", "-w", *copies], folder)
         for name in copies:
             (folder / name).unlink()
         if result.returncode != 0:

@@ -21,8 +21,8 @@ BENCH = json.dumps(
     }
 )
 FIRST_SLICE_CYCLES = 2_000_000
-LIMIT_CYCLES = 4_000_000_000
-"""About 83 s of the brick."""
+LIMIT_CYCLES = 10_000_000_000
+"""About 208 s of the brick."""
 PROCESSOR_EXCEPTIONS = r"undefined instruction|software interrupt|prefetch abort|data abort"
 WORDS = {1: "passed", 2: "failed", 3: "inapplicable", 4: "tentative"}
 

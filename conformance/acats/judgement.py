@@ -59,6 +59,8 @@ ABSENT = (
     (r"system\.(relative_delays|calendar)", "No_Relative_Delay"),
     (r"system\.tasking\.protected_objects\.(entries|operations)", "Max_Protected_Entries"),
     (r"system\.interrupts\.(dynamic|static)", "No_Dynamic_Attachment"),
+    (r"ada\.numerics\.(float|discrete)_random", "no random numbers in this run-time"),
+    (r"ada\.(locales|strings\.utf_encoding)", "no locales and transformation formats"),
     (r"interfaces\.(cobol|fortran)", "optional interface to another language"),
     (r"gnat\.os_lib|impdef\.annex_c", "interrupts by signals of an operating system"),
     (r"system\.rpc", "no distribution"),
@@ -70,7 +72,7 @@ def _restriction(reason: str) -> str | None:
     """The restriction behind one reason of a refusal."""
     if match := re.match(r"restriction (\w+)", reason):
         return RESTRICTIONS.get(match.group(1).lower())
-    if match := re.search(r'violation of implicit restriction "(\w+)"', reason):
+    if match := re.search(r'violation of implicit restriction "(\w+)', reason):
         return RESTRICTIONS.get(match.group(1).lower())
     if re.search(r'not declared in "(Ada\.)?Exceptions"', reason):
         return "No_Exception_Propagation"

@@ -24,7 +24,9 @@ package Arenas is
 
    overriding function Storage_Size (Pool : Arena) return Storage_Count is (Pool.Size);
 
-   function Used (Pool : Arena) return Storage_Count;
+   subtype Bytes is Storage_Count;
+
+   function Used (Pool : Arena) return Bytes;
 
 private
 
@@ -33,6 +35,6 @@ private
       Block : Storage_Array (1 .. Size);
    end record;
 
-   function Used (Pool : Arena) return Storage_Count is (Pool.Next);
+   function Used (Pool : Arena) return Bytes is (Pool.Next);
 
 end Arenas;
