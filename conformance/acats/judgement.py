@@ -122,7 +122,8 @@ def judge_refused(test: AcatsTest, found: BuildError | Verdict) -> tuple[str, st
     """A program that violates a restriction passes by being refused for it."""
     if isinstance(found, Verdict):
         return "failed", f"not refused: {found.word}"
-    refused = [x for x in found.reasons if "estriction" in x]
-    if refused:
+    named = [x for x in found.reasons if "estriction" in x]
+    behind = [f"restriction {x}" for x in map(_restriction, found.reasons) if x]
+    if refused := named or sorted(set(behind)):
         return "passed", f"refused at {found.step}: {'; '.join(refused)}"
     return "failed", f"{test.name} refused for another reason: {found}"
