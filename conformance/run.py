@@ -217,6 +217,7 @@ FIXED_POINT = (
 )
 FIRMWARE = f"{HOST_TESTS}/firmware"
 MISRA = (f"{HOST_TESTS}/codegen/test_misra.py",)
+SLX = (f"{HOST_TESTS}/model/test_simulink.py", f"{HOST_TESTS}/cli/test_import.py")
 NXTWAY = (f"{HOST_TESTS}/control/test_nxtway.py",)
 DIGEST = (f"{HOST_TESTS}/page/test_digest.py",)
 GDB = (f"{HOST_TESTS}/cli/test_debug.py",)
@@ -225,7 +226,7 @@ EXPORT = (f"{HOST_TESTS}/trace/test_export.py", f"{HOST_TESTS}/trace/test_real_r
 
 def other_control() -> list[str]:
     """Control tests that have no suite of their own, with the controller on the brick."""
-    named = {*BLOCKS, *FIXED_POINT, *MISRA, *NXTWAY}
+    named = {*BLOCKS, *FIXED_POINT, *MISRA, *NXTWAY, *SLX}
     found = (ROOT / HOST_TESTS).glob("[cm]o*/test_*.py")
     files = {path.relative_to(ROOT).as_posix() for path in found}
     return [*sorted(files - named), "examples/vehicle/tests/test_controller_on_the_brick.py"]
@@ -341,6 +342,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
     ("control", pytest_suite("control", "misra: C:2012 by cppcheck", *MISRA)),
     ("control", pytest_suite("control", "nxtway: published gains", *NXTWAY)),
+    ("control", pytest_suite("control", "slx: Simulink models, written and public", *SLX)),
     ("control", pytest_suite("control", "paper's loop, tuning, generated C", *other_control())),
     (
         "timing",

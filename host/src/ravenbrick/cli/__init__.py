@@ -13,6 +13,7 @@ from ravenbrick.cli.doctor import doctor_command
 from ravenbrick.cli.export import export_command
 from ravenbrick.cli.grade import grade_command
 from ravenbrick.cli.identify import identify_command
+from ravenbrick.cli.import_model import import_command
 from ravenbrick.cli.live import live_command
 from ravenbrick.cli.monitor import monitor_command
 from ravenbrick.cli.new import home_command, new_command
@@ -32,6 +33,7 @@ __all__ = [
     "grade_command",
     "home_command",
     "identify_command",
+    "import_command",
     "live_command",
     "main",
     "monitor_command",

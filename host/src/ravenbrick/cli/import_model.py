@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick import`: a Simulink model becomes C."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.console import Reporter
+from ravenbrick.codegen import generate_c
+from ravenbrick.errors import UsageError
+from ravenbrick.simulink import import_simulink
+
+__all__ = ["import_command"]
+
+
+def _variables(given: list[str]) -> dict[str, float]:
+    found = {}
+    for text in given:
+        name, sign, value = text.partition("=")
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            sign = ""
+        if not sign:
+            raise UsageError(f"--set {text}: give a name and a number, such as Kp=0.5")
+    return found
+
+
+@command("ravenbrick import controller.slx --sample-time 0.004 --set Kp=0.36 --output generated")
+def import_command(
+    model: Annotated[Path, typer.Argument(help="Simulink model, .slx or .mdl.")],
+    sample_time: Annotated[float, typer.Option(help="Seconds between two steps.")],
+    output: Annotated[Path, typer.Option(help="Folder for the C.")],
+    variables: Annotated[
+        list[str] | None, typer.Option("--set", help="Workspace variable, name=number.")
+    ] = None,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Read a Simulink model, and generate C from it; lists every block that it cannot."""
+    if not model.is_file():
+        raise UsageError(f"{model}: there is no such file")
+    if not sample_time > 0:
+        raise UsageError(f"--sample-time must be > 0 s, not {sample_time}")
+    reporter = Reporter(json_output, total=2)
+    with reporter.step("read the model") as step:
+        diagram = import_simulink(model, sample_time, _variables(variables or []))
+        step.note = f"{len(diagram.blocks)} blocks"
+    with reporter.step("generate C"):
+        paths = generate_c(diagram).write(output)
+    return {
+        "model": str(model),
+        "blocks": [{"name": b.name, "type": type(b).__name__} for b in diagram.blocks],
+        "files": [str(path) for path in paths],
+    }

@@ -1,0 +1,10 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Simulink models become diagrams."""
+
+from __future__ import annotations
+
+from ravenbrick.simulink.file import read_simulink
+from ravenbrick.simulink.importer import Refusal, Survey, import_simulink, survey_simulink
+
+__all__ = ["Refusal", "Survey", "import_simulink", "read_simulink", "survey_simulink"]

@@ -1,0 +1,283 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Reads Simulink's model files: `.slx` (a zip of XML) and `.mdl` (text)."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from ravenbrick.errors import DesignError
+
+__all__ = ["SimulinkBlock", "SimulinkLine", "SimulinkSystem", "read_simulink"]
+
+_LARGEST_BYTES = 64 << 20
+_MOST_FILES = 4000
+_DEEPEST = 200
+_ROOTS = ("simulink/systems/system_root.xml", "simulink/blockdiagram.xml")
+_DEFAULTS = ("simulink/bddefaults.xml", "simulink/blockdiagram.xml")
+
+
+@dataclass
+class SimulinkBlock:
+    """A block with its parameters as text, defaults included; `system` of a subsystem."""
+
+    name: str
+    kind: str
+    parameters: dict[str, str]
+    system: SimulinkSystem | None = None
+
+
+@dataclass(frozen=True)
+class SimulinkLine:
+    """From an output port (block, port from 1) to input ports; other ports have names."""
+
+    source: tuple[str, int | str]
+    targets: tuple[tuple[str, int | str], ...]
+
+
+@dataclass
+class SimulinkSystem:
+    """Blocks by key (their number or name in the file) and the lines between them."""
+
+    blocks: dict[str, SimulinkBlock] = field(default_factory=dict)
+    lines: list[SimulinkLine] = field(default_factory=list)
+
+
+@dataclass
+class _Node:
+    tag: str
+    attributes: Mapping[str, str]
+    children: list[_Node] = field(default_factory=list)
+    text: str = ""
+
+    def all(self, tag: str) -> Iterator[_Node]:
+        return (child for child in self.children if child.tag == tag)
+
+    def values(self) -> dict[str, str]:
+        """Named parameters: <P Name="x">text</P>, or entries of a .mdl section."""
+        return {p.attributes["Name"]: p.text for p in self.all("P") if "Name" in p.attributes}
+
+
+def read_simulink(path: Path) -> SimulinkSystem:
+    """The root system of a model; raises `DesignError` for a file that is no such model.
+
+    XML with a document type or entities is refused, and so are archives that unpack to more than
+    64 MB.
+    """
+    try:
+        if zipfile.is_zipfile(path):
+            with zipfile.ZipFile(path) as archive:
+                return _Archive(archive, path).root()
+        data = path.read_bytes()
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError) as error:
+        raise DesignError(
+            f"{path}: the archive is damaged: {error}; save the model again"
+        ) from error
+    if len(data) > _LARGEST_BYTES:
+        raise DesignError(f"{path}: larger than {_LARGEST_BYTES >> 20} MB")
+    return _mdl_root(data.decode("utf-8", errors="replace"), path)
+
+
+class _Archive:
+    def __init__(self, archive: zipfile.ZipFile, path: Path) -> None:
+        self._archive = archive
+        self._path = path
+        infos = archive.infolist()
+        if len(infos) > _MOST_FILES or sum(info.file_size for info in infos) > _LARGEST_BYTES:
+            raise DesignError(
+                f"{path}: the archive unpacks to more than {_LARGEST_BYTES >> 20} MB or "
+                f"{_MOST_FILES} files"
+            )
+        self._names = {info.filename for info in infos}
+        self._defaults = self._read_defaults()
+
+    def _parse(self, name: str) -> _Node:
+        with self._archive.open(name) as file:
+            data = file.read(_LARGEST_BYTES + 1)
+        if len(data) > _LARGEST_BYTES:
+            raise DesignError(f"{self._path}: {name} is larger than its entry says")
+        return _parse_xml(data, f"{self._path}: {name}")
+
+    def _read_defaults(self) -> dict[str, dict[str, str]]:
+        for name in _DEFAULTS:
+            if name in self._names:
+                found = [n for n in _walk(self._parse(name)) if n.tag == "BlockParameterDefaults"]
+                if found:
+                    return {
+                        b.attributes.get("BlockType", ""): b.values() for b in found[0].all("Block")
+                    }
+        return {}
+
+    def root(self) -> SimulinkSystem:
+        name = next((name for name in _ROOTS if name in self._names), None)
+        if name is None:
+            raise DesignError(f"{self._path}: no Simulink model is inside; expected {_ROOTS[1]}")
+        node = self._parse(name)
+        systems = [n for n in _walk(node) if n.tag == "System"]
+        if not systems:
+            raise DesignError(f"{self._path}: {name} holds no system")
+        return self._system(systems[0], 0)
+
+    def _system(self, node: _Node, depth: int) -> SimulinkSystem:
+        if depth > _DEEPEST:
+            raise DesignError(f"{self._path}: subsystems are nested more than {_DEEPEST} deep")
+        reference = node.attributes.get("Ref")
+        if reference is not None:
+            name = f"simulink/systems/{reference}.xml"
+            if name not in self._names:
+                raise DesignError(f"{self._path}: the subsystem file {name} is missing")
+            node = next((n for n in _walk(self._parse(name)) if n.tag == "System"), node)
+        return _system_of(node, self._defaults, lambda inner: self._system(inner, depth + 1))
+
+
+def _walk(node: _Node) -> Iterator[_Node]:
+    waiting = [node]
+    while waiting:
+        one = waiting.pop(0)
+        yield one
+        waiting[:0] = one.children
+
+
+def _parse_xml(data: bytes, place: str) -> _Node:
+    root = _Node("", {})
+    stack = [root]
+
+    def begin(tag: str, attributes: dict[str, str]) -> None:
+        if len(stack) > _DEEPEST:
+            raise DesignError(f"{place}: nested more than {_DEEPEST} deep")
+        stack[-1].children.append(_Node(tag, attributes))
+        stack.append(stack[-1].children[-1])
+
+    def characters(text: str) -> None:
+        stack[-1].text += text
+
+    def refuse(*_: object) -> None:
+        raise DesignError(f"{place}: has a document type, which model files never have")
+
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+    parser.StartElementHandler = begin
+    parser.EndElementHandler = lambda tag: stack.pop()
+    parser.CharacterDataHandler = characters
+    parser.StartDoctypeDeclHandler = refuse
+    parser.EntityDeclHandler = refuse
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise DesignError(f"{place}: is not XML: {error}") from error
+    return root
+
+
+def _system_of(
+    node: _Node,
+    defaults: Mapping[str, dict[str, str]],
+    inner: Callable[[_Node], SimulinkSystem],
+) -> SimulinkSystem:
+    """A system from its node; `inner` makes those inside."""
+    system = SimulinkSystem()
+    for block in node.all("Block"):
+        own = block.values()
+        kind = block.attributes.get("BlockType") or own.get("BlockType", "")
+        name = block.attributes.get("Name") or own.get("Name", "")
+        key = block.attributes.get("SID") or name
+        parameters = {**defaults.get(kind, {}), **own}
+        found = SimulinkBlock(" ".join(name.split()), kind, parameters)
+        for child in block.all("System"):
+            found.system = inner(child)
+        system.blocks[key] = found
+        system.blocks.setdefault(name, found)
+    for line in node.all("Line"):
+        source = _end(line.values(), "Src")
+        targets = tuple(end for end in _targets(line) if end is not None)
+        if source is not None and targets:
+            system.lines.append(SimulinkLine(source, targets))
+    return system
+
+
+def _targets(line: _Node) -> Iterator[tuple[str, int | str] | None]:
+    waiting = [line]
+    while waiting:
+        one = waiting.pop()
+        yield _end(one.values(), "Dst")
+        waiting.extend(one.all("Branch"))
+
+
+def _end(values: Mapping[str, str], side: str) -> tuple[str, int | str] | None:
+    """An end of a line: `12#out:1` in newer files, two entries in older ones."""
+    if side in values:
+        match = re.match(r"(.+)#(out|in|\w+)(?::(\d+))?\Z", values[side])
+        if match is None:
+            return None
+        return match[1], int(match[3] or 1) if match[2] in ("in", "out") else match[2]
+    if f"{side}Block" in values:
+        port = values.get(f"{side}Port", "1")
+        return values[f"{side}Block"], int(port) if port.isdigit() else port
+    return None
+
+
+_MDL = re.compile(r"\s*(?:(?P<open>[\w.]+)\s*\{|(?P<close>\})|(?P<key>[\w.$]+)\s+(?P<value>.*))\Z")
+
+
+def _mdl_root(text: str, path: Path) -> SimulinkSystem:
+    node = _mdl_tree(text, path)
+    models = [n for n in _walk(node) if n.tag in ("Model", "Library")]
+    if not models:
+        raise DesignError(f"{path}: is neither .slx nor .mdl: no Model section")
+    defaults: dict[str, dict[str, str]] = {}
+    for section in models[0].all("BlockParameterDefaults"):
+        for block in section.all("Block"):
+            values = block.values()
+            defaults[values.get("BlockType", "")] = values
+    systems = list(models[0].all("System"))
+    if not systems:
+        raise DesignError(f"{path}: the model holds no system")
+
+    def system(inner: _Node) -> SimulinkSystem:
+        return _system_of(inner, defaults, system)
+
+    return system(systems[0])
+
+
+def _mdl_tree(text: str, path: Path) -> _Node:
+    root = _Node("", {})
+    stack = [root]
+    last: _Node | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        bare = line.strip()
+        if not bare or bare.startswith("#"):
+            continue
+        if bare.startswith('"') and last is not None:
+            last.text += _unquoted(bare)
+            continue
+        match = _MDL.match(line)
+        if match is None:
+            continue
+        if match["open"]:
+            if len(stack) > _DEEPEST:
+                raise DesignError(f"{path}:{number}: nested more than {_DEEPEST} deep")
+            stack[-1].children.append(_Node(match["open"], {}))
+            stack.append(stack[-1].children[-1])
+            last = None
+        elif match["close"]:
+            if len(stack) == 1:
+                raise DesignError(f"{path}:{number}: a closing brace too many")
+            stack.pop()
+            last = None
+        else:
+            last = _Node("P", {"Name": match["key"]}, [], _unquoted(match["value"]))
+            stack[-1].children.append(last)
+    if len(stack) != 1:
+        raise DesignError(f"{path}: ends inside section {stack[-1].tag}")
+    return root
+
+
+def _unquoted(text: str) -> str:
+    text = text.strip()
+    if len(text) > 1 and text[0] == '"' == text[-1]:
+        return text[1:-1].replace('\\"', '"').replace("\\n", " ").replace("\\\\", "\\")
+    return text

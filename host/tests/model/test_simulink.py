@@ -1,0 +1,330 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Simulink models: files written here, and public ones whose folder the environment names."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from ravenbrick.codegen import generate_c
+from ravenbrick.errors import DesignError
+from ravenbrick.model import Diagram, Execution
+from ravenbrick.simulink import import_simulink, read_simulink, survey_simulink
+from ravenbrick.simulink.blocks import MAKERS
+from ravenbrick.simulink.numbers import matrix, scalar
+
+PUBLIC = os.environ.get("RAVENBRICK_SLX_MODELS")
+FIRST = '<?xml version="1.0" encoding="utf-8"?>\n'
+
+
+def block(kind: str, name: str, number: int, inner: str = "", **parameters: object) -> str:
+    """A block as newer files write it."""
+    values = "".join(f'<P Name="{key}">{value}</P>' for key, value in parameters.items())
+    return f'<Block BlockType="{kind}" Name="{name}" SID="{number}">{values}{inner}</Block>'
+
+
+def line(source: str, *targets: str) -> str:
+    """A line; several targets are branches."""
+    head = f'<P Name="Src">{source}</P>'
+    if len(targets) == 1:
+        return f'<Line>{head}<P Name="Dst">{targets[0]}</P></Line>'
+    branches = "".join(f'<Branch><P Name="Dst">{target}</P></Branch>' for target in targets)
+    return f"<Line>{head}{branches}</Line>"
+
+
+# A PI controller in a subsystem, its output limited and shown on a scope.
+INNER = (
+    block("Inport", "e", "3::1") + block("Gain", "Kp", "3::2", Gain="Kp_value*2")
+    + block("DiscreteIntegrator", "I", "3::3", gainval="Ki", SampleTime="0.01",
+            IntegratorMethod="Integration: Forward Euler", InitialCondition="0.5")
+    + block("Sum", "Add", "3::4", Inputs="|++") + block("Outport", "u", "3::5")
+    + line("3::1#out:1", "3::2#in:1", "3::3#in:1") + line("3::2#out:1", "3::4#in:1")
+    + line("3::3#out:1", "3::4#in:2") + line("3::4#out:1", "3::5#in:1")
+)  # fmt: skip
+ROOT = (
+    block("Inport", "ref", 1) + block("Saturate", "Lim it", 2, UpperLimit="3", LowerLimit="-3")
+    + block("SubSystem", "PI", 3, "{inner}") + block("Outport", "out", 4)
+    + block("Scope", "Scope", 5)
+    + line("1#out:1", "3#in:1") + line("3#out:1", "2#in:1") + line("2#out:1", "4#in:1", "5#in:1")
+)  # fmt: skip
+VARIABLES = {"Kp_value": 0.5, "Ki": 2.0}
+
+
+def single_file(path: Path, root: str) -> Path:
+    """An .slx with everything in blockdiagram.xml, as until 2018."""
+    inside = f"<ModelInformation><Model><System>{root}</System></Model></ModelInformation>"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("simulink/blockdiagram.xml", FIRST + inside)
+    return path
+
+
+def whole_model(path: Path) -> Path:
+    """The example in one file."""
+    return single_file(path, ROOT.replace("{inner}", f"<System>{INNER}</System>"))
+
+
+def split_model(path: Path) -> Path:
+    """The example with a file per system, as today."""
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("simulink/blockdiagram.xml", f"{FIRST}<ModelInformation><Model/>"
+                         "</ModelInformation>")  # fmt: skip
+        root = ROOT.replace("{inner}", '<System Ref="system_3"/>')
+        archive.writestr("simulink/systems/system_root.xml", f"{FIRST}<System>{root}</System>")
+        archive.writestr("simulink/systems/system_3.xml", f"{FIRST}<System>{INNER}</System>")
+    return path
+
+
+def text_model(path: Path) -> Path:
+    """The example in the old text format, with a default that Kp takes over."""
+    path.write_text("""\
+Model {
+  Name "controller"
+  BlockParameterDefaults {
+    Block { BlockType Sum Inputs "++" }
+    Block {
+      BlockType Gain
+      Gain "Kp_value"
+      "*2"
+    }
+  }
+  System {
+    Block {
+      BlockType Inport
+      Name "ref"
+    }
+    Block {
+      BlockType SubSystem
+      Name "PI"
+      System {
+        Block {
+          BlockType Inport
+          Name "e"
+        }
+        Block {
+          BlockType Gain
+          Name "Kp"
+        }
+        Block {
+          BlockType DiscreteIntegrator
+          Name "I"
+          IntegratorMethod "Integration: Forward Euler"
+          gainval "Ki"
+          InitialCondition "0.5"
+          SampleTime "0.01"
+        }
+        Block {
+          BlockType Sum
+          Name "Add"
+          Inputs "++"
+        }
+        Block {
+          BlockType Outport
+          Name "u"
+        }
+        Line {
+          SrcBlock "e"
+          SrcPort 1
+          Branch {
+            DstBlock "Kp"
+            DstPort 1
+          }
+          Branch {
+            DstBlock "I"
+            DstPort 1
+          }
+        }
+        Line {
+          SrcBlock "Kp"
+          SrcPort 1
+          DstBlock "Add"
+          DstPort 1
+        }
+        Line {
+          SrcBlock "I"
+          SrcPort 1
+          DstBlock "Add"
+          DstPort 2
+        }
+        Line {
+          SrcBlock "Add"
+          SrcPort 1
+          DstBlock "u"
+          DstPort 1
+        }
+      }
+    }
+    Block {
+      BlockType Saturate
+      Name "Lim it"
+      UpperLimit "3"
+      LowerLimit "-3"
+    }
+    Block {
+      BlockType Outport
+      Name "out"
+    }
+    Line {
+      SrcBlock "ref"
+      SrcPort 1
+      DstBlock "PI"
+      DstPort 1
+    }
+    Line {
+      SrcBlock "PI"
+      SrcPort 1
+      DstBlock "Lim it"
+      DstPort 1
+    }
+    Line {
+      SrcBlock "Lim it"
+      SrcPort 1
+      DstBlock "out"
+      DstPort 1
+    }
+  }
+}
+""")
+    return path
+
+
+def run(diagram: Diagram, inputs: np.ndarray) -> np.ndarray:
+    """The only output over the steps."""
+    execution = Execution(diagram)
+    name = execution.program.inputs[0].name
+    return np.array([next(iter(execution.step({name: u}).values())) for u in inputs], float)
+
+
+@pytest.mark.parametrize("write", [whole_model, split_model, text_model])
+def test_all_three_file_forms_give_the_same_controller(write, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    """Subsystem dissolved, variables put in, defaults used; simulated and generated."""
+    diagram = import_simulink(write(tmp_path / "pi.slx"), 0.01, VARIABLES)
+    given = np.random.default_rng(2).uniform(-2, 2, 200)
+    integral = 0.5 + signal.lfilter([0.0, 0.02], [1.0, -1.0], given)
+    assert run(diagram, given) == pytest.approx(np.clip(given + integral, -3, 3), abs=1e-5)
+    assert "'<Root>/Kp'" in generate_c(diagram).files["pi.c"]
+
+
+SINGLE = {
+    "DiscreteTransferFcn": ({"Numerator": "[0.5 0.2]", "Denominator": "[1 -0.9 0.3]"},
+                            lambda u: signal.lfilter([0, 0.5, 0.2], [1, -0.9, 0.3], u)),
+    "DiscreteFilter": ({"Numerator": "[0.5, 0.2]", "Denominator": "[1 -0.9]"},
+                       lambda u: signal.lfilter([0.5, 0.2], [1, -0.9], u)),
+    "DiscreteFir": ({"Coefficients": "[0.25 0.5 0.25]"},
+                    lambda u: signal.lfilter([0.25, 0.5, 0.25], [1.0], u)),
+    "TransferFcn": ({"Numerator": "[1]", "Denominator": "[0.05 1]"},
+                    lambda u: signal.lfilter(*signal.bilinear([1], [0.05, 1], 100), u)),
+    "Saturate": ({"UpperLimit": "1.5", "LowerLimit": "-0.5"}, lambda u: np.clip(u, -0.5, 1.5)),
+    "Abs": ({}, np.abs),
+    "Signum": ({}, np.sign),
+    "Bias": ({"Bias": "-1.25"}, lambda u: u - 1.25),
+    "UnaryMinus": ({}, lambda u: -u),
+    "DeadZone": ({"LowerValue": "-1", "UpperValue": "1"}, lambda u: u - np.clip(u, -1, 1)),
+    "Quantizer": ({"QuantizationInterval": "0.5"}, lambda u: 0.5 * np.round(u / 0.5)),
+    "UnitDelay": ({"InitialCondition": "2"}, lambda u: np.concatenate([[2.0], u[:-1]])),
+    "Lookup_n-D": ({"BreakpointsForDimension1": "[-1 0 2]", "Table": "[3 0 1]",
+                    "ExtrapMethod": "Clip"}, lambda u: np.interp(u, [-1, 0, 2], [3, 0, 1])),
+    "ZeroOrderHold": ({"SampleTime": "0.02"}, lambda u: np.repeat(u[::2], 2)[: len(u)]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", SINGLE)
+def test_a_block_means_what_it_means_there(kind: str, tmp_path: Path) -> None:
+    """Between an inport and an outport."""
+    parameters, reference = SINGLE[kind]
+    root = block("Inport", "u", 1) + block(kind, "B", 2, **parameters) + block("Outport", "y", 3)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
+    diagram = import_simulink(single_file(tmp_path / "m.slx", root), 0.01)
+    given = np.random.default_rng(4).uniform(-3, 3, 80)
+    assert run(diagram, given) == pytest.approx(reference(given), abs=2e-5)
+
+
+def test_what_is_not_supported_is_listed_by_path(tmp_path: Path) -> None:
+    """Nothing is skipped in silence."""
+    inner = block("Inport", "a", 5) + block("MATLABSystem", "Mystery", 6)
+    root = block("Inport", "u", 1) + block("SubSystem", "Sub", 2, f"<System>{inner}</System>")
+    root += block("Gain", "K", 3, Gain="unknown_gain") + line("1#out:1", "2#enable")
+    path = single_file(tmp_path / "m.slx", root)
+    with pytest.raises(DesignError, match="3 of 5 blocks cannot be imported") as caught:
+        import_simulink(path, 0.01)
+    detail = caught.value.detail
+    assert "Sub (SubSystem): its port 'enable'" in detail
+    assert "Sub/Mystery (MATLABSystem): this type of block is not supported" in detail
+    assert "K (Gain): the variable 'unknown_gain' is not given" in detail
+    assert survey_simulink(path).supported == 3
+
+
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [
+        ({"readme.txt": "hello"}, "no Simulink model is inside"),
+        ({"simulink/blockdiagram.xml": "<a><b></a>"}, "is not XML"),
+        (
+            {"simulink/blockdiagram.xml": '<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>'},
+            "has a document type",
+        ),
+        ({"simulink/blockdiagram.xml": "<a>" * 400}, "nested more than"),
+        ({"simulink/blockdiagram.xml": " " * (65 << 20)}, "unpacks to more than 64 MB"),
+    ],
+)
+def test_hostile_archives_are_refused(
+    contents: dict[str, str], message: str, tmp_path: Path
+) -> None:
+    """Entities, bombs, depth, other files."""
+    path = tmp_path / "m.slx"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in contents.items():
+            archive.writestr(name, text)
+    with pytest.raises(DesignError, match=message):
+        read_simulink(path)
+
+
+def test_text_that_is_no_model_is_refused(tmp_path: Path) -> None:
+    """Neither zip nor .mdl; braces that do not match."""
+    path = tmp_path / "m.mdl"
+    for text, message in (
+        ("hello", "no Model section"),
+        ("Model {", "ends inside"),
+        ("}", "brace"),
+    ):
+        path.write_text(text)
+        with pytest.raises(DesignError, match=message):
+            read_simulink(path)
+
+
+def test_numbers_are_read_without_running_anything() -> None:
+    """Arithmetic and variables; calls, huge powers and ragged matrices are refused."""
+    assert scalar("2*pi/(1+x)^2", {"x": 1.0}) == pytest.approx(1.5707963)
+    assert matrix("[1 2; 3, -4]", {}) == [[1.0, 2.0], [3.0, -4.0]]
+    for text in ("exec('x')", "2^999", "[1 2", "a.b", "__import__('os')"):
+        with pytest.raises(ValueError, match="not|power"):
+            scalar(text, {})
+    with pytest.raises(ValueError, match="different lengths"):
+        matrix("[1 2; 3]", {})
+
+
+def test_forty_five_types_have_a_counterpart() -> None:
+    """With ports, subsystems and sinks."""
+    assert len(MAKERS) + 5 + 3 >= 45
+
+
+def public_models() -> list[Path]:
+    """Models in the folder that RAVENBRICK_SLX_MODELS names."""
+    if PUBLIC is None:
+        return []
+    return sorted(p for p in Path(PUBLIC).rglob("*") if p.suffix.lower() in (".slx", ".mdl"))
+
+
+@pytest.mark.skipif(PUBLIC is None, reason="RAVENBRICK_SLX_MODELS names no folder of models")
+@pytest.mark.parametrize("path", public_models(), ids=lambda path: path.name)
+def test_a_public_model_is_read_and_its_other_blocks_are_listed(path: Path) -> None:
+    """Every block is either imported or refused by its path with a reason."""
+    survey = survey_simulink(path)
+    assert survey.blocks > 0
+    assert all(refusal.path and refusal.reason for refusal in survey.refusals)
+    print(f"{path.name}: {survey.supported} of {survey.blocks} blocks")
