@@ -292,6 +292,14 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         "firmware",
         pytest_suite(
             "firmware",
+            "two bricks with nxt-firmware joined by Bluetooth",
+            f"{FIRMWARE}/test_two_bricks.py",
+        ),
+    ),
+    (
+        "firmware",
+        pytest_suite(
+            "firmware",
             "boot monitor: load-and-go and flashing as libnxt does them",
             f"{FIRMWARE}/test_boot_monitor.py",
         ),
