@@ -7,7 +7,12 @@ from __future__ import annotations
 import json
 import os
 import pty
+import socket
+import subprocess
+import sys
 import threading
+import time
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -114,6 +119,13 @@ def test_the_command_records_and_changes(server: Server, tmp_path: Path) -> None
     assert json.loads(again.output)["runs"] == told["runs"]
 
 
+def test_nobody_there_is_said() -> None:
+    """Exit code 11 after the time is over, with what to check."""
+    result = CliRunner().invoke(app, ["monitor", "tcp:1", "--seconds", "0.2"])
+    assert result.exit_code == ExitCode.CONNECTION_FAILED
+    assert "no program with telemetry answered" in result.output
+
+
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
@@ -127,3 +139,22 @@ def test_wrong_arguments_are_named(arguments: list[str], text: str) -> None:
     result = CliRunner().invoke(app, ["monitor", *arguments])
     assert result.exit_code == ExitCode.USAGE
     assert text in result.output
+
+
+def test_the_live_page_is_served_on_this_computer(server: Server) -> None:
+    """The page answers while the command runs, and the command ends by itself."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    code = "from ravenbrick.cli import main; main()"
+    arguments = ["monitor", f"tcp:{server.port}", "--page", str(port), "--seconds", "6"]
+    process = subprocess.Popen([sys.executable, "-c", code, *arguments], text=True)
+    page = ""
+    deadline = time.monotonic() + 60
+    while not page and process.poll() is None and time.monotonic() < deadline:
+        try:
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=5) as answer:
+                page = answer.read().decode("utf-8")
+        except OSError:
+            time.sleep(0.1)
+    assert "Ravenbrick monitor" in page or "figure" in page
+    assert process.wait(timeout=60) == 0

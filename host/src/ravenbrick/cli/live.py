@@ -66,6 +66,7 @@ def live_command(
     live = LiveRun(brick, port, run_record, pin, speed, reporter.print)
     try:
         stopped = live.run(seconds)
+        reporter.print(f"the run ended: {stopped.message or stopped.reason}")
         if stopped.reason == "fault":
             raise RunFaultError(f"the program stopped with a fault: {stopped.message}")
     except KeyboardInterrupt:

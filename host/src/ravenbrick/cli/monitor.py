@@ -14,7 +14,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import shown_path
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import ConnectionFailedError, UsageError
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.telemetry.links import open_link
 from ravenbrick.telemetry.messages import Answer, Hello, Message, Verdict
@@ -186,6 +186,11 @@ def monitor_command(
             spool = stack.enter_context(Spool(record)) if record is not None else None
             monitor = Monitor(session, partial(open_link, address), spool, reporter.print)
             _watch(address, monitor, seconds, page, reporter)
+        if not session.runs:
+            raise ConnectionFailedError(
+                f"{address}: no program with telemetry answered; check that the brick runs one, "
+                "that it is in range, and that nothing else is connected with it"
+            )
     files = _write_outputs(session, out, step, design) if out is not None else []
     summary = _summary(session, files)
     for run in summary["runs"]:
