@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,14 @@ def test_the_compilers_first_error_is_in_the_sentence(project: Path, robot: Robo
     workspace = _makefile(project, "@echo 'tasks.adb:12:7: error: missing \";\"'; exit 1")
     with pytest.raises(BuildError, match=r"tasks\.adb:12:7: error: missing"):
         build.build_image(workspace, robot, "ram")
+
+
+@pytest.mark.usefixtures("no_toolchain")
+def test_the_profile_of_the_robot_reaches_every_tool(project: Path, robot: Robot) -> None:
+    """Make hands it to gprbuild and to the run-time's Makefile by the environment."""
+    workspace = _makefile(project, "@echo \"main.adb:1:1: error: $$PROFILE\"; exit 1")
+    with pytest.raises(BuildError, match="error: jorvik"):
+        build.build_image(workspace, replace(robot, profile="jorvik"), "ram")
 
 
 @pytest.mark.usefixtures("no_toolchain")

@@ -41,6 +41,12 @@ BROKEN = [
     ),
     ('name = "display_task"', 'name = "Control_Task"', "tasks[2].name", "is there twice"),
     ("schema_version = 1", "schema_version = 2", "schema_version", "expected 1"),
+    (
+        "schema_version = 1",
+        'profile = "full"\nschema_version = 1',
+        "profile",
+        "expected one of 'ravenscar', 'jorvik'",
+    ),
 ]
 
 

@@ -72,13 +72,15 @@ def require_tools() -> None:
         )
 
 
-def _run_make(workspace: Workspace, kind: ImageKind) -> str:
+def _run_make(workspace: Workspace, kind: ImageKind, profile: str) -> str:
     if not (workspace.project / "Makefile").is_file():
         raise ProjectFileError(
             workspace.project / "Makefile", 1, "", "is missing; a project needs it to be built"
         )
     # The generated C comes from design.py, run with the same Python as this program.
     command = ["make", "-C", str(workspace.project), kind, f"PYTHON={sys.executable}"]
+    # From its environment to the run-time's Makefile and to gprbuild, which both know the name.
+    command.append(f"PROFILE={profile}")
     done = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
     )
@@ -119,7 +121,7 @@ def build_image(workspace: Workspace, robot: Robot, kind: ImageKind) -> Built:
     Raises `ToolMissingError`, `BuildError`, `ImageFileError` or `ProjectFileError`.
     """
     require_tools()
-    output = _run_make(workspace, kind)
+    output = _run_make(workspace, kind, robot.profile)
     image = read_image(workspace.image(kind, robot.name))
     memory = memory_report(image, robot)
     memory_file = workspace.build(kind) / "memory.json"

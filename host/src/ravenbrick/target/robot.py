@@ -156,6 +156,7 @@ class Robot:
     setpoints: tuple[Setpoint, ...]
     floor: Floor | None = None
     walls: tuple[Wall, ...] = ()
+    profile: Literal["ravenscar", "jorvik"] = "ravenscar"
 
     @property
     def directory(self) -> Path:
@@ -315,4 +316,5 @@ def read_robot(directory: Path) -> Robot:
         setpoints=tuple(_setpoint(table) for table in values.get("setpoints", [])),
         floor=_floor(document.path.parent, values["floor"]) if "floor" in values else None,
         walls=tuple(_wall(table) for table in values.get("walls", [])),
+        profile=values.get("profile", "ravenscar"),
     )
