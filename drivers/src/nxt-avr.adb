@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with NXT.Configuration;
 with NXT.Last_Chance;
 pragma Unreferenced (NXT.Last_Chance);
 with NXT.Priorities;
@@ -16,7 +17,7 @@ package body NXT.AVR is
    Stack_Size : constant := 1_024;
 
    --  Periods in which the co-processor is left alone before and after the greeting, 20 ms
-   Quiet_Periods : constant := 10;
+   Quiet_Periods : constant := 20 / Configuration.Link_Period_Ms;
 
    --  Consecutive failures in one direction after which the link is lost
    Tolerated_Failures : constant := 3;
@@ -45,7 +46,7 @@ package body NXT.AVR is
    --  Both written by the link's task only.
 
    task Coprocessor_Task with
-     Priority     => Priorities.Coprocessor_Task,
+     Priority     => Configuration.Link_Priority,
      Storage_Size => Stack_Size;
 
    protected body Shared is

@@ -2,12 +2,13 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  The link to the co-processor that drives the motors, reads sensors and buttons and holds the
---  power. A task of this package exchanges one frame every 2 ms, outputs and inputs in turn; every
+--  power. A task of this package exchanges one frame each Period, outputs and inputs in turn; every
 --  program that uses a motor or a sensor needs this package in its closure.
 
 with Ada.Real_Time;
 with Interfaces;
 with NXT.AVR_IO;
+with NXT.Configuration;
 
 package NXT.AVR with Elaborate_Body is
 
@@ -73,6 +74,7 @@ package NXT.AVR with Elaborate_Body is
 
 private
 
-   Period : constant Ada.Real_Time.Time_Span := Ada.Real_Time.Milliseconds (2);
+   Period : constant Ada.Real_Time.Time_Span :=
+     Ada.Real_Time.Milliseconds (Configuration.Link_Period_Ms);
 
 end NXT.AVR;

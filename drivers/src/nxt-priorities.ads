@@ -10,9 +10,7 @@ with System;
 
 package NXT.Priorities with Pure is
 
-   Coprocessor_Task : constant System.Priority := System.Priority'Last;
-
-   Regulator_Task   : constant System.Priority := Coprocessor_Task - 1;
+   Regulator_Task   : constant System.Priority := System.Priority'Last - 1;
 
    Shared_Data      : constant System.Priority := System.Priority'Last;
    --  Ceiling of data that any task may read or write.
