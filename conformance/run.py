@@ -300,6 +300,14 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         "firmware",
         pytest_suite(
             "firmware",
+            "images of six firmware families boot to their picture",
+            "conformance/test_firmware_images.py",
+        ),
+    ),
+    (
+        "firmware",
+        pytest_suite(
+            "firmware",
             "boot monitor: load-and-go and flashing as libnxt does them",
             f"{FIRMWARE}/test_boot_monitor.py",
         ),
