@@ -386,6 +386,12 @@ package body NXT.Bluetooth is
 
    procedure Connect (Target : BT_Address; Success : out Boolean) is
    begin
+      Connect (Target, To_Pin ("1234"), Success);
+   end Connect;
+
+   procedure Connect (Target : BT_Address; Pin : Pin_Code; Success : out Boolean) is
+   begin
+      Expected := Pin;
       Peer := Target;
       Now_Is := Calling;
       Send (Bluetooth_Messages.Connect, To_Bytes (Target));

@@ -69,9 +69,14 @@ package NXT.Bluetooth is
    with Pre => Available;
    --  Waits until another device has connected; not Success when that failed.
 
+   procedure Connect (Target : BT_Address; Pin : Pin_Code; Success : out Boolean) with
+     Pre => Available and then State = Idle;
+   --  Waits until the other device has accepted, or not. The code matters for a device that this
+   --  brick was not connected with before.
+
    procedure Connect (Target : BT_Address; Success : out Boolean) with
      Pre => Available and then State = Idle;
-   --  Waits until the other device has accepted, or not.
+   --  The same with the code 1234, LEGO's own.
 
    procedure Disconnect;
    --  Ask for the end of the connection; it comes with the next calls of Poll.
