@@ -22,9 +22,8 @@ package Ada.Exceptions is
 
 private
 
-   type Exception_Data is limited record
-      Unused : Integer := 0;
-   end record;
+   type Exception_Data is mod 2 ** 8;
+   --  Only its address counts; without elaboration
    type Exception_Id is access all Exception_Data;
    for Exception_Id'Storage_Size use 0;
 
@@ -36,13 +35,13 @@ private
 
    --  What raise statements with a message name the predefined exceptions by
 
-   Constraint_Error_Data : Exception_Data
+   Constraint_Error_Data : aliased Exception_Data := 0
      with Export, Convention => C, External_Name => "constraint_error";
-   Program_Error_Data : Exception_Data
+   Program_Error_Data : aliased Exception_Data := 0
      with Export, Convention => C, External_Name => "program_error";
-   Storage_Error_Data : Exception_Data
+   Storage_Error_Data : aliased Exception_Data := 0
      with Export, Convention => C, External_Name => "storage_error";
-   Tasking_Error_Data : Exception_Data
+   Tasking_Error_Data : aliased Exception_Data := 0
      with Export, Convention => C, External_Name => "tasking_error";
 
 end Ada.Exceptions;
