@@ -12,6 +12,7 @@ mod backwards;
 mod checkpoints;
 mod execution;
 mod monitor;
+mod peripherals;
 mod screen;
 mod server;
 mod stops;

@@ -4,14 +4,19 @@
 
 use std::fmt::Write;
 
+use trace::{EventKind, NameSpace};
 use virtual_brick::CLOCK_HZ;
 
 use crate::arch::BANKED;
 use crate::execution::Job;
+use crate::peripherals;
 use crate::screen;
 use crate::target::DebugTarget;
 use crate::tasks;
 use crate::timeline::{Change, Refused};
+
+/// Events that `trace` shows without a count.
+const EVENTS_SHOWN: usize = 20;
 
 const HELP: &str = "\
 help                this text
@@ -21,6 +26,9 @@ inputs              what can be set from outside
 set NAME VALUE      set an input now; what came after the present is forgotten
 lcd                 the display
 signals [PART]      last samples of the physical quantities whose name contains PART
+plant               motors, vehicle and battery at this very cycle
+peripherals [PART]  registers of the peripherals whose name contains PART, without side effects
+trace [COUNT]       the last events of the record, 20 when no count is given
 threads             tasks with state, priority and stack
 registers           registers of all modes
 digest              digest of the record up to the present
@@ -40,6 +48,14 @@ pub(crate) fn answer(target: &mut DebugTarget, line: &str) -> String {
         ["lcd"] => screen::show(target.timeline.brick()),
         ["signals"] => signals(target, ""),
         ["signals", part] => signals(target, part),
+        ["plant"] => plant(target),
+        ["peripherals"] => peripherals::show(target.timeline.brick(), ""),
+        ["peripherals", part] => peripherals::show(target.timeline.brick(), part),
+        ["trace"] => trace(target, EVENTS_SHOWN),
+        ["trace", count] => match count.parse() {
+            Ok(count) => trace(target, count),
+            Err(_) => format!("'{count}' is no number of events\n"),
+        },
         ["threads"] => threads(target),
         ["registers"] => registers(target),
         ["digest"] => format!("{}\n", target.timeline.brick().trace().digest()),
@@ -116,6 +132,47 @@ fn signals(target: &DebugTarget, part: &str) -> String {
     }
     if text.is_empty() {
         text = format!("no sample of a signal whose name contains '{part}' so far\n");
+    }
+    text
+}
+
+fn plant(target: &DebugTarget) -> String {
+    let mut text = String::new();
+    for (name, value) in target.timeline.brick().quantities() {
+        let _ = writeln!(text, "{name:<28}{value:>14.6}");
+    }
+    text
+}
+
+fn trace(target: &DebugTarget, count: usize) -> String {
+    let trace = target.timeline.brick().trace();
+    let events = trace.events();
+    let name = |space: NameSpace, index: u32| {
+        let names = trace.names().all(space);
+        names.get(index as usize).map_or("none", String::as_str)
+    };
+    let mut text = String::new();
+    for event in events.iter_from(events.len().saturating_sub(count)) {
+        let subject = match event.kind {
+            EventKind::ThreadRunning
+            | EventKind::ThreadState
+            | EventKind::Release
+            | EventKind::Completion => name(NameSpace::Thread, event.subject).to_owned(),
+            EventKind::MotorCommand => name(NameSpace::Motor, event.subject).to_owned(),
+            EventKind::Input => name(NameSpace::Input, event.subject).to_owned(),
+            EventKind::InterruptEntered => format!("source {}", event.subject),
+            _ => String::new(),
+        };
+        let value = match event.kind {
+            EventKind::Input => f64::from_bits(event.value as u64).to_string(),
+            EventKind::DisplayChanged => format!("{:016x}", event.value),
+            _ => event.value.to_string(),
+        };
+        let (at, kind) = (event.at_cycles, event.kind.name());
+        let _ = writeln!(text, "{at:>14}  {kind:<18}{subject:<20}{value}");
+    }
+    if text.is_empty() {
+        text = "no event so far\n".to_owned();
     }
     text
 }

@@ -22,6 +22,8 @@ const TERMINATED: u32 = 5;
 const FIRST_TASK: usize = 2;
 /// The code that takes up a preempted task: mov r0, sp; add sp, sp, #28; ldmfd sp!, {r4-r11, lr}.
 const TAKES_UP_PREEMPTED: [u32; 3] = [0xE1A0_000D, 0xE28D_D01C, 0xE8BD_4FF0];
+/// Where a task goes on that waits in the run-time in Thumb state (`runtime/arm7tdmi/thumb`).
+const SWITCHED: &str = "ravenbrick_switched";
 const INTERRUPT_STACK_TOP: &str = "ravenbrick_interrupt_stack_top";
 /// r0-r3, r12 and pc of the interrupted task.
 const INTERRUPT_FRAME_BYTES: u32 = 24;
@@ -198,10 +200,31 @@ fn is_code(brick: &VirtualBrick, address: u32) -> bool {
         })
 }
 
+/// The context that the run-time in Thumb state leaves at `frame`: r4-r11 and the address at which
+/// the caller of its switch goes on.
+fn switched_out(brick: &VirtualBrick, frame: u32) -> Option<[Option<u32>; CPSR + 1]> {
+    let mut core = [None; CPSR + 1];
+    let mut address = frame;
+    for register in [4, 5, 6, 7, 8, 9, 10, 11, 14] {
+        core[register] = word(brick, address);
+        address = address.wrapping_add(4);
+    }
+    let caller = core[14]?;
+    let state = if caller & 1 == 0 { 0 } else { psr::T };
+    core[13] = Some(address);
+    core[PC] = Some(caller & !1);
+    core[CPSR] = Some(Mode::System.bits() | state);
+    Some(core)
+}
+
 /// The saved context of a task that does not run; none when there is none.
 fn waiting(brick: &VirtualBrick, block: u32) -> Option<[Option<u32>; CPSR + 1]> {
     let top = word(brick, block.wrapping_add(STACK_POINTER))?;
     let goes_on_at = word(brick, top).filter(|address| is_code(brick, *address))?;
+    let switched = brick.image().symbols().get(SWITCHED);
+    if switched.is_some_and(|symbol| symbol.address == goes_on_at) {
+        return switched_out(brick, top.wrapping_add(4));
+    }
     let mut core = [None; CPSR + 1];
     let offsets = (0u32..).step_by(4);
     let preempted = TAKES_UP_PREEMPTED

@@ -20,6 +20,7 @@ const DISPLAY: u32 = 0x0020_8200;
 const STACK: u32 = 0x0020_8800;
 const LAYOUT: u32 = 0x0020_A000;
 const RESUME: u32 = 0x0020_A100;
+const SWITCHED: u32 = 0x0020_A180;
 const INTERRUPT_TOP: u32 = 0x0020_9000;
 /// Offsets of the run-time's control block.
 const OFFSETS: [u32; 9] = [36, 28, 32, 20, 0, 24, 40, 48, 52];
@@ -55,6 +56,8 @@ fn target(mut program: Program) -> DebugTarget {
     let elf = image(&program)
         .words(LAYOUT, &layout)
         .words(RESUME, &[0xE1A0_000D, 0xE28D_D01C, 0xE8BD_4FF0])
+        .words(SWITCHED, &[0xE121_F01F])
+        .object("ravenbrick_switched", SWITCHED, 4)
         .object("tasks__control", CONTROL, 64)
         .object("tasks__display", DISPLAY, 64)
         .object("ravenbrick_running_thread", RUNNING, 4)
@@ -138,6 +141,40 @@ fn a_waiting_task_shows_where_it_goes_on_and_leaves_out_what_is_not_known() {
     assert!(registers(&mut target, 3).iter().all(Option::is_none));
     let refused = talk(&mut target, &["Hg3", "P0=00000000"]);
     assert!(refused[1].starts_with('E'), "{refused:?}");
+}
+
+#[test]
+fn a_task_that_waits_in_the_thumb_run_time_shows_what_its_switch_saved() {
+    let mut target = target(program());
+    let mut frame = vec![SWITCHED];
+    frame.extend(4..12);
+    frame.push(0x0020_200B);
+    set_words(&mut target, STACK, &frame);
+    let shown = registers(&mut target, 3);
+    let expected: Vec<_> = (4..12).map(Some).collect();
+    assert_eq!(shown[4..12], expected);
+    let sp = STACK + 4 * frame.len() as u32;
+    assert_eq!(
+        shown[13..],
+        [Some(sp), Some(0x0020_200B), Some(0x0020_200A), Some(0x3F)]
+    );
+    assert!(shown[..4].iter().all(Option::is_none));
+}
+
+#[test]
+fn the_monitor_shows_record_peripherals_and_plant_as_they_are() {
+    let mut target = target(program());
+    let trace = target.monitor("trace 3");
+    assert_eq!(trace.lines().count(), 3, "{trace}");
+    assert!(target.monitor("trace").contains("thread_running    control"));
+    assert!(target.monitor("trace many").contains("no number of events"));
+    let before = target.monitor("digest");
+    let shown = target.monitor("peripherals pmc");
+    assert!(shown.contains("PMC MCKR    FFFFFC30  "), "{shown}");
+    assert!(target.monitor("peripherals TC").lines().count() >= 21);
+    assert!(target.monitor("peripherals LPT").contains("there are TC0"));
+    assert!(target.monitor("plant").contains("motor.B.angle"));
+    assert_eq!(target.monitor("digest"), before);
 }
 
 #[test]

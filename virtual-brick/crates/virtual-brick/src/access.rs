@@ -61,6 +61,12 @@ impl VirtualBrick {
         self.recorder.running_thread(&ChipMemory(&self.chip))
     }
 
+    /// Every physical quantity that is sampled as a signal, at the present: name and value.
+    #[must_use]
+    pub fn quantities(&self) -> Vec<(String, f64)> {
+        self.chip.board().signals(self.chip.now())
+    }
+
     /// Levels of the chip's pins PA0 to PA31, one bit each.
     #[must_use]
     pub fn pins(&self) -> u32 {
