@@ -9,9 +9,14 @@ A published peer is named with its source in `PUBLISHED`.
 from __future__ import annotations
 
 import json
+import os
+import re
+import shutil
+import signal
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -25,6 +30,7 @@ RESULTS = ROOT / "benchmarks" / "results.json"
 VEHICLE = ROOT / "examples" / "vehicle"
 REPEATS = 5
 GRADED = 40
+PAGE_SECONDS = 5
 
 # Value and source of peers that cannot run beside ours.
 PUBLISHED = {
@@ -131,12 +137,60 @@ def grading() -> Iterator[Row]:
         yield figure_row("grading, local Dask cluster of two", per_minute["dask"], "per min", *peer)
 
 
+def busy_image(folder: Path) -> Path:
+    """A program whose processor never rests, at the start of RAM that the boot monitor leaves."""
+    image = folder / "busy.elf"
+    command = ["arm-none-eabi-gcc", "-mcpu=arm7tdmi", "-O2", "-g", "-nostdlib", "-ffreestanding"]
+    command += ["-fno-exceptions", "-fno-unwind-tables", "-fno-asynchronous-unwind-tables"]
+    command += ["-Wl,-Ttext=0x202000", "-Wl,--build-id=none", "-o", str(image)]
+    subprocess.run([*command, str(ROOT / "benchmarks" / "busy" / "busy.c")], check=True)
+    return image
+
+
+def page_ratio(image: Path | None, key: str | None) -> float:
+    """Virtual seconds per second in headless Chromium, as fast as the page can."""
+    command = [str(ROOT / ".venv" / "bin" / "ravenbrick"), "view", str(VEHICLE), "--no-browser"]
+    command += ["--port", "0", *(["--elf", str(image)] if image else [])]
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
+        assert server.stdout is not None
+        address = re.search(r"http://\S+/", server.stdout.readline())
+        if address is None:
+            raise SystemExit("ravenbrick view says no address")
+        words = [
+            "node",
+            "e2e/speed.mjs",
+            address.group(),
+            str(PAGE_SECONDS),
+            *([key] if key else []),
+        ]
+        done = subprocess.run(words, cwd=ROOT / "web", capture_output=True, text=True)
+        server.send_signal(signal.SIGINT)
+    if done.returncode != 0:
+        raise SystemExit(f"{' '.join(words)}: {done.stderr}")
+    ratio: float = json.loads(done.stdout)["ratio"]
+    return ratio
+
+
+def page_speed() -> Iterator[Row]:
+    """Times real speed in the browser's tab; nothing where the page is not built."""
+    if not (ROOT / "build" / "page" / "index.html").is_file() or not shutil.which("chromium"):
+        print("in the tab: not measured: it needs 'make page' and the Debian package chromium")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        busy = page_ratio(busy_image(Path(folder)), None)
+    yield figure_row("in the tab, busy program", busy, "virtual s per s", "the brick", 1.0)
+    moving = page_ratio(None, "t")
+    yield figure_row("in the tab, vehicle driving", moving, "virtual s per s", "the brick", 1.0)
+
+
 FIGURES: list[Callable[[], Iterator[Row]]] = [
     cpu_speed,
     vehicle_speed,
     vehicle_memory,
     run_time,
     grading,
+    page_speed,
 ]
 
 

@@ -145,6 +145,40 @@ def test_going_back_finds_who_wrote_a_variable() -> None:
     assert later == f"$3 = {new}"
 
 
+def same_but_numbers(text: str) -> list[str]:
+    """Lines without what another build of the program changes: addresses, values, line numbers."""
+    lines = (re.sub(r"0x[0-9a-f]+|\d+(?:\.\d+)?", "#", line) for line in text.splitlines())
+    return [" ".join(line.split()) for line in lines if line.strip()]
+
+
+def test_the_transcript_of_the_guide_is_what_gdb_says() -> None:
+    """Its commands are given again; its lines come in this order, others between them."""
+    guide = (VEHICLE.parent.parent / "docs" / "guides" / "debugging.md").read_text()
+    transcript = guide.partition("## Who wrote this?")[2].partition("```text\n")[2]
+    transcript = transcript.partition("```")[0]
+    exchanges = [part.partition("\n") for part in transcript.split("(gdb) ")[1:]]
+    commands = [command for command, _, _ in exchanges]
+    assert "reverse-continue" in commands
+    for said, (command, _, shown) in zip(gdb(*commands), exchanges, strict=True):
+        lines = iter(same_but_numbers(said))
+        missing = [line for line in same_but_numbers(shown) if line not in lines]
+        assert not missing, f"{command}: {said}"
+
+
+def test_the_monitor_shows_record_peripherals_and_plant() -> None:
+    """At a release of the control task, on the vehicle."""
+    *_, trace, timer, plant = gdb(
+        "tbreak tasks.adb:26",
+        "continue",
+        "monitor trace 5",
+        "monitor peripherals TC0",
+        "monitor plant",
+    )
+    assert re.search(r"^\d+ +thread_running +control_task", trace, re.MULTILINE)
+    assert re.search(r"^TC0 CV +FFFA0010 +[0-9A-F]{8}$", timer, re.MULTILINE)
+    assert re.search(r"^battery\.voltage +[78]\.\d+$", plant, re.MULTILINE)
+
+
 def test_a_step_over_a_delay_follows_the_task_forwards_and_backwards() -> None:
     """`next` over `delay until` is 4 ms later in the same task; a breakpoint leads back."""
     said = gdb(
