@@ -146,7 +146,8 @@ def test_going_back_finds_who_wrote_a_variable() -> None:
 
 
 def same_but_numbers(text: str) -> list[str]:
-    """Lines without what another build of the program changes: addresses, values, line numbers."""
+    """Lines without what another build changes: folders, addresses, values, line numbers."""
+    text = re.sub(r"[\w./-]+/(?=[\w.-]+\.(?:ad[bs]|[cS]):)", "", text)
     lines = (re.sub(r"0x[0-9a-f]+|\d+(?:\.\d+)?", "#", line) for line in text.splitlines())
     return [" ".join(line.split()) for line in lines if line.strip()]
 
