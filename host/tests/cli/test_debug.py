@@ -171,7 +171,7 @@ def test_the_monitor_shows_record_peripherals_and_plant() -> None:
     *_, trace, timer, plant = gdb(
         "tbreak tasks.adb:26",
         "continue",
-        "monitor trace 5",
+        "monitor trace",
         "monitor peripherals TC0",
         "monitor plant",
     )
