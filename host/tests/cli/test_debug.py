@@ -175,7 +175,7 @@ def test_the_monitor_shows_record_peripherals_and_plant() -> None:
         "monitor peripherals TC0",
         "monitor plant",
     )
-    assert re.search(r"^\d+ +thread_running +control_task", trace, re.MULTILINE)
+    assert re.search(r"^ *\d+ +thread_running +control_task", trace, re.MULTILINE)
     assert re.search(r"^TC0 CV +FFFA0010 +[0-9A-F]{8}$", timer, re.MULTILINE)
     assert re.search(r"^battery\.voltage +[78]\.\d+$", plant, re.MULTILINE)
 
