@@ -118,6 +118,10 @@ def test_structures_are_found_under_either_name() -> None:
         ("int x;", "no entry point <model>_initialize"),
         ("extern void m_initialize(void);", "no structure of the model's inputs"),
         (
+            "typedef struct tag_RTM RT_MODEL;\nextern void m_initialize(RT_MODEL *const rtM);",
+            "has reusable functions",
+        ),
+        (
             coder_header("classic").replace("real_T Real_Voltage", "Bus_T Real_Voltage"),
             "field 'Real_Voltage' of ExternalInputs_functional has the type Bus_T",
         ),

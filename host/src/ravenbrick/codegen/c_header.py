@@ -138,6 +138,11 @@ def read_header(text: str, file: str = "header") -> ModelHeader:
         if chosen is not None:
             types[role] = chosen
             fields[role] = _fields(bodies[chosen], chosen, file)
+    if "inputs" not in types and "RT_MODEL" in text:
+        raise DesignError(
+            f"{file}: the model has reusable functions (RT_MODEL); generate it with nonreusable "
+            "functions, so that its inputs and outputs are variables"
+        )
     for role in ("inputs", "outputs"):
         if role not in types:
             raise DesignError(f"{file}: no structure of the model's {role} is declared")

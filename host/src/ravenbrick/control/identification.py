@@ -64,9 +64,9 @@ class MotorData:
 
 @dataclass(frozen=True)
 class Interval95:
-    """A parameter's `value` with the ends of its interval; the intervals of all parameters
+    """A parameter's `value` with the ends of its interval: the extent of the joint 95 % confidence
 
-    together hold the true values with 95 % confidence (Bonferroni).
+    ellipsoid of everything that is fitted (Scheffe), so that all intervals hold at once.
     """
 
     name: str
@@ -223,7 +223,7 @@ def fit_motor(data: MotorData) -> IdentifiedMotor:
         residuals, [*_START, 0.0, 0.0], bounds=(low, high), x_scale=scale, diff_step=1e-4
     )
     spread = _spread(np.asarray(found.jac), np.asarray(found.fun))
-    factor = stats.norm.ppf(1 - 0.05 / (2 * len(NAMES))) * _LAG_CORRECTION
+    factor = math.sqrt(stats.chi2.ppf(0.95, len(found.x))) * _LAG_CORRECTION
     parameters = tuple(
         Interval95(name, unit, value, max(value - factor * s, 0.0), value + factor * s)
         for name, unit, value, s in zip(NAMES, _UNITS, map(float, found.x), spread, strict=False)
