@@ -23,6 +23,7 @@ from pathlib import Path
 
 from conformance import blocks, identification
 from conformance.acats import campaign
+from conformance.timing import suites
 from tools import tables
 from tools.tables import Row, merge_rows
 
@@ -371,6 +372,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("tools", pytest_suite("tools", "mcap: read by its library", *EXPORT, "-k", "mcap")),
     ("tools", pytest_suite("tools", "csv and parquet: read back", *EXPORT, "-k", "csv or parquet")),
     ("tools", page_suite),
+    ("timing", suites.random_sets),
+    ("timing", lambda: suites.wcet_benchmarks("arm", "O1")),
+    ("timing", lambda: suites.wcet_benchmarks("thumb", "O2")),
+    ("timing", suites.program_campaign),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
     ("course", pytest_suite("course", "bench, line, balancer", "examples/test_examples.py")),
     ("course", pytest_suite("course", "template: from new to a run", "host/tests/cli/test_new.py")),

@@ -102,6 +102,7 @@ ravenbrick_vectors_end:
 
 /* Where a preempted thread goes on: on its stack status, r0-r3, r12, pc; r4-r11, lr */
         .section .text.ravenbrick_resume, "ax"
+        .type   resume, %function
 resume: mov     r0, sp
         add     sp, sp, #28
         ldmfd   sp!, {r4-r11, lr}

@@ -53,6 +53,7 @@ class ExitCode(IntEnum):
     SCENARIO_UNREACHABLE = 9, "The scenario cannot happen: file missing, or an instant never comes."
     DESIGN_FAILED = 10, "design.py failed or left no design behind."
     CONNECTION_FAILED = 11, "No real brick could be reached, or the transfer to it broke off."
+    NO_TIMING_BOUND = 12, "A time has no bound; the fact that is missing is named."
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from ravenbrick.cli.analyse import analyse_command
 from ravenbrick.cli.app import app
 from ravenbrick.cli.build import build_command
 from ravenbrick.cli.debug import debug_command
@@ -22,8 +23,10 @@ from ravenbrick.cli.run import run_command
 from ravenbrick.cli.schedule import schedule_command
 from ravenbrick.cli.upload import upload_command
 from ravenbrick.cli.view import view_command
+from ravenbrick.cli.wcet import wcet_command
 
 __all__ = [
+    "analyse_command",
     "build_command",
     "debug_command",
     "demo_command",
@@ -43,6 +46,7 @@ __all__ = [
     "schedule_command",
     "upload_command",
     "view_command",
+    "wcet_command",
 ]
 
 

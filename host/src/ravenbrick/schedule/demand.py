@@ -34,9 +34,12 @@ class Source:
     execution: Time
     overhead: Time
 
-    def jobs(self, window: Time) -> int:
-        """Most jobs released in a half-open window of this length."""
-        return ceiling(window + self.jitter, self.period)
+    def jobs(self, window: Time) -> Time:
+        """Most jobs released in a half-open window of this length; a part of one if limited."""
+        whole: Time = ceiling(window + self.jitter, self.period)
+        for share, span in self.task.limits:
+            whole = min(whole, share * ceiling(window + self.jitter, span))
+        return whole
 
 
 @dataclass(frozen=True)
@@ -171,6 +174,8 @@ class Window:
         found = set(self.clock.steps(limit)) | {limit}
         for source in self.sources:
             found |= set(_steps(source.period, source.jitter, limit))
+            for _, span in source.task.limits:
+                found |= set(_steps(span, source.jitter, limit))
         return sorted(exact(step) for step in found if step > 0)
 
 

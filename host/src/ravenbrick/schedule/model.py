@@ -93,7 +93,9 @@ class Task:
     `period` is the minimum inter-release time of sporadic tasks and interrupts. `deadline` is
     relative to the arrival and defaults to the period. `release_jitter` is the longest delay from
     arrival to release. `phase` is the first arrival; None means that nothing is known about it.
-    `blocking` is a bound stated by the user; it holds besides what the sections give.
+    `blocking` is a bound stated by the user; it holds besides what the sections give. A job may
+    stand for a burst of several: `limits` then says how little of its execution can come in a
+    shorter window, as (share of the job, length of any window).
     """
 
     name: str
@@ -106,6 +108,7 @@ class Task:
     release: Release = "cyclic"
     sections: tuple[CriticalSection, ...] = ()
     blocking: Time = 0
+    limits: tuple[tuple[Time, Time], ...] = ()
 
     def __post_init__(self) -> None:
         """Make the times exact and refuse what means nothing."""
@@ -122,6 +125,9 @@ class Task:
             self._refuse("release", f"is '{self.release}'; expected one of {', '.join(RELEASES)}")
         if self.phase is not None and self.release != "cyclic":
             self._refuse("phase", f"has no meaning for a task released as '{self.release}'")
+        self._set("limits", tuple((exact(share), exact(span)) for share, span in self.limits))
+        if any(share <= 0 or span <= 0 for share, span in self.limits):
+            self._refuse("limits", "has a share or a window that is not more than 0")
         self._set("sections", tuple(self._section(section) for section in self.sections))
         self._check_nesting()
 

@@ -31,7 +31,7 @@ class Interference:
     """Execution of `jobs` jobs of a more urgent task, without their overheads."""
 
     task: str
-    jobs: int
+    jobs: Time
     time: Time
 
 
@@ -111,12 +111,12 @@ def _too_long(task: Task) -> AnalysisLimitError:
     )
 
 
-def interference_parts(counts: Sequence[tuple[Source, int]]) -> tuple[Interference, ...]:
+def interference_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Interference, ...]:
     """Execution of the interfering jobs, task by task; tasks without a job are left out."""
     return tuple(Interference(s.task.name, n, n * s.execution) for s, n in counts if n)
 
 
-def overhead_parts(counts: Sequence[tuple[Source, int]]) -> tuple[Time, Time]:
+def overhead_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Time, Time]:
     """What the jobs cost in context switches and in interrupt entries."""
     switches: Time = 0
     entries: Time = 0

@@ -6,6 +6,7 @@ mod brick;
 mod debugging;
 mod errors;
 mod outside;
+mod timing;
 mod values;
 
 use pyo3::prelude::*;
@@ -17,6 +18,8 @@ mod virtual_brick {
     use crate::brick::{Snapshot, VirtualBrick};
     #[pymodule_export]
     use crate::errors::{AddressError, ConfigurationError, ImageError, InputError};
+    #[pymodule_export]
+    use crate::timing::bound_execution_times;
     #[pymodule_export]
     use crate::values::{Stop, Thread};
 }

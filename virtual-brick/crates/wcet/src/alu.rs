@@ -139,6 +139,7 @@ pub fn compute(
         matches!(operation, AluOperation::Cmp | AluOperation::Sub).then(|| Comparison {
             left: (Some(processing.first), first.clone()),
             right: (second.register, second.value.clone()),
+            result: None,
         });
     let (value, flags) = match exact {
         Some(outcome) => outcome,
@@ -201,6 +202,11 @@ fn elementwise(
         }
     }
     Some((Value::of_elements(values)?, flags))
+}
+
+/// A difference with the flags it sets.
+pub fn difference_flags(a: u32, b: u32) -> (u32, u32) {
+    scalar(AluOperation::Cmp, a, b, false)
 }
 
 /// One result, with N, Z, C and V as the adder gives them.

@@ -27,8 +27,36 @@ pub struct Fact {
     pub targets: Vec<String>,
     /// Access: name of the region.
     pub region: Option<String>,
+    /// Recursion: most activations of the function in one call from outside.
+    pub calls: Option<u64>,
+    /// Recursion: most activations at the same time.
+    pub depth: Option<u32>,
     /// Why the fact holds.
     pub reason: Option<String>,
+}
+
+/// Conventions of a kernel; see [`crate::conventions`].
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Kernel {
+    /// Address of the word that names the running thread.
+    pub running_thread: Option<u32>,
+    /// Functions that take the processor from their caller.
+    pub parks: Vec<String>,
+    /// Functions that enter the protected object given in r0.
+    pub locks: Vec<String>,
+    /// Functions that leave their caller's protected action.
+    pub unlocks: Vec<String>,
+}
+
+/// A word of memory that keeps its value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Word {
+    /// Where.
+    pub address: u32,
+    /// What.
+    pub value: u32,
 }
 
 /// All facts of one or more annotation files.
@@ -47,6 +75,18 @@ pub struct Annotations {
     /// Places that are never executed.
     #[serde(default, rename = "never")]
     pub never: Vec<Fact>,
+    /// Functions whose branches to unknown places end the analysis, as a return does.
+    #[serde(default, rename = "leave")]
+    pub leaves: Vec<Fact>,
+    /// Functions that call themselves, with how often.
+    #[serde(default, rename = "recursion")]
+    pub recursions: Vec<Fact>,
+    /// Words that keep their values.
+    #[serde(default, rename = "word")]
+    pub words: Vec<Word>,
+    /// Conventions of the kernel.
+    #[serde(default)]
+    pub kernel: Kernel,
 }
 
 impl Annotations {
@@ -61,6 +101,13 @@ impl Annotations {
                 )));
             }
         }
+        for fact in &annotations.recursions {
+            if fact.symbol.is_none() || fact.calls.is_none() || fact.depth.is_none() {
+                return Err(Error::Input(format!(
+                    "{name}: [[recursion]] {fact:?} needs 'symbol', 'calls' and 'depth'"
+                )));
+            }
+        }
         Ok(annotations)
     }
 
@@ -70,6 +117,14 @@ impl Annotations {
         self.calls.extend(other.calls);
         self.accesses.extend(other.accesses);
         self.never.extend(other.never);
+        self.leaves.extend(other.leaves);
+        self.recursions.extend(other.recursions);
+        self.words.extend(other.words);
+        let (kernel, more) = (&mut self.kernel, other.kernel);
+        kernel.running_thread = kernel.running_thread.or(more.running_thread);
+        kernel.parks.extend(more.parks);
+        kernel.locks.extend(more.locks);
+        kernel.unlocks.extend(more.unlocks);
     }
 }
 

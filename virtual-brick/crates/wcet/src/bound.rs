@@ -9,9 +9,9 @@ use crate::flow::{Block, Entry, Transfer};
 use crate::loops::Forest;
 use crate::path::{longest_path, Problem, Solution, Unsolved};
 use crate::program::Program;
+use crate::section::{merge, Sections, Stay};
 use crate::state::State;
 use crate::summary::Summary;
-use crate::value::Value;
 use crate::walk::{as_arguments, BlockRecord, Walker};
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -70,18 +70,21 @@ pub struct FunctionBound {
     pub blocks: Vec<BlockBound>,
     /// Loops by address of their header.
     pub loops: Vec<LoopBound>,
+    /// Longest stays in protected actions, here and in all callees.
+    pub sections: Sections,
 }
 
-/// Bounds a function whose summary is known.
-pub fn bound_function(
-    program: &Program<'_>,
-    entry: Entry,
-    summary: &Summary,
-    arguments: &[Value; 4],
-) -> Result<FunctionBound, Error> {
+/// What executing a function on abstract values shows.
+struct Executed {
+    findings: Vec<LoopFinding>,
+    records: Vec<BlockRecord>,
+    given: Vec<Option<u64>>,
+}
+
+fn execute(program: &Program<'_>, summary: &Summary, state: State) -> Executed {
     let (flow, forest) = (&summary.flow, &summary.forest);
-    let numbers = program.loop_numbers(flow, forest);
-    let given: Vec<Option<u64>> = numbers
+    let given: Vec<Option<u64>> = summary
+        .numbers
         .iter()
         .enumerate()
         .map(|(index, number)| program.given_bound(flow, forest, index, *number))
@@ -93,8 +96,56 @@ pub fn bound_function(
         findings: vec![LoopFinding::default(); forest.loops.len()],
         limits: given.clone(),
     };
-    execution.run(State::entry(arguments));
-    let (findings, records) = (execution.findings, execution.walker.records);
+    execution.run(state);
+    Executed {
+        findings: execution.findings,
+        records: execution.walker.records,
+        given,
+    }
+}
+
+/// Stack of a function with all it calls, also of one that never returns.
+pub fn stack_of(program: &Program<'_>, summary: &Summary) -> Result<Option<u32>, Error> {
+    let state = State::entry(&crate::walk::any_arguments());
+    let executed = execute(program, summary, state);
+    let (calls, _) = called(program, summary, &executed.records)?;
+    Ok(stack_bound(&executed.records, &calls))
+}
+
+/// The inner call of a recursive function: its time and stack are the outer one's.
+pub fn recursive_call(entry: Entry) -> FunctionBound {
+    FunctionBound {
+        entry,
+        cycles: 0,
+        stack_bytes: Some(0),
+        blocks: Vec::new(),
+        loops: Vec::new(),
+        sections: Sections::new(),
+    }
+}
+
+/// A recursive function from one activation.
+pub fn bound_recursive(one: FunctionBound, calls: u64, depth: u32) -> FunctionBound {
+    FunctionBound {
+        cycles: one.cycles.saturating_mul(calls),
+        stack_bytes: one.stack_bytes.and_then(|bytes| bytes.checked_mul(depth)),
+        ..one
+    }
+}
+
+/// Bounds a function whose summary is known, from a state at its entry.
+pub fn bound_summary(
+    program: &Program<'_>,
+    entry: Entry,
+    summary: &Summary,
+    state: State,
+) -> Result<FunctionBound, Error> {
+    let (flow, forest) = (&summary.flow, &summary.forest);
+    let Executed {
+        findings,
+        records,
+        given,
+    } = execute(program, summary, state);
     let (calls, endless) = called(program, summary, &records)?;
     let nodes: Vec<Entry> = flow
         .blocks
@@ -121,26 +172,45 @@ pub fn bound_function(
         bounds: &bounds,
         repeats: &repeats(&findings, forest),
     };
-    let solution = longest_path(&problem)
-        .map_err(|unsolved| explain(program, entry, summary, &numbers, unsolved))?;
+    let solution =
+        longest_path(&problem).map_err(|unsolved| explain(program, entry, summary, unsolved))?;
+    let stay = Stay {
+        flow,
+        forest,
+        bounds: &bounds,
+        records: &records,
+        cycles: &cycles,
+    };
+    let mut sections = stay.sections()?;
+    let unlocks = &program.conventions.unlocks;
+    for callee in calls.iter().flatten() {
+        if !unlocks.contains(&callee.entry.0) {
+            merge(&mut sections, &callee.sections);
+        }
+    }
     let stack_bytes = stack_bound(&records, &calls);
     let loops = (0..forest.loops.len()).map(|index| LoopBound {
         address: nodes[forest.loops[index].header].0,
-        number: numbers[index],
+        number: summary.numbers[index],
         header_executions: bounds[index],
-        origin: match (findings[index].unbounded, given[index]) {
-            (false, _) => Origin::Found,
-            (true, Some(_)) => Origin::Given,
-            (true, None) => Origin::NotNeeded,
-        },
+        origin: origin(&findings[index], given[index]),
     });
     Ok(FunctionBound {
         entry,
         cycles: solution.cycles,
         stack_bytes,
         loops: loops.collect(),
+        sections,
         blocks: block_bounds(summary, &solution, cycles, calls, &records),
     })
+}
+
+fn origin(finding: &LoopFinding, given: Option<u64>) -> Origin {
+    match (finding.unbounded, given) {
+        (false, _) => Origin::Found,
+        (true, Some(_)) => Origin::Given,
+        (true, None) => Origin::NotNeeded,
+    }
 }
 
 /// The smaller of what was found and what was given.
@@ -246,21 +316,22 @@ fn block_bounds(
         .collect()
 }
 
-fn explain(
-    program: &Program<'_>,
-    entry: Entry,
-    summary: &Summary,
-    numbers: &[usize],
-    unsolved: Unsolved,
-) -> Error {
+fn explain(program: &Program<'_>, entry: Entry, summary: &Summary, unsolved: Unsolved) -> Error {
     let missing = |loops: BTreeSet<usize>| {
         let places = loops.into_iter().map(|index| {
             let header = summary.forest.loops[index].header;
+            let own = summary.forest.loops[index].blocks.iter().copied();
+            let own = own.filter(|block| summary.forest.innermost[*block] == Some(index));
+            let instructions = own.flat_map(|block| &summary.flow.blocks[block].instructions);
+            let lines: BTreeSet<_> = instructions
+                .filter_map(|(address, _)| program.image.place(*address).line)
+                .collect();
             MissingBound {
                 place: program
                     .image
                     .place(summary.flow.blocks[header].node.address),
-                index: numbers[index],
+                index: summary.numbers[index],
+                lines: lines.into_iter().collect(),
             }
         });
         Error::MissingBounds(places.collect())

@@ -35,6 +35,8 @@ pub struct MissingBound {
     pub place: Place,
     /// Number of the loop among those of its function, by address.
     pub index: usize,
+    /// Source lines of its blocks that are in no inner loop.
+    pub lines: Vec<(String, u32)>,
 }
 
 /// Why there is no bound.
@@ -78,7 +80,7 @@ impl fmt::Display for Error {
             Self::NoCode(place) => write!(f, "{place}: control reaches a place without code"),
             Self::Irreducible(place) => write!(
                 f,
-                "{place}: a loop is entered at two places; no bound per entry can be given"
+                "{place}: a loop is entered at several places, too many to follow each of them"
             ),
             Self::MissingBounds(loops) => {
                 f.write_str(

@@ -91,6 +91,8 @@ pub struct Explorer<'a> {
     pub dead: &'a dyn Fn(u32) -> bool,
     /// Does any way through this function return?
     pub returns: &'a dyn Fn(Entry) -> bool,
+    /// Functions that take the processor from the thread which jumps to them.
+    pub parks: &'a BTreeSet<u32>,
 }
 
 struct Explored {
@@ -117,6 +119,9 @@ fn is_switch_helper(image: &Image, address: u32) -> bool {
 impl Explorer<'_> {
     /// Direct transfer to an address: call, jump or tail call.
     fn direct(&self, node: Node, target: Entry) -> Transfer {
+        if self.parks.contains(&target.0) {
+            return Transfer::Unresolved;
+        }
         if target != self.entry && self.image.starts_function(target.0) {
             return Transfer::TailCall(vec![target]);
         }

@@ -3,12 +3,14 @@
 //! A whole program: functions, their summaries, and bounds for what is known at their calls.
 
 use crate::annotations::{Annotations, Fact};
-use crate::bound::{bound_function, FunctionBound};
+use crate::bound::{bound_recursive, bound_summary, recursive_call, FunctionBound};
+use crate::conventions::Conventions;
 use crate::error::Error;
 use crate::flow::{Entry, Flow};
 use crate::image::Image;
 use crate::loops::Forest;
 use crate::memory::MemoryMap;
+use crate::state::{State, ANY_URGENCY};
 use crate::summary::{summarise, Summary};
 use crate::transfer::World;
 use crate::value::Value;
@@ -18,7 +20,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// Argument sets for which one function is bounded separately; beyond, for any arguments.
-const CONTEXTS: usize = 24;
+const CONTEXTS: usize = 256;
 
 type Arguments = [Value; 4];
 
@@ -28,10 +30,13 @@ pub struct Program<'a> {
     pub image: &'a Image,
     /// Regions and costs.
     pub map: &'a MemoryMap,
+    /// Meaning of the kernel's code.
+    pub conventions: Conventions,
     annotations: &'a Annotations,
     summaries: RefCell<BTreeMap<Entry, Rc<Summary>>>,
     bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, Rc<FunctionBound>>>>,
     open: RefCell<Vec<(Entry, u32)>>,
+    bounding: RefCell<Vec<Entry>>,
 }
 
 impl<'a> Program<'a> {
@@ -60,18 +65,21 @@ impl<'a> Program<'a> {
         Ok(Self {
             image,
             map,
+            conventions: Conventions::new(image, annotations),
             annotations,
             summaries: RefCell::default(),
             bounds: RefCell::default(),
             open: RefCell::default(),
+            bounding: RefCell::default(),
         })
     }
 
     /// Image and map.
-    pub fn world(&self) -> World<'a> {
+    pub fn world(&self) -> World<'_> {
         World {
             image: self.image,
             map: self.map,
+            conventions: &self.conventions,
         }
     }
 
@@ -87,6 +95,18 @@ impl<'a> Program<'a> {
     pub fn is_dead(&self, address: u32) -> bool {
         !self.annotations.never.is_empty()
             && self.fact(&self.annotations.never, address, None).is_some()
+    }
+
+    /// Does a branch to an unknown place end the analysis here?
+    pub fn leaves(&self, address: u32) -> bool {
+        !self.annotations.leaves.is_empty()
+            && self.fact(&self.annotations.leaves, address, None).is_some()
+    }
+
+    /// Most activations of a recursive function in one call and at the same time.
+    pub fn given_recursion(&self, entry: Entry) -> Option<(u64, u32)> {
+        let fact = self.fact(&self.annotations.recursions, entry.0, None)?;
+        Some((fact.calls?, fact.depth?))
     }
 
     /// Functions that an indirect branch may reach, as the user says.
@@ -111,16 +131,19 @@ impl<'a> Program<'a> {
     /// Numbers of the loops of a function among those with headers in the same symbol.
     pub fn loop_numbers(&self, flow: &Flow, forest: &Forest) -> Vec<usize> {
         let mut seen: BTreeMap<Option<String>, usize> = BTreeMap::new();
+        let mut known: BTreeMap<u32, usize> = BTreeMap::new();
         let headers = forest
             .loops
             .iter()
             .map(|found| flow.blocks[found.header].node.address);
         headers
             .map(|address| {
-                let symbol = self.image.place(address).symbol.map(|(name, _)| name);
-                let next = seen.entry(symbol).or_default();
-                *next += 1;
-                *next - 1
+                *known.entry(address).or_insert_with(|| {
+                    let symbol = self.image.place(address).symbol.map(|(name, _)| name);
+                    let next = seen.entry(symbol).or_default();
+                    *next += 1;
+                    *next - 1
+                })
             })
             .collect()
     }
@@ -170,6 +193,9 @@ impl<'a> Program<'a> {
             })
         };
         if let Some(mut sites) = cycle {
+            if self.given_recursion(entry).is_some() {
+                return Ok(Rc::new(Summary::of_recursion()));
+            }
             sites.push(site);
             let places = sites.iter().map(|at| self.image.place(*at));
             return Err(Error::Recursion(places.collect()));
@@ -208,7 +234,22 @@ impl<'a> Program<'a> {
             return Ok(Rc::clone(found));
         }
         let summary = self.summary(entry, entry.0)?;
-        let bound = Rc::new(bound_function(self, entry, &summary, &arguments)?);
+        let recursion = self.given_recursion(entry);
+        let arguments = match recursion {
+            Some(_) => any_arguments(),
+            None => arguments,
+        };
+        if recursion.is_some() && self.bounding.borrow().contains(&entry) {
+            return Ok(Rc::new(recursive_call(entry)));
+        }
+        self.bounding.borrow_mut().push(entry);
+        let bound = bound_summary(self, entry, &summary, self.entry_state(entry, &arguments));
+        self.bounding.borrow_mut().pop();
+        let bound = match recursion {
+            Some((calls, depth)) => bound_recursive(bound?, calls, depth),
+            None => bound?,
+        };
+        let bound = Rc::new(bound);
         let mut bounds = self.bounds.borrow_mut();
         bounds
             .entry(entry)
@@ -217,13 +258,24 @@ impl<'a> Program<'a> {
         Ok(bound)
     }
 
+    /// What holds at the entry. The callers of functions that leave a protected action are in one.
+    fn entry_state(&self, entry: Entry, arguments: &Arguments) -> State {
+        let mut state = State::entry(arguments);
+        if self.conventions.unlocks.contains(&entry.0) {
+            state.enter(ANY_URGENCY);
+        }
+        state
+    }
+
+    /// Entry of a named function.
+    pub fn function(&self, name: &str) -> Result<Entry, Error> {
+        let found = self.image.function(name);
+        found.ok_or_else(|| Error::Input(format!("the image has no function '{name}'")))
+    }
+
     /// Bound of a named function, called from anywhere with any arguments.
     pub fn bound_of(&self, name: &str) -> Result<Rc<FunctionBound>, Error> {
-        let entry = self
-            .image
-            .function(name)
-            .ok_or_else(|| Error::Input(format!("the image has no function '{name}'")))?;
-        self.bound(entry, &any_arguments())
+        self.bound(self.function(name)?, &any_arguments())
     }
 
     /// Cycles of the two fetches with which a function's caller goes on, wherever it is.

@@ -92,7 +92,8 @@ pub struct Report {
     pub functions: Vec<FunctionReport>,
 }
 
-fn name(program: &Program<'_>, address: u32) -> String {
+/// A function's name, or its address.
+pub(crate) fn name(program: &Program<'_>, address: u32) -> String {
     let names = program.image.names_at(address);
     names
         .first()
@@ -165,18 +166,29 @@ impl Report {
     /// Bounds a named function and says how.
     pub fn new(program: &Program<'_>, symbol: &str) -> Result<Self, Error> {
         let bound = program.bound_of(symbol)?;
+        let cycles = bound.cycles + program.return_cycles()?;
+        Ok(Self::of_bound(program, symbol, &bound, cycles))
+    }
+
+    /// How a bound comes about.
+    pub fn of_bound(
+        program: &Program<'_>,
+        symbol: &str,
+        bound: &FunctionBound,
+        bound_cycles: u64,
+    ) -> Self {
         let mut calls = BTreeMap::new();
-        tree(&bound, 1, &mut calls);
+        tree(bound, 1, &mut calls);
         let functions = calls
             .values()
             .map(|(count, f)| function_report(program, *count, f));
-        Ok(Self {
+        Self {
             symbol: symbol.to_owned(),
             timing: program.map.name.clone(),
-            bound_cycles: bound.cycles + program.return_cycles()?,
+            bound_cycles,
             stack_bytes: bound.stack_bytes,
             functions: functions.collect(),
-        })
+        }
     }
 
     /// A short table.

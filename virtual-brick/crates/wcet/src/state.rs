@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What is known at one point of a function: registers, words of the frame, flags.
 
-use crate::value::Value;
+use crate::alu::difference_flags;
+use crate::value::{Value, RUNNING};
 use arm7tdmi::condition_passes;
 use std::collections::BTreeMap;
 
@@ -16,6 +17,8 @@ pub struct Comparison {
     pub left: (Option<u32>, Value),
     /// The subtrahend.
     pub right: (Option<u32>, Value),
+    /// The register that holds the difference.
+    pub result: Option<u32>,
 }
 
 /// Knowledge at one point. Stack offsets count from the stack pointer at the function's entry.
@@ -31,7 +34,17 @@ pub struct State {
     pub comparison: Option<Comparison>,
     /// The address of a stack word may be in memory or another function's registers.
     pub escaped: bool,
+    /// The stack pointer before it was exchanged for another thread's.
+    pub parked: Option<i32>,
+    /// Urgencies of the protected actions that were entered and not left, outermost first.
+    pub urgencies: Vec<u32>,
 }
+
+/// Most nested protected actions that are kept apart.
+const NESTING: usize = 8;
+
+/// Stands for an urgency that is not known: none is higher.
+pub const ANY_URGENCY: u32 = u32::MAX;
 
 /// What flags say about the operands of the comparison that set them.
 struct Order {
@@ -80,6 +93,15 @@ impl Order {
     }
 }
 
+/// The longer of both, level by level the higher.
+fn joined_urgencies(a: &[u32], b: &[u32]) -> Vec<u32> {
+    let (longer, shorter) = if a.len() >= b.len() { (a, b) } else { (b, a) };
+    let levels = longer.iter().enumerate();
+    levels
+        .map(|(level, urgency)| shorter.get(level).map_or(*urgency, |o| *urgency.max(o)))
+        .collect()
+}
+
 /// Combinations of flags for which a condition passes.
 pub fn passing(condition: u32) -> u16 {
     (0..16).fold(0, |mask, flags| {
@@ -103,15 +125,51 @@ impl State {
             flags: ANY_FLAGS,
             comparison: None,
             escaped: false,
+            parked: None,
+            urgencies: Vec::new(),
         }
+    }
+
+    /// The thread enters a protected action of this urgency.
+    pub fn enter(&mut self, urgency: u32) {
+        if self.urgencies.len() < NESTING {
+            self.urgencies.push(urgency);
+        }
+    }
+
+    /// The thread gets a new urgency: an odd one is that of a protected action, any other one
+    /// that from before the last was entered.
+    pub fn set_urgency(&mut self, urgency: Option<u32>) {
+        match urgency {
+            Some(known) if known % 2 == 1 => self.enter(known),
+            _ if self.urgencies.is_empty() => self.enter(ANY_URGENCY),
+            _ => {
+                self.urgencies.pop();
+            }
+        }
+    }
+
+    /// The thread gave up the processor with its stack pointer at `pointer` and has it again.
+    /// Where it goes on.
+    pub fn resume(&mut self, pointer: i32) -> Option<u32> {
+        let place = self.slots.get(&pointer)?.constant()?;
+        for number in (0..13).chain([14]) {
+            self.set(number, Value::Top);
+        }
+        self.set(13, Value::Stack(pointer.wrapping_add(4)));
+        self.flags = ANY_FLAGS;
+        self.comparison = None;
+        self.parked = None;
+        Some(place)
     }
 
     /// Writes a register and forgets what depended on its old value.
     pub fn set(&mut self, number: u32, value: Value) {
         if let Some(comparison) = &mut self.comparison {
-            for side in [&mut comparison.left, &mut comparison.right] {
-                if side.0 == Some(number) {
-                    side.0 = None;
+            let sides = [&mut comparison.left.0, &mut comparison.right.0];
+            for side in sides.into_iter().chain([&mut comparison.result]) {
+                if *side == Some(number) {
+                    *side = None;
                 }
             }
         }
@@ -188,6 +246,8 @@ impl State {
             flags: self.flags | other.flags,
             comparison: if same { self.comparison.clone() } else { None },
             escaped,
+            parked: self.parked.filter(|_| self.parked == other.parked),
+            urgencies: joined_urgencies(&self.urgencies, &other.urgencies),
         }
     }
 
@@ -215,6 +275,10 @@ impl State {
     /// Narrows both sides of a comparison by what the possible flags say about their order.
     /// An operand that is not known to be a number says nothing about the other.
     fn refine(&mut self, comparison: &Comparison) -> Option<()> {
+        if let Some(constant) = comparison.right.1.constant() {
+            self.keep_fitting(comparison.left.0, 0, constant)?;
+            self.keep_fitting(comparison.result, constant, constant)?;
+        }
         let numbers = [&comparison.left, &comparison.right].map(|side| side.1.bounds().is_some());
         if numbers == [false, false] {
             return Some(());
@@ -229,6 +293,25 @@ impl State {
         let (left, right) = order.apply(left, right, |v| v.checked_sub(1), |v| v.checked_add(1))?;
         self.narrow_signed(&comparison.left, left)?;
         self.narrow_signed(&comparison.right, right)
+    }
+
+    /// Keeps the values of a register, if they are few, with which the difference of the value
+    /// plus `offset` and a constant gives possible flags.
+    fn keep_fitting(&mut self, register: Option<u32>, offset: u32, constant: u32) -> Option<()> {
+        let Some(number) = register.filter(|number| *number < 15) else {
+            return Some(());
+        };
+        let number = number as usize;
+        let Some(elements) = self.registers[number].elements() else {
+            return Some(());
+        };
+        let fits = |element: &u32| {
+            let (_, flags) = difference_flags(element.wrapping_add(offset), constant);
+            self.flags >> flags & 1 != 0
+        };
+        let kept = elements.into_iter().filter(fits).collect();
+        self.registers[number] = Value::of_elements(kept)?;
+        Some(())
     }
 
     /// Only bounds without negative numbers are also unsigned bounds.
@@ -250,6 +333,9 @@ impl State {
 
     fn narrow(&mut self, side: &(Option<u32>, Value), (low, high): (u32, u32)) -> Option<()> {
         let bounded = low > 0 || high < u32::MAX;
+        if matches!(side.1, Value::Based(RUNNING, _)) {
+            return Some(());
+        }
         if let (Value::Based(..), true) = (&side.1, bounded) {
             self.replace(&side.1, &Value::range(low, high));
             return Some(());

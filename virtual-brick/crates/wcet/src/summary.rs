@@ -4,9 +4,10 @@
 //! every branch is resolved.
 
 use crate::error::Error;
-use crate::flow::{Entry, Explorer, Flow, Node, Target, Transfer};
+use crate::flow::{Block, Entry, Explorer, Flow, Node, Target, Transfer};
 use crate::loops::Forest;
 use crate::program::Program;
+use crate::split::reducible;
 use crate::state::State;
 use crate::value::Value;
 use crate::walk::{any_arguments, changed_registers, Outcome, Walker};
@@ -29,9 +30,32 @@ pub struct Summary {
     pub changed: u16,
     /// The same for all functions it calls.
     pub callees: BTreeMap<Entry, u16>,
+    /// Number of each loop within its symbol.
+    pub numbers: Vec<usize>,
+    /// What holds at each block, whatever the arguments; none where nothing leads.
+    pub states: Vec<Option<State>>,
+}
+
+/// Registers that a function may change (procedure call standard, 6.1.1).
+const SCRATCH: u16 = 0b0001_0000_0000_1111;
+
+impl Summary {
+    /// What is assumed of a recursive function at its inner calls, and checked afterwards.
+    pub fn of_recursion() -> Self {
+        Self {
+            flow: Flow::default(),
+            forest: Forest::default(),
+            returns: true,
+            changed: SCRATCH,
+            callees: BTreeMap::new(),
+            numbers: Vec::new(),
+            states: Vec::new(),
+        }
+    }
 }
 
 struct Fixpoint {
+    states: Vec<Option<State>>,
     transfers: BTreeMap<Node, Transfer>,
     changed: u16,
     returns: bool,
@@ -64,7 +88,7 @@ pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> 
             }
             continue;
         }
-        let fixpoint = iterate(program, &flow, &changed, entry)?;
+        let mut fixpoint = iterate(program, &flow, &changed, entry)?;
         if fixpoint.transfers != resolved {
             resolved = fixpoint.transfers;
             continue;
@@ -73,10 +97,24 @@ pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> 
         if let Some((node, _)) = unresolved {
             return Err(Error::UnresolvedBranch(program.image.place(node.address)));
         }
-        let forest = Forest::new(&flow).map_err(|block| {
-            Error::Irreducible(program.image.place(flow.blocks[block].node.address))
+        if program.given_recursion(entry).is_some() && fixpoint.changed & !SCRATCH != 0 {
+            return Err(Error::Recursion(vec![program.image.place(entry.0)]));
+        }
+        let block_count = flow.blocks.len();
+        let places: Vec<u32> = flow.blocks.iter().map(|block| block.node.address).collect();
+        let (flow, forest) = reducible(flow).map_err(|block| {
+            Error::Irreducible(
+                program
+                    .image
+                    .place(places.get(block).copied().unwrap_or(entry.0)),
+            )
         })?;
+        if flow.blocks.len() > block_count {
+            fixpoint = iterate(program, &flow, &changed, entry)?;
+        }
         return Ok(Summary {
+            numbers: program.loop_numbers(&flow, &forest),
+            states: fixpoint.states,
             flow,
             forest,
             returns: fixpoint.returns,
@@ -98,6 +136,7 @@ fn explore(
         resolved,
         dead: &|address| program.is_dead(address),
         returns: &|callee| returning.get(&callee).copied().unwrap_or(false),
+        parks: &program.conventions.parks,
     }
     .explore()
 }
@@ -116,6 +155,7 @@ fn iterate(
     states[0] = Some(State::entry(&any_arguments()));
     let mut open = BTreeSet::from([0]);
     let mut fixpoint = Fixpoint {
+        states: Vec::new(),
         transfers: BTreeMap::new(),
         changed: 0,
         returns: false,
@@ -152,6 +192,7 @@ fn iterate(
             }
         }
     }
+    fixpoint.states = states;
     Ok(fixpoint)
 }
 
@@ -161,14 +202,14 @@ fn check_return(
     index: usize,
     state: &State,
 ) -> Result<(), Error> {
-    if state.registers[13] == Value::Stack(0) {
-        return Ok(());
-    }
     let block = &flow.blocks[index];
     let address = block
         .instructions
         .last()
         .map_or(block.node.address, |(a, _)| *a);
+    if state.registers[13] == Value::Stack(0) || program.leaves(address) {
+        return Ok(());
+    }
     Err(Error::StackNotRestored(program.image.place(address)))
 }
 
@@ -190,7 +231,7 @@ fn resolve(
         instruction.operation,
         Operation::Branch { .. } | Operation::LongBranchSuffix { .. }
     );
-    if direct {
+    if direct && block.transfer != Some(Transfer::Unresolved) && !parks(program, block) {
         return;
     }
     let node = Node {
@@ -220,11 +261,26 @@ fn resolve(
     } else {
         match program.given_targets(*address) {
             Some(targets) if calls => Transfer::Call(targets),
+            _ if program.leaves(*address) => Transfer::Return,
             Some(targets) => Transfer::TailCall(targets),
             None => Transfer::Unresolved,
         }
     };
     transfers.insert(node, transfer);
+}
+
+/// Is the branch at the end of a block to a function that takes the processor?
+fn parks(program: &Program<'_>, block: &Block) -> bool {
+    let Some((address, instruction)) = block.instructions.last() else {
+        return false;
+    };
+    let Operation::Branch { offset, .. } = instruction.operation else {
+        return false;
+    };
+    let target = address
+        .wrapping_add(2 * instruction.size)
+        .wrapping_add(offset);
+    program.conventions.parks.contains(&target)
 }
 
 fn classify(

@@ -3,10 +3,11 @@
 //! What one instruction makes of a state, and what its cost depends on.
 
 use crate::alu::{compute, second};
+use crate::conventions::Conventions;
 use crate::image::Image;
 use crate::memory::MemoryMap;
 use crate::state::{State, ANY_FLAGS};
-use crate::value::Value;
+use crate::value::{Value, RUNNING};
 use arm7tdmi::instruction::{
     AluOperation, BlockTransfer, DataProcessing, Instruction, Multiply, Operand, Operation,
     Transfer,
@@ -31,6 +32,8 @@ pub struct World<'a> {
     pub image: &'a Image,
     /// Regions.
     pub map: &'a MemoryMap,
+    /// Meaning of the kernel's code.
+    pub conventions: &'a Conventions,
 }
 
 /// One instruction at one place.
@@ -54,7 +57,9 @@ pub fn execute(
         address,
         size: instruction.size,
     };
-    step.run(&instruction.operation)
+    let mut effects = step.run(&instruction.operation);
+    step.follow_switch(&mut effects);
+    effects
 }
 
 impl Step<'_> {
@@ -70,9 +75,30 @@ impl Step<'_> {
         if number == 15 {
             effects.target = Some(value);
         } else if value == Value::Top {
+            if let (13, Value::Stack(pointer)) = (number, &self.state.registers[13]) {
+                self.state.parked = Some(*pointer);
+            }
             self.state.set_fresh(number, self.address);
         } else {
             self.state.set(number, value);
+        }
+    }
+
+    /// Where the thread goes on after the processor went to another one.
+    fn follow_switch(&mut self, effects: &mut Effects) {
+        let Some(target) = &effects.target else {
+            return;
+        };
+        let parks = &self.world.conventions.parks;
+        let pointer = match (target, &self.state.registers[13]) {
+            (Value::Constant(address), Value::Stack(pointer)) if parks.contains(address) => {
+                Some(*pointer)
+            }
+            (Value::Constant(_), _) => None,
+            _ => self.state.parked,
+        };
+        if let Some(place) = pointer.and_then(|pointer| self.state.resume(pointer)) {
+            effects.target = Some(Value::Constant(place));
         }
     }
 
@@ -155,6 +181,9 @@ impl Step<'_> {
         }
         if !processing.operation.compares() {
             self.write(effects, destination, outcome.value);
+            if let (true, Some(comparison)) = (processing.sets_flags, &mut self.state.comparison) {
+                comparison.result = Some(destination);
+            }
         }
     }
 
@@ -285,13 +314,20 @@ impl Step<'_> {
             Width::Halfword => (2, 16),
             Width::Word => (4, 0),
         };
+        let conventions = self.world.conventions;
+        if address
+            .constant()
+            .is_some_and(|a| conventions.running == Some(a))
+        {
+            return Value::Based(RUNNING, 0);
+        }
         let constants = address.elements().and_then(|addresses| {
             let found = addresses.iter().map(|address| {
                 let aligned = address % size == 0;
-                let value = self
-                    .world
-                    .image
-                    .constant(*address, size)
+                let kept = conventions.words.get(address).copied();
+                let value = kept
+                    .filter(|_| size == 4)
+                    .or_else(|| self.world.image.constant(*address, size))
                     .filter(|_| aligned)?;
                 Some(if signed {
                     ((value << sign_bits) as i32 >> sign_bits) as u32
@@ -319,6 +355,10 @@ impl Step<'_> {
                 }
                 return;
             }
+            Value::Based(RUNNING, 0) if width == Width::Word => {
+                self.state.set_urgency(value.constant());
+            }
+            Value::Based(RUNNING, _) => {}
             Value::StackAny => {
                 self.state.escaped = true;
                 self.state.forget_frame();

@@ -4,6 +4,9 @@
 
 use std::rc::Rc;
 
+/// Stands for the address of the running thread in [`Value::Based`].
+pub const RUNNING: u32 = 16;
+
 /// Largest set that is kept element by element.
 pub const SET_SIZE: usize = 256;
 
@@ -25,7 +28,8 @@ pub enum Value {
     /// An address in the stack outside the function's frame.
     OuterStack,
     /// Something unknown plus a constant. Below 16: what that register held at the function's
-    /// entry, 14 the return address; otherwise what the instruction at that address last produced.
+    /// entry, 14 the return address; [`RUNNING`]: the running thread; otherwise what the
+    /// instruction at that address last produced.
     Based(u32, i32),
     /// Anything.
     Top,

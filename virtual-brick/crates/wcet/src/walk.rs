@@ -3,7 +3,7 @@
 //! A block executed on a state, and what is learned on the way.
 
 use crate::flow::{Block, Entry, Flow, Target, Transfer};
-use crate::state::State;
+use crate::state::{State, ANY_URGENCY};
 use crate::transfer::{execute, Effects, World};
 use crate::value::Value;
 use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
@@ -40,6 +40,8 @@ pub struct BlockRecord {
     pub depth_bytes: Option<u32>,
     /// Depth at the call.
     pub call_depth_bytes: Option<u32>,
+    /// Highest urgency of a protected action that the block is in, at least in part.
+    pub urgency: Option<u32>,
 }
 
 /// Executes blocks of one function.
@@ -92,7 +94,9 @@ impl Outcome {
 fn depth(state: &State) -> Option<u32> {
     match state.registers[13] {
         Value::Stack(offset) => Some(u32::try_from(-i64::from(offset)).unwrap_or(0)),
-        _ => None,
+        _ => state
+            .parked
+            .and_then(|offset| u32::try_from(-i64::from(offset)).ok()),
     }
 }
 
@@ -110,6 +114,7 @@ impl<'a> Walker<'a> {
             arguments: None,
             depth_bytes: Some(0),
             call_depth_bytes: Some(0),
+            urgency: None,
         };
         Self {
             world,
@@ -196,7 +201,9 @@ impl<'a> Walker<'a> {
         address: u32,
         instruction: &Instruction,
     ) -> Effects {
+        let before = state.urgencies.last().copied();
         let effects = execute(self.world, state, address, instruction);
+        let urgency = before.max(state.urgencies.last().copied());
         let region = effects.address.as_ref().map(|value| {
             let found = self.world.map.of_value(value);
             found.or_else(|| (self.given_region)(address))
@@ -212,6 +219,7 @@ impl<'a> Walker<'a> {
         }
         let cycles = internal_cycles(instruction, effects.multiplier.as_ref());
         record.internal_cycles = record.internal_cycles.max(cycles);
+        block.urgency = block.urgency.max(urgency);
         block.depth_bytes = block.depth_bytes.zip(depth(state)).map(|(a, b)| a.max(b));
         effects
     }
@@ -266,6 +274,18 @@ impl<'a> Walker<'a> {
             .zip(depth(state))
             .map(|(a, b)| a.max(b));
         let calls = &self.flow.blocks[index].calls;
+        let conventions = self.world.conventions;
+        for (callee, _) in calls {
+            if conventions.locks.contains(callee) {
+                let object = state.registers[0].constant();
+                let urgency = object.and_then(|object| conventions.words.get(&object));
+                let urgency = urgency.copied().unwrap_or(ANY_URGENCY);
+                state.enter(urgency);
+                record.urgency = record.urgency.max(Some(urgency));
+            } else if conventions.unlocks.contains(callee) {
+                state.urgencies.pop();
+            }
+        }
         let known = calls.iter().filter_map(|callee| self.changed.get(callee));
         state.after_call(known.fold(0, |all, changed| all | changed));
         if state.registers[0] == Value::Top {

@@ -97,11 +97,36 @@ fn an_indirect_call_is_bounded_by_the_dearest_of_its_given_targets() {
 }
 
 #[test]
-fn endless_loops_second_entries_and_software_interrupts_are_refused() {
+fn endless_loops_and_software_interrupts_are_refused() {
     on_both(|elf| {
         assert!(refusal(elf, "forever").contains("never returns"));
-        assert!(refusal(elf, "two_entries").contains("entered at two places"));
         assert!(refusal(elf, "trap").contains("software interrupt"));
+    });
+}
+
+#[test]
+fn a_loop_entered_at_two_places_is_bounded_like_any_other() {
+    on_both(|elf| {
+        assert!(refusal(elf, "two_entries").contains("loops without a bound"));
+        let facts = "[[loop]]\nsymbol = \"two_entries\"\nheader_executions = 60\n";
+        let report = bound(elf, "two_entries", facts).unwrap();
+        for x in [2, 3] {
+            let seen = Machine::new(elf).call("two_entries", [x, 0, 0, 0]);
+            assert!(seen.cycles > 60 && seen.cycles <= report.bound_cycles);
+        }
+    });
+}
+
+#[test]
+fn recursion_is_bounded_when_the_number_of_calls_is_given() {
+    on_both(|elf| {
+        let facts = "[[recursion]]\nsymbol = \"descend\"\ncalls = 6\ndepth = 6\n";
+        let report = bound(elf, "outer", facts).unwrap();
+        let seen = Machine::new(elf).call("outer", [5, 0, 0, 0]);
+        assert!(seen.cycles <= report.bound_cycles);
+        assert!(Some(seen.stack_bytes) <= report.stack_bytes);
+        let fewer = Machine::new(elf).call("outer", [4, 0, 0, 0]);
+        assert!(fewer.cycles < seen.cycles);
     });
 }
 

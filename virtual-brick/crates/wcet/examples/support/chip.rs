@@ -6,6 +6,7 @@ use at91sam7s::TimingProfile;
 use wcet::memory::{FetchCost, MemoryMap, Region};
 use wcet::Error;
 
+const LOW_LAST: u32 = 0x000F_FFFF;
 const FLASH: u32 = 0x0010_0000;
 const FLASH_LAST: u32 = 0x0013_FFFF;
 const SRAM: u32 = 0x0020_0000;
@@ -75,6 +76,7 @@ fn of_profile(name: &str, profile: &TimingProfile, wait_states: u64) -> MemoryMa
     MemoryMap {
         name: format!("{name}, {wait_states} flash wait states"),
         regions: vec![
+            region("remapped sram", (0, LOW_LAST), sram, profile.sram_cycles),
             region(
                 "flash",
                 (FLASH, FLASH_LAST),

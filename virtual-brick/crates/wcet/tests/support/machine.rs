@@ -10,7 +10,7 @@ const BASE: u32 = 0x20_0000;
 const SIZE: usize = 0x20_0000;
 const STACK: u32 = BASE + SIZE as u32 - 64;
 const STOP: u32 = BASE;
-const PATIENCE: u64 = 400_000_000;
+const PATIENCE: u64 = 20_000_000_000;
 /// Fetches that fill the pipeline before the first instruction.
 const FILL_CYCLES: u64 = 2;
 
@@ -128,8 +128,38 @@ impl<'a> Machine<'a> {
         u32::from_le_bytes(*self.memory.bytes[start..].first_chunk().expect("a word"))
     }
 
+    /// Calls a function and counts, for each of the functions at `entries`, its most activations
+    /// in one call from outside of it and its most activations at the same time.
+    #[allow(dead_code)]
+    pub fn activations(&mut self, symbol: &str, entries: &[u32]) -> Vec<(u64, usize)> {
+        let mut open: Vec<(Vec<u32>, u64)> = vec![(Vec::new(), 0); entries.len()];
+        let mut most = vec![(0, 0); entries.len()];
+        self.run(symbol, [0; 4], |address, stack_pointer| {
+            for (index, entry) in entries.iter().enumerate() {
+                if entry & !1 != address {
+                    continue;
+                }
+                let (stack, count) = &mut open[index];
+                stack.retain(|outer| *outer > stack_pointer);
+                *count = if stack.is_empty() { 1 } else { *count + 1 };
+                stack.push(stack_pointer);
+                most[index] = (most[index].0.max(*count), most[index].1.max(stack.len()));
+            }
+        });
+        most
+    }
+
     /// Calls a function and counts from its first instruction to the end of its return.
     pub fn call(&mut self, symbol: &str, arguments: [u32; 4]) -> Observation {
+        self.run(symbol, arguments, |_, _| {})
+    }
+
+    fn run(
+        &mut self,
+        symbol: &str,
+        arguments: [u32; 4],
+        mut before: impl FnMut(u32, u32),
+    ) -> Observation {
         let address = self.address(symbol);
         let mut cpu = Cpu::new();
         if address & 1 != 0 {
@@ -144,6 +174,7 @@ impl<'a> Machine<'a> {
         self.memory.cycles = 0;
         let mut lowest = STACK;
         while cpu.next_instruction_address() != STOP {
+            before(cpu.next_instruction_address(), cpu.register(13));
             let _ = cpu.step(&mut self.memory);
             lowest = lowest.min(cpu.register(13));
             assert!(self.memory.cycles < PATIENCE, "{symbol} does not return");

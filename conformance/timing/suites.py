@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Rows of the timing campaigns for `conformance.run`."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from tools.tables import Row
+
+__all__ = ["program_campaign", "random_sets", "wcet_benchmarks"]
+
+ROOT = Path(__file__).resolve().parents[2]
+TACLE = "RAVENBRICK_TACLE"
+SETS, SIMSO_SETS, PROGRAMS = 20_000, 2_000, 1_000
+TACLE_PROGRAMS = 57
+
+
+def _answer(module: str, *options: str) -> dict[str, Any]:
+    command = [sys.executable, "-m", f"conformance.timing.{module}", *options]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if not done.stdout.strip():
+        raise SystemExit(f"{module}: no result\n{done.stderr[-2000:]}")
+    loaded: dict[str, Any] = json.loads(done.stdout)
+    return loaded
+
+
+def _row(suite: str, cases: int, passed: int, excluded: list[Row] | None = None) -> Row:
+    return {
+        "area": "timing",
+        "suite": suite,
+        "case_count": cases,
+        "passed": passed,
+        "excluded": excluded or [],
+    }
+
+
+def random_sets() -> Row:
+    """Bounds of random task sets equal to those of outside tools; no simulated run above one."""
+    with_simso = importlib.util.find_spec("simso") is not None
+    options = ["--simso", str(SIMSO_SETS)] if with_simso else []
+    result = _answer("random_sets", "--sets", str(SETS), *options)
+    counts = result["counts"]
+    names = ("crate fixed priority", "crate with blocking", "crate earliest deadline", "pycpa")
+    equal = sum(counts.get(f"{name} equal", 0) for name in names)
+    different = sum(counts.get(f"{name} different", 0) for name in names)
+    simulated = counts.get("simulator tasks", 0)
+    above = counts.get("simso above bound", 0)
+    excluded: list[Row] = []
+    if importlib.util.find_spec("pycpa") is None:
+        reason = "no case counted, but pyCPA is compared: install its version 1.2 from its sources"
+        excluded.append({"count": 0, "reason": reason})
+    if not with_simso:
+        reason = "no case counted, but SimSo is compared: pip install simso==0.8.5"
+        excluded.append({"count": 0, "reason": reason})
+    suite = f"random: {SETS} task sets, bounds equal to other tools', runs below"
+    return _row(suite, equal + different + simulated, equal + simulated - above, excluded)
+
+
+def wcet_benchmarks(code: str, level: str) -> Row:
+    """TACLe programs with a bound that their run does not exceed."""
+    suite = f"wcet: TACLeBench, {code} -{level}, bounded and not exceeded"
+    folder = os.environ.get(TACLE)
+    if folder is None:
+        reason = f"{TACLE} does not name the folder 'bench' of github.com/tacle/tacle-bench"
+        excluded: list[Row] = [{"count": TACLE_PROGRAMS, "reason": reason}]
+        return _row(suite, TACLE_PROGRAMS, 0, excluded)
+    result = _answer("wcet_benchmarks", folder, "--code", code, "--level", level)
+    passed = result["analysed"] - len(result["below_observed"])
+    return _row(suite, result["programs"], passed)
+
+
+def program_campaign() -> Row:
+    """Generated Ada programs whose response times stay below their bounds."""
+    result = _answer("program_campaign", "--programs", str(PROGRAMS))
+    suite = (
+        f"campaign: tasks of {result['programs']} generated Ada programs, responses below bounds"
+    )
+    return _row(suite, result["tasks"], result["tasks"] - len(result["above_bound"]))

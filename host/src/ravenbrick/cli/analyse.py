@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick analyse`: every response time bounded before the run, beside what the run showed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import play, project_scenarios
+from ravenbrick.errors import UsageError
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.timing.analysis import Analysis, analyse
+from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.figures import terms_figure, windows_figure
+from ravenbrick.timing.observed import check_interrupt_rates, observe
+from ravenbrick.timing.report import (
+    INTERRUPT_HEAD,
+    SHORT_HEAD,
+    interrupt_rows,
+    short_rows,
+    write_timing_report,
+)
+from ravenbrick.timing.result import advice, result_of
+from ravenbrick.trace.measures import check_survival
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.task_set import check_task_set
+
+__all__ = ["analyse_command"]
+
+ELABORATED_MS = 300
+
+
+def _scenario(workspace: Workspace, robot: Robot, name: str | None) -> Scenario:
+    if name is not None:
+        return read_scenario(scenario_path(workspace.project, name), robot)
+    scenarios = project_scenarios(workspace, robot)
+    if not scenarios:
+        raise UsageError(f"'{workspace.project}' has no scenario; add one below scenarios/")
+    return scenarios[0]
+
+
+def _bounds(robot: Robot, scenario: Scenario, image: ElfImage, facts: Facts) -> Analysis:
+    brick = VirtualTarget().prepare(robot, scenario, image)
+    brick.run_until(MASTER_CLOCK.cycles_of_ms(min(ELABORATED_MS, scenario.duration_ms)))
+    return analyse(robot, image, brick, facts)
+
+
+def _recording(
+    workspace: Workspace, robot: Robot, scenario: Scenario, image: ElfImage, reporter: Reporter
+) -> Recording:
+    with reporter.step(f"run '{scenario.name}'") as step:
+        recording = play(workspace, robot, scenario, image, VirtualTarget(), step.progress)
+        step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.1f} s of the brick"
+    check_survival(scenario, recording)
+    check_task_set(robot, recording)
+    return recording
+
+
+@command("ravenbrick analyse examples/vehicle --scenario drive")
+def analyse_command(
+    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    scenario: Annotated[
+        str | None, typer.Option(help="What is run beside the bounds; the first unless given.")
+    ] = None,
+    image: Annotated[
+        ImageChoice, typer.Option(help="RAM below the boot monitor, or flash.")
+    ] = ImageChoice.RAM,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Bound execution and response times from the binary and show them beside a run."""
+    workspace = Workspace.of(directory)
+    robot = read_robot(directory)
+    reporter = Reporter(json_output)
+    facts = read_facts(robot)
+    elf = read_image(workspace.image(image.kind, robot.name))
+    chosen = _scenario(workspace, robot, scenario)
+    with reporter.step("bound execution and response times"):
+        analysis = _bounds(robot, chosen, elf, facts)
+    recording = _recording(workspace, robot, chosen, elf, reporter)
+    check_interrupt_rates(robot, facts, recording)
+    result = {"scenario": chosen.name, **result_of(analysis, observe(robot, recording))}
+    with reporter.step("write the report") as step:
+        figures = [("Bounds by term", terms_figure(result))]
+        for timing in analysis.tasks:
+            figure = windows_figure(robot, analysis, recording, timing.task.name)
+            if figure is not None:
+                figures.append((f"Worst windows of {timing.task.name}", figure))
+        report = write_timing_report(robot.name, result, figures, workspace.results)
+        step.note = workspace.shown(report)
+    reporter.print("cycles and bytes; deadlines in us")
+    reporter.table(SHORT_HEAD, short_rows(result))
+    reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
+    reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
+    for line in advice(result):
+        reporter.print(f"  {line}")
+    return {**result, "advice": advice(result), "report": str(report)}

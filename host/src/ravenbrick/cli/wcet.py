@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick wcet`: the longest execution time and the deepest stack of one function."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.console import Reporter
+from ravenbrick.errors import UsageError
+from ravenbrick.timing.bounds import execution_times
+
+__all__ = ["wcet_command"]
+
+Timing = Literal["plain", "optimistic", "nominal", "pessimistic"]
+
+
+def _lines(report: dict[str, Any]) -> list[list[str]]:
+    """The longest path by source line: executions of its first block there."""
+    counts: dict[str, int] = {}
+    for function in report["functions"]:
+        for block in function["path"]:
+            line = block["at"]["line"]
+            if line is not None:
+                times = block["count"] * function["calls"]
+                counts[line] = max(counts.get(line, 0), times)
+
+    def place(item: tuple[str, int]) -> tuple[str, int]:
+        file, _, number = item[0].rpartition(":")
+        return file, int(number)
+
+    return [[line, str(count)] for line, count in sorted(counts.items(), key=place)]
+
+
+def _print(reporter: Reporter, result: dict[str, Any]) -> None:
+    stack = result["stack_bytes"]
+    reporter.print(
+        f"{result['symbol']}: at most {result['cycles']} cycles ({result['timing']}), stack "
+        + ("not bounded" if stack is None else f"{stack} bytes")
+    )
+    rows = [[f["symbol"], str(f["calls"]), str(f["cycles"])] for f in result["report"]["functions"]]
+    reporter.table(("on the longest path", "calls", "cycles each"), rows)
+    reporter.table(("source line", "executions"), _lines(result["report"]))
+
+
+@command("ravenbrick wcet build/vehicle/ram/vehicle.elf functional_step_instance")
+def wcet_command(
+    elf: Annotated[Path, typer.Argument(help="ELF file for the ARM7TDMI.")],
+    symbol: Annotated[str, typer.Argument(help="Function.")],
+    annotations: Annotated[
+        list[Path] | None, typer.Option(help="TOML with loop bounds and other facts.")
+    ] = None,
+    timing: Annotated[Timing, typer.Option(help="Cycles of memory accesses.")] = "nominal",
+    wait_states: Annotated[int, typer.Option(min=0, max=3, help="Of the flash.")] = 1,
+    json_output: JsonOption = False,
+) -> dict[str, Any]:
+    """Bound the execution time of a function of an ELF file."""
+    if not elf.is_file():
+        raise UsageError(f"{elf}: there is no such file; name an ELF file")
+    files = [(str(path), path.read_text("utf-8")) for path in annotations or []]
+    found = execution_times(
+        elf.read_bytes(),
+        functions=[symbol],
+        annotations=files,
+        timing=timing,
+        wait_states=wait_states,
+    )
+    bound = found.functions[0]
+    result = {
+        "symbol": symbol,
+        "timing": found.timing,
+        "cycles": bound.cycles + found.return_cycles,
+        "stack_bytes": bound.stack_bytes,
+        "report": bound.report,
+    }
+    _print(Reporter(json_output), result)
+    return result

@@ -1,0 +1,296 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The task set of a project with execution times from its binary, and its response-time bounds.
+
+Times are in cycles. Jobs that wait for something inside are charged the longest wait as if it
+were execution, which is sound for them and for less urgent tasks (Chen et al. 2019, section 4.1),
+and may be blocked once more each time they go on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from ravenbrick.schedule.model import Overheads, TaskSet
+from ravenbrick.schedule.model import Task as ScheduledTask
+from ravenbrick.schedule.quantity import exact
+from ravenbrick.schedule.response_time import ResponseTimeBound, response_time_bounds
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.target.robot import Robot, Task
+from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
+from ravenbrick.timing.facts import TIMING_FILE, Facts
+from ravenbrick.timing.kernel import (
+    COARSE_PERIOD_US,
+    DELAY_UNTIL,
+    ENTRY_CALL,
+    SUSPEND,
+    InterruptCost,
+    Services,
+    entry_facts,
+    interrupt_costs,
+    kernel_facts,
+    services,
+)
+from ravenbrick.timing.started import (
+    ALARM_SOURCE,
+    INITIALIZERS,
+    ProtectedObject,
+    attached_handlers,
+    protected_objects,
+)
+from ravenbrick.trace.interrupts import source_name
+
+__all__ = ["PREEMPTION_BYTES", "Analysis", "BlockingCause", "TaskTiming", "analyse", "coarse_alarm"]
+
+PREEMPTION_BYTES = 68
+WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
+COARSE_ALARM = "alarm, coarse stretch"
+
+
+@dataclass(frozen=True)
+class BlockingCause:
+    """What may block a job once: a protected action or masked interrupts of `task`."""
+
+    cycles: int
+    task: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class TaskTiming:
+    """A task's job with its bounds; cycles."""
+
+    task: Task
+    job: Bound
+    suspension_cycles: int
+    suspension_count: int
+    blocking: BlockingCause
+
+    @property
+    def stack_bound_bytes(self) -> int | None:
+        """Deepest stack, with what a preemption saves."""
+        deepest = self.job.stack_bytes
+        return None if deepest is None else deepest + PREEMPTION_BYTES
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Everything that is known before the run."""
+
+    tasks: tuple[TaskTiming, ...]
+    interrupts: tuple[InterruptCost, ...]
+    objects: tuple[ProtectedObject, ...]
+    services: Services
+    task_set: TaskSet
+    overheads: Overheads
+    bounds: dict[str, ResponseTimeBound]
+
+    @property
+    def schedulable(self) -> bool:
+        """Whether all tasks and interrupts meet their deadlines."""
+        return all(bound.meets_deadline for bound in self.bounds.values())
+
+    @property
+    def interrupt_stack_bytes(self) -> int | None:
+        """Deepest handlers' stack: one handler of each level at the same time."""
+        by_level: dict[int, int] = {}
+        for cost in self.interrupts:
+            if cost.stack_bytes is None:
+                return None
+            level = cost.handler.priority
+            by_level[level] = max(by_level.get(level, 0), cost.stack_bytes)
+        return sum(by_level.values())
+
+
+def _body(image: ElfImage, facts: Facts, task: Task) -> str:
+    named = dict(facts.bodies).get(task.name.lower())
+    if named is not None:
+        return named
+    end = f"__{task.name.lower()}TKB"
+    found = sorted(name for name in image.symbols if name.endswith(end))
+    if len(found) == 1:
+        return found[0]
+    raise ExecutionTimeError(
+        f"the image has {len(found)} bodies for the task '{task.name}'; name the subprogram in "
+        f'{TIMING_FILE}: [[body]] task = "{task.name}", symbol = "..."'
+    )
+
+
+def _check_ceilings(robot: Robot, job: Bound, task: Task, index: int, objects: Any) -> None:
+    for urgency, _ in job.sections:
+        if urgency < 2 * task.priority:
+            names = ", ".join(o.name for o in objects if o.urgency == urgency)
+            raise robot.document.error(
+                ("tasks", index, "priority"),
+                f"is {task.priority}, but the task may call the protected object {names}, whose "
+                f"ceiling is {urgency // 2}; raise the ceiling or lower the task",
+            )
+
+
+def _suspension(facts: Facts, task: Task, job: Bound) -> tuple[int, int]:
+    waits = {ENTRY_CALL, SUSPEND, DELAY_UNTIL} - set(WAITS[task.release])
+    waiting = sorted(waits & job.reached)
+    said = facts.suspension(task.name)
+    if said is not None:
+        return MASTER_CLOCK.cycles_of_us(said.longest_us), said.count
+    if waiting:
+        raise ExecutionTimeError(
+            f"a job of '{task.name}' may wait in {waiting[0]}; say in {facts.name} for how long at "
+            f'most: [[suspension]] task = "{task.name}", longest_us = ..., reason = "..."'
+        )
+    return 0, 0
+
+
+def _blocking(
+    priority: int, name: str, jobs: Sequence[tuple[Task, Bound]], costs: Services
+) -> BlockingCause:
+    """The longest of what less urgent tasks do without letting this priority in."""
+    found = [BlockingCause(0, "", "none")]
+    for task, job in jobs:
+        if task.priority < priority and task.name != name:
+            section = job.longest_section(2 * priority)
+            found.append(BlockingCause(section, task.name, "protected action"))
+            masked, service = costs.longest_masked(job.reached)
+            found.append(BlockingCause(masked, task.name, f"interrupts masked in {service}"))
+    return max(found, key=lambda cause: cause.cycles)
+
+
+def _cycles(microseconds: int) -> Any:
+    return exact(microseconds * MASTER_CLOCK.hertz / 1_000_000)
+
+
+def _scheduled_tasks(timings: Sequence[TaskTiming]) -> list[ScheduledTask]:
+    found = []
+    for timing in timings:
+        task = timing.task
+        found.append(
+            ScheduledTask(
+                name=task.name,
+                period=_cycles(task.period_us or 0),
+                deadline=_cycles(task.deadline_us or task.period_us or 0),
+                wcet=timing.job.cycles + timing.suspension_cycles,
+                priority=task.priority,
+                release="cyclic" if task.release == "cyclic" else "sporadic",
+                blocking=timing.blocking.cycles * (1 + timing.suspension_count),
+            )
+        )
+    return found
+
+
+def _scheduled_interrupts(
+    costs: Sequence[InterruptCost],
+    facts: Facts,
+    jobs: Sequence[tuple[Task, Bound]],
+    kernel: Services,
+) -> list[ScheduledTask]:
+    found = []
+    for cost in costs:
+        source = cost.handler.source
+        if source == ALARM_SOURCE:
+            continue
+        loads = facts.loads(source)
+        if not loads:
+            name = source_name(source)
+            raise ExecutionTimeError(
+                f"{cost.handler.symbol} handles {name}: say in {facts.name} how often it comes at "
+                f'most: [[interrupt]] source = "{name}", at_most = ..., window_us = ..., '
+                'reason = "..."'
+            )
+        load, *shorter = loads
+        limits = [(Fraction(s.at_most, load.at_most), _cycles(s.window_us)) for s in shorter]
+        found.append(
+            ScheduledTask(
+                name=source_name(source),
+                period=_cycles(load.window_us),
+                limits=tuple(limits),
+                wcet=load.at_most * cost.cycles,
+                priority=cost.handler.priority,
+                release="interrupt",
+                blocking=_blocking(cost.handler.priority, "", jobs, kernel).cycles,
+            )
+        )
+    periods = [task.period_us for task, _ in jobs if task.release == "cyclic" and task.period_us]
+    alarm = next(cost for cost in costs if cost.handler.source == ALARM_SOURCE)
+    return [*found, *coarse_alarm(periods, alarm.cycles, alarm.handler.priority)]
+
+
+def coarse_alarm(
+    periods_us: Sequence[int], alarm_cycles: int, priority: int
+) -> list[ScheduledTask]:
+    """The alarm's calls that release nobody, half-way to a release far away.
+
+    There are none when some task is always released soon, given that it meets its deadline.
+    """
+    if min(periods_us, default=COARSE_PERIOD_US) < COARSE_PERIOD_US:
+        return []
+    period = _cycles(COARSE_PERIOD_US)
+    return [ScheduledTask(COARSE_ALARM, period, alarm_cycles, priority, release="interrupt")]
+
+
+def _timed_tasks(robot: Robot) -> list[tuple[int, Task]]:
+    found = []
+    for index, task in enumerate(robot.tasks):
+        if task.release == "background":
+            raise robot.document.error(
+                ("tasks", index, "release"),
+                "is 'background'; tasks that are never released again are not analysed: give it a "
+                "period, or make it the environment task's main procedure",
+            )
+        found.append((index, task))
+    return found
+
+
+def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis:
+    """Bounds of all tasks and interrupts of an image; `brick` has elaborated it.
+
+    Raises `ExecutionTimeError` for what has no bound and `ProjectFileError` where robot.toml and
+    the image disagree.
+    """
+    entries = ("entries", entry_facts(image))
+    elaborated = execution_times(
+        image.content, root="adainit", callees=INITIALIZERS, annotations=[entries]
+    )
+    objects = protected_objects(image, elaborated.calls)
+    tasks = _timed_tasks(robot)
+    known = ("run-time", kernel_facts(len(robot.tasks) + 1, objects))
+    annotations = [(facts.name, facts.annotations), entries, known]
+    kernel = services(image, annotations)
+    questions = [(_body(image, facts, task), WAITS[task.release]) for _, task in tasks]
+    found = execution_times(image.content, jobs=questions, annotations=annotations).jobs
+    jobs = [(task, job) for (_, task), job in zip(tasks, found, strict=True)]
+    for index, (task, job) in enumerate(jobs):
+        _check_ceilings(robot, job, task, index, objects)
+    timings = tuple(
+        TaskTiming(
+            task,
+            job,
+            *_suspension(facts, task, job),
+            _blocking(task.priority, task.name, jobs, kernel),
+        )
+        for task, job in jobs
+    )
+    costs = interrupt_costs(image, attached_handlers(brick, image), annotations)
+    return _scheduled(timings, costs, objects, kernel, facts, jobs)
+
+
+def _scheduled(
+    timings: tuple[TaskTiming, ...],
+    costs: tuple[InterruptCost, ...],
+    objects: tuple[ProtectedObject, ...],
+    kernel: Services,
+    facts: Facts,
+    jobs: Sequence[tuple[Task, Bound]],
+) -> Analysis:
+    alarm = next((c.cycles for c in costs if c.handler.source == ALARM_SOURCE), 0)
+    overheads = Overheads(
+        switch_in=kernel.resume, alarm=alarm, clock_resolution=kernel.release_jitter
+    )
+    task_set = TaskSet(
+        (*_scheduled_interrupts(costs, facts, jobs, kernel), *_scheduled_tasks(timings))
+    )
+    bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
+    return Analysis(timings, costs, objects, kernel, task_set, overheads, bounds)

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Execution-time and stack bounds, from the analysis in the module `virtual_brick`."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ravenbrick.errors import ExitCode, RavenbrickError, ToolMissingError, UsageError
+
+__all__ = ["Bound", "Bounds", "Call", "ExecutionTimeError", "execution_times"]
+
+
+class ExecutionTimeError(RavenbrickError):
+    """A function or a task has no bound; the sentence says what is missing and where."""
+
+    exit_code = ExitCode.NO_TIMING_BOUND
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Bounds of a function, or of the jobs of a task; without the fetches after its return.
+
+    `sections` are the longest stays in protected actions: urgency and cycles. `reached` are all
+    functions that may be executed.
+    """
+
+    symbol: str
+    cycles: int
+    stack_bytes: int | None
+    sections: tuple[tuple[int, int], ...]
+    reached: frozenset[str]
+    report: dict[str, Any]
+
+    def longest_section(self, above_urgency: int) -> int:
+        """Longest stay at more than an urgency, in cycles."""
+        stays = (cycles for urgency, cycles in self.sections if urgency > above_urgency)
+        return max(stays, default=0)
+
+
+@dataclass(frozen=True)
+class Call:
+    """A call with r0 to r3 where they are constants."""
+
+    callee: str
+    caller: str
+    arguments: tuple[int | None, int | None, int | None, int | None]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Answers in the order of the questions."""
+
+    timing: str
+    return_cycles: int
+    functions: tuple[Bound, ...]
+    jobs: tuple[Bound, ...]
+    calls: tuple[Call, ...]
+
+
+def _question(loop: dict[str, Any], facts: str) -> str:
+    file, _, line = loop["line"].rpartition(":")
+    if line:
+        place = f'file = "{file.rpartition("/")[2]}", line = {line}'
+    else:
+        place = f'symbol = "{loop["symbol"]}", index = {loop["index"]}'
+    return (
+        f"{loop['line'] or loop['symbol']}: how often at most? "
+        f"in {facts}: [[loop]] {place}, iterations = ..."
+    )
+
+
+def _bound(answer: dict[str, Any], facts: str) -> Bound:
+    if answer["error"] is not None:
+        head, *detail = answer["error"].split("\n")
+        advice = ""
+        if answer["missing"]:
+            head = "loops without a bound"
+            detail = [_question(loop, facts) for loop in answer["missing"]]
+            advice = f"; say in {facts} how often each is repeated"
+        error = ExecutionTimeError(f"{answer['symbol']}: {head}{advice}", detail="\n".join(detail))
+        error.data = {"missing": answer["missing"]}
+        raise error
+    return Bound(
+        answer["symbol"],
+        answer["cycles"],
+        answer["stack_bytes"],
+        tuple((urgency, cycles) for urgency, cycles in answer["sections"]),
+        frozenset(answer["reached"]),
+        answer["report"],
+    )
+
+
+def execution_times(
+    elf: bytes,
+    *,
+    functions: Sequence[str] = (),
+    jobs: Sequence[tuple[str, Sequence[str]]] = (),
+    annotations: Sequence[tuple[str, str]] = (),
+    root: str | None = None,
+    callees: Sequence[str] = (),
+    timing: str = "nominal",
+    wait_states: int = 1,
+) -> Bounds:
+    """Bounds of functions, and of jobs as (body, functions in which the task waits).
+
+    `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
+    what it calls. Raises `ExecutionTimeError` when there is no bound, `UsageError` for a wrong
+    image or annotation.
+    """
+    request = {
+        "functions": list(functions),
+        "jobs": [{"body": body, "waits": list(waits)} for body, waits in jobs],
+        "annotations": [{"name": name, "text": text} for name, text in annotations],
+        "root": root,
+        "callees": list(callees),
+    }
+    try:
+        module = importlib.import_module("virtual_brick")
+        text = module.bound_execution_times(elf, json.dumps(request), timing, wait_states)
+    except ImportError:
+        raise ToolMissingError(
+            "the Python module 'virtual_brick' is not installed; run 'make setup'"
+        ) from None
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    answer = json.loads(text)
+    facts = annotations[0][0] if annotations else "an annotation file"
+    return Bounds(
+        answer["timing"],
+        answer["return_cycles"],
+        tuple(_bound(found, facts) for found in answer["functions"]),
+        tuple(_bound(found, facts) for found in answer["jobs"]),
+        tuple(Call(c["callee"], c["caller"], tuple(c["arguments"])) for c in answer["calls"]),
+    )

@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What `timing.toml` says: facts about a program that its binary does not show."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.target.located_toml import LocatedToml, read_toml
+from ravenbrick.target.robot import Robot
+from ravenbrick.target.validation import validate
+from ravenbrick.trace.interrupts import SOURCES
+
+__all__ = ["TIMING_FILE", "Facts", "InterruptLoad", "Suspension", "annotations_of", "read_facts"]
+
+TIMING_FILE = "timing.toml"
+OWN_TABLES = frozenset({"schema_version", "interrupt", "suspension", "body"})
+SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
+
+
+@dataclass(frozen=True)
+class InterruptLoad:
+    """At most `at_most` interrupts of a source in any window of `window_us`.
+
+    Several loads of one source hold together.
+    """
+
+    source: int
+    at_most: int
+    window_us: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Suspension:
+    """A job of `task` waits for something else than its release, `count` times, in all for
+    `longest_us`."""
+
+    task: str
+    count: int
+    longest_us: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Facts:
+    """All facts; `annotations` is TOML for the execution-time analysis."""
+
+    document: LocatedToml | None
+    annotations: str
+    interrupts: tuple[InterruptLoad, ...] = ()
+    suspensions: tuple[Suspension, ...] = ()
+    bodies: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The file, for messages."""
+        return TIMING_FILE if self.document is None else str(self.document.path)
+
+    def suspension(self, task: str) -> Suspension | None:
+        """What is said about a task."""
+        named = (found for found in self.suspensions if found.task.lower() == task.lower())
+        return next(named, None)
+
+    def loads(self, source: int) -> tuple[InterruptLoad, ...]:
+        """What is said about a source, the longest window first."""
+        found = (load for load in self.interrupts if load.source == source)
+        return tuple(sorted(found, key=lambda load: -load.window_us))
+
+
+def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
+    """Lists of facts as TOML."""
+    lines: list[str] = []
+    for table, rows in tables.items():
+        for row in rows:
+            lines.append(f"[[{table}]]")
+            lines += [f"{key} = {json.dumps(value)}" for key, value in row.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _check_tasks(document: LocatedToml, robot: Robot) -> None:
+    for table in ("suspension", "body"):
+        for index, row in enumerate(document.values.get(table, [])):
+            if robot.task(row["task"]) is None:
+                known = ", ".join(task.name for task in robot.tasks)
+                raise document.error(
+                    (table, index, "task"),
+                    f"robot.toml has no task '{row['task']}'; it has: {known}",
+                )
+
+
+def read_facts(robot: Robot) -> Facts:
+    """Facts of a project; none when it has no `timing.toml`. Raises `ProjectFileError`."""
+    path: Path = robot.directory / TIMING_FILE
+    if not path.is_file():
+        return Facts(None, "")
+    document = read_toml(path, missing="")
+    validate(document, "timing")
+    _check_tasks(document, robot)
+    values = document.values
+    annotations = {key: rows for key, rows in values.items() if key not in OWN_TABLES}
+    return Facts(
+        document,
+        annotations_of(annotations),
+        tuple(
+            InterruptLoad(
+                SOURCE_NUMBERS[row["source"]], row["at_most"], row["window_us"], row["reason"]
+            )
+            for row in values.get("interrupt", [])
+        ),
+        tuple(
+            Suspension(row["task"], row.get("count", 1), row["longest_us"], row["reason"])
+            for row in values.get("suspension", [])
+        ),
+        tuple((row["task"].lower(), row["symbol"]) for row in values.get("body", [])),
+    )

@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of the analysis: the critical instant beside the worst window of the run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ravenbrick.schedule.releases import critical_instant
+from ravenbrick.schedule.simulation import simulate
+from ravenbrick.target.robot import Robot
+from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.observed import worst_job_release
+from ravenbrick.timing.result import microseconds
+from ravenbrick.trace.plots.style import COLOURS, new_figure, task_colour
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.schedule import INTERRUPT_OWNER, segments
+
+__all__ = ["terms_figure", "windows_figure"]
+
+TERMS = (
+    ("own_cycles", "own", "#1f5fa8"),
+    ("suspension_cycles", "waiting inside", "#a9c2df"),
+    ("interference_cycles", "interference", "#8e4585"),
+    ("interrupts_cycles", "interrupts", "#8a8a8a"),
+    ("blocking_cycles", "blocking", "#b3372f"),
+    ("overheads_cycles", "overheads", "#c9b458"),
+    ("release_jitter_cycles", "release jitter", "#4a6b2a"),
+)
+
+
+def terms_figure(result: dict[str, Any]) -> Figure:
+    """Each response-time bound as its terms, with the observed maximum as a mark."""
+    tasks = [task for task in result["tasks"] if task["terms"] is not None]
+    figure, (axis,) = new_figure(9.0, 1.0 + 0.7 * len(tasks))
+    for row, task in enumerate(reversed(tasks)):
+        left, deadline = 0.0, task["deadline_us"]
+        for key, label, colour in TERMS:
+            width = 100 * microseconds(task["terms"][key]) / deadline
+            name = label if row == 0 else None
+            axis.barh(row, width, left=left, height=0.5, color=colour, label=name)
+            left += width
+        if task["observed"] is not None:
+            seen = 100 * microseconds(task["observed"]["response_cycles"]) / deadline
+            name = "observed maximum" if row == 0 else None
+            axis.plot([seen, seen], [row - 0.36, row + 0.36], color="#000000", label=name)
+    axis.set_yticks(range(len(tasks)), [task["name"] for task in reversed(tasks)])
+    axis.set_xlabel("response time (% of the deadline)")
+    axis.legend(frameon=False, fontsize=8, ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.3))
+    return figure
+
+
+def _critical(axis: Axes, analysis: Analysis, lanes: dict[str, int], length: float) -> None:
+    end = int(length) + 1
+    run = simulate(analysis.task_set, end, releases=critical_instant)
+    for part in run.intervals:
+        lane = lanes.get(part.task, lanes["interrupts"])
+        begin, width = microseconds(part.begin), microseconds(part.end - part.begin)
+        colour = task_colour(lane) if part.task in lanes else COLOURS["interrupts"]
+        axis.barh(lane, width, left=begin, height=0.6, color=colour)
+    axis.set_title("critical instant of the analysis, without overheads", fontsize=9)
+
+
+def _observed(
+    axis: Axes, recording: Recording, lanes: dict[str, int], begin: int, length: float
+) -> None:
+    names = [thread.name.lower() for thread in recording.threads]
+    by_name = {name.lower(): lane for name, lane in lanes.items()}
+    for part in segments(recording):
+        if part.end_cycles <= begin or part.begin_cycles >= begin + length:
+            continue
+        if part.owner == INTERRUPT_OWNER:
+            lane, colour = lanes["interrupts"], COLOURS["interrupts"]
+        elif part.owner >= 0 and names[part.owner] in by_name:
+            lane = by_name[names[part.owner]]
+            colour = task_colour(lane)
+        else:
+            continue
+        first = max(part.begin_cycles, begin)
+        last = min(part.end_cycles, begin + int(length))
+        start, width = microseconds(first - begin), microseconds(last - first)
+        axis.barh(lane, width, left=start, height=0.6, color=colour)
+    axis.set_title(f"worst window of the run, {microseconds(begin) / 1e6:.6f} s", fontsize=9)
+
+
+def windows_figure(
+    robot: Robot, analysis: Analysis, recording: Recording, task: str
+) -> Figure | None:
+    """The critical instant of a task above its worst job of the run, on the same scale."""
+    bound = analysis.bounds[task].bound
+    begin = worst_job_release(robot, recording, task)
+    if bound is None or begin is None:
+        return None
+    order = sorted(analysis.tasks, key=lambda timing: timing.task.priority)
+    lanes = {timing.task.name: lane for lane, timing in enumerate(order)}
+    lanes["interrupts"] = len(lanes)
+    figure, axes = new_figure(10.0, 1.6 + 0.7 * len(lanes), rows=2)
+    length = float(bound)
+    _critical(axes[0], analysis, lanes, length)
+    _observed(axes[1], recording, lanes, begin, length)
+    for axis in axes:
+        axis.set_yticks(list(lanes.values()), list(lanes))
+        axis.set_ylim(-0.6, len(lanes) - 0.4)
+        axis.set_xlim(0, microseconds(bound))
+    axes[1].set_xlabel(f"time after the release of {task} (us)")
+    return figure

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The run-time as the timing analysis sees it: its services, and loops that grow with the tasks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.timing.bounds import Bound, execution_times
+from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.started import ALARM_SOURCE, Handler, ProtectedObject, object_words
+
+__all__ = [
+    "COARSE_PERIOD_US",
+    "DELAY_UNTIL",
+    "ENTRY_CALL",
+    "SUSPEND",
+    "InterruptCost",
+    "Services",
+    "entry_facts",
+    "interrupt_costs",
+    "kernel_facts",
+    "services",
+]
+
+DELAY_UNTIL = "ada__real_time__delays__delay_until"
+PROTECTED = "system__tasking__protected_objects"
+ENTRY_CALL = f"{PROTECTED}__single_entry__protected_single_entry_call"
+SERVICE_ENTRY = f"{PROTECTED}__single_entry__service_entry"
+SUSPEND = "ada__synchronous_task_control__suspend_until_true"
+SET_TRUE = "ada__synchronous_task_control__set_true"
+INTERRUPT = "ravenbrick_interrupt"
+RESUME = "resume"
+MASKING = (DELAY_UNTIL, ENTRY_CALL, SERVICE_ENTRY, SUSPEND, SET_TRUE, f"{PROTECTED}__dispatch")
+RINGS = ("ravenbrick__delays__ring", "ravenbrick__delays__events__ring_with_events")
+QUEUES = (
+    "ravenbrick-threads.adb",
+    "ravenbrick-delays.adb",
+    "ravenbrick-delays-events.adb",
+    "interrupt.S",
+)
+ENTRY_CODE = re.compile(r"_[BE]\d+b$")
+
+EXCEPTION_CYCLES = 3
+# The alarm is set in one-shot stretches: a coarse one ends this long after it began, at the
+# earliest, and only delays of at least 57 000 of the kernel's units of 1/21.024 us have one.
+COARSE_PERIOD_US = int((57_000 - 3 * 448) / 21.024)
+
+# From the alarm's request until the processor sees it: tick of the clock, shortest count of the
+# alarm's timer, the controller's synchronisation, the longest instruction.
+ALARM_LATENESS_CYCLES = 16 + 4 + 7 + 20
+# What the alarm is set early by, so that the wake-up time has passed when its handler looks.
+ALARM_LEAD_CYCLES = 2 * (48 + 16)
+
+
+@dataclass(frozen=True)
+class InterruptCost:
+    """A handler with everything around it: from the exception until its thread goes on."""
+
+    handler: Handler
+    cycles: int
+    body: Bound
+
+    @property
+    def stack_bytes(self) -> int | None:
+        """On the handlers' stack."""
+        return None if self.body.stack_bytes is None else self.body.stack_bytes + 4
+
+
+@dataclass(frozen=True)
+class Services:
+    """Bounds of the run-time's own services in one image, in cycles."""
+
+    delay_until: int
+    resume: int
+    masking: dict[str, int]
+
+    @property
+    def release_jitter(self) -> int:
+        """Longest from a wake-up time until the alarm's handler can be entered."""
+        return ALARM_LATENESS_CYCLES + max(0, self.delay_until - ALARM_LEAD_CYCLES)
+
+    def longest_masked(self, reached: Iterable[str]) -> tuple[int, str]:
+        """The longest service with masked interrupts among these functions."""
+        found = [(self.masking[name], name) for name in reached if name in self.masking]
+        return max(found, default=(0, ""))
+
+
+def entry_facts(image: ElfImage) -> str:
+    """Barriers and bodies of entries, which the run-time calls indirectly."""
+    targets = sorted(name for name in image.symbols if ENTRY_CODE.search(name))
+    functions = [name for name in (ENTRY_CALL, SERVICE_ENTRY) if name in image.symbols]
+    if not targets:
+        return ""
+    return annotations_of({"call": [{"symbol": f, "targets": targets} for f in functions]})
+
+
+def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
+    """Loops over queues, and words that are constant after elaboration.
+
+    The alarm's handler is bounded for one thread: each release is charged a call of its own, which
+    is more than the share of a call that releases several.
+    """
+    loops: list[dict[str, object]] = [
+        {"symbol": ring, "index": 0, "header_executions": 1} for ring in RINGS
+    ]
+    loops += [{"file": file, "header_executions": thread_count} for file in QUEUES]
+    return annotations_of({"loop": loops, "word": [dict(w) for w in object_words(objects)]})
+
+
+def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Services:
+    """Bounds of the services that the image has."""
+    present = [name for name in MASKING if name in image.symbols]
+    found = execution_times(image.content, functions=[*present, RESUME], annotations=annotations)
+    cycles = {bound.symbol: bound.cycles for bound in found.functions}
+    return Services(cycles.get(DELAY_UNTIL, 0), cycles.pop(RESUME), cycles)
+
+
+def interrupt_costs(
+    image: ElfImage, handlers: Sequence[Handler], annotations: Sequence[tuple[str, str]]
+) -> tuple[InterruptCost, ...]:
+    """Cost of each handler, the alarm's first."""
+    found = []
+    for handler in sorted(handlers, key=lambda each: each.source != ALARM_SOURCE):
+        target = annotations_of({"call": [{"symbol": INTERRUPT, "targets": [handler.symbol]}]})
+        times = execution_times(
+            image.content,
+            functions=[INTERRUPT, handler.symbol],
+            annotations=[*annotations, ("interrupt entry", target)],
+        )
+        whole, body = times.functions
+        found.append(InterruptCost(handler, whole.cycles + EXCEPTION_CYCLES, body))
+    return tuple(found)

@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The analysis and the run as plain data, and in words what to change."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ravenbrick.schedule.quantity import exact
+from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.timing.analysis import Analysis, TaskTiming
+from ravenbrick.timing.observed import Observed, ratio
+from ravenbrick.trace.interrupts import source_name
+
+__all__ = ["advice", "microseconds", "result_of"]
+
+
+def microseconds(cycles: Any) -> float:
+    """Cycles as microseconds."""
+    return float(cycles * 1_000_000 / MASTER_CLOCK.hertz)
+
+
+def _up(cycles: Any) -> int | None:
+    return None if cycles is None else math.ceil(cycles)
+
+
+def _terms(analysis: Analysis, timing: TaskTiming) -> dict[str, Any] | None:
+    terms = analysis.bounds[timing.task.name].terms
+    if terms is None:
+        return None
+    handlers = {t.name for t in analysis.task_set if t.release == "interrupt"}
+    by_tasks = [p for p in terms.interference if p.task not in handlers]
+    by_interrupts = [p for p in terms.interference if p.task in handlers]
+    return {
+        "own_cycles": timing.job.cycles,
+        "suspension_cycles": timing.suspension_cycles,
+        "interference_cycles": _up(sum(part.time for part in by_tasks)),
+        "interrupts_cycles": _up(sum(part.time for part in by_interrupts)),
+        "blocking_cycles": _up(terms.blocking.time),
+        "overheads_cycles": _up(terms.overheads),
+        "release_jitter_cycles": _up(terms.release_jitter),
+        "interference": [
+            {"task": part.task, "jobs": float(part.jobs), "cycles": _up(part.time)}
+            for part in terms.interference
+        ],
+        "blocked_by": {"task": timing.blocking.task, "kind": timing.blocking.kind},
+    }
+
+
+def _task(analysis: Analysis, timing: TaskTiming, seen: Observed | None) -> dict[str, Any]:
+    name = timing.task.name
+    found = analysis.bounds[name]
+    bound = _up(found.bound)
+    limit, limited_by = largest_wcet(analysis.task_set, name, analysis.overheads)
+    fastest = smallest_period(
+        analysis.task_set, name, exact(MASTER_CLOCK.hertz / 10_000), analysis.overheads
+    )
+    return {
+        "name": name,
+        "priority": timing.task.priority,
+        "period_us": timing.task.period_us,
+        "deadline_us": timing.task.deadline_us or timing.task.period_us,
+        "meets_deadline": found.meets_deadline,
+        "execution_bound_cycles": timing.job.cycles,
+        "execution_max_cycles": None
+        if limit is None
+        else math.floor(limit) - timing.suspension_cycles,
+        "limited_by": limited_by,
+        "smallest_period_us": None if fastest is None else round(microseconds(fastest)),
+        "response_bound_cycles": bound,
+        "terms": _terms(analysis, timing),
+        "observed": None if seen is None else dict(vars(seen)),
+        "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
+        "stack_bytes": timing.task.stack_bytes,
+        "stack_bound_bytes": timing.stack_bound_bytes,
+    }
+
+
+def result_of(analysis: Analysis, observed: dict[str, Observed]) -> dict[str, Any]:
+    """All of it; times in cycles unless the name says otherwise."""
+    scaling = largest_scaling(analysis.task_set, analysis.overheads)
+    order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
+    return {
+        "schedulable": analysis.schedulable,
+        "largest_scaling": None if scaling.factor is None else float(scaling.factor),
+        "scaling_limited_by": scaling.limited_by,
+        "utilization": float(analysis.task_set.utilization),
+        "tasks": [_task(analysis, timing, observed.get(timing.task.name)) for timing in order],
+        "interrupts": [
+            {
+                "source": source_name(cost.handler.source),
+                "handler": cost.handler.symbol,
+                "priority": cost.handler.priority,
+                "bound_cycles": cost.cycles,
+                "handler_bound_cycles": cost.body.cycles,
+                "stack_bound_bytes": cost.stack_bytes,
+            }
+            for cost in analysis.interrupts
+        ],
+        "interrupt_stack_bound_bytes": analysis.interrupt_stack_bytes,
+        "services": {
+            "delay_until_cycles": analysis.services.delay_until,
+            "resume_cycles": analysis.services.resume,
+            "alarm_cycles": _up(analysis.overheads.alarm),
+            "release_jitter_cycles": analysis.services.release_jitter,
+            **{f"{name}_cycles": c for name, c in analysis.services.masking.items()},
+        },
+        "protected_objects": [
+            {"name": item.name, "ceiling": item.ceiling} for item in analysis.objects
+        ],
+    }
+
+
+def _shown(cycles: int) -> str:
+    return f"{cycles} cycles ({microseconds(cycles):.1f} us)"
+
+
+def advice(result: dict[str, Any]) -> list[str]:
+    """What does not fit and what would make it fit; else how much room there is."""
+    lines = []
+    for task in result["tasks"]:
+        if task["meets_deadline"]:
+            continue
+        bound = task["response_bound_cycles"]
+        lines.append(
+            f"{task['name']} can miss its deadline of {task['deadline_us']} us: "
+            + (f"its response time may be {_shown(bound)}" if bound else "it has no bound")
+        )
+    for task in result["tasks"]:
+        limit, own = task["execution_max_cycles"], task["execution_bound_cycles"]
+        if lines and limit is not None and 0 < limit < own:
+            lines.append(
+                f"all deadlines are met if a job of {task['name']} takes {own - limit} cycles less:"
+                f" at most {_shown(limit)}"
+            )
+    if lines:
+        return lines
+    for task in result["tasks"]:
+        limit, own = task["execution_max_cycles"], task["execution_bound_cycles"]
+        if limit is not None:
+            lines.append(
+                f"a job of {task['name']} may take {limit - own} cycles more before "
+                f"{task['limited_by'] or 'it'} can miss a deadline"
+            )
+    return lines

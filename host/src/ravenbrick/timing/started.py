@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the elaboration of a program sets up for good: interrupt handlers and ceilings.
+
+The handlers are read from the memory of a brick on which the program has been elaborated; the
+ceilings are constants in the calls that set up protected objects.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ravenbrick.errors import ImageFileError
+from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.timing.bounds import Call
+
+__all__ = [
+    "ALARM_SOURCE",
+    "FIRST_INTERRUPT_PRIORITY",
+    "INITIALIZERS",
+    "Handler",
+    "ProtectedObject",
+    "attached_handlers",
+    "object_words",
+    "protected_objects",
+]
+
+HANDLERS = "ravenbrick__interrupts__handlers"
+HANDLER = struct.Struct("<IIiI")
+SOURCE_COUNT = 32
+ALARM_SOURCE = 12
+FIRST_INTERRUPT_PRIORITY = 31
+PRIORITY_LAST = 30
+INITIALIZER = "system__tasking__protected_objects__initialize_protection"
+ENTRY_INITIALIZER = "system__tasking__protected_objects__single_entry__initialize_protection_entry"
+INITIALIZERS = (INITIALIZER, ENTRY_INITIALIZER)
+CODE_OFFSET = 20
+
+
+@dataclass(frozen=True)
+class Handler:
+    """An attached interrupt handler."""
+
+    source: int
+    priority: int
+    symbol: str
+
+
+@dataclass(frozen=True)
+class ProtectedObject:
+    """A protected object; `code` is the address of its entry's barrier and body, 0 without."""
+
+    name: str
+    address: int
+    ceiling: int
+    code: int
+
+    @property
+    def urgency(self) -> int:
+        """Of a protected action, as the kernel counts it."""
+        return 2 * self.ceiling + 1
+
+
+def _code_name(brick: Any, address: int) -> str:
+    found = brick.nearest_code(address & ~1)
+    return found[0] if found is not None and found[1] == 0 else f"0x{address:08x}"
+
+
+def attached_handlers(brick: Any, image: ElfImage) -> tuple[Handler, ...]:
+    """Handlers by source, the alarm's included; `brick` has elaborated the program."""
+    table = image.symbols.get(HANDLERS)
+    if table is None:
+        raise ImageFileError(f"{image.path}: has no '{HANDLERS}'; link it with the run-time")
+    content = brick.read_memory(table.address, SOURCE_COUNT * HANDLER.size)
+    found = []
+    for source, (_, code, urgency, _) in enumerate(HANDLER.iter_unpack(content)):
+        if code:
+            found.append(Handler(source, urgency // 2, _code_name(brick, code)))
+    return tuple(found)
+
+
+def _name_of(image: ElfImage, address: int) -> str:
+    inside = (
+        name
+        for name, symbol in sorted(image.symbols.items())
+        if symbol.address <= address < symbol.address + symbol.size
+    )
+    return next(inside, f"0x{address:08x}")
+
+
+def protected_objects(image: ElfImage, calls: Sequence[Call]) -> tuple[ProtectedObject, ...]:
+    """Protected objects from the calls of `INITIALIZERS`."""
+    found = []
+    for call in calls:
+        if call.caller == ENTRY_INITIALIZER:
+            continue
+        address, ceiling, _, code = call.arguments
+        if address is None or ceiling is None:
+            raise ImageFileError(
+                f"{image.path}: the protected object set up in {call.caller} has no static "
+                "ceiling; declare it at library level with a static priority"
+            )
+        if ceiling == 0xFFFF_FFFF:
+            ceiling = PRIORITY_LAST
+        entry = (code or 0) if call.callee == ENTRY_INITIALIZER else 0
+        found.append(ProtectedObject(_name_of(image, address), address, ceiling, entry))
+    return tuple(sorted(set(found), key=lambda item: item.address))
+
+
+def object_words(objects: Sequence[ProtectedObject]) -> list[dict[str, int]]:
+    """Words of protected objects that keep their values: ceiling, span, code of the entry."""
+    words = []
+    for item in objects:
+        span = item.urgency if item.ceiling < FIRST_INTERRUPT_PRIORITY else 0
+        words.append({"address": item.address, "value": item.urgency})
+        words.append({"address": item.address + 4, "value": span})
+        if item.code:
+            words.append({"address": item.address + CODE_OFFSET, "value": item.code})
+    return words

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The vehicle's timing: bounds from its binary, never exceeded by its run."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+from host.tests.conftest import VEHICLE
+
+from ravenbrick.errors import RavenbrickError
+from ravenbrick.target.build import TOOLS, find_tool
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.timing.analysis import Analysis, analyse
+from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
+from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.observed import check_interrupt_rates, never_exceeded, observe
+from ravenbrick.timing.result import advice, result_of
+from ravenbrick.trace.recording import Recording
+
+pytestmark = [
+    pytest.mark.skipif(
+        any(find_tool(tool) is None for tool in TOOLS),
+        reason="the cross toolchain is not installed; 'make setup' installs it",
+    ),
+    pytest.mark.skipif(
+        importlib.util.find_spec("virtual_brick") is None,
+        reason="the module virtual_brick is not built; 'make setup' builds it",
+    ),
+]
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return read_robot(VEHICLE)
+
+
+@pytest.fixture(scope="module")
+def scenario(robot: Robot) -> Scenario:
+    return read_scenario(scenario_path(VEHICLE, "step"), robot)
+
+
+@pytest.fixture(scope="module")
+def image() -> ElfImage:
+    path = Workspace.of(VEHICLE).image("ram", "vehicle")
+    if not path.is_file():
+        pytest.skip("the vehicle is not built; 'ravenbrick build examples/vehicle' builds it")
+    return read_image(path)
+
+
+def _analysed(robot: Robot, scenario: Scenario, image: ElfImage, facts: Facts) -> Analysis:
+    brick = VirtualTarget().prepare(robot, scenario, image)
+    brick.run_until(MASTER_CLOCK.cycles_of_ms(300))
+    return analyse(robot, image, brick, facts)
+
+
+@pytest.fixture(scope="module")
+def analysis(robot: Robot, scenario: Scenario, image: ElfImage) -> Analysis:
+    return _analysed(robot, scenario, image, read_facts(robot))
+
+
+@pytest.fixture(scope="module")
+def recording(robot: Robot, scenario: Scenario, image: ElfImage) -> Recording:
+    return VirtualTarget().run(robot, scenario, image)
+
+
+def test_no_response_time_and_no_stack_of_the_run_exceeds_its_bound(
+    robot: Robot, analysis: Analysis, recording: Recording
+) -> None:
+    check_interrupt_rates(robot, read_facts(robot), recording)
+    seen = observe(robot, recording)
+    assert set(seen) == {task.name for task in robot.tasks}
+    assert never_exceeded(analysis, seen)
+    for task in result_of(analysis, seen)["tasks"]:
+        assert task["observed"]["response_cycles"] <= task["response_bound_cycles"], task
+        assert task["observed"]["execution_cycles"] <= task["execution_bound_cycles"], task
+
+
+def test_the_vehicle_meets_its_deadlines_and_is_told_how_much_room_there_is(
+    analysis: Analysis,
+) -> None:
+    result = result_of(analysis, {})
+    assert result["schedulable"]
+    assert any("control_task may take" in line for line in advice(result))
+
+
+def test_ceilings_and_handlers_are_those_of_the_sources(analysis: Analysis) -> None:
+    ceilings = {item.name: item.ceiling for item in analysis.objects}
+    assert ceilings["panel__latest"] == 2
+    assert ceilings["nxt__avr__shared"] == 30
+    priorities = {cost.handler.source: cost.handler.priority for cost in analysis.interrupts}
+    assert priorities[9] == 38 and priorities[12] == 31
+
+
+def test_a_loop_without_a_bound_is_asked_for_by_file_and_line(
+    robot: Robot, scenario: Scenario, image: ElfImage
+) -> None:
+    with pytest.raises(ExecutionTimeError) as refused:
+        _analysed(robot, scenario, image, Facts(None, ""))
+    assert "nxt-avr_io.adb:39" in refused.value.detail
+    assert 'file = "nxt-avr_io.adb", line = 39' in refused.value.detail
+
+
+def test_a_fact_about_an_unknown_task_is_refused_with_its_line(
+    robot: Robot, tmp_path: Path
+) -> None:
+    for name in ("robot.toml", "timing.toml"):
+        (tmp_path / name).write_text((VEHICLE / name).read_text())
+    wrong = (tmp_path / "timing.toml").read_text().replace('"display_task"', '"panel_task"')
+    (tmp_path / "timing.toml").write_text(wrong)
+    with pytest.raises(RavenbrickError, match=r"timing\.toml:\d+: .*no task 'panel_task'"):
+        read_facts(read_robot(tmp_path))
+
+
+def test_an_interrupt_that_comes_more_often_than_said_is_noticed(
+    robot: Robot, recording: Recording, tmp_path: Path
+) -> None:
+    text = (VEHICLE / "timing.toml").read_text().replace("at_most = 16", "at_most = 3")
+    (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
+    (tmp_path / "timing.toml").write_text(text)
+    with pytest.raises(ExecutionTimeError, match="TWI interrupts more than 3 times"):
+        check_interrupt_rates(robot, read_facts(read_robot(tmp_path)), recording)
+
+
+def test_a_function_alone_is_bounded(image: ElfImage) -> None:
+    found = execution_times(image.content, functions=["functional_step_instance"]).functions[0]
+    assert 500 < found.cycles < 5_000
+    assert "__aeabi_fmul" in found.reached

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Execution-time bounds as a Python function: questions and answers are JSON.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use wcet::query::{Request, Source};
+
+#[path = "../../../crates/wcet/examples/support/chip.rs"]
+mod chip;
+
+/// Facts that hold in every program: compiler's library, failures, run-time.
+const KNOWN: [(&str, &str); 3] = [
+    (
+        "libgcc.toml",
+        include_str!("../../../crates/wcet/annotations/libgcc.toml"),
+    ),
+    (
+        "failures.toml",
+        include_str!("../../../crates/wcet/annotations/failures.toml"),
+    ),
+    (
+        "runtime.toml",
+        include_str!("../../../crates/wcet/annotations/runtime.toml"),
+    ),
+];
+
+/// Bounds of the functions and jobs of a request, from an ELF file.
+#[pyfunction]
+#[pyo3(signature = (elf, request, timing = "nominal", wait_states = 1))]
+pub(crate) fn bound_execution_times(
+    py: Python<'_>,
+    elf: &[u8],
+    request: &str,
+    timing: &str,
+    wait_states: u64,
+) -> PyResult<String> {
+    let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
+    let mut request: Request = serde_json::from_str(request).map_err(|e| wrong(&e))?;
+    request.annotations.extend(KNOWN.map(|(name, text)| Source {
+        name: name.to_owned(),
+        text: text.to_owned(),
+    }));
+    let map = chip::memory_map(timing, wait_states).map_err(|e| wrong(&e))?;
+    let elf = elf.to_vec();
+    let response = py
+        .detach(|| request.answer(&elf, &map))
+        .map_err(|e| wrong(&e))?;
+    serde_json::to_string(&response).map_err(|e| wrong(&e))
+}
