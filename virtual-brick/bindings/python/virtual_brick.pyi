@@ -227,3 +227,13 @@ class VirtualBrick:
         """The whole state now."""
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a snapshot; the run goes on from there as it did then."""
+
+def bound_execution_times(
+    elf: bytes, request: str, timing: str = "nominal", wait_states: int = 1
+) -> str:
+    """Bounds of execution times and stacks; question and answer are JSON.
+
+    The keys are those of `Request` and `Response` in the crate `wcet`, module `query`. Releases
+    the interpreter lock. Raises ValueError for a wrong image, annotation or request; a function
+    without a bound is an answer with its `error`.
+    """
