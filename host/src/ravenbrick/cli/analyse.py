@@ -21,8 +21,9 @@ from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
+from ravenbrick.timing.chain import ChainDelay, LoopFigures, chain_delay
 from ravenbrick.timing.facts import Facts, read_facts
-from ravenbrick.timing.figures import terms_figure, windows_figure
+from ravenbrick.timing.figures import margin_figure, terms_figure, windows_figure
 from ravenbrick.timing.observed import check_interrupt_rates, observe
 from ravenbrick.timing.report import (
     INTERRUPT_HEAD,
@@ -31,7 +32,8 @@ from ravenbrick.timing.report import (
     short_rows,
     write_timing_report,
 )
-from ravenbrick.timing.result import advice, result_of
+from ravenbrick.timing.result import advice, microseconds, result_of
+from ravenbrick.trace.design import read_design
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
@@ -67,6 +69,43 @@ def _recording(
     return recording
 
 
+def _loop(workspace: Workspace, robot: Robot) -> LoopFigures | None:
+    """The loop that design.py left behind, if it says what is needed; speeds in volts."""
+    if not workspace.design_file.is_file() or not robot.setpoints:
+        return None
+    found = read_design(workspace.design_file).figures
+    keys = (
+        "plant_gain",
+        "plant_time_constant",
+        "proportional_gain",
+        "integral_gain",
+        "sample_time",
+        "estimator_window",
+        "actuator_delay",
+        "phase_margin_deg",
+    )
+    if not all(key in found for key in keys):
+        return None
+    gain, *rest = (found[key] for key in keys)
+    time_constant, proportional, integral, sample_time, window, delay, margin = rest
+    speed = gain / robot.setpoints[0].scale.value
+    return LoopFigures(
+        speed, time_constant, proportional, integral, sample_time, int(window), delay, margin
+    )
+
+
+def _chain_line(chain: ChainDelay) -> str:
+    def shown(cycles: int | None) -> str:
+        return "unknown" if cycles is None else f"{microseconds(cycles) / 1000:.3f} ms"
+
+    return (
+        f"{chain.name}: at most {shown(chain.edge_bound_cycles)}, "
+        f"seen {shown(chain.edge_max_cycles)}; from the sample at most "
+        f"{shown(chain.sample_bound_cycles)}, seen "
+        f"{shown(chain.sample_min_cycles)} to {shown(chain.sample_max_cycles)}"
+    )
+
+
 @command("ravenbrick analyse examples/vehicle --scenario drive")
 def analyse_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
@@ -89,19 +128,29 @@ def analyse_command(
         analysis = _bounds(robot, chosen, elf, facts)
     recording = _recording(workspace, robot, chosen, elf, reporter)
     check_interrupt_rates(robot, facts, recording)
-    result = {"scenario": chosen.name, **result_of(analysis, observe(robot, recording))}
+    chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
+    result = {
+        "scenario": chosen.name,
+        **result_of(analysis, observe(robot, recording)),
+        "chains": [{**vars(chain), "jitter_cycles": chain.jitter_cycles} for chain in chains],
+    }
     with reporter.step("write the report") as step:
         figures = [("Bounds by term", terms_figure(result))]
         for timing in analysis.tasks:
             figure = windows_figure(robot, analysis, recording, timing.task.name)
             if figure is not None:
                 figures.append((f"Worst windows of {timing.task.name}", figure))
+        loop = _loop(workspace, robot)
+        if loop is not None:
+            figures += [(f"What delay costs: {c.name}", margin_figure(loop, c)) for c in chains]
         report = write_timing_report(robot.name, result, figures, workspace.results)
         step.note = workspace.shown(report)
     reporter.print("cycles and bytes; deadlines in us")
     reporter.table(SHORT_HEAD, short_rows(result))
     reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
     reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
+    for chain in chains:
+        reporter.print(f"  {_chain_line(chain)}")
     for line in advice(result):
         reporter.print(f"  {line}")
     return {**result, "advice": advice(result), "report": str(report)}

@@ -14,10 +14,18 @@ from ravenbrick.target.robot import Robot
 from ravenbrick.target.validation import validate
 from ravenbrick.trace.interrupts import SOURCES
 
-__all__ = ["TIMING_FILE", "Facts", "InterruptLoad", "Suspension", "annotations_of", "read_facts"]
+__all__ = [
+    "TIMING_FILE",
+    "Chain",
+    "Facts",
+    "InterruptLoad",
+    "Suspension",
+    "annotations_of",
+    "read_facts",
+]
 
 TIMING_FILE = "timing.toml"
-OWN_TABLES = frozenset({"schema_version", "interrupt", "suspension", "body"})
+OWN_TABLES = frozenset({"schema_version", "interrupt", "suspension", "body", "chain"})
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
 
@@ -46,6 +54,18 @@ class Suspension:
 
 
 @dataclass(frozen=True)
+class Chain:
+    """Tasks that pass data on; each stage acts on each so many-th of its releases.
+
+    `transfer_us` is the longest time from the last stage to the output.
+    """
+
+    name: str
+    stages: tuple[tuple[str, int], ...]
+    transfer_us: int
+
+
+@dataclass(frozen=True)
 class Facts:
     """All facts; `annotations` is TOML for the execution-time analysis."""
 
@@ -54,6 +74,7 @@ class Facts:
     interrupts: tuple[InterruptLoad, ...] = ()
     suspensions: tuple[Suspension, ...] = ()
     bodies: tuple[tuple[str, str], ...] = ()
+    chains: tuple[Chain, ...] = ()
 
     @property
     def name(self) -> str:
@@ -82,14 +103,25 @@ def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
 
 
 def _check_tasks(document: LocatedToml, robot: Robot) -> None:
-    for table in ("suspension", "body"):
-        for index, row in enumerate(document.values.get(table, [])):
-            if robot.task(row["task"]) is None:
-                known = ", ".join(task.name for task in robot.tasks)
-                raise document.error(
-                    (table, index, "task"),
-                    f"robot.toml has no task '{row['task']}'; it has: {known}",
-                )
+    named = [
+        ((table, index, "task"), row["task"])
+        for table in ("suspension", "body")
+        for index, row in enumerate(document.values.get(table, []))
+    ]
+    named += [
+        (("chain", index, "stages"), stage["task"])
+        for index, row in enumerate(document.values.get("chain", []))
+        for stage in row["stages"]
+    ]
+    for place, name in named:
+        if robot.task(name) is None:
+            known = ", ".join(task.name for task in robot.tasks)
+            raise document.error(place, f"robot.toml has no task '{name}'; it has: {known}")
+
+
+def _chain(row: dict[str, Any]) -> Chain:
+    stages = tuple((stage["task"], stage.get("every", 1)) for stage in row["stages"])
+    return Chain(row["name"], stages, row["transfer_us"])
 
 
 def read_facts(robot: Robot) -> Facts:
@@ -116,4 +148,5 @@ def read_facts(robot: Robot) -> Facts:
             for row in values.get("suspension", [])
         ),
         tuple((row["task"].lower(), row["symbol"]) for row in values.get("body", [])),
+        tuple(_chain(row) for row in values.get("chain", [])),
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of the analysis: the critical instant beside the worst window of the run."""
+"""Pictures: critical instant beside the worst window of the run; what delay does to the loop."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.simulation import simulate
 from ravenbrick.target.robot import Robot
 from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.chain import ChainDelay, LoopFigures, phase_margin
 from ravenbrick.timing.observed import worst_job_release
 from ravenbrick.timing.result import microseconds
-from ravenbrick.trace.plots.style import COLOURS, new_figure, task_colour
+from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, segments
 
-__all__ = ["terms_figure", "windows_figure"]
+__all__ = ["margin_figure", "terms_figure", "windows_figure"]
 
 TERMS = (
     ("own_cycles", "own", "#1f5fa8"),
@@ -106,4 +107,28 @@ def windows_figure(
         axis.set_ylim(-0.6, len(lanes) - 0.4)
         axis.set_xlim(0, microseconds(bound))
     axes[1].set_xlabel(f"time after the release of {task} (us)")
+    return figure
+
+
+def margin_figure(loop: LoopFigures, chain: ChainDelay) -> Figure:
+    """Phase margin against the delay from sample to output; jitter is the width of the band."""
+    figure, (axis,) = new_figure(8.0, 3.6)
+    marks = [("designed", 1000 * loop.designed_delay, COLOURS["design"])]
+    if chain.sample_bound_cycles is not None:
+        bound = microseconds(chain.sample_bound_cycles) / 1000
+        marks.append(("bound", bound, COLOURS["right"]))
+    if chain.sample_min_cycles is not None and chain.sample_max_cycles is not None:
+        low = microseconds(chain.sample_min_cycles) / 1000
+        high = microseconds(chain.sample_max_cycles) / 1000
+        axis.axvspan(low, high, color=COLOURS["faint"], label="seen: width is the jitter")
+    end = 1.2 * max(delay for _, delay, _ in marks)
+    delays = [end * step / 100 for step in range(101)]
+    axis.plot(delays, [phase_margin(loop, delay / 1000) for delay in delays], color="#000000")
+    for name, delay, colour in marks:
+        margin = phase_margin(loop, delay / 1000)
+        axis.axvline(delay, color=colour, label=f"{name}: {delay:.2f} ms, {margin:.1f} degrees")
+    axis.set_xlim(0, end)
+    axis.set_xlabel("delay from sample to motor voltage (ms)")
+    axis.set_ylabel("phase margin (degrees)")
+    legend(axis, "lower left")
     return figure

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From an edge at an input to its effect at an output, through tasks that pass data on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.facts import Chain
+from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.schedule import Job, jobs_of
+
+__all__ = ["ChainDelay", "LoopFigures", "chain_delay", "crossover", "phase_margin"]
+
+
+@dataclass(frozen=True)
+class ChainDelay:
+    """Delays in cycles; observed ones from a release of the first stage to the output."""
+
+    name: str
+    stages: tuple[str, ...]
+    edge_bound_cycles: int | None
+    sample_bound_cycles: int | None
+    sample_min_cycles: int | None
+    sample_max_cycles: int | None
+    edge_max_cycles: int | None
+    count: int
+
+    @property
+    def jitter_cycles(self) -> int | None:
+        """Largest less smallest observed delay."""
+        if self.sample_max_cycles is None or self.sample_min_cycles is None:
+            return None
+        return self.sample_max_cycles - self.sample_min_cycles
+
+
+def _bound(analysis: Analysis, chain: Chain) -> int | None:
+    """Each stage waits for its next release that takes the data, then responds; the first stage's
+    wait is left out (Davare et al. 2007)."""
+    total = MASTER_CLOCK.cycles_of_us(chain.transfer_us)
+    for position, (name, every) in enumerate(chain.stages):
+        found = analysis.bounds[name]
+        if found.bound is None:
+            return None
+        waited = every * found.task.period if position else 0
+        total += math.ceil(waited + found.bound)
+    return total
+
+
+def _jobs(recording: Recording, task: str) -> list[Job]:
+    names = [thread.name.lower() for thread in recording.threads]
+    return [j for j in jobs_of(recording, names.index(task.lower()))[1:] if j.completion_cycles]
+
+
+def _observed(recording: Recording, chain: Chain) -> list[int]:
+    """For each change of an output, back through the stages to the release that sampled."""
+    columns = []
+    for name, _ in reversed(chain.stages):
+        jobs = _jobs(recording, name)
+        columns.append(
+            (
+                np.array([job.release_cycles for job in jobs], np.int64),
+                np.array([job.completion_cycles for job in jobs], np.int64),
+            )
+        )
+    delays = []
+    for at in recording.of_kind(EventKind.MOTOR_COMMAND)["at_cycles"].astype(np.int64).tolist():
+        before = at
+        for releases, completions in columns:
+            index = int(np.searchsorted(completions, before, side="right")) - 1
+            if index < 0:
+                break
+            before = int(releases[index])
+        else:
+            delays.append(at - before)
+    return delays
+
+
+def chain_delay(analysis: Analysis, recording: Recording, chain: Chain) -> ChainDelay:
+    """Bound and observation of a chain; an edge can come right after the first stage sampled."""
+    delays = _observed(recording, chain)
+    first, every = chain.stages[0]
+    period = math.ceil(every * analysis.bounds[first].task.period)
+    bound = _bound(analysis, chain)
+    return ChainDelay(
+        chain.name,
+        tuple(name for name, _ in chain.stages),
+        None if bound is None else bound + period,
+        bound,
+        min(delays, default=None),
+        max(delays, default=None),
+        max(delays) + period if delays else None,
+        len(delays),
+    )
+
+
+@dataclass(frozen=True)
+class LoopFigures:
+    """The loop as its design left it: PI, motor of first order, speed over a window; SI."""
+
+    gain: float
+    time_constant: float
+    proportional: float
+    integral: float
+    sample_time: float
+    window: int
+    designed_delay: float
+    designed_margin_deg: float
+
+
+def _magnitude(loop: LoopFigures, frequency: float) -> float:
+    """|L(j w)|; the mean over the window included."""
+    controller = abs(complex(loop.proportional, -loop.integral / frequency))
+    motor = loop.gain / abs(complex(1.0, loop.time_constant * frequency))
+    half = frequency * loop.window * loop.sample_time / 2
+    return controller * motor * abs(math.sin(half) / half)
+
+
+def crossover(loop: LoopFigures) -> float:
+    """Lowest frequency in rad/s at which the open loop's gain falls to 1, by bisection."""
+    low = high = 1e-3
+    while _magnitude(loop, high) > 1 and high < math.pi / loop.sample_time:
+        low, high = high, high * 1.05
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _magnitude(loop, middle) > 1 else (low, middle)
+    return high
+
+
+def phase_margin(loop: LoopFigures, delay: float) -> float:
+    """Phase margin in degrees with another delay (s) than the designed: a delay turns the open
+    loop's phase by its product with the crossover frequency and leaves the gain alone."""
+    return loop.designed_margin_deg - math.degrees(crossover(loop) * (delay - loop.designed_delay))
