@@ -184,6 +184,36 @@ def page_speed() -> Iterator[Row]:
     yield figure_row("in the tab, vehicle driving", moving, "virtual s per s", "the brick", 1.0)
 
 
+def timing_analysis() -> Iterator[Row]:
+    """Seconds of `ravenbrick analyse` without the run, in a small and in a large program."""
+    from conformance.timing.program_campaign import built, costs
+    from ravenbrick.target.clock import MASTER_CLOCK
+    from ravenbrick.target.elf_image import read_image
+    from ravenbrick.target.robot import read_robot
+    from ravenbrick.target.scenario import read_scenario, scenario_path
+    from ravenbrick.target.virtual import VirtualTarget
+    from ravenbrick.timing.analysis import analyse
+    from ravenbrick.timing.facts import read_facts
+
+    small = built()
+    start = time.perf_counter()
+    costs(8)
+    seconds = time.perf_counter() - start
+    size = small.size_of("text")
+    yield figure_row(f"timing analysis, periodic tasks, {size} bytes of text", seconds, "s")
+    ravenbrick("build", str(VEHICLE))
+    robot = read_robot(VEHICLE)
+    scenario = read_scenario(scenario_path(VEHICLE, "drive"), robot)
+    image = read_image(ROOT / "build" / "vehicle" / "ram" / "vehicle.elf")
+    brick = VirtualTarget().prepare(robot, scenario, image)
+    brick.run_until(MASTER_CLOCK.cycles_of_ms(300))
+    start = time.perf_counter()
+    analyse(robot, image, brick, read_facts(robot))
+    seconds = time.perf_counter() - start
+    size = image.size_of("text")
+    yield figure_row(f"timing analysis, vehicle, {size} bytes of text", seconds, "s")
+
+
 FIGURES: list[Callable[[], Iterator[Row]]] = [
     cpu_speed,
     vehicle_speed,
@@ -191,6 +221,7 @@ FIGURES: list[Callable[[], Iterator[Row]]] = [
     run_time,
     grading,
     page_speed,
+    timing_analysis,
 ]
 
 

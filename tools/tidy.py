@@ -141,7 +141,15 @@ CRATE_BORDERS = {
     "wcet": {"arm7tdmi"},
 }
 BINDING_BORDERS = {
-    "python": {"debugger", "nxt", "trace", "virtual-brick", "virtual-brick-facade"},
+    "python": {
+        "at91sam7s",
+        "debugger",
+        "nxt",
+        "trace",
+        "virtual-brick",
+        "virtual-brick-facade",
+        "wcet",
+    },
     "wasm": {"trace", "virtual-brick"},
     "wasm-glue": set(),
 }
