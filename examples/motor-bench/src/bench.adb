@@ -53,7 +53,7 @@ package body Bench is
 
    --  Angles of the last periods
 
-   type Reading_Index is mod Speed_Window;
+   subtype Reading_Index is Natural range 0 .. Speed_Window - 1;
    Past   : array (Reading_Index) of Integer := (others => 0);
    Oldest : Reading_Index := 0;
 
@@ -72,7 +72,7 @@ package body Bench is
       Now.Speed := Float (Count - Past (Oldest)) * Per_Count;
       Now.Angle := Count - Origin;
       Past (Oldest) := Count;
-      Oldest := Oldest + 1;
+      Oldest := (Oldest + 1) mod Speed_Window;
    end Measure;
 
    procedure Obey_Touch_Sensor is
