@@ -189,13 +189,13 @@ fn the_power_down_command_ends_the_run() {
 }
 
 #[test]
-fn what_the_board_does_not_model_is_a_fault() {
+fn a_request_for_the_boot_monitor_ends_the_run() {
     let mut program = Program::new();
     open_two_wire(&mut program);
     send(&mut program, [0xA5, 0x5A, 0, 0, 0, 0, 0, 0]);
     program.status(0x13).stop();
     let stop = brick(&program).run_until(200 * MILLISECOND);
-    assert_eq!(stop.reason, StopReason::Fault);
+    assert_eq!(stop.reason, StopReason::PowerOff);
     assert!(stop.message.contains("boot monitor"), "{}", stop.message);
 }
 
