@@ -15,12 +15,15 @@ import pytest
 
 EXAMPLES = Path(__file__).resolve().parent
 DESIGNED = ("motor-bench", "line-follower", "balancer")
+LONG = pytest.mark.skipif(
+    "RAVENBRICK_LONG" not in os.environ, reason="a whole lap on the floor: make conformance"
+)
 RUNS = [
     ("blank", "press"),
     ("motor-bench", "step"),
     ("motor-bench", "load"),
     ("motor-bench", "position"),
-    ("line-follower", "lap"),
+    pytest.param("line-follower", "lap", marks=LONG),
     ("balancer", "let-go"),
 ]
 _built: set[str] = set()
