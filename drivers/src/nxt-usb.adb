@@ -267,7 +267,6 @@ package body NXT.USB is
       end Take_Packets;
 
       procedure Give_Packet is
-         Oldest : Packet renames Outgoing.Items (Outgoing.Oldest);
       begin
          if Has (Device.Control (Into_Host), Sent) then
             Clear (Into_Host, Sent);
@@ -278,7 +277,11 @@ package body NXT.USB is
          end if;
          if Outgoing.Count > 0 and then not In_Flight then
             In_Flight := True;
-            Fill (Into_Host, Outgoing.Items (Outgoing.Oldest).Data (1 .. Oldest.Length));
+            declare
+               Oldest : Packet renames Outgoing.Items (Outgoing.Oldest);
+            begin
+               Fill (Into_Host, Oldest.Data (1 .. Oldest.Length));
+            end;
          end if;
       end Give_Packet;
 

@@ -4,18 +4,23 @@
 
 from __future__ import annotations
 
+import json
 import random
+import threading
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+import virtual_brick
+from ravenbrick.target.byte_ports import open_port
 from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.peers import BluetoothComputer
-from ravenbrick.telemetry import Session
+from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.target.peers import BluetoothComputer, StreamPeer, UsbStream
+from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.frames import frame
 from ravenbrick.telemetry.messages import Ask, Refused, SetParameter, Verdict, encode
 
-from drivers.tests.observe import Brick
+from drivers.tests.observe import Brick, bench
 
 START_MS = 1500
 PERIOD_US = 4_000
@@ -24,9 +29,9 @@ PERIOD_US = 4_000
 class Host:
     """The session on a computer near the brick."""
 
-    def __init__(self, brick: Brick) -> None:
+    def __init__(self, brick: Brick, computer: StreamPeer) -> None:
         self.brick = brick
-        self.computer = BluetoothComputer(brick.device, pin="1234")
+        self.computer = computer
         self.session = Session()
 
     @property
@@ -63,7 +68,15 @@ def host(brick: Callable[..., Brick]) -> Host:
     """A brick whose program listens, and a host near it."""
     device = brick("telemetry")
     device.run(START_MS)
-    return Host(device)
+    return Host(device, BluetoothComputer(device.device, pin="1234"))
+
+
+@pytest.fixture
+def usb_host(brick: Callable[..., Brick]) -> Host:
+    """A brick whose program serves its USB, and a host at the other end of the cable."""
+    device = brick("telemetry_usb")
+    device.run(100)
+    return Host(device, UsbStream(device.device))
 
 
 def test_signals_arrive_with_their_instants(host: Host) -> None:
@@ -159,3 +172,84 @@ def test_garbage_does_no_harm(host: Host) -> None:
     host.session.set_parameter("kp", 1.5)
     host.talk(700)
     assert host.session.values[0] == 1.5
+
+
+def test_the_cable_carries_it_too(usb_host: Host) -> None:
+    """Eight signals every 4 ms over USB, 11 KB/s: none missing, in time, parameters change."""
+    usb_host.connect()
+    usb_host.talk(500)
+    usb_host.session.set_parameter("ki", 12.5)
+    usb_host.talk(500)
+    session = usb_host.session
+    assert session.described and session.run is not None
+    assert session.run.name == "usb test"
+    assert session.run.missing == 0 and session.status.dropped == 0
+    times, counts = session.run.recording().signal("count")
+    assert len(counts) > 220 and np.all(np.diff(counts) == 1)
+    assert np.all(np.abs(np.diff(times) * 1e6 - PERIOD_US) < 100)
+    assert session.run.recording().signal("gain8")[1][-1] == 12.5
+
+
+def test_a_cable_that_is_pulled_loses_no_time_of_the_program(usb_host: Host) -> None:
+    """Out, in again: the same run goes on, and what was published meanwhile is counted."""
+    usb_host.connect()
+    usb_host.talk(300)
+    usb_host.computer.close()
+    usb_host.run(500)
+    assert not usb_host.computer.connected
+    usb_host.connect()
+    usb_host.talk(300)
+    run = usb_host.session.run
+    assert run is not None and len(usb_host.session.runs) == 1
+    times, counts = run.recording().signal("count")
+    assert float(times[-1] - times[0]) > 1.0
+    assert np.allclose(np.diff(times) * 1e6, np.diff(counts) * PERIOD_US, atol=100)
+
+
+def test_garbage_on_the_cable_does_no_harm(usb_host: Host) -> None:
+    """Noise in packets of all sizes: no period is missed, and the program answers afterwards."""
+    usb_host.connect()
+    rng = random.Random(1)
+    for _ in range(40):
+        usb_host.computer.write(rng.randbytes(rng.randint(1, 200)))
+        usb_host.talk(20)
+    before = usb_host.brick.integer("published")
+    usb_host.talk(1000)
+    assert usb_host.brick.integer("published") - before == pytest.approx(250, abs=1)
+    assert usb_host.session.status.damaged > 3
+    usb_host.session.set_parameter("ki", 1.5)
+    usb_host.talk(700)
+    assert usb_host.session.values[0] == 1.5
+
+
+def test_a_monitored_run_over_the_cable_plays_again(image: Callable[[str, str], bytes]) -> None:
+    """What the USB host did is recorded with its cycles and gives the same run."""
+
+    def fresh() -> virtual_brick.VirtualBrick:
+        return virtual_brick.VirtualBrick(json.dumps(bench()), image("telemetry_usb", "ram"))
+
+    port, record = open_port("tcp:0"), LiveRecord("none")
+    session = Session()
+    session.set_parameter("ki", 3.0)
+    monitor = Monitor(session, lambda: open_link(port.address))
+    finished = threading.Event()
+
+    def enough() -> bool:
+        return session.run is not None and session.run.sample_count > 100
+
+    def listen() -> None:
+        while not finished.is_set():
+            monitor.poll()
+        monitor.end()
+
+    listener = threading.Thread(target=listen)
+    listener.start()
+    try:
+        LiveRun(fresh(), port, record, None, speed=10.0).run(100.0, enough)
+    finally:
+        finished.set()
+        listener.join()
+        port.close()
+    assert enough() and session.run is not None and session.run.missing == 0
+    assert record.cable and not record.signals
+    assert replay_live(fresh(), record)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -169,3 +170,18 @@ def test_floor_walls_and_mounts_reach_the_brick(project: Path, edit: Edit) -> No
     }
     mount = {"x": 0.1, "y": 0.02, "direction": 0.0}
     assert configuration["sensors"]["1"] == {"kind": "light", "mount": mount}
+
+
+KINDS = schema("robot")["properties"]["battery"]["properties"]["kind"]["enum"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_brick_takes_every_kind_of_battery(project: Path, edit: Edit, kind: str) -> None:
+    """What the schema allows, the virtual brick has."""
+    module = pytest.importorskip("virtual_brick")
+    edit("robot.toml", 'kind = "li_ion"', f'kind = "{kind}"')
+    robot = read_robot(project)
+    scenario = read_scenario(scenario_path(project, "drive"), robot)
+    configuration = json.dumps(brick_configuration(robot, scenario, MASTER_CLOCK))
+    with pytest.raises(module.ImageError):
+        module.VirtualBrick(configuration, b"no image")

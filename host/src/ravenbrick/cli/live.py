@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick live`: the virtual brick in real time, its Bluetooth on a port of this computer."""
+"""`ravenbrick live`: the virtual brick in real time, Bluetooth or USB on a port of the computer."""
 
 from __future__ import annotations
 
@@ -31,6 +31,9 @@ def live_command(
     bluetooth: Annotated[
         str, typer.Option(help="tcp:PORT on 127.0.0.1 (0 takes any), or pty.")
     ] = "tcp:5555",
+    usb: Annotated[
+        str | None, typer.Option(help="tcp:PORT or pty for the brick's USB instead.")
+    ] = None,
     pin: Annotated[str, typer.Option(help="The program's Bluetooth code.")] = "1234",
     seconds: Annotated[
         float | None, typer.Option(min=0.1, help="Virtual seconds; without it until Ctrl-C.")
@@ -60,10 +63,11 @@ def live_command(
         same = replay_live(brick, kept)
         reporter.print("the same run again" if same else "ANOTHER trace digest than the recorded")
         return {"trace_digest": brick.trace_digest(), "same_as_replayed": same}
-    port, run_record = open_port(bluetooth), LiveRecord(chosen.name)
-    reporter.print(f"Bluetooth of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
+    port, run_record = open_port(usb or bluetooth), LiveRecord(chosen.name)
+    link = "USB" if usb else "Bluetooth"
+    reporter.print(f"{link} of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
     reporter.print(f"  ravenbrick monitor {port.address}")
-    live = LiveRun(brick, port, run_record, pin, speed, reporter.print)
+    live = LiveRun(brick, port, run_record, None if usb else pin, speed, reporter.print)
     try:
         stopped = live.run(seconds)
         reporter.print(f"the run ended: {stopped.message or stopped.reason}")
@@ -79,6 +83,6 @@ def live_command(
     return {
         "trace_digest": run_record.digest,
         "end_cycles": run_record.end_cycles,
-        "signals": len(run_record.signals),
+        "signals": len(run_record.signals) + len(run_record.cable),
         "record": str(record) if record else None,
     }

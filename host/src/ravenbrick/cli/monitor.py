@@ -143,7 +143,10 @@ def _summary(session: Session, files: list[Path]) -> dict[str, Any]:
 @command("ravenbrick monitor tcp:5555 --set kp=0.35 --record out/live.rbt --seconds 20")
 def monitor_command(
     address: Annotated[
-        str, typer.Argument(help="tcp:PORT, tcp:HOST:PORT, a serial device, or a record (.rbt).")
+        str,
+        typer.Argument(
+            help="tcp:PORT, tcp:HOST:PORT, a serial device, usb, usb:SERIAL, or a record (.rbt)."
+        ),
     ],
     seconds: Annotated[
         float | None, typer.Option(min=0.1, help="How long; without it until Ctrl-C.")

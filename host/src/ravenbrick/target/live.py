@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A virtual brick in real time whose Bluetooth other programs reach; what they do is recorded.
+"""A virtual brick in real time whose Bluetooth or USB other programs reach; what they do is kept.
 
 A live run depends on when bytes come. Its record holds them with their instants, and playing it
 gives the same run, cycle by cycle.
@@ -19,13 +19,13 @@ from typing import Any
 from ravenbrick.errors import PeerError, UsageError
 from ravenbrick.target.byte_ports import BytePort
 from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.peers import BluetoothComputer
+from ravenbrick.target.peers import BluetoothComputer, StreamPeer, UsbStream
 
-__all__ = ["AirSignal", "LiveRecord", "LiveRun", "replay_live"]
+__all__ = ["AirSignal", "CableSignal", "LiveRecord", "LiveRun", "replay_live"]
 
 _FORMAT = "ravenbrick live run 1"
 _SLICE_MS = 5
-_PAGE_PERIOD_S = 1.0
+_ATTEMPT_PERIOD_S = 1.0
 _LISTENING_MS = 500
 
 
@@ -45,19 +45,48 @@ class AirSignal:
         return {**vars(self), "data": base64.b64encode(self.data).decode("ascii")}
 
 
+@dataclass(frozen=True)
+class CableSignal:
+    """A transfer of the USB host that began at a cycle, or, of kind `plugged`, the cable itself.
+
+    `number` is that of the transfer, or 1 and 0 for in and out.
+    """
+
+    at_cycles: int
+    kind: str
+    number: int
+    timeout_cycles: int = 0
+    endpoint: int = 0
+    data: bytes = b""
+    length: int = 0
+
+    def as_json(self) -> dict[str, Any]:
+        """With plain types."""
+        return {**vars(self), "data": base64.b64encode(self.data).decode("ascii")}
+
+
+def _with_bytes(item: dict[str, Any]) -> dict[str, Any]:
+    return {**item, "data": base64.b64decode(item["data"], validate=True)}
+
+
 @dataclass
 class LiveRecord:
     """All that a live run depended on, its end and its digest."""
 
     scenario: str
     signals: list[AirSignal] = field(default_factory=list)
+    cable: list[CableSignal] = field(default_factory=list)
     end_cycles: int = 0
     digest: str = ""
 
     def save(self, path: Path) -> None:
         """Write the record as JSON."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        content = {**vars(self), "signals": [signal.as_json() for signal in self.signals]}
+        content = {
+            **vars(self),
+            "signals": [signal.as_json() for signal in self.signals],
+            "cable": [signal.as_json() for signal in self.cable],
+        }
         path.write_text(json.dumps({"format": _FORMAT, **content}, indent=1) + "\n")
 
     @classmethod
@@ -67,11 +96,9 @@ class LiveRecord:
             content = json.loads(path.read_text("utf-8"))
             if content.pop("format") != _FORMAT:
                 raise ValueError("another format")
-            signals = [
-                AirSignal(**{**item, "data": base64.b64decode(item["data"], validate=True)})
-                for item in content.pop("signals")
-            ]
-            return cls(signals=signals, **content)
+            signals = [AirSignal(**_with_bytes(item)) for item in content.pop("signals")]
+            cable = [CableSignal(**_with_bytes(item)) for item in content.pop("cable", [])]
+            return cls(signals=signals, cable=cable, **content)
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise UsageError(
                 f"{path}: not the record of a live run ({type(error).__name__}); "
@@ -101,26 +128,50 @@ class _RecordedBrick:
         self._brick.bluetooth_send(at_cycles, peer, kind, data, name=name, pin=pin)
         self._record.signals.append(AirSignal(at_cycles, peer, kind, bytes(data), name, pin))
 
+    def schedule_input(self, at_cycles: int, name: str, value: float) -> None:
+        """Pass on that the cable is put in or pulled out, and keep it."""
+        self._brick.schedule_input(at_cycles, name, value)
+        self._record.cable.append(CableSignal(at_cycles, "plugged", int(value)))
+
+    def usb_transfer(
+        self,
+        at_cycles: int,
+        number: int,
+        timeout_cycles: int,
+        kind: str,
+        endpoint: int = 0,
+        data: bytes = b"",
+        length: int = 0,
+    ) -> None:
+        """Pass the transfer on and keep it."""
+        self._brick.usb_transfer(at_cycles, number, timeout_cycles, kind, endpoint, data, length)
+        kept = CableSignal(at_cycles, kind, number, timeout_cycles, endpoint, bytes(data), length)
+        self._record.cable.append(kept)
+
 
 @dataclass
 class LiveRun:
-    """One brick, one port; `speed` is virtual seconds per second, 0 for as fast as possible."""
+    """One brick, one port; `speed` is virtual seconds per second, 0 for as fast as possible.
+
+    `pin` is that of the program's Bluetooth; without one the port is the brick's USB.
+    """
 
     brick: Any
     port: BytePort
     record: LiveRecord
-    pin: str
+    pin: str | None
     speed: float = 1.0
     tell: Callable[[str], None] = lambda _text: None
     clock: Callable[[], float] = time.monotonic
     pause: Callable[[float], None] = time.sleep
-    _computer: BluetoothComputer = field(init=False)
-    _next_page_s: float = 1.0
+    _computer: StreamPeer = field(init=False)
+    _next_attempt_s: float = 1.0
 
     def __post_init__(self) -> None:
-        """The computer comes into range."""
-        recorded = _RecordedBrick(self.brick, self.record)
-        self._computer = BluetoothComputer(recorded, pin=self.pin)
+        """The computer comes into range, or sits at the other end of the cable."""
+        brick = _RecordedBrick(self.brick, self.record)
+        in_air = self.pin is not None
+        self._computer = BluetoothComputer(brick, pin=self.pin) if in_air else UsbStream(brick)
 
     @property
     def _now_s(self) -> float:
@@ -150,17 +201,17 @@ class LiveRun:
             self._computer.close()
             self.tell("the client has gone")
         elif self.port.in_use and not self._computer.connected:
-            self._page()
+            self._connect()
         if self._computer.connected:
             if from_client:
                 self._computer.write(from_client)
             self.port.write(self._computer.take())
 
-    def _page(self) -> None:
+    def _connect(self) -> None:
         """Connect; a program that does not listen yet is asked again after a second."""
-        if self._now_s < self._next_page_s:
+        if self._now_s < self._next_attempt_s:
             return
-        self._next_page_s = self._now_s + _PAGE_PERIOD_S
+        self._next_attempt_s = self._now_s + _ATTEMPT_PERIOD_S
         try:
             self._computer.connect(timeout_ms=_LISTENING_MS)
             self.tell(f"connected at {self._now_s:.2f} s")
@@ -179,5 +230,18 @@ def replay_live(brick: Any, record: LiveRecord) -> bool:
             name=signal.name,
             pin=signal.pin,
         )
+    for cable in record.cable:
+        if cable.kind == "plugged":
+            brick.schedule_input(cable.at_cycles, "usb.plugged", cable.number)
+        else:
+            brick.usb_transfer(
+                cable.at_cycles,
+                cable.number,
+                cable.timeout_cycles,
+                cable.kind,
+                cable.endpoint,
+                cable.data,
+                cable.length,
+            )
     brick.run_until(record.end_cycles)
     return bool(brick.trace_digest() == record.digest)

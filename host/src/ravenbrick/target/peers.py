@@ -9,12 +9,12 @@ Each peer runs the brick when it has to wait, so a program that uses one is a de
 from __future__ import annotations
 
 import struct
-from typing import Any
+from typing import Any, Protocol
 
 from ravenbrick.errors import PeerError
 from ravenbrick.target.clock import MASTER_CLOCK
 
-__all__ = ["BluetoothComputer", "BluetoothLink", "UsbComputer"]
+__all__ = ["BluetoothComputer", "BluetoothLink", "StreamPeer", "UsbComputer", "UsbStream"]
 
 STEP_MS = 1
 CONNECT_MS = 60_000
@@ -22,6 +22,13 @@ READ_MS = 10_000
 USB_MS = 2_000
 USB_RESET_MS = 20
 USB_ADDRESS = 5
+USB_STREAM_MS = 3_600_000
+BRICK_IDENTITY = (0x0694, 0x0002)
+USB_PACKET = 64
+USB_READS = 16
+# Transfers of a stream are numbered from here on, those before it from 1.
+STREAM_NUMBERS = 1_000_000
+FROM_HOST, INTO_HOST = 1, 2
 DEVICE_DESCRIPTOR = bytes([0x80, 6, 0, 1, 0, 0, 18, 0])
 
 
@@ -30,6 +37,26 @@ def _run(brick: Any, milliseconds: int) -> None:
     stop = brick.run_until(brick.cycles + MASTER_CLOCK.cycles_of_ms(milliseconds))
     if stop.reason != "reached":
         raise PeerError(f"the brick stopped while a peer waited: {stop.reason}: {stop.message}")
+
+
+class StreamPeer(Protocol):
+    """A computer that exchanges a stream of bytes with the program on the brick."""
+
+    @property
+    def connected(self) -> bool:
+        """The stream is there."""
+
+    def connect(self, timeout_ms: int = ...) -> None:
+        """Begin; raises PeerError."""
+
+    def write(self, data: bytes) -> None:
+        """Bytes for the brick; raises PeerError."""
+
+    def take(self) -> bytes:
+        """What the brick has sent so far, without waiting."""
+
+    def close(self) -> None:
+        """End the stream."""
 
 
 class BluetoothComputer:
@@ -179,6 +206,74 @@ class UsbComputer:
                 return bytes(received)
 
 
+class UsbStream:
+    """A USB host that takes the brick's bulk endpoints for a stream of bytes, as telemetry does.
+
+    Only `connect` and `close` run the brick; meanwhile reads wait for its next packets.
+    """
+
+    def __init__(self, brick: Any) -> None:
+        self._brick = brick
+        self._computer: UsbComputer | None = None
+        self._number = 0
+        self._reading: set[int] = set()
+        self._configured = False
+        self._received = bytearray()
+
+    @property
+    def connected(self) -> bool:
+        """The host has configured the brick, which is still on the bus."""
+        return self._configured and bool(self._brick.usb_attached)
+
+    def connect(self, timeout_ms: int = READ_MS) -> None:
+        """Plug the cable in and enumerate. Raises PeerError when there is no brick."""
+        self._computer = self._computer or UsbComputer(self._brick)
+        vendor, product = self._computer.enumerate(timeout_ms)
+        if (vendor, product) != BRICK_IDENTITY:
+            raise PeerError(f"the device on the cable is {vendor:04x}:{product:04x}, no brick")
+        self._received.clear()
+        self._configured = True
+        self._number = STREAM_NUMBERS
+        self._reading = {self._read() for _ in range(USB_READS)}
+
+    def write(self, data: bytes) -> None:
+        """Bytes for the brick, which takes them when it can. Raises PeerError when it is gone."""
+        if not self.connected:
+            raise PeerError("the brick is not on the cable; connect first")
+        self._begin("out", FROM_HOST, data=bytes(data))
+
+    def take(self) -> bytes:
+        """Whatever the brick has sent so far, without waiting."""
+        for _, number, received, failure in self._brick.usb_completed():
+            if failure is not None:
+                self._configured = False
+            elif number in self._reading:
+                self._received += received
+                self._reading.remove(number)
+                self._reading.add(self._read())
+        data = bytes(self._received)
+        self._received.clear()
+        return data
+
+    def close(self) -> None:
+        """Pull the cable out; does nothing when it is not in."""
+        if self._computer is not None:
+            self._brick.schedule_input(self._brick.cycles, "usb.plugged", 0)
+            self._computer, self._configured = None, False
+            _run(self._brick, STEP_MS)
+
+    def _read(self) -> int:
+        return self._begin("in", INTO_HOST, length=USB_PACKET)
+
+    def _begin(self, kind: str, endpoint: int, data: bytes = b"", length: int = 0) -> int:
+        self._number += 1
+        timeout_cycles = MASTER_CLOCK.cycles_of_ms(USB_STREAM_MS)
+        self._brick.usb_transfer(
+            self._brick.cycles, self._number, timeout_cycles, kind, endpoint, data, length
+        )
+        return self._number
+
+
 class BluetoothLink:
     """Two bricks in range of each other; deterministic.
 
@@ -197,20 +292,30 @@ class BluetoothLink:
                 "give one of them another in its configuration"
             )
         self._seen: list[tuple[str, bool] | None] = [None, None]
+        self._ended: list[Any] = [None, None]
         self.lost: list[tuple[int, str]] = []
 
     def run_until(self, cycles: int) -> tuple[Any, Any]:
         """Run both bricks to `cycles`; their stops. A brick whose run has ended stays behind."""
         quantum = MASTER_CLOCK.cycles_of_ms(self.LATENCY_MS)
-        now = min(brick.cycles for brick in self._bricks)
+        running = [i for i in (0, 1) if self._ended[i] is None]
+        now = min((self._bricks[i].cycles for i in running), default=cycles)
         while True:
             now = min(now + quantum, cycles)
             self._introduce()
-            stops = tuple(brick.run_until(now) for brick in self._bricks)
+            stops = [self._run(index, now) for index in (0, 1)]
             for index in (0, 1):
                 self._carry(index, quantum)
             if now >= cycles:
                 return stops[0], stops[1]
+
+    def _run(self, index: int, cycles: int) -> Any:
+        if self._ended[index] is not None:
+            return self._ended[index]
+        stop = self._bricks[index].run_until(cycles)
+        if stop.reason != "reached":
+            self._ended[index] = stop
+        return stop
 
     def _introduce(self) -> None:
         """Tell each brick how the other is seen in an inquiry, when that has changed."""

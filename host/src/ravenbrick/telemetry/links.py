@@ -1,20 +1,26 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Byte streams to a brick: a serial device or pseudo-terminal, or a TCP socket."""
+"""Byte streams to a brick: a serial device or pseudo-terminal, a TCP socket, or its USB."""
 
 from __future__ import annotations
 
+import errno
+import importlib
 import socket
-from typing import Protocol
+from collections.abc import Callable
+from typing import Any, Protocol
 
 import serial
 
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.target.usb_bricks import BrickMode
 
 __all__ = ["Link", "LinkLostError", "open_link"]
 
 _CONNECT_S = 2.0
 _CHUNK = 4096
+_FROM_HOST, _INTO_HOST = 0x01, 0x82
+_PACKET = 64
 
 
 class LinkLostError(Exception):
@@ -99,6 +105,58 @@ class SocketLink:
         self._socket.close()
 
 
+def _find_on_usb(vendor: int, product: int) -> list[Any]:
+    """Devices as pyusb sees them; raises `ToolMissingError` without libusb."""
+    core = importlib.import_module("usb.core")
+    try:
+        return list(core.find(find_all=True, idVendor=vendor, idProduct=product))
+    except core.NoBackendError:
+        raise ToolMissingError(
+            "the library libusb is not installed; install the Debian package libusb-1.0-0"
+        ) from None
+
+
+class UsbLink:
+    """The bulk endpoints of a brick on the USB; `serial_number` may be empty for any brick."""
+
+    def __init__(
+        self, serial_number: str, find: Callable[[int, int], list[Any]] = _find_on_usb
+    ) -> None:
+        vendor, product = (int(part, 16) for part in BrickMode.FIRMWARE.identity.split(":"))
+        try:
+            bricks = find(vendor, product)
+            fitting = [b for b in bricks if serial_number in ("", b.serial_number)]
+            if not fitting:
+                wanted = f" with the serial number {serial_number}" if serial_number else ""
+                raise LinkLostError(f"no brick{wanted} on the USB")
+            self._brick = fitting[0]
+            self._brick.set_configuration()
+        except (OSError, ValueError) as error:
+            raise LinkLostError(
+                f"the brick on the USB cannot be opened: {error}; see 'ravenbrick doctor'"
+            ) from None
+
+    def read(self, timeout_s: float) -> bytes:
+        """The next packet, after at most so long."""
+        try:
+            return bytes(self._brick.read(_INTO_HOST, _PACKET, max(1, round(1000 * timeout_s))))
+        except OSError as error:
+            if error.errno == errno.ETIMEDOUT:
+                return b""
+            raise LinkLostError(f"the brick has left the USB: {error}") from None
+
+    def write(self, data: bytes) -> None:
+        """Send all."""
+        try:
+            self._brick.write(_FROM_HOST, data, round(1000 * _CONNECT_S))
+        except OSError as error:
+            raise LinkLostError(f"nothing can be sent: {error}") from None
+
+    def close(self) -> None:
+        """Let go of the brick."""
+        importlib.import_module("usb.util").dispose_resources(self._brick)
+
+
 def _tcp_address(text: str) -> tuple[str, int]:
     host, _, port = text.removeprefix("tcp:").rpartition(":")
     if not port.isdigit() or not 0 < int(port) < 65_536:
@@ -107,7 +165,12 @@ def _tcp_address(text: str) -> tuple[str, int]:
 
 
 def open_link(address: str) -> Link:
-    """Connect to `tcp:PORT`, `tcp:HOST:PORT` or a device's path; raises `LinkLostError`."""
+    """Connect to `tcp:PORT`, `tcp:HOST:PORT`, `usb`, `usb:SERIAL` or a device's path.
+
+    Raises `LinkLostError`.
+    """
     if address.startswith("tcp:"):
         return SocketLink(*_tcp_address(address))
+    if address == "usb" or address.startswith("usb:"):
+        return UsbLink(address.removeprefix("usb").removeprefix(":"))
     return SerialLink(address)
