@@ -71,7 +71,7 @@ def test_why_there_is_no_link_is_said() -> None:
         assert (vendor, product) == (0x0694, 0x0002)
         raise OSError(errno.EACCES, "Access denied")
 
-    with pytest.raises(LinkLostError, match="Access denied.*ravenbrick doctor"):
+    with pytest.raises(LinkLostError, match=r"Access denied.*ravenbrick doctor"):
         UsbLink("", refuse)
 
 
