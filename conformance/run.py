@@ -359,6 +359,12 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("control", pytest_suite("control", "fixed-point: C, proofs, error bounds", *FIXED_POINT)),
     ("control", pytest_suite("control", "misra: C:2012 by cppcheck", *MISRA)),
     ("control", pytest_suite("control", "nxtway: published gains", *NXTWAY)),
+    (
+        "control",
+        pytest_suite(
+            "control", "coder: public models of Embedded Coder on the brick", "conformance/coder"
+        ),
+    ),
     ("control", pytest_suite("control", "slx: Simulink models, written and public", *SLX)),
     ("control", pytest_suite("control", "paper's loop, tuning, generated C", *other_control())),
     (

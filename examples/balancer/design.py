@@ -14,7 +14,7 @@ from pathlib import Path
 
 import control
 import numpy as np
-from ravenbrick.codegen import NamedNumber, ada_package, generate_c
+from ravenbrick.codegen import AdaBinding, NamedNumber, ada_binding, ada_package, generate_c
 from ravenbrick.control import lqr, with_integrators, write_loop_results
 from ravenbrick.model import (
     NXTWAY_GS,
@@ -110,12 +110,17 @@ def main() -> None:
     parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="for the C")
     arguments = parser.parse_args()
     gain = gains().round(5)
-    generate_c(controller(gain)).write(arguments.generated)
+    code = generate_c(controller(gain))
+    code.write(arguments.generated)
     numbers = (NamedNumber("Sample_Time_Ms", SAMPLE_TIME_MS, "Period of the balance task, ms."),)
-    for name, text in ada_package("Controller_Design", numbers).items():
+    names = {"motorvoltage": "Motor_Voltage", "bodypitch": "Body_Pitch"}
+    seen = AdaBinding("State_Feedback", names)
+    packages = ada_package("Controller_Design", numbers)
+    packages |= ada_binding(code.files["functional.h"], seen, "functional.h")
+    for name, text in packages.items():
         (arguments.generated / name).write_text(text, encoding="utf-8")
-    names = ("wheel_angle", "pitch", "wheel_rate", "pitch_rate", "wheel_angle_integral")
-    figures = {f"gain_{name}": float(value) for name, value in zip(names, gain, strict=True)}
+    states = ("wheel_angle", "pitch", "wheel_rate", "pitch_rate", "wheel_angle_integral")
+    figures = {f"gain_{name}": float(value) for name, value in zip(states, gain, strict=True)}
     poles = closed_loops(gain)[1].poles()
     figures["largest_sampled_pole"] = float(np.abs(poles).max())
     if arguments.results:

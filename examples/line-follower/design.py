@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 
 import control
-from ravenbrick.codegen import NamedNumber, ada_package, generate_c
+from ravenbrick.codegen import AdaBinding, NamedNumber, ada_binding, ada_package, generate_c
 from ravenbrick.control import write_loop_results
 from ravenbrick.model import (
     NXT_MOTOR,
@@ -108,12 +108,15 @@ def main() -> None:
     arguments = parser.parse_args()
     speed = WHEEL_RADIUS * NXT_MOTOR.gain * CRUISE_VOLTAGE
     gain = round(proportional_gain(speed), 4)
-    generate_c(controller(gain)).write(arguments.generated)
+    code = generate_c(controller(gain))
+    code.write(arguments.generated)
     numbers = (
         NamedNumber("Sample_Time_Ms", SAMPLE_TIME_MS, "Period of the control task, ms."),
         NamedNumber("Cruise_Voltage", CRUISE_VOLTAGE, "Of both wheels on a straight, V."),
     )
-    for name, text in ada_package("Controller_Design", numbers).items():
+    packages = ada_package("Controller_Design", numbers)
+    packages |= ada_binding(code.files["functional.h"], AdaBinding("Steering"), "functional.h")
+    for name, text in packages.items():
         (arguments.generated / name).write_text(text, encoding="utf-8")
     figures = {"speed": speed, "proportional_gain": gain}
     figures["curve_error"] = curve_error(speed, gain, 0.3)

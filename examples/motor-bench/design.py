@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ravenbrick.codegen import NamedNumber, ada_package, generate_c
+from ravenbrick.codegen import AdaBinding, NamedNumber, ada_binding, ada_package, generate_c
 from ravenbrick.control import (
     Design,
     LoopSpecification,
@@ -62,14 +62,26 @@ def main() -> None:
     parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="for the C")
     arguments = parser.parse_args()
     result = design()
-    generate_c(result.controller).write(arguments.generated)
+    code = generate_c(result.controller)
+    code.write(arguments.generated)
     numbers = (
         NamedNumber("Sample_Time_Ms", SAMPLE_TIME_MS, "Period of the control task, ms."),
         NamedNumber("Speed_Window", SPEED_WINDOW, "Samples that a speed is measured over."),
         NamedNumber("Speed_Per_Volt", DEGREES_PER_VOLT, "Of a motor without load, (deg/s)/V."),
         NamedNumber("Position_Gain", position_gain(), "Speed per error of the angle, 1/s."),
     )
-    for name, text in ada_package("Controller_Design", numbers).items():
+    seen = AdaBinding(
+        "Speed_Controller",
+        names={
+            "correctedvoltage": "Corrected_Voltage",
+            "Kp": "Proportional_Gain",
+            "Ki_Ts": "Integral_Gain_Per_Job",
+            "Kt_Ts": "Tracking_Gain_Per_Job",
+        },
+    )
+    packages = ada_package("Controller_Design", numbers)
+    packages |= ada_binding(code.files["functional.h"], seen, "functional.h")
+    for name, text in packages.items():
         (arguments.generated / name).write_text(text, encoding="utf-8")
     if arguments.results:
         result.write_results(arguments.results)

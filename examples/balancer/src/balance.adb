@@ -51,6 +51,7 @@ package body Balance is
    --  Symbols for an observer; the program only writes them.
 
    Now  : Status;
+   Work : State_Feedback.Work_Area;
    Jobs : Natural := 0;
    Sum  : Natural := 0;
 
@@ -60,7 +61,7 @@ package body Balance is
       Sum := Sum + Natural (NXT.AVR.Raw_Input (Gyro));
       if Jobs = Calibration_Jobs then
          Now.Rest := Float (Sum) / Float (Jobs);
-         State_Feedback.Initialize;
+         State_Feedback.Initialize (Work);
          Now.Mode := Balancing;
       end if;
    end Calibrate;
@@ -77,14 +78,15 @@ package body Balance is
       Left    : constant Float := Float (Reading.Counts (Motor_B));
       Right   : constant Float := Float (Reading.Counts (Motor_C));
       Sync    : constant Float := Sync_Gain * (Left - Right);
+      Outputs : State_Feedback.External_Outputs;
       Duty    : Float;
    begin
       Now.Rest := Rest_Share * Now.Rest + (1.0 - Rest_Share) * Raw;
-      State_Feedback.Saturation := Supply;
-      State_Feedback.Inputs := ((Left + Right) * (Radians / 2.0), (Raw - Now.Rest) * Radians);
-      State_Feedback.Step;
-      Now.Motor_Voltage := State_Feedback.Outputs.Motor_Voltage;
-      Now.Pitch := State_Feedback.Outputs.Body_Pitch;
+      State_Feedback.Parameters.Saturation := Supply;
+      State_Feedback.Step
+        (Work, ((Left + Right) * (Radians / 2.0), (Raw - Now.Rest) * Radians), Outputs);
+      Now.Motor_Voltage := Outputs.Motor_Voltage;
+      Now.Pitch := Outputs.Body_Pitch;
       Duty := 100.0 * Now.Motor_Voltage / Supply;
       NXT.Motor_Controls.Drive (Motor_B, To_Duty (Duty - Sync));
       NXT.Motor_Controls.Drive (Motor_C, To_Duty (Duty + Sync));

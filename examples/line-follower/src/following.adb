@@ -48,12 +48,13 @@ package body Following is
      Volatile, Export, Convention => C, External_Name => "follow_brightness";
    --  For an observer; the program only writes it.
 
-   Now : Status;
+   Now  : Status;
+   Work : Steering.Work_Area;
 
    procedure Start is
    begin
       NXT.Light_Sensors.Enable_Floodlight (Eye, True);
-      Steering.Initialize;
+      Steering.Initialize (Work);
    end Start;
 
    procedure Obey_Touch_Sensor is
@@ -74,12 +75,13 @@ package body Following is
       else PWM_Value (100.0 * Volts / Supply));
 
    procedure Drive is
-      Supply : constant Float := Float (NXT.Battery.Voltage) * 0.001;
-      Half   : Float;
+      Supply  : constant Float := Float (NXT.Battery.Voltage) * 0.001;
+      Outputs : Steering.External_Outputs;
+      Half    : Float;
    begin
-      Steering.Inputs := (Wanted_Brightness => Edge, Brightness => Now.Brightness);
-      Steering.Step;
-      Now.Steering := Steering.Output;
+      Steering.Step
+        (Work, (Wanted_Brightness => Edge, Brightness => Now.Brightness), Outputs);
+      Now.Steering := Outputs.Steering;
       Half := Now.Steering * 0.5;
       NXT.Motor_Controls.Drive
         (Motor_B, Duty (Controller_Design.Cruise_Voltage - Half, Supply));

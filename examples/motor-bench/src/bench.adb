@@ -59,6 +59,7 @@ package body Bench is
 
    Now    : Status;
    Origin : Integer := 0;
+   Work   : Speed_Controller.Work_Area;
 
    procedure Start is
    begin
@@ -83,7 +84,7 @@ package body Bench is
             Now := (Angle => Now.Angle, Speed => Now.Speed, others => <>);
             NXT.Motor_Controls.Brake (Motor_B);
          else
-            Speed_Controller.Initialize;
+            Speed_Controller.Initialize (Work);
             Origin := Origin + Now.Angle;
             Now.Mode :=
               (if NXT.Buttons.Current_Button = Left_Button then Position else Speed);
@@ -100,15 +101,15 @@ package body Bench is
    end Outer_Loop;
 
    procedure Drive is
-      Supply : constant Float := Float (NXT.Battery.Voltage) * 0.001;
+      Supply  : constant Float := Float (NXT.Battery.Voltage) * 0.001;
+      Outputs : Speed_Controller.External_Outputs;
    begin
       Now.Setpoint :=
         (if Now.Mode = Position then Outer_Loop else NXT.Telemetry.Current (Live.Setpoint));
       Live.Adopt;
       Speed_Controller.Parameters.Saturation := Supply;
-      Speed_Controller.Inputs := (Now.Setpoint, Now.Speed);
-      Speed_Controller.Step;
-      Now.Control := Speed_Controller.Outputs.Corrected_Voltage;
+      Speed_Controller.Step (Work, (Now.Setpoint, Now.Speed), Outputs);
+      Now.Control := Outputs.Corrected_Voltage;
       NXT.Motor_Controls.Drive (Motor_B, PWM_Value (100.0 * Now.Control / Supply));
    end Drive;
 

@@ -13,88 +13,35 @@ from pathlib import Path
 
 import pytest
 import virtual_brick
-from ravenbrick.codegen import AdaBinding, ada_binding
+from ravenbrick.codegen import AdaBinding, read_coder_model
 
 from drivers.tests.observe import Brick, bench
+from host.tests.support.coder_models import FORMS, coder_files
 
 VEHICLE = Path(__file__).resolve().parent.parent
 ROOT = VEHICLE.parent.parent
 
-# Double precision, one instance, variables of its own: what Embedded Coder writes for such a PI
-# by its documented conventions, under today's names.
-HEADER = """\
-#ifndef RTW_HEADER_functional_h_
-#define RTW_HEADER_functional_h_
-#include "rtwtypes.h"
-/* Block states (default storage) for system '<Root>' */
-typedef struct {
-  real_T Integrator_DSTATE;             /* '<Root>/Integrator' */
-} DW_functional_T;
-/* External inputs (root inport signals with default storage) */
-typedef struct {
-  real_T Input_Voltage;                 /* '<Root>/Input_Voltage' */
-  real_T Real_Voltage;                  /* '<Root>/Real_Voltage' */
-} ExtU_functional_T;
-/* External outputs (root outports fed by signals with default storage) */
-typedef struct {
-  real_T correctedvoltage;              /* '<Root>/correctedvoltage' */
-} ExtY_functional_T;
-/* Parameters (default storage) */
-struct P_functional_T_ {
-  real_T Saturation;                    /* Variable: Saturation */
-};
-typedef struct P_functional_T_ P_functional_T;
-extern P_functional_T functional_P;
-extern DW_functional_T functional_DW;
-extern ExtU_functional_T functional_U;
-extern ExtY_functional_T functional_Y;
-extern void functional_initialize(void);
-extern void functional_step(void);
-#endif
-"""
-SOURCE = """\
-#include "functional.h"
-P_functional_T functional_P = { 8.0 };
-DW_functional_T functional_DW;
-ExtU_functional_T functional_U;
-ExtY_functional_T functional_Y;
-void functional_step(void)
-{
-  real_T e = functional_U.Input_Voltage - functional_U.Real_Voltage;
-  real_T u = 0.314445 * e + functional_DW.Integrator_DSTATE;
-  real_T y = u;
-  if (y > functional_P.Saturation) {
-    y = functional_P.Saturation;
-  } else if (y < -functional_P.Saturation) {
-    y = -functional_P.Saturation;
-  }
-  functional_DW.Integrator_DSTATE += 0.032221 * e + 0.10810811 * (y - u);
-  functional_Y.correctedvoltage = y;
-}
-void functional_initialize(void)
-{
-  functional_DW.Integrator_DSTATE = 0.0;
-}
-"""
-FIELDS = ("Input_Voltage", "Real_Voltage", "correctedvoltage", "Saturation")
+BINDING = AdaBinding(
+    "Speed_Controller",
+    types=dict.fromkeys(
+        ("Input_Voltage", "Real_Voltage", "Corrected_Voltage", "Saturation"), "Quantities.Volts"
+    ),
+    inputs={name: {name: 1} for name in ("Input_Voltage", "Real_Voltage")},
+    outputs={"Corrected_Voltage": {"correctedvoltage": 1}},
+)
 
 
-@pytest.fixture(scope="module")
-def other_image(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+@pytest.fixture(scope="module", params=FORMS[1:3], ids=str)
+def other_image(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """The vehicle's sources with another folder of generated files."""
     folder = tmp_path_factory.mktemp("other")
-    generated = folder / "generated"
-    generated.mkdir()
-    (generated / "functional.h").write_text(HEADER)
-    (generated / "functional.c").write_text(SOURCE)
-    (generated / "rtwtypes.h").write_text("typedef double real_T;\n")
+    model, generated = folder / "model", folder / "generated"
+    for path in (model, generated):
+        path.mkdir()
+    for name, text in coder_files(request.param).items():
+        (model / name).write_text(text)
     shutil.copy(VEHICLE / "generated" / "controller_design.ads", generated)
-    binding = AdaBinding(
-        "Speed_Controller",
-        names={"correctedvoltage": "Corrected_Voltage"},
-        types=dict.fromkeys(FIELDS, "Quantities.Volts"),
-    )
-    for name, text in ada_binding(HEADER, binding, "functional.h").items():
+    for name, text in read_coder_model(model).files_with_binding(BINDING).items():
         (generated / name).write_text(text)
     command = ["make", "-C", str(VEHICLE), "ram", f"PYTHON={sys.executable}"]
     own = {"GENERATED": str(generated), "RAVENBRICK_BUILD": str(folder / "build")}

@@ -4,19 +4,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from host.tests.codegen.c_build import arm_image
+from host.tests.support.bench import silent_brick
 
-BENCH = {
-    "seed": 1,
-    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
-    "body": {"kind": "bench"},
-}
 # The first words: stack pointer and program counter from the two words behind them.
 START = """\
 extern void run_all(void);
@@ -61,9 +56,7 @@ def step_costs(image: Path, steps: dict[str, str]) -> tuple[dict[str, Cost], Any
 
     From the call's first instruction to the first one after it; all calls are counted.
     """
-    import virtual_brick
-
-    brick = virtual_brick.VirtualBrick(json.dumps(BENCH), image.read_bytes())
+    brick = silent_brick(image)
     symbols = {name: brick.symbol(function) for name, function in steps.items()}
     entries = {address: name for name, (address, _) in symbols.items()}
     ranges = {name: range(address, address + size) for name, (address, size) in symbols.items()}

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from ravenbrick.cli.analyse import analyse_command
 from ravenbrick.cli.app import app
+from ravenbrick.cli.bind import bind_command
 from ravenbrick.cli.build import build_command
 from ravenbrick.cli.debug import debug_command
 from ravenbrick.cli.demo import demo_command
@@ -27,6 +28,7 @@ from ravenbrick.cli.wcet import wcet_command
 
 __all__ = [
     "analyse_command",
+    "bind_command",
     "build_command",
     "debug_command",
     "demo_command",

@@ -8,6 +8,7 @@ from ravenbrick.codegen.ada import NamedNumber, ada_package
 from ravenbrick.codegen.ada_binding import AdaBinding, ada_binding
 from ravenbrick.codegen.ada_generator import generate_ada
 from ravenbrick.codegen.c_header import ModelHeader, read_header
+from ravenbrick.codegen.coder_model import CoderModel, read_binding, read_coder_model
 from ravenbrick.codegen.gappa import check_with_gappa, gappa_script
 from ravenbrick.codegen.generator import GeneratedCode, generate_c
 from ravenbrick.codegen.proof import FixedPointProof, generate_fixed_c, prove
@@ -15,6 +16,7 @@ from ravenbrick.codegen.vectors import StepVectors, check_program, random_vector
 
 __all__ = [
     "AdaBinding",
+    "CoderModel",
     "FixedPointProof",
     "GeneratedCode",
     "ModelHeader",
@@ -30,5 +32,7 @@ __all__ = [
     "generate_fixed_c",
     "prove",
     "random_vectors",
+    "read_binding",
+    "read_coder_model",
     "read_header",
 ]

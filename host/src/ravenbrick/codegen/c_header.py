@@ -8,54 +8,53 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ravenbrick.codegen.c_declarations import (
+    NUMBERS,
+    Declarations,
+    Leaf,
+    Parameter,
+    Structure,
+    read_declarations,
+)
 from ravenbrick.errors import DesignError
 
-__all__ = ["C_SIZES", "CField", "ModelHeader", "read_header"]
+__all__ = ["KEPT_ROLES", "CField", "EntryPoint", "ModelHeader", "read_header"]
 
-# Sizes in bytes of the names of rtwtypes.h and of their C99 counterparts on the brick.
-C_SIZES: Mapping[str, int] = {
-    **dict.fromkeys(("int8_T", "int8_t", "uint8_T", "uint8_t", "boolean_T", "bool", "char_T"), 1),
-    **dict.fromkeys(("int16_T", "int16_t", "uint16_T", "uint16_t"), 2),
-    **dict.fromkeys(("int32_T", "int32_t", "uint32_T", "uint32_t", "int_T", "uint_T"), 4),
-    **dict.fromkeys(("int", "real32_T", "float", "ulong_T"), 4),
-    **dict.fromkeys(("int64_T", "int64_t", "uint64_T", "uint64_t"), 8),
-    **dict.fromkeys(("real_T", "real64_T", "double", "time_T"), 8),
-}
-
-# What a structure is for, by the name of its type: the names of 2012 and those of today.
+# What a structure is for, by the name of its type: the names of 2012 and those of today. The
+# model's name stands behind it, or nothing where the names are short.
 _ROLES = {
-    "inputs": ("ExternalInputs_{}", "ExtU_{}_T", "ExtU_{}"),
-    "outputs": ("ExternalOutputs_{}", "ExtY_{}_T", "ExtY_{}"),
-    "work": ("D_Work_{}", "DW_{}_T", "DW_{}"),
-    "signals": ("BlockIO_{}", "B_{}_T", "B_{}"),
-    "parameters": ("Parameters_{}", "P_{}_T", "P_{}"),
+    "inputs": ("ExternalInputs", "ExtU"),
+    "outputs": ("ExternalOutputs", "ExtY"),
+    "work": ("D_Work", "DW"),
+    "signals": ("BlockIO", "B"),
+    "crossings": ("PrevZCSigStates", "PrevZCX"),
+    "continuous": ("ContinuousStates", "X"),
+    "parameters": ("Parameters", "P"),
+    "model": ("RT_MODEL",),
 }
-_STRUCTURE = re.compile(
-    r"(?:typedef\s+struct(?:\s+\w+)?\s*\{(?P<body>[^{}]*)\}\s*(?P<name>\w+)\s*;)"
-    r"|(?:struct\s+(?P<tag>\w+)\s*\{(?P<tagged>[^{}]*)\}\s*;)"
-)
-_FIELD = re.compile(
-    r"(?P<type>[A-Za-z_]\w*)\s+(?P<name>[A-Za-z_]\w*)\s*(?:\[(?P<length>\w+)\])?\s*;"
-    r"[ \t]*(?:/\*(?P<about>.*?)\*/)?",
-    re.DOTALL,
-)
-_VARIABLE = re.compile(r"^\s*extern\s+(?P<type>\w+)\s+(?P<name>\w+)\s*;", re.MULTILINE)
-_FUNCTION = re.compile(r"^\s*extern\s+void\s+(?P<name>\w+)\s*\((?P<of>[^)]*)\)\s*;", re.MULTILINE)
+KEPT_ROLES = ("work", "signals", "crossings", "continuous")
+# Identifiers of generated C are cut there.
+_IDENTIFIER_LENGTH = 31
+_ENTRY = re.compile(r"(\w+)_initialize\Z")
 
 
 @dataclass(frozen=True)
 class CField:
-    """A field of a structure; `length` is that of an array, `about` the comment behind it."""
+    """A number in a structure; `length` is that of an array, `about` the comment behind it.
+
+    `name` is a path (`pid.P`) where structures stand inside each other.
+    """
 
     c_type: str
     name: str
     length: int | None
     about: str
+    offset_bytes: int = 0
 
     @property
     def size_bytes(self) -> int:
         """Size of one element."""
-        return C_SIZES[self.c_type]
+        return NUMBERS[self.c_type]
 
     @property
     def unit(self) -> str:
@@ -65,92 +64,214 @@ class CField:
 
 
 @dataclass(frozen=True)
+class EntryPoint:
+    """A function of the model: its C name and what it takes, in order.
+
+    Each argument is a role whose structure's address is passed, or `first_time`.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class ModelHeader:
     """The interface of a model.
 
-    `types` and `fields` by role (inputs, outputs, work, signals, parameters), `symbols` the
-    variables of the single instance by role, `functions` the entry points with their parameters.
+    `types` and `fields` by role (inputs, outputs, work, signals, parameters, model), `sizes` and
+    `alignments` in bytes, `symbols` the variables of the single instance by role, `links` which
+    role's address stands where (byte offset) in the model's own structure, `entries` by
+    initialize and step. `reentrant`: the functions for instances are there, as ours have them.
     """
 
     model: str
     types: Mapping[str, str]
     fields: Mapping[str, tuple[CField, ...]]
+    sizes: Mapping[str, int]
+    alignments: Mapping[str, int]
     symbols: Mapping[str, str]
-    functions: Mapping[str, str]
+    links: Mapping[str, int]
+    entries: Mapping[str, EntryPoint]
+    reentrant: bool
 
     @property
-    def reentrant(self) -> bool:
-        """Whether the step function takes its state as an argument, as ours does."""
-        return f"{self.model}_step_instance" in self.functions
+    def reusable(self) -> bool:
+        """Whether the entry points take the model's data as arguments."""
+        return any(set(entry.arguments) - {"first_time"} for entry in self.entries.values())
 
     def size_bits(self, role: str) -> int:
         """Size of a structure by the rules of C."""
-        offset, widest = 0, 1
-        for field in self.fields[role]:
-            size = field.size_bytes
-            offset = -(-offset // size) * size + size * (field.length or 1)
-            widest = max(widest, size)
-        return 8 * (-(-offset // widest) * widest)
+        return 8 * self.sizes[role]
 
 
-def _model_name(text: str, file: str) -> str:
-    found: list[str] = re.findall(r"\bextern\s+void\s+(\w+)_initialize\s*\(", text)
-    if not found:
+class _Reader:
+    def __init__(self, text: str, file: str, others: Mapping[str, str]) -> None:
+        self._file = file
+        headers = {name: other for name, other in others.items() if not name.endswith(".c")}
+        self._found = read_declarations({**headers, file: text})
+        sources = {name: other for name, other in others.items() if name.endswith(".c")}
+        self._defined = read_declarations(sources).variables
+        self._own = read_declarations({file: text})
+        self._model = self._model_name()
+
+    def _model_name(self) -> str:
+        for name in self._own.functions:
+            match = _ENTRY.match(name)
+            if match:
+                return match[1]
         raise DesignError(
-            f"{file}: no entry point <model>_initialize is declared; give the header of a "
+            f"{self._file}: no entry point <model>_initialize is declared; give the header of a "
             "generated model, such as functional.h"
         )
-    return found[0]
 
+    def _role(self, name: str) -> str | None:
+        """What a type of that name is for, if for anything."""
+        for role, prefixes in _ROLES.items():
+            for prefix in prefixes:
+                if name == prefix:
+                    return role
+                if not name.startswith(f"{prefix}_"):
+                    continue
+                rest = name[len(prefix) + 1 :]
+                plain = rest[:-2] if rest.endswith(("_T", "_t")) else rest
+                cut = len(name) >= _IDENTIFIER_LENGTH - 1 and len(plain) > 3
+                if self._model in (plain, rest) or (cut and self._model.startswith(plain)):
+                    return role
+        return None
 
-def _fields(body: str, structure: str, file: str) -> tuple[CField, ...]:
-    fields = []
-    code = re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
-    for match in _FIELD.finditer(body):
-        kind, name, length = match["type"], match["name"], match["length"]
-        if kind not in C_SIZES:
-            raise DesignError(
-                f"{file}: field '{name}' of {structure} has the type {kind}; a binding is written "
-                "for numbers and arrays of numbers only"
-            )
-        if length is not None and not length.isdigit():
-            raise DesignError(f"{file}: the length of '{name}' in {structure} must be a number")
-        about = " ".join((match["about"] or "").split())
-        fields.append(CField(kind, name, int(length) if length else None, about))
-    if len(fields) != code.count(";"):
-        raise DesignError(f"{file}: {structure} has a field that is no number and no array")
-    return tuple(fields)
+    def _types(self) -> dict[str, str]:
+        """Names of types by role; one that has a structure before one that is only declared."""
+        names = [*self._found.structures, *self._found.aliases]
+        types: dict[str, str] = {}
+        for name in names:
+            role = self._role(name)
+            if role is not None and self._found.structure(name) is not None:
+                types.setdefault(role, name)
+        for name in names:
+            role = self._role(name.rstrip("_"))
+            if role is not None and self._found.structure(name) is not None:
+                types.setdefault(role, name.rstrip("_"))
+                self._found.aliases.setdefault(name.rstrip("_"), name)
+        return types | self._linked_types(types)
 
+    def _linked_types(self, types: Mapping[str, str]) -> dict[str, str]:
+        """What the model's own structure points to: a subsystem may bear the model's name."""
+        return {
+            role: leaf.type_name
+            for leaf in self._model_leaves(types)
+            if leaf.pointer
+            and (role := self._role(leaf.type_name)) is not None
+            and self._found.structure(leaf.type_name) is not None
+        }
 
-def read_header(text: str, file: str = "header") -> ModelHeader:
-    """The interface that a header declares; raises `DesignError` with what cannot be bound."""
-    model = _model_name(text, file)
-    text = re.sub(r"^[ \t]*//.*$", "", text, flags=re.MULTILINE)
-    bodies: dict[str, str] = {}
-    for match in _STRUCTURE.finditer(text):
-        name = match["name"] or match["tag"].rstrip("_")
-        bodies[name] = match["body"] if match["body"] is not None else match["tagged"]
-    types: dict[str, str] = {}
-    fields: dict[str, tuple[CField, ...]] = {}
-    for role, patterns in _ROLES.items():
-        names = [pattern.format(model) for pattern in patterns]
-        chosen = next((name for name in names if name in bodies), None)
-        if chosen is not None:
-            types[role] = chosen
-            fields[role] = _fields(bodies[chosen], chosen, file)
-    if "inputs" not in types and "RT_MODEL" in text:
-        raise DesignError(
-            f"{file}: the model has reusable functions (RT_MODEL); generate it with nonreusable "
-            "functions, so that its inputs and outputs are variables"
+    def _model_leaves(self, types: Mapping[str, str]) -> list[Leaf]:
+        if "model" not in types:
+            return []
+        return self._found.leaves(self._structure(types["model"]))
+
+    def _structure(self, name: str) -> Structure:
+        found = self._found.structure(name)
+        assert found is not None
+        return found
+
+    def _fields(self, name: str) -> tuple[CField, ...]:
+        structure = self._structure(name)
+        self._check_members(structure, name)
+        return tuple(
+            CField(one.type_name, one.path, one.length, one.about, one.offset_bytes)
+            for one in self._found.leaves(structure)
         )
-    for role in ("inputs", "outputs"):
+
+    def _check_members(self, structure: Structure, name: str) -> None:
+        for member in structure.members:
+            inner = member.inner or self._found.structure(member.type_name)
+            if member.pointer:
+                raise DesignError(
+                    f"{self._file}: {name} has a field that is no number and no array: "
+                    f"'{member.name}'"
+                )
+            if inner is not None and not member.lengths:
+                self._check_members(inner, name)
+            elif self._found.resolved(member.type_name) not in NUMBERS:
+                raise DesignError(
+                    f"{self._file}: field '{member.name}' of {name} has the type "
+                    f"{member.type_name}; a binding is written for numbers and arrays of numbers "
+                    "only"
+                )
+
+    def _entry(self, word: str, types: Mapping[str, str]) -> EntryPoint | None:
+        name = f"{self._model}_{word}"
+        parameters = self._own.functions.get(name)
+        if parameters is None:
+            return None
+        return EntryPoint(name, tuple(self._argument(name, one, types) for one in parameters))
+
+    def _argument(self, function: str, parameter: Parameter, types: Mapping[str, str]) -> str:
+        if parameter.name == "firstTime":
+            return "first_time"
+        role = self._role(parameter.type_name) if parameter.pointer else None
+        if role is None:
+            raise DesignError(
+                f"{self._file}: {function} takes '{parameter.name}' by itself; generate the model "
+                "with root inputs and outputs as structures, or as part of the model's data"
+            )
         if role not in types:
-            raise DesignError(f"{file}: no structure of the model's {role} is declared")
-    roles = {name: role for role, name in types.items()}
-    symbols = {
-        roles[match["type"]]: match["name"]
-        for match in _VARIABLE.finditer(text)
-        if match["type"] in roles
-    }
-    functions = {m["name"]: " ".join(m["of"].split()) for m in _FUNCTION.finditer(text)}
-    return ModelHeader(model, types, fields, symbols, functions)
+            raise DesignError(
+                f"{self._file}: {function} takes a {parameter.type_name}, which is not declared; "
+                "give the model's other headers too"
+            )
+        return role
+
+    def _links(self, types: Mapping[str, str]) -> dict[str, int]:
+        links: dict[str, int] = {}
+        for leaf in self._model_leaves(types):
+            role = self._role(leaf.type_name) if leaf.pointer else None
+            if role is not None:
+                links.setdefault(role, leaf.offset_bytes)
+        return links
+
+    def read(self) -> ModelHeader:
+        """The interface."""
+        types = self._types()
+        for role in ("inputs", "outputs"):
+            if role not in types:
+                raise DesignError(f"{self._file}: no structure of the model's {role} is declared")
+        bound = ["inputs", "outputs", "parameters"]
+        reentrant = f"{self._model}_step_instance" in self._own.functions
+        bound += ["work"] if reentrant else []
+        fields = {role: self._fields(types[role]) for role in bound if role in types}
+        extents = {role: self._found.extent(self._structure(name)) for role, name in types.items()}
+        entries = {word: self._entry(word, types) for word in ("initialize", "step")}
+        return ModelHeader(
+            model=self._model,
+            types=types,
+            fields=fields,
+            sizes={role: extent[0] for role, extent in extents.items()},
+            alignments={role: extent[1] for role, extent in extents.items()},
+            symbols=self._symbols(self._found, types),
+            links=self._links(types),
+            entries={word: entry for word, entry in entries.items() if entry is not None},
+            reentrant=reentrant,
+        )
+
+    def _symbols(self, found: Declarations, types: Mapping[str, str]) -> dict[str, str]:
+        symbols: dict[str, str] = {}
+        for name, variable in found.variables.items():
+            role = self._role(variable.type_name)
+            if role is not None and role in types and variable.pointer == (role == "model"):
+                symbols.setdefault(role, name)
+        for name, variable in self._defined.items():
+            if self._role(variable.type_name) == "parameters" and not variable.pointer:
+                symbols.setdefault("parameters", name)
+        return symbols
+
+
+def read_header(
+    text: str, file: str = "header", others: Mapping[str, str] | None = None
+) -> ModelHeader:
+    """The interface that a header declares; raises `DesignError` with what cannot be bound.
+
+    `others` are texts by name of headers that it includes, and of sources, in which parameters may
+    be defined that no header declares.
+    """
+    return _Reader(text, file, others or {}).read()
