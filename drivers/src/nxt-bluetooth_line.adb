@@ -2,6 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with Interfaces;          use Interfaces;
+with NXT.Converter;
 with NXT.Registers.ADC;
 with NXT.Registers.PIO;    use NXT.Registers.PIO;
 with NXT.Registers.PMC;
@@ -10,7 +11,6 @@ with NXT.Registers.USART;  use NXT.Registers, NXT.Registers.USART;
 package body NXT.Bluetooth_Line is
 
    Controller : Registers.USART.Peripheral renames Registers.USART.USART1;
-   Converter  : Registers.ADC.Peripheral renames Registers.ADC.ADC;
 
    Reset_Line  : constant Word := Bit (Bluetooth_Reset);
    Stream_Line : constant Word := Bit (Bluetooth_Stream);
@@ -85,8 +85,8 @@ package body NXT.Bluetooth_Line is
 
    procedure Look (Is_Stream : out Boolean) is
    begin
-      Is_Stream := Converter.Data (Registers.ADC.Bluetooth_Channel) > Half_Scale;
-      Converter.Control := Registers.ADC.Start;
+      Is_Stream := Converter.Count (Registers.ADC.Bluetooth_Channel) > Half_Scale;
+      Converter.Start;
    end Look;
 
    --  What is sent makes room; what waits goes to an idle DMA, up to the end of the ring.
@@ -170,7 +170,7 @@ package body NXT.Bluetooth_Line is
    end Receive;
 
 begin
-   PMC.PMC.Enable_Clock := Bit (USART1_Id) or Bit (ADC_Id) or Bit (PIOA_Id);
+   PMC.PMC.Enable_Clock := Bit (USART1_Id) or Bit (PIOA_Id);
    PIOA.Clear_Output := Reset_Line or Stream_Line;
    PIOA.Set_Output := Select_Line;
    PIOA.Enable_Output := Reset_Line or Stream_Line or Select_Line;
@@ -181,7 +181,6 @@ begin
    Controller.Mode :=
      Hardware_Handshake or Eight_Bits or No_Parity or Eight_Times_Sampling;
    Controller.Baud_Rate := Divider;
-   Converter.Mode := Registers.ADC.Ten_Bits;
-   Converter.Enable_Channel := Bit (Registers.ADC.Bluetooth_Channel);
-   Converter.Control := Registers.ADC.Start;
+   Converter.Use_Channel (Registers.ADC.Bluetooth_Channel);
+   Converter.Start;
 end NXT.Bluetooth_Line;

@@ -18,6 +18,7 @@ package NXT.Priorities with Pure is
    TWI_Interrupt     : constant System.Interrupt_Priority := System.Interrupt_Priority'Last;
    Encoder_Interrupt : constant System.Interrupt_Priority := TWI_Interrupt - 1;
    I2C_Interrupt     : constant System.Interrupt_Priority := Encoder_Interrupt - 1;
+   Color_Interrupt   : constant System.Interrupt_Priority := I2C_Interrupt;
    RS485_Interrupt   : constant System.Interrupt_Priority := I2C_Interrupt - 1;
    SPI_Interrupt     : constant System.Interrupt_Priority := RS485_Interrupt - 1;
    Audio_Interrupt   : constant System.Interrupt_Priority := SPI_Interrupt - 1;

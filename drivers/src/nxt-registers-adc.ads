@@ -2,7 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Analogue-to-digital converter of the chip (datasheet, chapter ADC), 10 bits, 3.3 V at full
---  scale. The sensors' inputs are not here: the co-processor converts them.
+--  scale. The sensors' analogue lines are not here: the co-processor converts them.
 
 with System;
 
@@ -41,5 +41,9 @@ package NXT.Registers.ADC is
 
    Bluetooth_Channel : constant Channel := 6;
    --  High while the module is in stream mode.
+
+   type Sensor_Channels is array (Sensor_Id) of Channel;
+   Digital_1 : constant Sensor_Channels := (1, 2, 3, 7);
+   --  Second digital lines of the sensor ports.
 
 end NXT.Registers.ADC;

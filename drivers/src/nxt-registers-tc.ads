@@ -1,8 +1,8 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Timer counter channel 1 (datasheet, chapter TC), which beats the time of the sensor ports' soft
---  two-wire buses. Channel 0 belongs to the run-time.
+--  Timer counter channels 1 and 2 (datasheet, chapter TC), which beat the time of the sensor ports'
+--  soft two-wire buses and of colour sensors. Channel 0 belongs to the run-time.
 
 with System;
 
@@ -27,6 +27,7 @@ package NXT.Registers.TC is
    end record;
 
    TC1 : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFA_0040#);
+   TC2 : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFA_0080#);
 
    --  Control
    Enable  : constant Word := Bit (0);

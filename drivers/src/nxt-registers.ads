@@ -29,5 +29,6 @@ package NXT.Registers with Pure is
    TWI_Id    : constant := 9;
    UDP_Id    : constant := 11;
    TC1_Id    : constant := 13;
+   TC2_Id    : constant := 14;
 
 end NXT.Registers;

@@ -2,15 +2,21 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with NXT.AVR;
+with NXT.Converter;
+with NXT.Registers.ADC;
 with NXT.Registers.PIO;  use NXT.Registers, NXT.Registers.PIO;
 with NXT.Registers.PMC;
 
 package body NXT.Sensor_Ports is
 
    procedure Set_Pin_Mode (Port : Sensor_Id; Pin : Pin_Id; Mode : Modes) is
-      Mask : constant Word := Bit (Line_Of (Port, Pin));
+      Mask    : constant Word := Bit (Line_Of (Port, Pin));
+      Channel : constant Registers.ADC.Channel := Registers.ADC.Digital_1 (Port);
    begin
       PIOA.Disable_Pull_Up := Mask;
+      if Pin = Digital_1 and then Mode /= ADC then
+         Converter.Release_Channel (Channel);
+      end if;
       case Mode is
          when Off | Input =>
             PIOA.Disable_Output := Mask;
@@ -18,10 +24,17 @@ package body NXT.Sensor_Ports is
             PIOA.Disable_Open_Drain := Mask;
             PIOA.Enable_Output := Mask;
          when ADC =>
-            raise Program_Error with "NXT.Sensor_Ports: ADC mode has no driver";
+            PIOA.Disable_Output := Mask;
+            Converter.Use_Channel (Channel);
       end case;
       PIOA.Take_Line := Mask;
    end Set_Pin_Mode;
+
+   procedure Convert (Port : Sensor_Id; Before : out ADC_Value) is
+   begin
+      Before := Converter.Count (Registers.ADC.Digital_1 (Port));
+      Converter.Start;
+   end Convert;
 
    function Current_State (Port : Sensor_Id; Pin : Pin_Id) return Pin_States is
      (if Has (PIOA.Pin_Levels, Bit (Line_Of (Port, Pin))) then High else Low);

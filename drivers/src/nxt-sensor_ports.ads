@@ -17,9 +17,14 @@ package NXT.Sensor_Ports with Elaborate_Body is
 
    type Modes is (Off, Input, Output, ADC);
 
-   procedure Set_Pin_Mode (Port : Sensor_Id; Pin : Pin_Id; Mode : Modes);
-   --  Off and Input let the line be pulled up; Output drives it to the state last set, or Low.
-   --  Program_Error for ADC: the processor's own converter has no driver.
+   procedure Set_Pin_Mode (Port : Sensor_Id; Pin : Pin_Id; Mode : Modes)
+     with Pre => Mode /= ADC or else Pin = Digital_1;
+   --  Off and Input let the line be pulled up; Output drives it to the state last set, or Low. ADC
+   --  is Input, and the processor's own converter measures the line.
+
+   procedure Convert (Port : Sensor_Id; Before : out ADC_Value);
+   --  Measure Digital_1 in the mode ADC: starts a conversion, which takes at most 45 us, and gives
+   --  the result of the one before; 3.3 V is 1023.
 
    type Pin_States is (Low, High);
 

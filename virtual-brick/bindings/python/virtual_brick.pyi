@@ -161,6 +161,42 @@ class VirtualBrick:
         """
     def usb_completed(self) -> list[tuple[int, int, bytes | None, UsbFailure | None]]:
         """Transfers that ended since the last call: cycle, number, bytes or failure."""
+    def rs485_send(self, at_cycles: int, data: bytes, bit_cycles: int = 52) -> None:
+        """Let bytes of another device reach the brick on the RS485 line of port 4.
+
+        The first one begins at `at_cycles`, or after those sent before. What comes while the brick
+        drives the line is lost. Raises InputError.
+        """
+    def rs485_sent(self) -> list[tuple[int, int]]:
+        """Bytes that the brick sent on the RS485 line since the last call, each with its end."""
+    def record_buses(self) -> None:
+        """Record from now on what passes on the chip's buses; the run is the same."""
+    def bus_log(self) -> list[tuple[int, str]]:
+        """What passed on the buses since the last call, each with its cycle.
+
+        `twi S 02a` (START and address byte, a: acknowledged, n: not), `twi 41a` (byte to the
+        slave), `twi 5A` (byte from it), `twi P`; `display command A4`, `display data FF`;
+        `usart1 out 03`, `usart0 in 5A`; `adc 2 401` (channel, count); `flash 1 992` (command in
+        hexadecimal, page or bit).
+        """
+    def script_twi(self, turns: list[tuple[int, bytes, int]]) -> None:
+        """Let a script answer on the two-wire bus in place of the co-processor.
+
+        Each turn serves one START: how many bytes are acknowledged, the address included; the bytes
+        given, FF after them; cycles for which the clock is held after each byte. After the last
+        turn nobody acknowledges.
+        """
+    def script_converter(self, channel: int, counts: list[int]) -> None:
+        """Give the chip's converter these counts on a channel, the last one for good.
+
+        None of them: the board gives them again. Raises InputError.
+        """
+    def script_module(self, turns: list[tuple[int, int, bytes]]) -> None:
+        """Let a script speak on USART1 in place of the Bluetooth module.
+
+        Each turn: after how many bytes of the program since the turn before, how many cycles later,
+        which bytes.
+        """
     def run_until(self, cycles: int) -> Stop:
         """Run to the first instruction boundary at or after `cycles`, or until the run ends.
 

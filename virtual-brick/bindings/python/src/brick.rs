@@ -148,6 +148,47 @@ impl VirtualBrick {
         completed.map(|one| outside::completed(py, one)).collect()
     }
 
+    #[pyo3(signature = (at_cycles, data, bit_cycles=outside::RS485_BIT_CYCLES))]
+    fn rs485_send(&mut self, at_cycles: u64, data: &[u8], bit_cycles: u64) -> PyResult<()> {
+        self.0
+            .rs485_send(at_cycles, data, bit_cycles)
+            .map_err(raise::<InputError>)
+    }
+
+    fn rs485_sent(&mut self) -> Vec<(u64, u8)> {
+        self.0.rs485_sent()
+    }
+
+    fn record_buses(&mut self) {
+        self.0.record_buses();
+    }
+
+    fn bus_log(&mut self) -> Vec<(u64, String)> {
+        let log = self.0.take_bus_log().into_iter();
+        log.map(|(at, event)| (at, event.to_string())).collect()
+    }
+
+    fn script_twi(&mut self, turns: Vec<(usize, Vec<u8>, u64)>) {
+        self.0
+            .script_twi(turns.into_iter().map(outside::twi_turn).collect());
+    }
+
+    fn script_converter(&mut self, channel: u8, counts: Vec<u16>) -> PyResult<()> {
+        if channel > 7 || counts.iter().any(|&count| count > 1023) {
+            return Err(raise::<InputError>(format!(
+                "converter: channel {channel}, counts {counts:?}: expected a channel from 0 to 7 \
+                 and counts from 0 to 1023"
+            )));
+        }
+        self.0.script_converter(channel, &counts);
+        Ok(())
+    }
+
+    fn script_module(&mut self, turns: Vec<(usize, u64, Vec<u8>)>) {
+        self.0
+            .script_module(turns.into_iter().map(outside::module_turn).collect());
+    }
+
     fn run_until(&mut self, py: Python<'_>, cycles: u64) -> PyResult<Stop> {
         loop {
             let slice = self

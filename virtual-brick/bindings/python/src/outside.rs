@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Bluetooth and USB for Python.
+//! Bluetooth, USB and what scripts say, for Python.
 
 use nxt::{
-    AirMessage, AirSignal, BluetoothAddress, BluetoothDevice, BluetoothText, UsbCompletion,
-    UsbError, UsbRequest, UsbTransfer,
+    AirMessage, AirSignal, BluetoothAddress, BluetoothDevice, BluetoothText, ModuleTurn, TwiTurn,
+    UsbCompletion, UsbError, UsbRequest, UsbTransfer,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -13,6 +13,27 @@ use crate::errors::{raise, InputError};
 
 /// Class of a computer; the same for every device made in Python.
 const COMPUTER: [u8; 4] = [0, 0, 0x01, 0x04];
+/// A bit of the RS485 line at 924 kbit/s, which is what drivers make of 921,600.
+pub(crate) const RS485_BIT_CYCLES: u64 = 52;
+
+/// A scripted slave's turn: bytes that it acknowledges, bytes that it gives, stretch in cycles.
+pub(crate) fn twi_turn((acknowledged, data, stretch_cycles): (usize, Vec<u8>, u64)) -> TwiTurn {
+    TwiTurn {
+        acknowledged,
+        data,
+        stretch_cycles,
+    }
+}
+
+/// A scripted module's turn: bytes heard before it, delay in cycles, bytes that it sends.
+pub(crate) fn module_turn((after_bytes, delay_cycles, bytes): (usize, u64, Vec<u8>)) -> ModuleTurn {
+    ModuleTurn {
+        after_bytes,
+        delay_cycles,
+        bytes,
+    }
+}
+
 /// A message of the air for Python: cycle, peer, kind, bytes, name, PIN code.
 pub(crate) type Message<'py> = (
     u64,

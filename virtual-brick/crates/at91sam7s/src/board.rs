@@ -217,8 +217,16 @@ pub trait Board {
     fn advance(&mut self, now: Cycles);
     /// The chip's supply is on; false ends the run as a power-off.
     fn powered(&self) -> bool;
+    /// The core's supply is below the level of the brown-out detector.
+    fn supply_is_low(&self) -> bool {
+        false
+    }
     /// Something an observer may want to record.
     fn observe(&mut self, now: Cycles, event: ChipEvent);
+
+    /// A command was written to the flash controller: its code, 0 to 15, and the number of the
+    /// page or bit.
+    fn flash_command(&mut self, _now: Cycles, _command: u8, _page: u16) {}
 
     /// Bits left the synchronous serial controller on PA17; the last one ended at `now`. Called
     /// only while the pin belongs to the controller.

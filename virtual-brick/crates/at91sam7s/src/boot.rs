@@ -22,6 +22,10 @@ use crate::udp::Udp;
 use crate::usart::Usart;
 use crate::wdt::Wdt;
 
+/// General purpose bits of the flash: brown-out detector on, and its reset.
+const DETECTOR: u32 = 0;
+const DETECTOR_RESETS: u32 = 1;
+
 impl<B: Board> Chip<B> {
     /// The state in which the boot monitor jumps to a program in RAM: crystal and PLL on,
     /// master clock 48.05 MHz, remap off, watchdog mode register written (disabled), flash with
@@ -56,6 +60,43 @@ impl<B: Board> Chip<B> {
         if peripherals {
             self.reset_peripherals(at);
         }
+        self.update_pins(at);
+        self.update_modem_lines(false, at);
+        self.refresh_all(at);
+    }
+
+    /// Follow the supply (datasheet, 6175M, chapter 13 and section 8.8): programming fails without
+    /// it; the brown-out detector, when its bit in flash is set, tells, and with a second bit
+    /// resets the chip for as long as the supply is low. Without the detector the program goes on.
+    pub(crate) fn look_at_supply(&mut self, at: Cycles) {
+        if !self.board.powered() {
+            self.flash.interrupt_programming(at);
+        }
+        let low = self.board.supply_is_low();
+        if low == self.supply_low {
+            return;
+        }
+        self.supply_low = low;
+        if low {
+            self.flash.interrupt_programming(at);
+            let detected = self.flash.general_purpose_bit(DETECTOR);
+            if detected && self.flash.general_purpose_bit(DETECTOR_RESETS) {
+                self.hold(at);
+            } else if detected {
+                self.rstc.brown_out();
+                self.refresh_system(at);
+            }
+        } else if self.held {
+            self.held = false;
+            self.reset_now(ResetCause::BrownOut, true, true, at);
+        }
+    }
+
+    fn hold(&mut self, at: Cycles) {
+        self.held = true;
+        self.stopped = true;
+        self.wdt = Wdt::new(at);
+        self.reset_peripherals(at);
         self.update_pins(at);
         self.update_modem_lines(false, at);
         self.refresh_all(at);

@@ -96,6 +96,9 @@ pub struct Chip<B: Board> {
     pub(crate) stolen: Cycles,
     pub(crate) fault: Option<Fault>,
     pub(crate) reset: Option<ResetCause>,
+    pub(crate) supply_low: bool,
+    /// Held in reset by the brown-out detector.
+    pub(crate) held: bool,
 }
 
 impl<B: Board> Chip<B> {
@@ -135,6 +138,8 @@ impl<B: Board> Chip<B> {
             stolen: 0,
             fault: None,
             reset: None,
+            supply_low: false,
+            held: false,
         };
         chip.update_pins(0);
         chip.update_modem_lines(false, 0);
@@ -362,6 +367,7 @@ impl<B: Board> Chip<B> {
             self.update_pins(at);
         }
         self.take_from_board(at);
+        self.look_at_supply(at);
         self.refresh_board(at);
     }
 
@@ -393,7 +399,7 @@ impl<B: Board> Chip<B> {
 
     fn wake(&mut self, at: Cycles) {
         self.schedule.set(EventKind::Wake, NEVER);
-        if self.stopped {
+        if self.stopped && !self.held {
             self.stopped = false;
             self.wdt.processor_resumed(at);
             self.refresh_system(at);
@@ -415,6 +421,10 @@ impl<B: Board> Chip<B> {
 
     pub(crate) fn watchdog_expired(&mut self, expiry: Expiry, at: Cycles) {
         match expiry {
+            _ if self.held => {
+                self.wdt = Wdt::new(at);
+                self.refresh_system(at);
+            }
             Expiry::Nothing => self.refresh_system(at),
             Expiry::ResetProcessor => self.reset_now(ResetCause::Watchdog, true, false, at),
             Expiry::ResetAll => self.reset_now(ResetCause::Watchdog, true, true, at),
@@ -462,6 +472,7 @@ impl<B: Board> Chip<B> {
             || self.wdt.interrupt()
             || self.serial[2].interrupt()
             || self.pmc.interrupt(at)
+            || self.rstc.interrupt()
             || self.flash.interrupt(at);
         self.set_line(SYSTEM, level, at, 0);
     }

@@ -11,10 +11,11 @@ use arm7tdmi::bus::Width;
 use crate::board::Cycles;
 use crate::fault::{Access, FaultKind};
 use crate::timing::TimingProfile;
+use crate::torn::Programming;
 use crate::{microseconds_cycles, NEVER};
 
 pub(crate) const FLASH_BYTES: usize = 0x4_0000;
-const PAGE_WORDS: usize = 64;
+pub(crate) const PAGE_WORDS: usize = 64;
 const WORDS: usize = FLASH_BYTES / 4;
 
 const FRDY: u32 = 1 << 0;
@@ -44,6 +45,8 @@ pub(crate) struct Flash {
     general_purpose_bits: u32,
     security: bool,
     ready_at: Cycles,
+    /// The page that is being programmed until `ready_at`.
+    programming: Option<Programming>,
     next_fetch: u32,
     odd_target: bool,
     costs: Costs,
@@ -63,6 +66,7 @@ impl Flash {
             general_purpose_bits: 0,
             security: false,
             ready_at: 0,
+            programming: None,
             next_fetch: 1,
             odd_target: false,
             costs: Costs {
@@ -277,11 +281,12 @@ impl Flash {
             self.errors |= PROGE;
             return Ok(());
         }
+        self.programming = None;
         let busy_us = match value & 0xF {
-            1 => self.write_page(page),
+            1 => self.write_page(now, page),
             2 => self.set_lock(page, true),
             3 => {
-                let busy = self.write_page(page);
+                let busy = self.write_page(now, page);
                 busy + self.set_lock(page, true)
             }
             4 => self.set_lock(page, false),
@@ -303,7 +308,7 @@ impl Flash {
         Ok(())
     }
 
-    fn write_page(&mut self, page: u32) -> u64 {
+    fn write_page(&mut self, now: Cycles, page: u32) -> u64 {
         if self.lock_bits >> (page / 64) & 1 != 0 {
             self.errors |= LOCKE;
             return 0;
@@ -311,6 +316,14 @@ impl Flash {
         self.epoch = self.epoch.wrapping_add(1);
         let keep = self.mode & NEBP != 0;
         let start = page as usize * PAGE_WORDS;
+        let mut before = [0; PAGE_WORDS];
+        before.copy_from_slice(&self.words[start..start + PAGE_WORDS]);
+        self.programming = Some(Programming {
+            page,
+            before,
+            since: now,
+            erases: !keep,
+        });
         for (cell, new) in self.words[start..start + PAGE_WORDS]
             .iter_mut()
             .zip(self.latch)
@@ -323,6 +336,25 @@ impl Flash {
         } else {
             6_000
         }
+    }
+
+    /// The supply fails: what was being programmed stays as far as it got.
+    pub(crate) fn interrupt_programming(&mut self, now: Cycles) {
+        let Some(programming) = self.programming.take() else {
+            return;
+        };
+        if now < self.ready_at {
+            let start = programming.page as usize * PAGE_WORDS;
+            let page = &mut self.words[start..start + PAGE_WORDS];
+            programming.tear(page, now, self.ready_at);
+            self.ready_at = now;
+            self.epoch = self.epoch.wrapping_add(1);
+        }
+    }
+
+    /// A general purpose bit, 0 or 1.
+    pub(crate) fn general_purpose_bit(&self, number: u32) -> bool {
+        self.general_purpose_bits >> number & 1 != 0
     }
 
     fn set_lock(&mut self, page: u32, locked: bool) -> u64 {

@@ -33,6 +33,7 @@ mod ssc;
 mod streams;
 mod tc;
 mod timing;
+mod torn;
 mod twi;
 mod udp;
 mod usart;

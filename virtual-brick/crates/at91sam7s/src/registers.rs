@@ -282,7 +282,11 @@ impl<B: Board> Chip<B> {
                 self.flash.remapped();
             }
             0x60 => self.flash.set_mode(value, &self.configuration.timing),
-            0x64 => self.flash.command(self.now, value)?,
+            0x64 => {
+                let (command, page) = ((value & 0xF) as u8, (value >> 8 & 0x3FF) as u16);
+                self.board.flash_command(self.now, command, page);
+                self.flash.command(self.now, value)?;
+            }
             0x04 | 0x08 | 0x68 => {}
             _ => {
                 return Err(FaultKind::RegisterNotModelled {

@@ -5,6 +5,9 @@
 use crate::fault::{Access, FaultKind};
 
 const KEY: u32 = 0xA5;
+/// Brown-out flag of the status, and its interrupt enable of the mode.
+const BODSTS: u32 = 1 << 1;
+const BODIEN: u32 = 1 << 16;
 
 /// What reset the chip last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +36,7 @@ pub(crate) struct ResetRequest {
 pub(crate) struct Rstc {
     mode: u32,
     cause: ResetCause,
+    brown_out: bool,
 }
 
 impl Rstc {
@@ -40,17 +44,35 @@ impl Rstc {
         Self {
             mode: 0,
             cause: ResetCause::PowerUp,
+            brown_out: false,
         }
+    }
+
+    /// The detector saw a low supply and does not reset.
+    pub(crate) fn brown_out(&mut self) {
+        self.brown_out = true;
+    }
+
+    pub(crate) fn interrupt(&self) -> bool {
+        self.brown_out && self.mode & BODIEN != 0
     }
 
     pub(crate) fn set_cause(&mut self, cause: ResetCause) {
         self.cause = cause;
     }
 
-    pub(crate) fn read(&self, offset: u32) -> Access<u32> {
+    /// Reading the status clears the brown-out flag.
+    pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
         match offset {
             0x0 => Ok(0),
-            0x4 => Ok((self.cause as u32) << 8 | 1 << 16),
+            0x4 => {
+                let flag = if std::mem::take(&mut self.brown_out) {
+                    BODSTS
+                } else {
+                    0
+                };
+                Ok((self.cause as u32) << 8 | 1 << 16 | flag)
+            }
             0x8 => Ok(self.mode),
             _ => Err(FaultKind::RegisterNotModelled {
                 peripheral: "RSTC",

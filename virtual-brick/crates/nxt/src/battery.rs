@@ -11,9 +11,16 @@ const VOLTS_PER_COUNT: f64 = 0.013_848;
 const VERSION_BITS: u16 = 0x2400;
 /// Rechargeable pack: its switch in the battery bay.
 const PACK_BIT: u16 = 0x8000;
-/// Lowest and highest voltage in V that the model takes: below, the regulators give out; above,
-/// the co-processor does not switch on.
-pub const VOLTAGE_RANGE: (f64, f64) = (5.0, 11.8);
+/// Lowest and highest voltage in V with which a run may begin: above, the co-processor does not
+/// switch on.
+const VOLTAGE_RANGE: (f64, f64) = (5.0, 11.8);
+/// What the voltage may become in a run.
+pub const VOLTAGE_LIMITS: (f64, f64) = (0.0, 11.8);
+/// Below this voltage in V the chip's core supply is below the level of its brown-out detector
+/// (chosen: the two regulators in between need about 2 V).
+pub const BROWN_OUT_VOLTAGE: f64 = 3.6;
+/// Below this voltage in V nothing on the brick works (chosen).
+pub const LOST_VOLTAGE: f64 = 2.0;
 /// Lowest voltage in V with which the co-processor starts on a rechargeable pack.
 pub const PACK_VOLTAGE_AT_START: f64 = 6.5;
 

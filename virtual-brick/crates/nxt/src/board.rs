@@ -12,7 +12,8 @@ use at91sam7s::board::{
 };
 use plant::{MotorDrive, ParameterError, RobotParameters};
 
-use crate::battery::Battery;
+use crate::battery::{Battery, BROWN_OUT_VOLTAGE, LOST_VOLTAGE};
+use crate::bench::{Bench, BusEvent, ModuleTurn, TwiScript, TwiTurn};
 use crate::bluetooth::{Bluetooth, ChipLines};
 use crate::boot_monitor::BootMonitor;
 use crate::buttons::Buttons;
@@ -24,6 +25,7 @@ use crate::inputs::{self, InputDescription, InputError, Target};
 use crate::measured::Measured;
 use crate::physics::Physics;
 use crate::ports::{Ports, PORT_LINES};
+use crate::rs485::Rs485Line;
 use crate::sound::{Recording, SAMPLE_CYCLES};
 use crate::time::{microseconds, milliseconds, NEVER};
 use crate::usb::{UsbHost, CABLE_COUNT};
@@ -36,7 +38,7 @@ const DISPLAY_FRAME_BITS: u8 = 8;
 /// Lines that the brick pulls up: two-wire bus (PA3, PA4) and the digital lines of the ports.
 const PULLED_UP: u32 = 1 << 3 | BUS_CLOCK | PORT_LINES;
 const BUS_CLOCK: u32 = 1 << 4;
-/// Analogue channels of the digital lines: (channel, pin).
+/// Analogue channels of the ports' second digital lines: (channel, pin).
 const ANALOGUE_PINS: [(u8, u32); 4] = [(1, 18), (2, 19), (3, 20), (7, 2)];
 const ANALOGUE_FULL_SCALE: u16 = 1023;
 /// Analogue channel on which the Bluetooth module tells its mode.
@@ -50,6 +52,8 @@ const MODULE_RXD: u32 = 1 << 21;
 const MODULE_RTS: u32 = 1 << 24;
 const MODULE_CTS: u32 = 1 << 25;
 const MODULE_STREAM_WANTED: u32 = 1 << 27;
+/// Direction of port 4's RS485 transceiver: high while the brick drives the line.
+const RS485_DRIVES: u32 = 1 << 7;
 /// The picture is looked at when nothing was sent for this long ...
 const DISPLAY_PAUSE: Cycles = milliseconds(2);
 /// ... or that long after the first byte.
@@ -69,6 +73,8 @@ pub struct NxtBoard {
     usb: UsbHost,
     boot_monitor: Option<BootMonitor>,
     ports: Ports,
+    rs485: Rs485Line,
+    bench: Bench,
     physics: Physics,
     measured: Measured,
     inputs: Vec<InputDescription>,
@@ -122,6 +128,8 @@ impl NxtBoard {
             measured: Measured::new(&configuration.sensors, robot),
             inputs: inputs::inputs(ports.sensors(), robot),
             ports,
+            rs485: Rs485Line::default(),
+            bench: Bench::default(),
             outputs: PinOutputs::default(),
             addressed: false,
             phase,
@@ -169,6 +177,37 @@ impl NxtBoard {
     /// The boot monitor's end of the USB, to take commands and to answer them.
     pub fn boot_monitor_mut(&mut self) -> Option<&mut BootMonitor> {
         self.boot_monitor.as_mut()
+    }
+
+    /// The far end of port 4's RS485 line.
+    pub fn rs485_mut(&mut self) -> &mut Rs485Line {
+        &mut self.rs485
+    }
+
+    /// Records from now on what passes on the chip's buses.
+    pub fn record_buses(&mut self) {
+        self.bench.record();
+    }
+
+    /// What passed on the buses since the last call, each with its cycle.
+    pub fn take_bus_log(&mut self) -> Vec<(Cycles, BusEvent)> {
+        self.bench.take_log()
+    }
+
+    /// A script answers on the two-wire bus in place of the co-processor.
+    pub fn script_twi(&mut self, turns: Vec<TwiTurn>) {
+        self.bench.twi = Some(TwiScript::new(turns));
+    }
+
+    /// The counts that the chip's converter gets from a channel, the last one for good; none of
+    /// them lets the board give them again.
+    pub fn script_converter(&mut self, channel: u8, counts: &[u16]) {
+        self.bench.script_converter(channel, counts);
+    }
+
+    /// A script speaks in place of the Bluetooth module.
+    pub fn script_module(&mut self, now: Cycles, turns: Vec<ModuleTurn>) {
+        self.bench.script_module(now, turns);
     }
 
     /// The chip comes back from a power cycle in its boot monitor, which takes the USB until a
@@ -246,7 +285,10 @@ impl NxtBoard {
             Target::UsbCable => self.usb.set_plugged(now, value != 0.0),
             Target::BusStuck => self.coprocessor.hold_bus(value != 0.0),
             Target::Button(button) => self.buttons.set(button, value != 0.0),
-            Target::BatteryVoltage => self.battery.set_voltage(value),
+            Target::BatteryVoltage => {
+                self.battery.set_voltage(value);
+                self.look_at_battery(now);
+            }
             Target::HandAngle(port) => {
                 if let Some(motor) = self.physics.motor_mut(port) {
                     motor.set_hand_angle(value);
@@ -358,35 +400,54 @@ impl Board for NxtBoard {
         }
     }
 
-    fn twi_start(&mut self, _now: Cycles, address: u8, read: bool) -> TwiReply {
-        self.addressed = address == ADDRESS && self.powered();
-        if self.addressed {
-            self.coprocessor.start(read);
-        }
-        self.reply()
+    fn twi_start(&mut self, now: Cycles, address: u8, read: bool) -> TwiReply {
+        let reply = match &mut self.bench.twi {
+            Some(script) => script.start(),
+            None => self.address_coprocessor(address, read),
+        };
+        let event = BusEvent::TwiStart {
+            byte: address << 1 | u8::from(read),
+            acknowledged: reply.acknowledged,
+        };
+        self.bench.note(now, event);
+        reply
     }
 
     fn twi_write(&mut self, now: Cycles, byte: u8) -> TwiReply {
-        if self.addressed {
-            self.coprocessor.write(now, byte);
-        }
-        self.reply()
+        let reply = match &mut self.bench.twi {
+            Some(script) => script.written(),
+            None => {
+                if self.addressed {
+                    self.coprocessor.write(now, byte);
+                }
+                self.reply()
+            }
+        };
+        let acknowledged = reply.acknowledged;
+        let event = BusEvent::TwiWritten { byte, acknowledged };
+        self.bench.note(now, event);
+        reply
     }
 
-    fn twi_read(&mut self, _now: Cycles) -> (u8, Cycles) {
-        if self.addressed {
-            (self.coprocessor.read(), self.coprocessor.stretch_cycles())
-        } else {
-            (0xFF, 0)
-        }
+    fn twi_read(&mut self, now: Cycles) -> (u8, Cycles) {
+        let (byte, stretch_cycles) = match &mut self.bench.twi {
+            Some(script) => script.read(),
+            None if self.addressed => (self.coprocessor.read(), self.coprocessor.stretch_cycles()),
+            None => (0xFF, 0),
+        };
+        self.bench.note(now, BusEvent::TwiRead(byte));
+        (byte, stretch_cycles)
     }
 
-    fn twi_stop(&mut self, _now: Cycles) {
+    fn twi_stop(&mut self, now: Cycles) {
         self.addressed = false;
+        self.bench.note(now, BusEvent::TwiStop);
     }
 
     fn spi_frame(&mut self, now: Cycles, select: u8, frame: u16, bits: u8) -> u16 {
         if self.display_selected(select) {
+            let data = self.driven(DISPLAY_DATA, true);
+            self.bench.note(now, BusEvent::Display { data, frame });
             match u8::try_from(frame) {
                 Ok(byte) if bits == DISPLAY_FRAME_BITS => self.display_frame(now, byte),
                 _ => self.log.fault(now, BoardFault::DisplayFrame { bits }),
@@ -395,23 +456,26 @@ impl Board for NxtBoard {
         0
     }
 
-    fn analogue_input(&mut self, _now: Cycles, channel: u8) -> u16 {
-        match channel {
-            MODULE_MODE_CHANNEL if self.bluetooth.stream_mode() => return ANALOGUE_FULL_SCALE,
-            CABLE_CHANNEL if self.usb.plugged() => return CABLE_COUNT,
-            _ => {}
-        }
-        let line = ANALOGUE_PINS
-            .into_iter()
-            .find(|&(number, _)| number == channel);
-        match line {
-            Some((_, pin)) if !self.is_low(1 << pin) => ANALOGUE_FULL_SCALE,
-            _ => 0,
-        }
+    fn analogue_input(&mut self, now: Cycles, channel: u8) -> u16 {
+        let scripted = self.bench.count(channel);
+        let count = scripted.unwrap_or_else(|| self.voltage_at(now, channel));
+        self.bench.note(now, BusEvent::Converted { channel, count });
+        count
+    }
+
+    fn flash_command(&mut self, now: Cycles, command: u8, page: u16) {
+        self.bench.note(now, BusEvent::Flash { command, page });
+    }
+
+    fn supply_is_low(&self) -> bool {
+        self.battery.voltage() < BROWN_OUT_VOLTAGE
     }
 
     fn next_event(&self) -> Cycles {
-        self.next_change().min(self.usb.next_signal())
+        self.next_change()
+            .min(self.usb.next_signal())
+            .min(self.rs485.next_event())
+            .min(self.bench.next_event())
     }
 
     fn advance(&mut self, now: Cycles) {
@@ -422,6 +486,7 @@ impl Board for NxtBoard {
                 let (_, robot, _) = self.physics.around(at);
                 self.battery.set_current(robot.supply_current());
                 self.measured.update(robot, &mut self.ports);
+                self.look_at_battery(at);
             }
             if self.coprocessor.next_event() <= at {
                 let measurable = self.measurable();
@@ -449,14 +514,29 @@ impl Board for NxtBoard {
     }
 
     fn serial_sent(&mut self, now: Cycles, port: SerialPort, character: Character) {
-        if port == SerialPort::Usart1 {
-            self.bluetooth.character(now, character, &mut self.log);
+        let event = BusEvent::Sent(port, character.data as u8);
+        self.bench.note(now, event);
+        match (port, self.bench.module()) {
+            (SerialPort::Usart0, _) => self.rs485.sent(now, character),
+            (SerialPort::Usart1, Some(script)) => script.hear(now),
+            (SerialPort::Usart1, None) => {
+                self.bluetooth.character(now, character, &mut self.log);
+            }
+            (SerialPort::DebugUnit, _) => {}
         }
     }
 
-    fn serial_received(&mut self, _now: Cycles, port: SerialPort) -> Option<Character> {
-        let mine = port == SerialPort::Usart1;
-        mine.then(|| self.bluetooth.take_character())?
+    fn serial_received(&mut self, now: Cycles, port: SerialPort) -> Option<Character> {
+        let drives = self.driven(RS485_DRIVES, true);
+        let character = match (port, self.bench.module()) {
+            (SerialPort::Usart0, _) => self.rs485.take(now, drives),
+            (SerialPort::Usart1, Some(script)) => script.take(now),
+            (SerialPort::Usart1, None) => self.bluetooth.take_character(),
+            (SerialPort::DebugUnit, _) => None,
+        }?;
+        let event = BusEvent::Received(port, character.data as u8);
+        self.bench.note(now, event);
+        Some(character)
     }
 
     fn usb_signal(&mut self, now: Cycles) -> Option<UsbSignal> {
@@ -492,6 +572,34 @@ impl NxtBoard {
             .min(self.usb.next_event())
     }
 
+    /// A battery that is too low for everything ends the run.
+    fn look_at_battery(&mut self, now: Cycles) {
+        if self.battery.voltage() < LOST_VOLTAGE {
+            self.coprocessor.lose_supply(now, &mut self.log);
+        }
+    }
+
+    fn address_coprocessor(&mut self, address: u8, read: bool) -> TwiReply {
+        self.addressed = address == ADDRESS && self.powered();
+        if self.addressed {
+            self.coprocessor.start(read);
+        }
+        self.reply()
+    }
+
+    /// Counts of the chip's converter on a channel.
+    fn voltage_at(&self, now: Cycles, channel: u8) -> u16 {
+        match channel {
+            MODULE_MODE_CHANNEL if self.bluetooth.stream_mode() => return ANALOGUE_FULL_SCALE,
+            CABLE_CHANNEL if self.usb.plugged() => return CABLE_COUNT,
+            _ => {}
+        }
+        let line = ANALOGUE_PINS
+            .into_iter()
+            .position(|(number, _)| number == channel);
+        line.map_or(0, |index| self.port_voltage(now, index))
+    }
+
     const fn reply(&self) -> TwiReply {
         let stretch_cycles = if self.addressed {
             self.coprocessor.stretch_cycles()
@@ -502,6 +610,16 @@ impl NxtBoard {
             acknowledged: self.addressed,
             stretch_cycles,
         }
+    }
+
+    /// Counts on the second digital line of a port: a sensor's voltage, or a level.
+    fn port_voltage(&self, now: Cycles, index: usize) -> u16 {
+        let level = if self.is_low(1 << ANALOGUE_PINS[index].1) {
+            0
+        } else {
+            ANALOGUE_FULL_SCALE
+        };
+        self.ports.analogue(now, index).unwrap_or(level)
     }
 
     /// The pin is driven low from either side.

@@ -112,6 +112,8 @@ pub enum SensorConfiguration {
         #[serde(default = "gyro_rest")]
         rest: f64,
     },
+    /// The colour sensor, in darkness before a black surface.
+    Color {},
 }
 
 /// A rotation of the body.

@@ -51,6 +51,8 @@ pub enum PowerOffReason {
     BatteryLow,
     /// The program asked for the boot monitor, which follows a power cycle.
     BootMonitor,
+    /// The battery's voltage fell too low for anything to work.
+    SupplyLost,
 }
 
 /// Something that the board does not model and therefore does not do.

@@ -7,7 +7,7 @@ use std::fmt;
 
 use plant::{BodyParameters, MotorPort, RobotParameters};
 
-use crate::battery::VOLTAGE_RANGE;
+use crate::battery::VOLTAGE_LIMITS;
 use crate::buttons::Button;
 use crate::sensors::{Quantity, Sensor, SensorInput};
 
@@ -124,8 +124,8 @@ pub fn inputs(sensors: [&Sensor; 4], robot: &RobotParameters) -> Vec<InputDescri
     }
     inputs.push(InputDescription {
         name: "battery.voltage".to_owned(),
-        lowest: VOLTAGE_RANGE.0,
-        highest: VOLTAGE_RANGE.1,
+        lowest: VOLTAGE_LIMITS.0,
+        highest: VOLTAGE_LIMITS.1,
         whole: false,
         unit: "V",
         target: Target::BatteryVoltage,

@@ -11,6 +11,7 @@
 //! as a [`BoardFault`].
 
 mod battery;
+mod bench;
 mod bluetooth;
 mod board;
 mod boot_monitor;
@@ -24,6 +25,7 @@ mod inputs;
 mod measured;
 mod physics;
 mod ports;
+mod rs485;
 mod sensors;
 mod signals;
 mod sound;
@@ -31,6 +33,7 @@ mod time;
 mod usb;
 
 pub use battery::{BatteryConfiguration, BatteryKind};
+pub use bench::{BusEvent, ModuleTurn, TwiTurn};
 pub use bluetooth::{
     AirMessage, AirSignal, Bluetooth, BluetoothAddress, BluetoothConfiguration, BluetoothDevice,
     BluetoothText, ChipLines, KnownDevice,
@@ -43,5 +46,6 @@ pub use coprocessor::{MotorCommand, SensorSupply};
 pub use display::{Display, Picture, COLUMNS, ROWS};
 pub use event::{BoardEvent, BoardEventKind, BoardFault, PowerOffReason};
 pub use inputs::{InputDescription, InputError};
+pub use rs485::Rs485Line;
 pub use sound::SAMPLE_CYCLES as SOUND_SAMPLE_CYCLES;
 pub use usb::{UsbCompletion, UsbError, UsbHost, UsbRequest, UsbTransfer};

@@ -37,6 +37,12 @@ impl Port {
         }
     }
 
+    /// Counts of the chip's converter on the second digital line.
+    fn analogue(&self, now: Cycles) -> Option<u16> {
+        let connected = self.plugged && !self.shorted[1] && self.lines.driven[1].is_none();
+        connected.then(|| self.sensor.analogue(now))?
+    }
+
     fn supply_changed(&mut self, now: Cycles) {
         let on = self.plugged && self.supply == SensorSupply::Constant;
         self.sensor.set_supply(now, on);
@@ -45,7 +51,7 @@ impl Port {
     /// Lines that are low at the chip's end as long as the chip does not drive them.
     fn low(&self) -> [bool; 2] {
         let sensor = self.sensor.pulls_low();
-        [0, 1].map(|line| self.shorted[line] || sensor[line])
+        [0, 1].map(|line| self.shorted[line] || self.plugged && sensor[line])
     }
 
     /// The sensor sees the lines, shorts included.
@@ -99,6 +105,12 @@ impl Ports {
         [one.raw(), two.raw(), three.raw(), four.raw()]
     }
 
+    /// Counts of the chip's converter on the second digital line of a port, when a sensor puts a
+    /// voltage there.
+    pub fn analogue(&self, now: Cycles, index: usize) -> Option<u16> {
+        self.ports[index].analogue(now)
+    }
+
     /// Digital lines that something outside the chip pulls low.
     pub const fn low(&self) -> u32 {
         self.low
@@ -129,7 +141,9 @@ impl Ports {
     fn lines_changed(&mut self, now: Cycles, index: usize) {
         let port = &mut self.ports[index];
         let seen = port.seen();
-        port.sensor.lines_changed(now, seen);
+        if port.plugged {
+            port.sensor.lines_changed(now, seen);
+        }
         self.refresh_low();
     }
 
@@ -159,8 +173,12 @@ impl Ports {
 
     /// Pulls the sensor's cable out or puts it in.
     pub fn set_plugged(&mut self, now: Cycles, index: usize, plugged: bool) {
-        self.ports[index].plugged = plugged;
-        self.ports[index].supply_changed(now);
+        let port = &mut self.ports[index];
+        if port.plugged != plugged {
+            port.plugged = plugged;
+            port.sensor.set_plugged(now);
+            port.supply_changed(now);
+        }
         self.refresh_low();
     }
 

@@ -124,6 +124,7 @@ const fn power_off(reason: PowerOffReason) -> (i64, &'static str) {
             3,
             "the program asked for the boot monitor, which follows a power cycle",
         ),
+        PowerOffReason::SupplyLost => (4, "the battery's voltage fell below 2 V"),
     }
 }
 

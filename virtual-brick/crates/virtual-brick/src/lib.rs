@@ -6,6 +6,7 @@
 mod access;
 mod assembly;
 mod brick;
+mod buses;
 mod checkpoint;
 mod configuration;
 mod engine;

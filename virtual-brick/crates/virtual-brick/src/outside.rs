@@ -51,7 +51,7 @@ impl fmt::Display for OutsideError {
 impl std::error::Error for OutsideError {}
 
 impl VirtualBrick {
-    fn not_in_past(&self, at_cycles: u64) -> Result<(), OutsideError> {
+    pub(crate) fn not_in_past(&self, at_cycles: u64) -> Result<(), OutsideError> {
         let now_cycles = self.cycles();
         if at_cycles < now_cycles {
             return Err(OutsideError::InPast {

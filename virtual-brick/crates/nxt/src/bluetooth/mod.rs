@@ -30,6 +30,7 @@ pub use store::{BluetoothConfiguration, KnownDevice, Store};
 use crate::event::{BoardFault, EventLog};
 use crate::time::{milliseconds, NEVER};
 use frame::{Message, Receiver};
+pub use line::BIT_CYCLES;
 use line::{Carries, Line};
 use links::Links;
 

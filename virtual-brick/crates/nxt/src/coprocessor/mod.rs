@@ -152,6 +152,19 @@ impl Coprocessor {
         };
     }
 
+    /// The supply is gone: bridges open, chip off.
+    pub fn lose_supply(&mut self, now: Cycles, log: &mut EventLog) {
+        if self.powered {
+            self.go_off(now, PowerOffReason::SupplyLost, log);
+        }
+    }
+
+    fn go_off(&mut self, now: Cycles, reason: PowerOffReason, log: &mut EventLog) {
+        self.powered = false;
+        self.put_in_force(now, Command::off(), log);
+        log.add(now, BoardEventKind::PowerOff(reason));
+    }
+
     /// Whether the chip has its supply.
     pub const fn powered(&self) -> bool {
         self.powered
@@ -241,9 +254,7 @@ impl Coprocessor {
             log.add(now, BoardEventKind::Click);
         }
         if let Some((_, reason)) = self.power_off.filter(|&(at, _)| at <= now) {
-            self.powered = false;
-            self.put_in_force(now, Command::off(), log);
-            log.add(now, BoardEventKind::PowerOff(reason));
+            self.go_off(now, reason, log);
         }
     }
 

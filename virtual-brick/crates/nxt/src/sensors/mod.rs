@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What can be plugged into a sensor port.
 
+mod color;
 mod gyro;
 mod light;
 mod slave;
@@ -10,6 +11,7 @@ mod ultrasonic;
 
 use at91sam7s::board::Cycles;
 
+pub use color::ColorSensor;
 pub use gyro::GyroSensor;
 pub use light::LightSensor;
 pub use sound::SoundSensor;
@@ -54,6 +56,11 @@ pub enum Quantity {
     SoundFrequency,
     Distance,
     Rate,
+    Ambient,
+    Red,
+    Green,
+    Blue,
+    WrongSum,
 }
 
 /// An input of a sensor: its name before and after the number of the port, lowest and highest
@@ -83,6 +90,8 @@ pub enum Sensor {
     Ultrasonic(UltrasonicSensor),
     /// The rate gyro.
     Gyro(GyroSensor),
+    /// The colour sensor.
+    Color(ColorSensor),
 }
 
 impl Sensor {
@@ -100,12 +109,14 @@ impl Sensor {
                 rate: 0.0,
                 rest: *rest,
             }),
+            Some(SensorConfiguration::Color {}) => Self::Color(ColorSensor::default()),
         }
     }
 
     pub const fn inputs(&self) -> &'static [SensorInput] {
         use Quantity::{
-            Distance, Light, Pressed, Rate, Raw, Reflectance, SoundFrequency, SoundLevel,
+            Ambient, Blue, Distance, Green, Light, Pressed, Rate, Raw, Red, Reflectance,
+            SoundFrequency, SoundLevel, WrongSum,
         };
         match self {
             Self::Nothing => &[],
@@ -133,6 +144,13 @@ impl Sensor {
             ],
             Self::Gyro(_) => &[(Rate, ("gyro.", ""), (-100.0, 100.0), false, "rad/s")],
             Self::Ultrasonic(_) => &[(Distance, ("distance.", ""), (0.0, 100.0), false, "m")],
+            Self::Color(_) => &[
+                (Ambient, ("color.", ""), (0.0, 1.0), false, ""),
+                (Red, ("color.", ".red"), (0.0, 1.0), false, ""),
+                (Green, ("color.", ".green"), (0.0, 1.0), false, ""),
+                (Blue, ("color.", ".blue"), (0.0, 1.0), false, ""),
+                (WrongSum, ("fault.", ".checksum"), (0.0, 1.0), true, ""),
+            ],
         }
     }
 
@@ -146,6 +164,11 @@ impl Sensor {
             (Self::Sound(sound), Quantity::SoundFrequency) => sound.frequency = value,
             (Self::Gyro(gyro), Quantity::Rate) => gyro.rate = value,
             (Self::Ultrasonic(ultrasonic), Quantity::Distance) => ultrasonic.distance = value,
+            (Self::Color(color), Quantity::Ambient) => color.ambient = value,
+            (Self::Color(color), Quantity::Red) => color.reflectance[0] = value,
+            (Self::Color(color), Quantity::Green) => color.reflectance[1] = value,
+            (Self::Color(color), Quantity::Blue) => color.reflectance[2] = value,
+            (Self::Color(color), Quantity::WrongSum) => color.spoilt = value != 0.0,
             _ => {}
         }
     }
@@ -158,7 +181,17 @@ impl Sensor {
             Self::Analogue { raw } => *raw,
             Self::Light(light) => light.raw(lines.drives_high(0)),
             Self::Gyro(gyro) => gyro.raw(),
+            Self::Color(_) => color::PRESENT,
             Self::Sound(sound) => sound.raw(lines.drives_high(0), lines.drives_high(1)),
+        }
+    }
+
+    /// Counts of the chip's converter on the second digital line while the sensor puts a voltage
+    /// there.
+    pub fn analogue(&self, now: Cycles) -> Option<u16> {
+        match self {
+            Self::Color(color) => color.analogue(now),
+            _ => None,
         }
     }
 
@@ -169,10 +202,19 @@ impl Sensor {
         }
     }
 
+    /// The cable is put in or pulled out.
+    pub fn set_plugged(&mut self, now: Cycles) {
+        if let Self::Color(color) = self {
+            color.restart(now);
+        }
+    }
+
     /// The brick drives the digital lines in another way.
     pub fn lines_changed(&mut self, now: Cycles, lines: Lines) {
-        if let Self::Ultrasonic(ultrasonic) = self {
-            ultrasonic.lines_changed(now, lines);
+        match self {
+            Self::Ultrasonic(ultrasonic) => ultrasonic.lines_changed(now, lines),
+            Self::Color(color) => color.lines_changed(now, lines),
+            _ => {}
         }
     }
 
@@ -180,6 +222,7 @@ impl Sensor {
     pub const fn pulls_low(&self) -> [bool; 2] {
         match self {
             Self::Ultrasonic(ultrasonic) => [false, ultrasonic.pulls_data_low()],
+            Self::Color(color) => color.pulls_low(),
             _ => [false; 2],
         }
     }
