@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""NXT.RS485, looped back within the processor, on the virtual brick."""
+"""NXT.RS485 on the virtual brick: looped back within the processor, and with others on the line."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import pytest
+from ravenbrick.target.peers import Rs485Line
 
 from drivers.tests.observe import Brick
 
@@ -35,3 +37,55 @@ def test_bytes_that_nobody_takes_are_lost_and_told(brick: Callable[..., Brick]) 
     device = brick("rs485")
     device.run(400)
     assert (device.integer("lost_early"), device.integer("lost_late")) == (0, 1)
+
+
+def test_two_bricks_talk_on_one_line(brick: Callable[..., Brick]) -> None:
+    """30 messages of 1 to 30 bytes go there and come back, none lost and none wrong."""
+    asks, answers = brick("rs485_line"), brick("rs485_line")
+    asks.set(0, "touch.1", 1)
+    stops = Rs485Line(asks.device, answers.device).run_until(asks.cycles(220))
+    assert [stop.reason for stop in stops] == ["reached", "reached"]
+    assert (asks.integer("asked"), asks.integer("right")) == (30, 30)
+    assert (answers.integer("answered"), answers.integer("heard")) == (30, 30 * 31 // 2)
+    assert answers.integer("lost") == 0
+
+
+def script(device: Brick, at_ms: float, data: bytes, bit_cycles: int = 52) -> None:
+    """Bytes of another device on the line."""
+    device.device.rs485_send(device.cycles(at_ms), data, bit_cycles)
+
+
+def test_a_peer_is_heard_and_answered(brick: Callable[..., Brick]) -> None:
+    """The answer begins within the period of the task, at the line's rate."""
+    device = brick("rs485_line")
+    script(device, 150.1, b"\x04abc")
+    device.run(160)
+    sent = device.device.rs485_sent()
+    assert bytes(byte for _, byte in sent) == bytes(0xFF - byte for byte in b"\x04abc")
+    assert [b - a for (a, _), (b, _) in itertools.pairwise(sent)] == [520] * 3
+    assert sent[0][0] < device.cycles(151.2)
+
+
+def test_a_wrong_rate_is_told(brick: Callable[..., Brick]) -> None:
+    """Stop bits are missed when the bytes come 10 % too slow."""
+    device = brick("rs485_line")
+    script(device, 150.1, b"\x02x")
+    device.run(155)
+    assert device.integer("lost") == 0
+    script(device, 155.1, b"\x02x", bit_cycles=58)
+    device.run(160)
+    assert device.integer("lost") == 1
+
+
+def test_while_it_speaks_it_hears_nothing(brick: Callable[..., Brick]) -> None:
+    """What comes into its own answer is lost; after it, bytes are heard again."""
+    device = brick("rs485_line")
+    script(device, 150.1, bytes([30, *range(29)]))
+    device.run(150.7)
+    script(device, 150.8, b"\x02y")
+    device.run(160)
+    assert len(device.device.rs485_sent()) == 30
+    assert device.integer("heard") == 30
+    script(device, 160.1, b"\x02z")
+    device.run(170)
+    assert device.integer("heard") == 32

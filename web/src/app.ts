@@ -150,7 +150,7 @@ export class App implements Actions {
   sensors(sensors: Record<string, { kind: string }>): void {
     if (!this.elf) return;
     const configuration = { ...this.session.configuration, sensors };
-    const known = (name: string) => !/^(touch|light|sound|distance|sensor)\./.test(name);
+    const known = (name: string) => !/^(touch|light|sound|distance|color|sensor)\./.test(name);
     const inputs = this.session.inputs.filter((input) => known(input.name));
     this.load({ ...this.session, configuration, inputs }, this.elf);
   }

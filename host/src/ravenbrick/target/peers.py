@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The world at the brick's Bluetooth and USB: a computer in range, a USB host, a second brick.
+"""The world at the brick's lines: a computer in range, a USB host, other bricks.
 
 Each peer runs the brick when it has to wait, so a program that uses one is a deterministic run.
 `brick` is a `virtual_brick.VirtualBrick`.
@@ -14,7 +14,14 @@ from typing import Any, Protocol
 from ravenbrick.errors import PeerError
 from ravenbrick.target.clock import MASTER_CLOCK
 
-__all__ = ["BluetoothComputer", "BluetoothLink", "StreamPeer", "UsbComputer", "UsbStream"]
+__all__ = [
+    "BluetoothComputer",
+    "BluetoothLink",
+    "Rs485Line",
+    "StreamPeer",
+    "UsbComputer",
+    "UsbStream",
+]
 
 STEP_MS = 1
 CONNECT_MS = 60_000
@@ -337,3 +344,39 @@ class BluetoothLink:
                 continue
             arrival = max(at_cycles + latency_cycles, brick.cycles)
             brick.bluetooth_send(arrival, self._addresses[sender], kind, data, name, pin)
+
+
+class Rs485Line:
+    """Bricks on one RS485 line at their ports 4; deterministic.
+
+    The bricks run in turn for `QUANTUM_US`, and what one sends reaches the others that much later.
+    Two that send at once destroy what both say only where they hear it: a brick that sends hears
+    nothing. `bit_cycles` is the length of a bit that the bricks have agreed on.
+    """
+
+    QUANTUM_US = 100
+    CHARACTER_BITS = 10
+
+    def __init__(self, *bricks: Any, bit_cycles: int = 52) -> None:
+        self._bricks = bricks
+        self._bit_cycles = bit_cycles
+
+    def run_until(self, cycles: int) -> tuple[Any, ...]:
+        """Run all bricks to `cycles`; their stops. A brick whose run has ended stays behind."""
+        quantum = MASTER_CLOCK.cycles_of_us(self.QUANTUM_US)
+        now = min(brick.cycles for brick in self._bricks)
+        while True:
+            now = min(now + quantum, cycles)
+            stops = tuple(brick.run_until(now) for brick in self._bricks)
+            for sender in self._bricks:
+                self._carry(sender, quantum)
+            if now >= cycles:
+                return stops
+
+    def _carry(self, sender: Any, latency_cycles: int) -> None:
+        length = self.CHARACTER_BITS * self._bit_cycles
+        for ended_cycles, byte in sender.rs485_sent():
+            begin = ended_cycles + latency_cycles - length
+            for brick in self._bricks:
+                if brick is not sender:
+                    brick.rs485_send(max(begin, brick.cycles), bytes([byte]), self._bit_cycles)

@@ -166,7 +166,8 @@ def _button_input(_robot: Robot, button: str) -> str | None:
 
 
 _INPUTS: tuple[tuple[str, Callable[..., str | None]], ...] = (
-    (r"(touch|light|sound)\.(\w+)", _sensor_input),
+    (r"(touch|light|sound|color)\.(\w+)", _sensor_input),
+    (r"(color)\.(\w+)\.(?:red|green|blue)", _sensor_input),
     (r"(distance|gyro)\.(\w+)", _measured_input),
     (r"(light)\.(\w+)\.reflectance", _measured_input),
     (r"body\.(held|push)", _body_input),
@@ -188,7 +189,8 @@ def _input_problem(robot: Robot, name: str) -> str | None:
             return check(robot, *match.groups())
     return (
         f"unknown input '{name}'; known are touch.<port>, light.<port>, "
-        "light.<port>.reflectance, sound.<port>, distance.<port>, gyro.<port>, button.<name>, "
+        "light.<port>.reflectance, sound.<port>, distance.<port>, gyro.<port>, color.<port>, "
+        "color.<port>.red, color.<port>.green, color.<port>.blue, button.<name>, "
         "motor.<port>.hand_angle, motor.<port>.load_torque, body.held, body.push and "
         "battery.voltage"
     )

@@ -62,8 +62,9 @@ impl Brick {
     fn byte(&mut self) -> u8 {
         (0..8).fold(0, |byte, bit| {
             self.put(true, None, 4 * MICROSECOND);
+            self.put(false, None, 2 * MICROSECOND);
             let value = self.level(DATA);
-            self.put(false, None, 4 * MICROSECOND);
+            self.rig.run(2 * MICROSECOND);
             byte | u8::from(value) << bit
         })
     }

@@ -214,7 +214,7 @@ fn configurations_with_unknown_fields_or_bad_numbers_are_rejected() {
     for (json, message) in [
         (
             r#"{"battery": {"voltage": 20}}"#,
-            "battery.voltage = 20: expected a number from 0 to 11.8 (V)",
+            "battery.voltage = 20: expected a number from 5 to 11.8 (V)",
         ),
         (
             r#"{"sensors": {"2": {"kind": "analogue", "raw": 1024}}}"#,

@@ -127,12 +127,13 @@ impl ColorSensor {
         (self.state, self.clock, self.edge_at) = (State::Waiting, false, now);
     }
 
-    /// It holds the clock low while it measures, and sends zeros of its calibration.
+    /// It holds the clock low while it measures, and sends zeros of its calibration. The last bit
+    /// outlasts the clock's fall, as the others do: LEGO's firmware takes bits after it.
     pub const fn pulls_low(&self) -> [bool; 2] {
         match self.state {
             State::Waiting | State::Mode { .. } => [false, false],
             State::Calibration { put, .. } => [true, put > 0 && !self.calibration_bit(put - 1)],
-            State::Measuring { .. } => [true, false],
+            State::Measuring { .. } => [true, !self.calibration_bit(CALIBRATION_BITS - 1)],
         }
     }
 
