@@ -70,6 +70,13 @@ def closed_loops(gain: np.ndarray) -> tuple[control.StateSpace, control.StateSpa
     return close(plant, minus_integral), close(sampled, SAMPLE_TIME * minus_integral)
 
 
+def open_loop(gain: np.ndarray) -> control.StateSpace:
+    """The sampled loop cut at the motors' voltage, which is the same for both."""
+    plant = with_integrators(NXTWAY_GS.state_space(), [[1.0, 0.0, 0.0, 0.0]])
+    sampled = control.sample_system(plant, SAMPLE_TIME, "zoh")
+    return control.ss(sampled.A, sampled.B.sum(axis=1, keepdims=True), gain, 0.0, sampled.dt)
+
+
 def controller(gain: np.ndarray) -> Diagram:
     """From the wheels' angle against the body and the pitch rate to both motors' voltage."""
     diagram = Diagram("functional", SAMPLE_TIME)
@@ -124,7 +131,8 @@ def main() -> None:
     poles = closed_loops(gain)[1].poles()
     figures["largest_sampled_pole"] = float(np.abs(poles).max())
     if arguments.results:
-        write_loop_results(arguments.results, "balancer", closed_loops(gain), figures, 10.0)
+        loops = closed_loops(gain)
+        write_loop_results(arguments.results, "balancer", loops, figures, 10.0, open_loop(gain))
     for name, value in figures.items():
         print(f"{name:40} {value:.6g}")
 

@@ -84,6 +84,13 @@ def closed_loops(speed: float, gain: float) -> tuple[control.StateSpace, control
     return control.ss(continuous), control.ss(control.feedback(law * delay * sampled))
 
 
+def open_loop(speed: float, gain: float) -> control.StateSpace:
+    """The sampled loop cut at the error, with the delay of the reading."""
+    delay = control.tf([1.0], [1.0, *([0.0] * READING_DELAY_SAMPLES)], SAMPLE_TIME)
+    sampled = control.sample_system(plant(speed), SAMPLE_TIME, "zoh")
+    return control.ss(gain * EDGE_SLOPE * delay * sampled)
+
+
 def controller(gain: float) -> Diagram:
     """From brightness and its set-point to the difference of the wheels' voltages."""
     diagram = Diagram("functional", SAMPLE_TIME)
@@ -123,7 +130,9 @@ def main() -> None:
     loops = closed_loops(speed, gain)
     figures["largest_sampled_pole"] = float(max(abs(loops[1].poles())))
     if arguments.results:
-        write_loop_results(arguments.results, "line-follower", loops, figures, 3.0)
+        write_loop_results(
+            arguments.results, "line-follower", loops, figures, 3.0, open_loop(speed, gain)
+        )
     for name, value in figures.items():
         print(f"{name:40} {value:.6g}")
 

@@ -4,22 +4,33 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.console import Reporter, Step
 from ravenbrick.cli.pipeline import design_project
+from ravenbrick.control.design_plots import DesignedLoop, read_system, write_figure
+from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
+from ravenbrick.errors import DesignError
 from ravenbrick.target.workspace import Workspace
 
 __all__ = ["design_command"]
 
 
-@command("ravenbrick design examples/vehicle")
+@command("ravenbrick design examples/vehicle --plots")
 def design_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with design.py.")],
+    plots: Annotated[
+        bool,
+        typer.Option(
+            "--plots",
+            help="Bode, Nyquist, root locus, gain family, discretisations, tolerances as pictures.",
+        ),
+    ] = False,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Run design.py: tune, discretise, simulate, and generate the controller's C."""
@@ -32,8 +43,68 @@ def design_command(
     )
     generated = sorted(str(path) for path in (workspace.project / "generated").glob("*.[ch]"))
     reporter.print(f"design: {workspace.shown(workspace.design_file)}")
-    return {
+    answer = {
         "design_file": str(workspace.design_file),
         "figures": dict(design.figures),
         "generated": generated,
     }
+    return {**answer, **_draw(workspace, reporter)} if plots else answer
+
+
+def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
+    """The pictures that the design's loop allows, and the figures in them."""
+    content = json.loads(workspace.design_file.read_text(encoding="utf-8")).get("loop")
+    if content is None:
+        raise DesignError(
+            "design.py left no loop to draw; give `open_loop` to write_loop_results, or use Design"
+        )
+    folder = workspace.results / "design"
+    if "plant" not in content:
+        with reporter.step("frequency response, root locus"):
+            open_loop = read_system(content["open_loop"])
+            figures = {
+                "bode": bode_figure(open_loop, "Open loop"),
+                "nyquist": nyquist_figure(open_loop, "Open loop"),
+                "root-locus": root_locus_figure(open_loop, "Closed loop"),
+            }
+        return {"plots": _written(figures, folder, workspace, reporter)}
+    loop = DesignedLoop.read(content)
+    with reporter.step("frequency response, root locus"):
+        figures = {**loop.frequency_figures(), "discretisation": loop.discretisation_figure()}
+    with reporter.step("gains that also meet it") as step:
+        members = loop.family(_counted(step))
+        figures["family"] = loop.family_figure(members)
+    with reporter.step("tolerances of the motor") as step:
+        robustness = loop.robustness(_counted(step))
+        figures["robustness"] = loop.robustness_figure(robustness)
+    rows = [member.row() for member in members]
+    numbers = ("proportional_gain", "integral_gain", "settling_time", "overshoot")
+    reporter.table(
+        ("gains", "loop", "Kp (V/V)", "Ki (1/s)", "settling (s)", "overshoot"),
+        [[str(row["design"]), str(row["where"]), *(f"{row[n]:.6g}" for n in numbers)]
+         for row in rows],
+        left=("loop",),
+    )  # fmt: skip
+    spread = robustness.rows()
+    reporter.table(
+        ("motor within 20 %", "least", "median", "largest"),
+        [[str(row["figure"]), *(f"{row[n]:.6g}" for n in ("least", "median", "largest"))]
+         for row in spread],
+    )  # fmt: skip
+    plots = _written(figures, folder, workspace, reporter)
+    return {"plots": plots, "family": rows, "robustness": spread}
+
+
+def _counted(step: Step) -> Any:
+    """Progress by numbers as a share."""
+    return lambda done, total: step.progress(done / total)
+
+
+def _written(
+    figures: dict[str, Any], folder: Path, workspace: Workspace, reporter: Reporter
+) -> list[str]:
+    paths = [folder / f"{name}.svg" for name in figures]
+    for path, figure in zip(paths, figures.values(), strict=True):
+        write_figure(figure, path)
+    reporter.print(f"pictures: {workspace.shown(folder)}")
+    return [str(path) for path in paths]

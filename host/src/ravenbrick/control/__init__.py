@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from ravenbrick.control.controller import pi_diagram
 from ravenbrick.control.design import Design, EstimatorComparison, finish_design
+from ravenbrick.control.design_plots import DesignedLoop, Robustness, write_figure
 from ravenbrick.control.discretisation import (
     Discretisation,
     DiscretisationMethod,
@@ -26,6 +27,8 @@ from ravenbrick.control.estimator_menu import (
     plot_speed_estimators,
     standard_menu,
 )
+from ravenbrick.control.family import FamilyMember, gain_family
+from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
 from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
 from ravenbrick.control.peak_gain import peak_gain
 from ravenbrick.control.regulator import (
@@ -59,6 +62,7 @@ from ravenbrick.control.tuning import (
 __all__ = [
     "ClosedLoopBound",
     "Design",
+    "DesignedLoop",
     "DiscretePi",
     "Discretisation",
     "DiscretisationMethod",
@@ -66,12 +70,14 @@ __all__ = [
     "EstimatorComparison",
     "EstimatorRow",
     "Extreme",
+    "FamilyMember",
     "LoopSpecification",
     "Margins",
     "MonteCarlo",
     "Observer",
     "PiGains",
     "PlantInLoop",
+    "Robustness",
     "RunMeasures",
     "SampleTiming",
     "SampledLoop",
@@ -79,6 +85,7 @@ __all__ = [
     "StepMetrics",
     "StepResponse",
     "Tolerance",
+    "bode_figure",
     "closed_loop_bound",
     "compare_discretisations",
     "compare_speed_estimators",
@@ -86,12 +93,14 @@ __all__ = [
     "dlqr",
     "encoder_run",
     "finish_design",
+    "gain_family",
     "kalman",
     "lqg",
     "lqr",
     "margins",
     "measure_runs",
     "monte_carlo",
+    "nyquist_figure",
     "observer_by_poles",
     "one_step_errors",
     "peak_gain",
@@ -102,9 +111,11 @@ __all__ = [
     "pi_family",
     "pi_with_estimator",
     "plot_speed_estimators",
+    "root_locus_figure",
     "standard_menu",
     "step_metrics",
     "with_integrators",
     "worst_case",
+    "write_figure",
     "write_loop_results",
 ]

@@ -14,6 +14,7 @@ import control
 import numpy as np
 
 from ravenbrick.control.controller import pi_diagram
+from ravenbrick.control.design_plots import DesignedLoop
 from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
 from ravenbrick.control.estimator import LoopSpecification
 from ravenbrick.control.metrics import Margins, StepMetrics, step_metrics
@@ -80,6 +81,12 @@ class Design:
     estimators: tuple[EstimatorComparison, ...]
 
     @property
+    def designed_loop(self) -> DesignedLoop:
+        """The loop for pictures, families of gains and tolerances."""
+        controller = control.ss(linearise(self.controller))
+        return DesignedLoop(self.loop, self.specification, self.continuous, controller)
+
+    @property
     def estimator(self) -> EstimatorComparison:
         """The comparison's row of the estimator in use, the last one."""
         return self.estimators[-1]
@@ -129,6 +136,7 @@ class Design:
             },
             "sampled_linear": _response(self.sampled_response, self.sampled_metrics),
             "estimators": [comparison.row() for comparison in self.estimators],
+            "loop": self.designed_loop.written(),
         }
 
     def write_results(self, path: Path) -> None:

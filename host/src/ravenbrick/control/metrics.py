@@ -94,7 +94,7 @@ def _discrete_margins(open_loop: control.lti.LTI) -> Margins:
         return complex(np.squeeze(open_loop(cmath.exp(1j * frequency * sample_time))))
 
     grid = np.geomspace(nyquist * 1e-5, nyquist * (1 - 1e-9), _FREQUENCIES)
-    values = np.array([response(frequency) for frequency in grid])
+    values = np.squeeze(open_loop(np.exp(1j * grid * sample_time)))
     gain, phase, crossover = math.inf, math.inf, math.nan
     at_nyquist = response(nyquist).real
     if at_nyquist < -_REMAINDER:

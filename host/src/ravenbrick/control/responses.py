@@ -11,6 +11,8 @@ from pathlib import Path
 import control
 import numpy as np
 
+from ravenbrick.control.design_plots import written_system
+
 __all__ = ["write_loop_results"]
 
 BAND = 0.02
@@ -35,18 +37,22 @@ def write_loop_results(
     loops: tuple[control.StateSpace, control.StateSpace],
     figures: Mapping[str, float],
     duration: float,
+    open_loop: control.StateSpace | None = None,
 ) -> None:
     """Write figures and unit step responses of a continuous and a sampled closed loop as JSON.
 
-    Each loop has one input and one output and must be at rest after `duration` (s): settling time
-    (2 %) and overshoot are taken from the samples against the last one.
+    `open_loop`, if given, is for the frequency response and the root locus. Each loop has one input
+    and one output and must be at rest after `duration` (s): settling time (2 %) and overshoot are
+    taken from the samples against the last one.
     """
     continuous, sampled = (_response(loop, duration) for loop in loops)
-    results = {
+    results: dict[str, object] = {
         "name": name,
         "figures": dict(figures),
         "continuous": continuous,
         "sampled": sampled,
     }
+    if open_loop is not None:
+        results["loop"] = {"open_loop": written_system(control.ss(open_loop))}
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Bode, Nyquist and root-locus plots of an open loop, with its margins."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import control
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ravenbrick.control.flow import Array
+from ravenbrick.control.metrics import Margins, margins
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["bode_figure", "new_figure", "nyquist_figure", "root_locus_figure"]
+
+_POINTS = 600
+_DECADES = 3.5
+_LOCUS_STEPS = 400
+_LOWEST_DB = -80
+_STILL = 1e-6
+_OWN, _OTHER, _MARK, _FAINT = "#1f5fa8", "#9a6a00", "#b3372f", "#bbbbbb"
+
+
+def new_figure(width: float, height: float, rows: int = 1, columns: int = 1) -> Any:
+    """Figure (inches) and its axes, with a grid, without a window."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False)
+    for axis in axes.flat:
+        axis.grid(True, color="#e3e3e3", linewidth=0.7)
+        axis.set_axisbelow(True)
+        axis.spines[["top", "right"]].set_visible(False)
+    return figure, axes
+
+
+def _response(system: control.lti.LTI, frequencies: Array) -> Any:
+    realised = control.ss(system)
+    dt = realised.dt if control.isdtime(realised, strict=True) else None
+    points = np.exp(1j * frequencies * dt) if dt else 1j * frequencies
+    identity = np.eye(realised.nstates)
+    return np.array(
+        [
+            (realised.C @ np.linalg.solve(p * identity - realised.A, realised.B) + realised.D)[0, 0]
+            for p in points
+        ]
+    )
+
+
+def _highest(open_loop: control.lti.LTI, found: Margins) -> float:
+    if control.isdtime(open_loop, strict=True):
+        return float(math.pi / open_loop.dt)
+    return 100.0 * (found.crossover if math.isfinite(found.crossover) else 10.0)
+
+
+def _described(found: Margins) -> str:
+    gain = found.gain_margin
+    decibels = f"{20 * math.log10(gain):.1f} dB" if 0 < gain < math.inf else "none"
+    phase = found.phase_margin_deg
+    degrees = f"{phase:.1f} deg at {found.crossover:.3g} rad/s" if math.isfinite(phase) else "none"
+    return f"gain margin {decibels}, phase margin {degrees}"
+
+
+def bode_figure(
+    open_loop: control.lti.LTI, title: str, ideal: control.lti.LTI | None = None
+) -> Figure:
+    """Magnitude and phase over the frequency, crossovers marked.
+
+    `ideal` is drawn beside it: the loop without sampling, estimator and delay.
+    """
+    found = margins(open_loop)
+    highest = _highest(open_loop, found)
+    frequencies = np.geomspace(highest * 10**-_DECADES, highest * (1 - 1e-6), _POINTS)
+    figure, axes = new_figure(8, 6, rows=2)
+    upper, lower = axes[:, 0]
+    curves = [(open_loop, "the loop as it runs", _OWN, "-")]
+    curves += [(ideal, "without sampling and delay", _OTHER, "--")] if ideal is not None else []
+    for system, label, colour, style in curves:
+        values = _response(system, frequencies)
+        phase = np.degrees(np.unwrap(np.angle(values)))
+        phase -= 360 * round((phase[0] + 90) / 360)
+        upper.semilogx(frequencies, 20 * np.log10(np.abs(values)), style, color=colour, label=label)
+        lower.semilogx(frequencies, phase, style, color=colour)
+    _mark_margins(upper, lower, open_loop, found, frequencies)
+    upper.set_ylim(bottom=max(upper.get_ylim()[0], _LOWEST_DB))
+    upper.set_ylabel("magnitude (dB)")
+    lower.set_ylabel("phase (deg)")
+    lower.set_xlabel("frequency (rad/s)")
+    if control.isdtime(open_loop, strict=True):
+        for axis in (upper, lower):
+            axis.axvline(highest, color=_FAINT, linewidth=1)
+        lower.annotate("half the sampling rate ", (highest, lower.get_ylim()[0]), ha="right",
+                       va="bottom", fontsize=8)  # fmt: skip
+    upper.legend(fontsize=9, loc="lower left")
+    figure.suptitle(f"{title}: {_described(found)}", fontsize=10)
+    return figure  # type: ignore[no-any-return]
+
+
+def _mark_margins(
+    upper: Axes, lower: Axes, open_loop: control.lti.LTI, found: Margins, frequencies: Array
+) -> None:
+    upper.axhline(0, color=_FAINT, linewidth=1)
+    lower.axhline(-180, color=_FAINT, linewidth=1)
+    if math.isfinite(found.crossover):
+        at = found.crossover
+        for axis in (upper, lower):
+            axis.axvline(at, color=_MARK, linewidth=0.8, linestyle=":")
+        lower.plot([at, at], [-180, -180 + found.phase_margin_deg], color=_MARK, linewidth=2)
+    values = _response(open_loop, frequencies)
+    crossings = np.flatnonzero((values.imag[:-1] * values.imag[1:] < 0) & (values.real[:-1] < 0))
+    for place in crossings:
+        level = 20 * math.log10(abs(values[place]))
+        if math.isclose(level, -20 * math.log10(found.gain_margin), abs_tol=1.0):
+            at = frequencies[place]
+            upper.plot([at, at], [level, 0], color=_MARK, linewidth=2)
+
+
+def nyquist_figure(
+    open_loop: control.lti.LTI, title: str, ideal: control.lti.LTI | None = None
+) -> Figure:
+    """The open loop's response around -1, and how near it comes."""
+    found = margins(open_loop)
+    highest = _highest(open_loop, found)
+    frequencies = np.geomspace(highest * 1e-4, highest * (1 - 1e-6), 4 * _POINTS)
+    figure, axes = new_figure(6.5, 6)
+    axis = axes[0, 0]
+    angle = np.linspace(0, 2 * math.pi, 361)
+    axis.plot(np.cos(angle), np.sin(angle), color=_FAINT, linewidth=1, label="unit circle")
+    if ideal is not None:
+        values = _response(ideal, frequencies)
+        axis.plot(values.real, values.imag, "--", color=_OTHER, label="without sampling and delay")
+    values = _response(open_loop, frequencies)
+    axis.plot(values.real, values.imag, color=_OWN, label="the loop as it runs")
+    axis.plot(values.real, -values.imag, color=_OWN, linewidth=0.7, linestyle=":")
+    nearest = int(np.abs(values + 1).argmin())
+    distance = float(abs(values[nearest] + 1))
+    point = values[nearest]
+    axis.plot([-1, point.real], [0, point.imag], color=_MARK, linewidth=1.5,
+              label=f"nearest to -1: {distance:.2f}")  # fmt: skip
+    axis.plot([-1], [0], "+", color=_MARK, markersize=12, markeredgewidth=2)
+    axis.set_xlim(-2, 1.5)
+    axis.set_ylim(-2, 2)
+    axis.set_aspect("equal")
+    axis.set_xlabel("real part of the open loop (V/V)")
+    axis.set_ylabel("imaginary part of the open loop (V/V)")
+    axis.legend(fontsize=9, loc="upper right")
+    figure.suptitle(f"{title}: {_described(found)}", fontsize=10)
+    return figure  # type: ignore[no-any-return]
+
+
+def root_locus_figure(open_loop: control.lti.LTI, title: str) -> Figure:
+    """Closed-loop poles while one factor multiplies the loop's gain, from 0 to past stability.
+
+    Poles that do not move are cancelled by zeros and left out.
+    """
+    found = margins(open_loop)
+    limit = found.gain_margin if math.isfinite(found.gain_margin) else 10.0
+    grid = np.geomspace(1e-3, 1.3 * max(limit, 2.0), _LOCUS_STEPS)
+    factors = np.unique(np.concatenate([[0.0, 1.0, limit], grid]))
+    system = control.ss(open_loop)
+    branches = _branches(system, factors)
+    branches = branches[:, np.abs(branches - branches[0]).max(axis=0) > _STILL]
+    present, edge = (branches[np.searchsorted(factors, factor)] for factor in (1.0, limit))
+    figure, axes = new_figure(6.5, 6)
+    axis = axes[0, 0]
+    discrete = control.isdtime(open_loop, strict=True)
+    if discrete:
+        angle = np.linspace(0, 2 * math.pi, 361)
+        axis.plot(np.cos(angle), np.sin(angle), color=_FAINT, linewidth=1, label="unit circle")
+    else:
+        axis.axvline(0, color=_FAINT, linewidth=1)
+    axis.plot(branches.real, branches.imag, color=_OWN, linewidth=1)
+    axis.plot(branches[0].real, branches[0].imag, "x", color="#555555", label="open loop")
+    axis.plot(present.real, present.imag, "o", color=_OTHER, label="the design (factor 1)")
+    if math.isfinite(found.gain_margin):
+        axis.plot(edge.real, edge.imag, "s", color=_MARK, markersize=4,
+                  label=f"edge of stability (factor {limit:.3g})")  # fmt: skip
+    axis.set_aspect("equal")
+    unit = "" if discrete else " (1/s)"
+    axis.set_xlabel(f"real part of {'z' if discrete else 's'}{unit}")
+    axis.set_ylabel(f"imaginary part of {'z' if discrete else 's'}{unit}")
+    axis.legend(fontsize=9, loc="upper left")
+    figure.suptitle(f"{title}: closed-loop poles over the gain", fontsize=10)
+    return figure  # type: ignore[no-any-return]
+
+
+def _branches(system: control.StateSpace, factors: Array) -> Any:
+    """Poles for each factor, shape (factors, states), each column one branch."""
+    rows: list[Any] = []
+    for factor in factors:
+        feedback = factor / (1 + factor * system.D[0, 0])
+        poles = np.linalg.eigvals(system.A - feedback * system.B @ system.C)
+        if rows:
+            distance = np.abs(rows[-1][:, np.newaxis] - poles[np.newaxis])
+            poles = poles[linear_sum_assignment(distance)[1]]
+        rows.append(poles)
+    return np.array(rows)

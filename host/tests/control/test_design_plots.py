@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of a design: named axes with units, margins of the loop as it runs, gain families."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+
+from ravenbrick.control import (
+    DesignedLoop,
+    DiscretePi,
+    Extreme,
+    FamilyMember,
+    LoopSpecification,
+    MonteCarlo,
+    Robustness,
+    bode_figure,
+    gain_family,
+    nyquist_figure,
+    pi_by_lambda,
+    root_locus_figure,
+    write_figure,
+)
+from ravenbrick.model import IntegrationMethod, SpeedLoop
+
+LOOP = SpeedLoop(2.029, 0.037, 116.0)
+WANTED = LoopSpecification(0.4, 0.005, 0.004, 8, 0.0023)
+LONG = pytest.mark.skipif(
+    "RAVENBRICK_LONG" not in os.environ, reason="seconds of root finding: make conformance"
+)
+PI = DiscretePi(0.314445, 0.032221, 0.004, IntegrationMethod.FORWARD_EULER)
+
+
+@pytest.fixture(scope="module")
+def design() -> DesignedLoop:
+    """The vehicle's loop, written and read again."""
+    own = DesignedLoop(LOOP, WANTED, pi_by_lambda(LOOP, 0.4), control.ss(PI.controller()))
+    return DesignedLoop.read(json.loads(json.dumps(own.written())))
+
+
+def labels(figure: Any) -> list[str]:
+    """Labels of all axes that have data, without those that share one."""
+    return [
+        text
+        for axis in figure.axes
+        if axis.has_data()
+        for text in (axis.get_xlabel(), axis.get_ylabel())
+        if text
+    ]
+
+
+def test_every_axis_is_named_with_its_unit(design: DesignedLoop) -> None:
+    """In all pictures of a design."""
+    member = FamilyMember("lambda", "continuous", design.continuous, 0.4, 0.0)
+    names = ("gain", "time_constant", "settling_time")
+    arrays = {name: np.array([1.0, 2.0]) for name in names}
+    ends = (Extreme(1.0, {}), Extreme(2.0, {}))
+    robustness = Robustness(MonteCarlo(arrays, arrays, ()), {"settling_time": ends})
+    figures = [
+        *design.frequency_figures().values(),
+        design.discretisation_figure(),
+        design.family_figure([member]),
+        design.robustness_figure(robustness),
+    ]
+    for figure in figures:
+        found = labels(figure)
+        assert len(found) >= 2
+        for text in found:
+            assert text.endswith(")") or text in ("real part of z", "imaginary part of z") or (
+                text.startswith("samples of")
+            ), text  # fmt: skip
+
+
+def test_the_margins_in_the_title_are_those_with_window_and_delay(design: DesignedLoop) -> None:
+    """The loop as it runs has 80.7 deg, the ideal one 90."""
+    title = design.frequency_figures()["bode"].get_suptitle()
+    assert "gain margin 22.0 dB" in title
+    assert "phase margin 80.7 deg at 8.05 rad/s" in title
+    ideal = bode_figure(LOOP.plant() * pi_by_lambda(LOOP, 0.4).controller(), "ideal")
+    assert "gain margin none, phase margin 90.0 deg" in ideal.get_suptitle()
+
+
+def test_the_bode_plot_draws_what_python_control_computes() -> None:
+    """Magnitude and phase of a sampled and of a continuous system."""
+    for system in (
+        control.tf([0.5], [1.0, -0.7, 0.1], 0.01),
+        control.tf([2.0], [0.1, 1.0, 0.0]),
+    ):
+        figure = bode_figure(system, "loop")
+        line, phase = (axis.lines[0] for axis in figure.axes)
+        frequencies, decibels = line.get_data()
+        wanted = control.frequency_response(system, frequencies)
+        assert decibels == pytest.approx(20 * np.log10(wanted.magnitude), abs=1e-6)
+        assert np.cos(np.radians(phase.get_ydata())) == pytest.approx(
+            np.cos(wanted.phase), abs=1e-6
+        )
+
+
+def test_the_nyquist_plot_says_how_near_the_curve_comes() -> None:
+    """1 / largest sensitivity."""
+    system = control.tf([2.0], [0.1, 1.0, 0.0])
+    legend = nyquist_figure(system, "loop").axes[0].get_legend_handles_labels()[1]
+    frequencies = np.geomspace(0.01, 1000, 20_000)
+    sensitivity = control.frequency_response(1 / (1 + system), frequencies).magnitude.max()
+    assert f"nearest to -1: {1 / sensitivity:.2f}" in legend
+
+
+def test_the_root_locus_ends_where_the_gain_margin_says(design: DesignedLoop) -> None:
+    """The squares lie on the unit circle at most; one pair of them on it; still poles are gone."""
+    axis = root_locus_figure(design.sampled().open_loop(), "loop").axes[0]
+    by_label = {line.get_label(): line for line in axis.lines}
+    edge = next(line for name, line in by_label.items() if str(name).startswith("edge"))
+    radius = np.hypot(*edge.get_data())
+    assert radius.max() == pytest.approx(1.0, abs=1e-4)
+    present = by_label["the design (factor 1)"]
+    poles = present.get_xdata() + 1j * present.get_ydata()
+    assert len(poles) < design.sampled().open_loop().nstates
+    assert np.abs(poles).max() < 1.0
+
+
+@LONG
+def test_each_integrator_has_gains_that_settle_in_time_with_and_without_delay() -> None:
+    """Exactly; the published ones among them; progress counts to the end."""
+    seen: list[tuple[int, int]] = []
+    members = gain_family(LOOP, WANTED, (), lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (len(members), len(members)) == (7, 7)
+    for member in members:
+        assert member.settling_time == pytest.approx(0.4, abs=1e-6)
+        assert member.overshoot < 0.005
+    found = {(m.design, m.where): m.gains for m in members}
+    assert found["lambda", "continuous"].proportional == pytest.approx(0.361074, abs=1e-6)
+    assert found["lambda", "continuous"].integral == pytest.approx(9.758762, abs=1e-6)
+    direct = found["forward euler", "sampled, ideal speed"]
+    assert (direct.proportional, direct.integral) == pytest.approx((0.373588, 9.570341), abs=1e-5)
+
+
+@LONG
+def test_tolerances_are_sampled_with_progress(design: DesignedLoop) -> None:
+    """The worst case encloses the samples, and the share done only grows."""
+    seen: list[tuple[int, int]] = []
+    found = design.robustness(lambda done, total: seen.append((done, total)), samples=4)
+    shares = [done / total for done, total in seen]
+    assert shares == sorted(shares) and shares[-1] == 1.0
+    for row in found.rows():
+        assert float(row["least"]) <= float(row["median"]) <= float(row["largest"])
+    low, high = found.extremes["settling_time"]
+    assert low.value < 0.3 and high.value > 0.5
+
+
+def test_a_picture_has_the_same_bytes_each_time(design: DesignedLoop, tmp_path: Path) -> None:
+    """No dates, no random names."""
+    for name in ("first.svg", "second.svg"):
+        write_figure(design.frequency_figures()["nyquist"], tmp_path / name)
+    assert (tmp_path / "first.svg").read_bytes() == (tmp_path / "second.svg").read_bytes()
+    assert math.isfinite((tmp_path / "first.svg").stat().st_size)
