@@ -7,6 +7,7 @@ with NXT.Fonts;
 with NXT.LCD;
 with NXT.SPI.Bus;
 with NXT.TWI.Bus;
+with Ravenbrick.Failures.Context;
 
 package body NXT.Last_Chance is
 
@@ -96,21 +97,28 @@ package body NXT.Last_Chance is
       SPI.Bus.Send_Polled (SPI.Pixels, Pixels);
    end Draw_Row;
 
-   --  The title in the first row, the text from the third on, blanks elsewhere.
+   --  The title in the first row, the text from the third on, behind it who failed, blanks
+   --  elsewhere.
    procedure Report (Message : Text) is
+      package Context renames Ravenbrick.Failures.Context;
       Width     : constant := Fonts.Text_Columns;
       First_Row : constant := 2;
+      Own_Rows  : constant Natural := (Message.Length + Width - 1) / Width;
       Start     : Positive;
+      Who       : Context.Line;
    begin
       SPI.Bus.Configure;
       SPI.Bus.Send_Polled (SPI.Command, LCD.Set_Up);
-      for Row in Pixel_Rows loop
-         Start := 1 + Width * Natural'Max (0, Row - First_Row);
-         if Row = 0 then
-            Draw_Row (Row, "Program failed");
-         elsif Row >= First_Row and then Start <= Message.Length then
+      Draw_Row (0, "Program failed");
+      Draw_Row (1, "");
+      for Row in First_Row .. Pixel_Rows'Last loop
+         if Row < First_Row + Own_Rows then
+            Start := 1 + Width * (Row - First_Row);
             Draw_Row
               (Row, Message.Letters (Start .. Natural'Min (Start + Width - 1, Message.Length)));
+         elsif Row - First_Row - Own_Rows < Natural (Context.Line_Number'Last) then
+            Who := Context.Describe (Context.Line_Number (Row - First_Row - Own_Rows + 1));
+            Draw_Row (Row, Who.Text (1 .. Natural'Min (Width, Who.Length)));
          else
             Draw_Row (Row, "");
          end if;

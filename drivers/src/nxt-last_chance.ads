@@ -2,8 +2,9 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  What happens when an exception has no handler: the motors brake and the display shows where the
---  program failed. Every package that can move a motor or draw brings this one into the program;
---  the run-time calls it by the name of its symbol.
+--  program failed and in which task or handler, of a ceiling violation also the ceiling and an
+--  address in the object, which the linker's map names. Every package that can move a motor or draw
+--  brings this one into the program; the run-time calls it by the name of its symbol.
 
 with System;
 

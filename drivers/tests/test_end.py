@@ -49,6 +49,44 @@ def test_an_unhandled_exception_names_its_place(brick: Callable[..., Brick]) -> 
     assert "".join(text[2:4]) == f"last_chance.adb:{failing_line()}"
 
 
+def test_a_full_stack_is_reported_with_the_name_of_its_task(brick: Callable[..., Brick]) -> None:
+    """As pragma Task_Name gives it, before anything below the stack is overwritten."""
+    device = brick("stack_overflow")
+    assert device.run_to_end(400).reason == "halted"
+    assert device.text() == [
+        "Program failed",
+        "",
+        "Storage_Error: s",
+        "tack overflow",
+        "task digger",
+        "priority 12",
+        "",
+        "",
+    ]
+    (digger,) = (thread for thread in device.device.threads() if thread.name == "digger")
+    assert digger.stack_used <= digger.stack_size - 100
+
+
+def test_a_ceiling_violation_is_reported_with_task_and_object(brick: Callable[..., Brick]) -> None:
+    """The object by its ceiling and an address in it, which the linker's map names."""
+    device = brick("ceiling_violation")
+    assert device.run_to_end(400).reason == "halted"
+    *text, last = device.text()
+    assert text == [
+        "Program failed",
+        "",
+        "Program_Error: c",
+        "eiling violated",
+        "task climber",
+        "priority 12",
+        "ceiling 10",
+    ]
+    address, size = device.device.symbol("low_ceiling__shared")
+    word, shown = last.split()
+    assert word == "object"
+    assert address <= int(shown, 16) < address + size
+
+
 def test_the_greeting_keeps_the_brick_on(brick: Callable[..., Brick]) -> None:
     """The co-processor switches off after 298 s, but only a program that did not greet it."""
     mute = brick("messages", signal_period_cycles=48_000_000)

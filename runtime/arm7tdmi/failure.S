@@ -35,8 +35,10 @@ ravenbrick_data_abort:
 __gnat_last_chance_handler:
         msr     cpsr_c, #(MODE_SUPERVISOR | IRQ_MASKED)
         ldr     sp, =ravenbrick_handler_stack_top
+        mov     r3, #KERNEL
+        ldr     r3, [r3, #KERNEL_CURRENT]
         ldr     r2, =ravenbrick_failure
-        stmia   r2, {r0, r1}
+        stmia   r2, {r0, r1, r3}
         .weak   ravenbrick_last_chance_hook
         ldr     r2, =ravenbrick_last_chance_hook
         cmp     r2, #0
@@ -53,11 +55,12 @@ software_text:  .asciz  "software interrupt"
 prefetch_text:  .asciz  "prefetch abort"
 data_text:      .asciz  "data abort"
 
-/* Where the program failed: text and line, zero while it has not */
+/* Where the program failed: text, line, the current thread or handler, and the protected object
+   of a ceiling violation. The text is zero while it has not, the object in all other failures. */
         .section .bss.ravenbrick_failure, "aw", %nobits
         .balign 4
         .global ravenbrick_failure
         .type   ravenbrick_failure, %object
 ravenbrick_failure:
-        .space  8
-        .size   ravenbrick_failure, 8
+        .space  16
+        .size   ravenbrick_failure, 16

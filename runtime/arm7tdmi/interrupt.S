@@ -12,6 +12,7 @@
    has become ready. */
 
 #include "layout.h"
+#include "charge.h"
 
 #define FRAME_SIZE 24
 
@@ -33,6 +34,10 @@ ravenbrick_interrupt:
         sub     lr, lr, #4
         stmfd   sp!, {r0-r3, r12, lr}
         mov     r12, #0
+#ifdef TIMED
+        ldr     r3, [r12, #(KERNEL + KERNEL_CURRENT)]
+        charge
+#endif
         ldr     r1, [r12, #AIC_IVR]     /* the source's handler, as a thread */
         str     r1, [r12, #AIC_IVR]     /* protect mode: this takes the interrupt */
         mrs     r2, spsr
@@ -47,6 +52,11 @@ ravenbrick_interrupt:
         ldr     lr, [sp], #4
 
         msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
+#ifdef TIMED
+        mov     r12, #0
+        ldr     r3, [r12, #(KERNEL + KERNEL_CURRENT)]
+        charge
+#endif
         mov     r1, #0
         str     r1, [r1, #AIC_EOICR]
         ldmfd   sp!, {r2, r3}
@@ -62,38 +72,48 @@ ravenbrick_interrupt:
 1:      msr     spsr_cxsf, r2
         ldmfd   sp!, {r0-r3, r12, pc}^
 
-/* r0: the thread to run; r2: interrupted status; r3: the interrupted thread; r12: its urgency;
-   the interrupted r0-r3, r12 and pc on the stack of IRQ mode */
-preempt:
+/* Store r2 or r3, the new head of the ready queue, and go on with the thread in r0 */
+        .macro  go_on head
         mov     r1, #KERNEL
-        cmn     r12, #1
-        add     sp, sp, #FRAME_SIZE
-        msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
-        beq     take                    /* the idle loop has no context */
-        stmfd   sp!, {r4-r11, lr}
-        ldr     lr, =ravenbrick_interrupt_stack_top - FRAME_SIZE
-        ldmia   lr, {r4-r9}
-        ldr     r10, =resume
-        stmfd   sp!, {r2, r4-r9}
-        str     r10, [sp, #-4]!
-        str     sp, [r3, #THREAD_STACK_POINTER]
-
-        /* the interrupted thread goes before its equals (RM D.2.3 (10)) */
-        mov     r4, r0
-2:      ldr     r5, [r4, #THREAD_NEXT]
-        ldr     r6, [r5, #THREAD_ACTIVE]
-        cmp     r6, r12
-        movgt   r4, r5
-        bgt     2b
-        str     r3, [r4, #THREAD_NEXT]
-        str     r5, [r3, #THREAD_NEXT]
-
-take:   ldr     r2, [r0, #THREAD_NEXT]
-        str     r2, [r1, #KERNEL_READY_HEAD]
+        str     \head, [r1, #KERNEL_READY_HEAD]
         str     r0, [r1, #KERNEL_RUNNING]
         str     r0, [r1, #KERNEL_CURRENT]
         ldr     sp, [r0, #THREAD_STACK_POINTER]
         ldr     pc, [sp], #4
+        .endm
+
+/* r0: the thread to run; r2: interrupted status; r3: the interrupted thread; r12: its urgency;
+   the interrupted r0-r3, r12 and pc on the stack of IRQ mode */
+preempt:
+        cmn     r12, #1
+        add     sp, sp, #FRAME_SIZE
+        msr     cpsr_c, #(MODE_SYSTEM | IRQ_MASKED)
+        beq     3f                      /* the idle loop has no context */
+        stmfd   sp!, {r4-r11, lr}
+        ldr     lr, =ravenbrick_interrupt_stack_top - FRAME_SIZE
+        ldmia   lr, {r4-r9}
+        ldr     r1, =resume
+        stmfd   sp!, {r1, r2, r4-r9}
+        str     sp, [r3, #THREAD_STACK_POINTER]
+
+        /* the interrupted thread goes before its equals (RM D.2.3 (10)): in general to the head */
+        ldr     r2, [r0, #THREAD_NEXT]
+        ldr     r6, [r2, #THREAD_ACTIVE]
+        cmp     r6, r12
+        bgt     2f
+take:   str     r2, [r3, #THREAD_NEXT]
+        go_on   r3
+
+2:      mov     r4, r2
+        ldr     r2, [r4, #THREAD_NEXT]
+        ldr     r6, [r2, #THREAD_ACTIVE]
+        cmp     r6, r12
+        bgt     2b
+        str     r3, [r4, #THREAD_NEXT]
+        str     r2, [r3, #THREAD_NEXT]
+
+3:      ldr     r2, [r0, #THREAD_NEXT]
+        go_on   r2
 
         .ltorg
         .global ravenbrick_vectors_end

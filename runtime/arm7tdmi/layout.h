@@ -5,6 +5,7 @@
 
 #define MODE_MASK 0x1F
 #define MODE_SYSTEM_BITS 0x1F
+#define MODE_SUPERVISOR_BITS 0x13
 
 /* The fast interrupt has no source on this board and stays masked */
 #define MODE_IRQ (0x12 | 0x40)
@@ -40,3 +41,4 @@
 #define AIC_IVR (-0xF00)
 #define AIC_EOICR (-0xED0)
 #define PMC_SCDR (-0x3FC)
+#define PIT_PIIR (-0x2C4)

@@ -1,7 +1,7 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* The kernel's state and the description of the threads for observers */
+/* The kernel's state, the environment task and the description of the threads for observers */
 
 #include "layout.h"
 
@@ -23,6 +23,15 @@ ravenbrick_first_thread:
         .size   ravenbrick_first_thread, 4
         .space  KERNEL_SIZE - KERNEL_SENTINEL
         .size   ravenbrick_kernel, . - ravenbrick_kernel
+
+/* The environment task: a thread and what a task's control block has behind it */
+        .section .bss.ravenbrick_environment, "aw", %nobits
+        .balign 8
+        .global ravenbrick_environment
+        .type   ravenbrick_environment, %object
+ravenbrick_environment:
+        .space  CONTROL_BLOCK_SIZE
+        .size   ravenbrick_environment, CONTROL_BLOCK_SIZE
 
         .section .rodata.ravenbrick_thread_layout, "a"
         .balign 4

@@ -13,6 +13,18 @@ package Ravenbrick.Failures is
      with Import, Convention => C, External_Name => "__gnat_last_chance_handler", No_Return;
    --  Tell the application's hook, then halt with interrupts masked. Text ends with NUL.
 
+   type Failure is record
+      Text    : System.Address;
+      Line    : Integer;
+      Current : System.Address;
+      Object  : System.Address;
+   end record
+     with Volatile, Convention => C, Suppress_Initialization;
+   --  Text is null while the program has not failed. Current: the thread that failed, or the
+   --  handler as Ravenbrick.Interrupts has it. Object: of a ceiling violation, otherwise null.
+
+   Latest : Failure with Import, Convention => C, External_Name => "ravenbrick_failure";
+
    Longest_Text : constant := 63;
 
    procedure Stop_With (Text : String; Line : Natural) with No_Return;
@@ -38,6 +50,9 @@ package Ravenbrick.Failures is
 
    Interrupt_Taken : constant String := "Program_Error: interrupt reserved or taken" & ASCII.NUL;
    --  RM C.3.1 (10)
+
+   Task_Terminated : constant String := "Tasking_Error: task terminated" & ASCII.NUL;
+   --  RM D.14 (17)
 
    Null_Task_Id : constant String := "Program_Error: null task id" & ASCII.NUL;
    --  RM C.7.1 (15)

@@ -7,6 +7,7 @@ with System.Storage_Elements;
 package body Ravenbrick.Interrupts is
 
    use Interfaces;
+   use type System.Address;
    use Ravenbrick.Registers;
    use Ravenbrick.Threads;
 
@@ -21,13 +22,18 @@ package body Ravenbrick.Interrupts is
    --  like the beginning of a thread, and is the current one while the handler is executed. The
    --  interrupt entry in arm7tdmi/ uses the layout.
 
-   type Handler_Table is array (Source_Id) of aliased Handler;
+   Spurious : constant := 32;
+   --  In place of a source
 
-   Handlers : Handler_Table;
+   type Handler_Index is range 0 .. Spurious;
+
+   type Handler_Table is array (Handler_Index) of aliased Handler;
+
+   Handlers : Handler_Table
+     with Export, Convention => C, External_Name => "ravenbrick__interrupts__handlers";
+   --  Found by arm7tdmi/charge.h and by tools that look for handlers
 
    procedure Ignore (Unused : System.Address) with Convention => C;
-
-   Spurious : aliased Handler;
 
    type Set_Table is array (System.Interrupt_Priority) of Word;
 
@@ -49,18 +55,16 @@ package body Ravenbrick.Interrupts is
    procedure Ignore (Unused : System.Address) is null;
 
    procedure Initialize is
+      None : constant Word := Address_Of (Handlers (Spurious).Active'Address);
    begin
-      Spurious :=
-        (Object          => System.Null_Address,
-         Code            => Ignore'Address,
-         Active          => To_Protected_Urgency (System.Interrupt_Priority'Last),
-         Secondary_Stack => System.Null_Address);
+      Handlers (Spurious).Code := Ignore'Address;
+      Handlers (Spurious).Active := To_Protected_Urgency (System.Interrupt_Priority'Last);
       AIC.Disable := Word'Last;
       AIC.Clear := Word'Last;
       AIC.Control := Protect_Mode;
-      AIC.Spurious := Address_Of (Spurious.Active'Address);
+      AIC.Spurious := None;
       for Source in Source_Id loop
-         AIC.Source_Vector (Source) := Address_Of (Spurious.Active'Address);
+         AIC.Source_Vector (Source) := None;
          if Source <= 7 then
             AIC.End_Of := 0;
          end if;
@@ -74,13 +78,15 @@ package body Ravenbrick.Interrupts is
       Object   : System.Address)
    is
       Bit   : constant Word := Shift_Left (1, Natural (Source));
+      Taken : Handler renames Handlers (Handler_Index (Source));
       Level : constant Word := Word (Priority - System.Interrupt_Priority'First);
    begin
-      Handlers (Source) :=
-        (Object, Code, To_Protected_Urgency (Priority), System.Null_Address);
+      Taken.Object := Object;
+      Taken.Code := Code;
+      Taken.Active := To_Protected_Urgency (Priority);
       AIC.Disable := Bit;
       AIC.Source_Mode (Source) := Level;
-      AIC.Source_Vector (Source) := Address_Of (Handlers (Source).Active'Address);
+      AIC.Source_Vector (Source) := Address_Of (Taken.Active'Address);
       AIC.Clear := Bit;
       for Other in Priority .. System.Interrupt_Priority'Last loop
          At_Or_Below (Other) := At_Or_Below (Other) or Bit;
@@ -91,6 +97,16 @@ package body Ravenbrick.Interrupts is
 
    function Is_Attached (Source : Source_Id) return Boolean is
      ((Attached and Shift_Left (1, Natural (Source))) /= 0);
+
+   function Source_Of (Current : System.Address) return Integer is
+   begin
+      for Source in Source_Id loop
+         if Handlers (Handler_Index (Source)).Active'Address = Current then
+            return Integer (Source);
+         end if;
+      end loop;
+      return -1;
+   end Source_Of;
 
    procedure Raise_Mask (Ceiling : Urgency; Saved : out Urgency) is
    begin

@@ -25,6 +25,10 @@ package Ravenbrick.Interrupts is
 
    function Is_Attached (Source : Registers.Source_Id) return Boolean;
 
+   function Source_Of (Current : System.Address) return Integer
+     with Post => Source_Of'Result in -1 .. 31;
+   --  The source of the handler that Kernel.Current names, -1 when it names a thread
+
    procedure Raise_Mask (Ceiling : Threads.Urgency; Saved : out Threads.Urgency);
    --  Disable the sources at or below Ceiling, an urgency of the interrupt range. Saved is what
    --  Lower_Mask takes.

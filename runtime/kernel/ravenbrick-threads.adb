@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ravenbrick.Accounting;
 with Ravenbrick.Processor;
 
 package body Ravenbrick.Threads is
@@ -17,6 +18,10 @@ package body Ravenbrick.Threads is
    --  What Processor.Thread_Start finds on the stack: its own address, argument and code
 
    procedure Record_Created (Created : not null Thread_Id);
+
+   procedure Switch (Self, To : not null Thread_Id) with Inline_Always;
+   --  Give the processor to To
+
    procedure Insert_First (Preempted : not null Thread_Id; Rank : Urgency) with Inline;
    --  Put a thread whose urgency is Rank before its equals (RM D.2.3 (10))
 
@@ -73,6 +78,12 @@ package body Ravenbrick.Threads is
       Record_Created (Created);
    end Create;
 
+   procedure Switch (Self, To : not null Thread_Id) is
+   begin
+      Accounting.Charge;
+      Processor.Switch (Self, To);
+   end Switch;
+
    procedure Make_Ready (Woken : not null Thread_Id) is
       Rank     : constant Urgency := Woken.Active;
       Previous : Thread_Id := Kernel.Ready_Head;
@@ -119,7 +130,7 @@ package body Ravenbrick.Threads is
          Woken.State := Ready;
          Self.Next := Kernel.Ready_Head;
          Kernel.Ready_Head := Self;
-         Processor.Switch (Self, Woken);
+         Switch (Self, Woken);
       else
          Make_Ready (Woken);
          Processor.Unmask_In_Thread;
@@ -131,8 +142,9 @@ package body Ravenbrick.Threads is
    begin
       if Next /= Kernel.Sentinel'Access then
          Kernel.Ready_Head := Next.Next;
-         Processor.Switch (Self, Next);
+         Switch (Self, Next);
       else
+         Accounting.Charge;
          Processor.Switch_To_Idle (Self);
       end if;
    end Block;
@@ -145,7 +157,7 @@ package body Ravenbrick.Threads is
       if Next.Active > Rank then
          Kernel.Ready_Head := Next.Next;
          Insert_First (Self, Rank);
-         Processor.Switch (Self, Next);
+         Switch (Self, Next);
       else
          Processor.Unmask_In_Thread;
       end if;
@@ -157,7 +169,7 @@ package body Ravenbrick.Threads is
       if Next.Active >= Self.Active then
          Kernel.Ready_Head := Next.Next;
          Make_Ready (Self);
-         Processor.Switch (Self, Next);
+         Switch (Self, Next);
       else
          Processor.Unmask_In_Thread;
       end if;

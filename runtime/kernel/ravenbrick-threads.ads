@@ -122,7 +122,8 @@ package Ravenbrick.Threads is
    --  Fixed by the linker script in the part of the RAM that is shown at address 0 as well, so
    --  that an instruction reaches it without loading its address first
 
-   Environment : aliased Thread;
+   Environment : aliased Thread
+     with Import, Convention => C, External_Name => "ravenbrick_environment";
    --  Runs the elaboration and the main procedure
 
    procedure Initialize

@@ -1,6 +1,10 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Interfaces; use Interfaces;
+
+with System.Storage_Elements; use System.Storage_Elements;
+
 with Ravenbrick.Failures;
 with Ravenbrick.Threads;
 
@@ -19,6 +23,21 @@ package body Ada.Task_Identification is
       return System.Tasking.To_Thread (System.Tasking.Task_Id (T));
    end To_Thread;
 
+   function Hexadecimal (T : Task_Id) return String;
+   --  Eight digits of the address of the control block
+
+   function Hexadecimal (T : Task_Id) return String is
+      Hex_Digits : constant String (1 .. 16) := "0123456789ABCDEF";
+      Rest       : Unsigned_32 := Unsigned_32 (To_Integer (T.all'Address));
+      Text       : String (1 .. 8);
+   begin
+      for Letter of reverse Text loop
+         Letter := Hex_Digits (1 + Natural (Rest mod 16));
+         Rest := Rest / 16;
+      end loop;
+      return Text;
+   end Hexadecimal;
+
    function Image (T : Task_Id) return String is
    begin
       if T = null then
@@ -28,7 +47,7 @@ package body Ada.Task_Identification is
          Thread : constant not null Thread_Id := To_Thread (T);
          Name   : String (1 .. Thread.Name_Length) with Import, Address => Thread.Name;
       begin
-         return Name;
+         return (if Name'Length = 0 then Hexadecimal (T) else Name);
       end;
    end Image;
 

@@ -16,8 +16,10 @@ package Ada.Task_Identification is
    function "=" (Left, Right : Task_Id) return Boolean;
 
    function Image (T : Task_Id) return String;
-   --  "environment" for the environment task, otherwise empty: under this profile the compiler
-   --  passes no names, and those in the image's symbol table are not on the brick
+   --  The name that pragma Task_Name gives in the task's definition, "environment" for the
+   --  environment task; otherwise eight hexadecimal digits, the address of the control block, which
+   --  the linker's map names. Under the Ravenscar profile the compiler passes no other names.
+   --  Empty for Null_Task_Id.
 
    function Current_Task return Task_Id with Volatile_Function;
    function Environment_Task return Task_Id;

@@ -9,6 +9,10 @@ with Ravenbrick.Processor;
 
 package body System.Tasking.Protected_Objects is
 
+   pragma Suppress (All_Checks);
+   --  Lock and Unlock are compiled in line with the application's switches, which ask for checks;
+   --  none of these could fail
+
    use Ravenbrick;
    use Ravenbrick.Threads;
    use type Interfaces.Unsigned_32;
@@ -55,6 +59,7 @@ package body System.Tasking.Protected_Objects is
       Mask   : Urgency;
    begin
       if Object.Ceiling < Caller then
+         Failures.Latest.Object := Object.all'Address;
          Failures.Stop (Failures.Ceiling_Violated'Address);
       end if;
       Self.Active := Object.Ceiling;

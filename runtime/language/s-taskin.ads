@@ -5,6 +5,8 @@
 
 with Ada.Unchecked_Conversion;
 
+with Interfaces;
+
 with Ravenbrick.Threads;
 
 package System.Tasking is
@@ -16,7 +18,8 @@ package System.Tasking is
    type Entry_Index is range -2 .. Max_Entry;
 
    Null_Task_Entry : constant := Null_Entry;
-   Max_Task_Entry  : constant := Max_Entry;
+   Max_Task_Entry  : constant := 2 ** 15 - 1;
+   --  The profiles have none
 
    type Task_Entry_Index is new Entry_Index range Null_Task_Entry .. Max_Task_Entry;
 
@@ -24,15 +27,19 @@ package System.Tasking is
    --  The profiles have simple calls of entries only
 
    type Ada_Task_Control_Block (Entry_Num : Task_Entry_Index) is limited record
-      Thread : aliased Ravenbrick.Threads.Thread;
+      Thread     : aliased Ravenbrick.Threads.Thread;
+      Ticks_High : Interfaces.Unsigned_16;
+      Ticks_Low  : Interfaces.Unsigned_32;
    end record
      with Size => 64 * 8, Alignment => 8;
    for Ada_Task_Control_Block use record
-      Thread    at 0  range 0 .. 56 * 8 - 1;
-      Entry_Num at 56 range 0 .. 31;
+      Thread     at 0  range 0 .. 56 * 8 - 1;
+      Entry_Num  at 56 range 0 .. 15;
+      Ticks_High at 58 range 0 .. 15;
+      Ticks_Low  at 60 range 0 .. 31;
    end record;
    --  Entry_Num is always 0. Address and layout are the thread's, so that a Task_Id converts to
-   --  a Thread_Id.
+   --  a Thread_Id. The ticks are the execution time (arm7tdmi/charge.h).
 
    type Task_Id is access all Ada_Task_Control_Block;
 

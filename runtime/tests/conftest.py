@@ -22,8 +22,9 @@ def run() -> Runner:
         image: str = "ram",
         code: str = "arm",
         runtime: str = "arm",
+        options: tuple[str, ...] = (),
     ) -> Run:
-        elf = build(name, image, code, runtime).read_bytes()
+        elf = build(name, image, code, runtime, options).read_bytes()
         brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf)
         return Run(brick, brick.run_until(cycles))
 

@@ -24,6 +24,7 @@ __all__ = [
     "Run",
     "Runner",
     "build",
+    "is_in",
     "make_runtime",
 ]
 
@@ -35,8 +36,10 @@ RUNTIMES = {
     "arm": PRODUCTS / "runtime" / "ravenscar",
     "thumb": PRODUCTS / "runtime" / "ravenscar-thumb",
     "jorvik": PRODUCTS / "runtime" / "jorvik",
+    "timed": PRODUCTS / "runtime" / "ravenscar-timed",
 }
-MAKE_VARIABLES = {"arm": (), "thumb": ("CODE=thumb",), "jorvik": ("PROFILE=jorvik",)}
+MAKE_VARIABLES = {"arm": (), "thumb": ("CODE=thumb",), "jorvik": ("PROFILE=jorvik",),
+                  "timed": ("EXECUTION_TIME=yes",)}  # fmt: skip
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 
 CYCLES_PER_SECOND = 336_384_000 / 7
@@ -64,11 +67,18 @@ def make_runtime(runtime: str) -> None:
 
 
 @cache
-def build(name: str, image: str = "ram", code: str = "arm", runtime: str = "arm") -> Path:
+def build(
+    name: str,
+    image: str = "ram",
+    code: str = "arm",
+    runtime: str = "arm",
+    options: tuple[str, ...] = (),
+) -> Path:
     """Path of the program `name` of this folder, built with one call of gprbuild.
 
     `code`: "arm" or "thumb", the state of the program. `runtime`: the same for the run-time of the
-    Ravenscar profile, "jorvik" for the other one. The linker's map stands beside the image.
+    Ravenscar profile, "jorvik" for the other one, "timed" for the one with execution times.
+    `options`: of gprbuild. The linker's map stands beside the image.
     """
     make_runtime(runtime)
     folder = BUILD / f"{code}-on-{runtime}"
@@ -76,7 +86,7 @@ def build(name: str, image: str = "ram", code: str = "arm", runtime: str = "arm"
     subprocess.run(
         ["gprbuild", "-q", f"--config={CONFIGURATION}", "-P", str(HERE / "test.gpr"),
          f"-XTEST={name}", f"-XIMAGE={image}", f"-XCODE={code}", f"-XBUILD={folder}",
-         f"--create-map-file={elf.with_suffix('.map')}"],
+         *options, f"--create-map-file={elf.with_suffix('.map')}"],
         check=True,
         cwd=HERE,
         env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(RUNTIMES[runtime])},
@@ -131,6 +141,12 @@ class Run:
         events = np.frombuffer(self.brick.events(), EVENT)
         events = events[events["kind"] == numbers[kind]]
         return events if subject is None else events[events["subject"] == subject]
+
+
+def is_in(result: Run, symbol: str, address: int) -> bool:
+    """Whether an address belongs to an object of the program."""
+    first, size = result.brick.symbol(symbol)
+    return first <= address < first + size
 
 
 Runner = Callable[..., Run]

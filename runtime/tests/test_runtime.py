@@ -25,6 +25,7 @@ from runtime.tests.harness import (
     Run,
     Runner,
     build,
+    is_in,
 )
 
 # A halted program is one that the last-chance handler stopped
@@ -218,6 +219,9 @@ class TestProtectedObjects:
         result = run("ceiling_violation")
         assert result.journal() == "ta"
         assert result.failure() == ("Program_Error: ceiling violated", 0)
+        *_, failed, violated = result.words("ravenbrick_failure", 4)
+        assert is_in(result, "low_ceiling__above_ceiling", failed)
+        assert is_in(result, "low_ceiling__object", violated)
 
     def test_blocking_in_a_protected_action_gets_program_error(self, run: Runner) -> None:
         """A delay is detected even when the ceiling is the caller's own priority."""

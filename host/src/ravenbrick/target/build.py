@@ -72,15 +72,17 @@ def require_tools() -> None:
         )
 
 
-def _run_make(workspace: Workspace, kind: ImageKind, profile: str) -> str:
+def _run_make(workspace: Workspace, kind: ImageKind, robot: Robot) -> str:
     if not (workspace.project / "Makefile").is_file():
         raise ProjectFileError(
             workspace.project / "Makefile", 1, "", "is missing; a project needs it to be built"
         )
     # The generated C comes from design.py, run with the same Python as this program.
     command = ["make", "-C", str(workspace.project), kind, f"PYTHON={sys.executable}"]
-    # From its environment to the run-time's Makefile and to gprbuild, which both know the name.
-    command.append(f"PROFILE={profile}")
+    # From its environment to the run-time's Makefile and to gprbuild, which both know the names.
+    command.append(f"PROFILE={robot.profile}")
+    command.append(f"EXECUTION_TIME={'yes' if robot.execution_time else 'no'}")
+    command.append(f"STACK_CHECK={'yes' if robot.stack_check else 'no'}")
     done = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
     )
@@ -121,7 +123,7 @@ def build_image(workspace: Workspace, robot: Robot, kind: ImageKind) -> Built:
     Raises `ToolMissingError`, `BuildError`, `ImageFileError` or `ProjectFileError`.
     """
     require_tools()
-    output = _run_make(workspace, kind, robot.profile)
+    output = _run_make(workspace, kind, robot)
     image = read_image(workspace.image(kind, robot.name))
     memory = memory_report(image, robot)
     memory_file = workspace.build(kind) / "memory.json"

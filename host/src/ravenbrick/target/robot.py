@@ -157,6 +157,8 @@ class Robot:
     floor: Floor | None = None
     walls: tuple[Wall, ...] = ()
     profile: Literal["ravenscar", "jorvik"] = "ravenscar"
+    execution_time: bool = False
+    stack_check: bool = False
 
     @property
     def directory(self) -> Path:
@@ -317,4 +319,6 @@ def read_robot(directory: Path) -> Robot:
         floor=_floor(document.path.parent, values["floor"]) if "floor" in values else None,
         walls=tuple(_wall(table) for table in values.get("walls", [])),
         profile=values.get("profile", "ravenscar"),
+        execution_time=values.get("execution_time", False),
+        stack_check=values.get("stack_check", False),
     )
