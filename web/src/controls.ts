@@ -99,7 +99,9 @@ export class Toolbar {
 
   frame({ cycles, running, achieved, stop, place }: Frame): void {
     this.runButton.textContent = running ? "Pause" : "Run";
-    this.time.value = `${seconds(cycles).toFixed(running ? 3 : 6)} s`;
+    this.time.value = running
+      ? `${seconds(cycles).toFixed(3)} s`
+      : `${seconds(cycles).toFixed(6)} s, cycle ${cycles}`;
     this.rate.value = achieved > 0 ? `${achieved.toPrecision(3)} × real time` : "";
     const ended = stop && stop.reason !== "reached";
     if (ended) this.say(`Ended (${stop.reason.replace("_", " ")}): ${stop.message}`);

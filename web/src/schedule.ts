@@ -14,6 +14,16 @@ export interface Job {
   release: number;
   completion: number | null;
   missed: boolean;
+  /** Its response time is above the bound: then bound or program is not that of this run. */
+  beyond: boolean;
+}
+
+/** What the jobs of a task are held against; times in cycles. */
+export interface Limits {
+  deadline: number | null;
+  /** Proven response time. It holds after the start of all tasks. */
+  bound: number | null;
+  cyclic: boolean;
 }
 
 /** Figures of a task over the whole run. */
@@ -22,6 +32,9 @@ export interface Figures {
   worst: number;
   last: number;
   misses: number;
+  /** The longest response time of the jobs that a bound concerns, and how many are above it. */
+  bounded: number;
+  beyond: number;
 }
 
 const KEPT = 20_000;
@@ -30,9 +43,12 @@ const KEPT = 20_000;
 export class Lane {
   readonly pieces: Piece[] = [];
   readonly jobs: Job[] = [];
-  readonly figures: Figures = { jobs: 0, worst: 0, last: 0, misses: 0 };
-  deadline: number | null = null;
+  readonly figures: Figures = { jobs: 0, worst: 0, last: 0, misses: 0, bounded: 0, beyond: 0 };
+  limits: Limits = { deadline: null, bound: null, cyclic: false };
   busy = 0;
+  /** Release of the second job: the first one of a cyclic task only waits for it. */
+  begin: number | null = null;
+  private first: number | null = null;
 
   addPiece(from: number, to: number): void {
     this.busy += to - from;
@@ -41,14 +57,25 @@ export class Lane {
   }
 
   released(release: number): void {
-    this.jobs.push({ release, completion: null, missed: false });
+    if (this.first === null) this.first = release;
+    else this.begin ??= release;
+    this.jobs.push({ release, completion: null, missed: false, beyond: false });
     if (this.jobs.length > 2 * KEPT) this.jobs.splice(0, KEPT);
   }
 
-  completed(release: number, at: number): void {
+  /** A job ends; `begin` is when all tasks have started, null before. */
+  completed(release: number, at: number, begin: number | null): void {
     const job = this.jobs.findLast((known) => known.release === release);
     const response = at - release;
-    const late = this.deadline !== null && response > this.deadline;
+    const { deadline, bound } = this.limits;
+    const late = deadline !== null && response > deadline;
+    if (bound !== null && begin !== null && release >= begin && release !== this.first) {
+      this.figures.bounded = Math.max(this.figures.bounded, response);
+      if (response > bound) {
+        this.figures.beyond += 1;
+        if (job) job.beyond = true;
+      }
+    }
     if (job) {
       // A miss that was seen while the job was still under way is counted already.
       if (late && !job.missed) this.figures.misses += 1;
@@ -63,8 +90,9 @@ export class Lane {
   /** Jobs under way whose deadline has passed are misses too. */
   notice(now: number): void {
     const job = this.jobs.at(-1);
-    if (!job || job.completion !== null || job.missed || this.deadline === null) return;
-    if (now - job.release > this.deadline) {
+    const { deadline } = this.limits;
+    if (!job || job.completion !== null || job.missed || deadline === null) return;
+    if (now - job.release > deadline) {
       job.missed = true;
       this.figures.misses += 1;
     }
@@ -78,12 +106,20 @@ export class Schedule {
   now = 0;
   private running: { subject: number; since: number } | null = null;
   private nested: { source: number; since: number }[] = [];
-  private deadlines = new Map<number, number>();
 
-  /** Deadline of a thread in cycles. */
-  setDeadline(thread: number, cycles: number | null): void {
-    if (cycles !== null) this.deadlines.set(thread, cycles);
-    this.lane(thread).deadline = cycles;
+  setLimits(thread: number, limits: Limits): void {
+    this.lane(thread).limits = limits;
+  }
+
+  /** When the last cyclic task begins its cycle; null while one has not. */
+  get begin(): number | null {
+    let begin = 0;
+    for (const lane of this.threads.values()) {
+      if (!lane.limits.cyclic) continue;
+      if (lane.begin === null) return null;
+      begin = Math.max(begin, lane.begin);
+    }
+    return begin;
   }
 
   add(packed: Uint8Array, now: number): void {
@@ -107,7 +143,6 @@ export class Schedule {
     let lane = this.threads.get(thread);
     if (!lane) {
       lane = new Lane();
-      lane.deadline = this.deadlines.get(thread) ?? null;
       this.threads.set(thread, lane);
     }
     return lane;
@@ -137,7 +172,7 @@ export class Schedule {
         this.lane(subject).released(value);
         break;
       case Kind.completion:
-        this.lane(subject).completed(value, at);
+        this.lane(subject).completed(value, at, this.begin);
         break;
       case Kind.interruptEntered:
         this.enter(at, subject);

@@ -8,16 +8,30 @@ export interface Configuration {
   motors?: Record<string, object>;
   body?: { kind: string; track?: number; wheel_radius?: number };
   sensors?: Record<string, { kind: string }>;
+  surroundings?: Surroundings;
   [field: string]: unknown;
 }
 
-/** A task as robot.toml declares it; `bound_us` is the proven response time, when known. */
+/** What is around the robot, in m. */
+export interface Surroundings {
+  /** Pixels from the top left, their share of reflected light in 1/255. */
+  floor?: {
+    pixel: number;
+    corner: [number, number];
+    width: number;
+    reflectance: number[];
+  } | null;
+  walls?: { from: [number, number]; to: [number, number] }[];
+}
+
+/** A task as robot.toml declares it; `bound_cycles` is the proven response time, when known. */
 export interface Task {
   name: string;
+  release: "cyclic" | "sporadic" | "background";
   period_us: number | null;
   deadline_us: number | null;
   priority: number;
-  bound_us?: number | null;
+  bound_cycles?: number | null;
 }
 
 /** A scalar recorded with the signals. */

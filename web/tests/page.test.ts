@@ -24,7 +24,16 @@ const READY: Ready = {
   session: {
     ...PLAIN_SESSION,
     project: "vehicle",
-    tasks: [{ name: "control_task", period_us: 4000, deadline_us: 1000, priority: 2 }],
+    tasks: [
+      {
+        name: "control_task",
+        release: "cyclic",
+        period_us: 4000,
+        deadline_us: 1000,
+        priority: 2,
+        bound_cycles: 48_055,
+      },
+    ],
   },
   inputs: [
     ...["left", "right", "orange", "grey"].map((name) => input(`button.${name}`)),
@@ -181,7 +190,7 @@ describe("a frame", () => {
     const hubs = [...document.querySelectorAll(".hub")].map((hub) => hub.getAttribute("transform"));
     expect(hubs[1]).toBe("rotate(-180)");
     expect(get('[data-figure="B.speed"]').textContent).toBe("115 °/s");
-    expect(get("#time").textContent).toBe("1.000000 s");
+    expect(get("#time").textContent).toBe("1.000000 s, cycle 48054858");
     expect(get("#place").textContent).toBe("00202000 adainit (vehicle.adb:12)");
     expect(get("#battery-voltage").textContent).toBe("7.90 V");
   });
@@ -191,7 +200,7 @@ describe("a frame", () => {
     const row = get('[data-task="control_task"]');
     expect(row.className).toBe("missed");
     const cells = [...row.querySelectorAll("td")].map((cell) => cell.textContent);
-    expect(cells.slice(0, 6)).toEqual(["1", "1248 µs", "1248 µs", "1000 µs", "–", "1"]);
+    expect(cells.slice(0, 6)).toEqual(["1", "1248 µs", "1248 µs", "1000 µs", "1", "1000 µs"]);
   });
 
   it("says how a run ended", () => {

@@ -45,12 +45,13 @@ describe("the schedule", () => {
   it("measures a response time from the nominal release", () => {
     const schedule = new Schedule();
     schedule.add(pack([105, release, 0, 100], [180, completion, 0, 100]), 200);
-    expect(schedule.threads.get(0)?.figures).toEqual({ jobs: 1, worst: 80, last: 80, misses: 0 });
+    const figures = schedule.threads.get(0)?.figures;
+    expect(figures).toMatchObject({ jobs: 1, worst: 80, last: 80, misses: 0 });
   });
 
   it("counts a missed deadline once, seen under way or at the completion", () => {
     const schedule = new Schedule();
-    schedule.setDeadline(0, 50);
+    schedule.setLimits(0, { deadline: 50, bound: null, cyclic: true });
     schedule.add(pack([100, release, 0, 100]), 149);
     expect(schedule.threads.get(0)?.figures.misses).toBe(0);
     schedule.add(pack(), 160);
@@ -59,6 +60,22 @@ describe("the schedule", () => {
     expect(schedule.threads.get(0)?.figures.misses).toBe(1);
     schedule.add(pack([200, release, 0, 200], [260, completion, 0, 200]), 300);
     expect(schedule.threads.get(0)?.figures.misses).toBe(2);
+  });
+
+  it("holds jobs against their bound once all cyclic tasks have begun", () => {
+    const schedule = new Schedule();
+    schedule.setLimits(0, { deadline: null, bound: 30, cyclic: true });
+    schedule.setLimits(1, { deadline: null, bound: null, cyclic: true });
+    // The first jobs wait for the begin of the cycle, and task 1 begins at 300.
+    schedule.add(pack([10, release, 0, 10], [90, completion, 0, 10], [95, release, 1, 95]), 99);
+    schedule.add(pack([200, release, 0, 200], [280, completion, 0, 200]), 290);
+    schedule.add(pack([300, release, 1, 300], [300, release, 0, 300]), 310);
+    schedule.add(pack([330, completion, 0, 300]), 340);
+    const lane = schedule.threads.get(0);
+    expect(lane?.figures).toMatchObject({ jobs: 3, worst: 80, bounded: 30, beyond: 0 });
+    schedule.add(pack([400, release, 0, 400], [431, completion, 0, 400]), 440);
+    expect(lane?.figures).toMatchObject({ bounded: 31, beyond: 1 });
+    expect(lane?.jobs.at(-1)?.beyond).toBe(true);
   });
 
   it("shows the piece under way up to the present", () => {

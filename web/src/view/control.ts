@@ -54,9 +54,14 @@ function toggle(input: InputDescription, label: string, set: (value: number) => 
   return el("label", { class: "switch" }, box, label);
 }
 
+/** A power of ten that divides the range into 200 to 2000 steps. */
+function fineStep({ lowest, highest }: InputDescription): number {
+  return Number((10 ** Math.floor(Math.log10((highest - lowest) / 200))).toPrecision(1));
+}
+
 /** A slider with its value beside it. */
 function slider(input: InputDescription, label: string, set: (value: number) => void) {
-  const step = input.whole ? 1 : (input.highest - input.lowest) / 1000;
+  const step = input.whole ? 1 : fineStep(input);
   const shown = el("output", {});
   const show = (value: number) => {
     shown.value = `${input.whole ? value : value.toPrecision(3)} ${input.unit}`;

@@ -3,16 +3,33 @@
 /** The vehicle seen from above, with its path. */
 import { colour, el, panel, surface } from "../dom";
 import type { Frame, Ready } from "../protocol";
+import type { Surroundings } from "../session";
 import type { View } from "./view";
 
 const PATH_POINTS_MAX = 20_000;
 const POINT_DISTANCE = 0.005;
 const MARGIN = 0.3;
 
-interface Pose {
+interface Point {
   x: number;
   y: number;
+}
+
+interface Pose extends Point {
   heading: number;
+}
+
+/** The floor's picture, a pixel each. */
+function pictureOf({ floor }: Surroundings): HTMLCanvasElement | null {
+  if (!floor || floor.width < 1) return null;
+  const height = Math.floor(floor.reflectance.length / floor.width);
+  const canvas = el("canvas", { width: floor.width, height });
+  const context = canvas.getContext("2d");
+  if (!context || height < 1) return null;
+  const image = context.createImageData(floor.width, height);
+  floor.reflectance.forEach((value, at) => image.data.set([value, value, value, 255], 4 * at));
+  context.putImageData(image, 0, 0);
+  return canvas;
 }
 
 export class Floor implements View {
@@ -26,6 +43,8 @@ export class Floor implements View {
   private path: Pose[] = [];
   private pose: Pose | null = null;
   private track = 0.115;
+  private surroundings: Surroundings = {};
+  private picture: HTMLCanvasElement | null = null;
 
   constructor() {
     this.element = panel("floor", "Floor", this.canvas, el("p", {}, this.text));
@@ -34,6 +53,8 @@ export class Floor implements View {
   ready({ session, channels }: Ready): void {
     this.element.hidden = !channels.signals.includes("body.x");
     this.track = session.configuration.body?.track ?? this.track;
+    this.surroundings = session.configuration.surroundings ?? {};
+    this.picture = pictureOf(this.surroundings);
     this.path = [];
     this.pose = null;
     this.draw();
@@ -56,8 +77,8 @@ export class Floor implements View {
     const drawing = surface(this.canvas);
     if (!drawing) return;
     const { context, width, height } = drawing;
-    const shown = [...this.path, { x: 0, y: 0, heading: 0 }];
-    const bounds = (pick: (pose: Pose) => number) => {
+    const shown = [...this.path, { x: 0, y: 0 }, ...this.corners()];
+    const bounds = (pick: (point: Point) => number) => {
       const values = shown.map(pick);
       return [Math.min(...values) - MARGIN, Math.max(...values) + MARGIN] as const;
     };
@@ -67,13 +88,52 @@ export class Floor implements View {
     context.translate(width / 2, height / 2);
     context.scale(scale, -scale);
     context.translate(-(left + right) / 2, -(low + high) / 2);
+    this.drawPicture(context);
     this.grid(context, scale, Math.max(right - left, high - low) * 2);
+    this.drawWalls(context, scale);
     context.lineWidth = 2 / scale;
     context.strokeStyle = colour("accent");
     context.beginPath();
     for (const { x, y } of this.path) context.lineTo(x, y);
     context.stroke();
     if (this.pose) this.vehicle(context, this.pose, scale);
+  }
+
+  /** What is to be seen besides the path. */
+  private corners(): Point[] {
+    const { floor, walls } = this.surroundings;
+    const ends = (walls ?? []).flatMap(({ from, to }) => [from, to]);
+    const points = ends.map(([x, y]) => ({ x, y }));
+    if (floor && this.picture) {
+      const [x, y] = floor.corner;
+      const { width, height } = this.picture;
+      points.push({ x, y }, { x: x + width * floor.pixel, y: y + height * floor.pixel });
+    }
+    return points;
+  }
+
+  private drawPicture(context: CanvasRenderingContext2D): void {
+    const { floor } = this.surroundings;
+    if (!floor || !this.picture) return;
+    const [x, y] = floor.corner;
+    const { height } = this.picture;
+    context.save();
+    // Its first row is the uppermost; y grows upwards here.
+    context.translate(x, y + height * floor.pixel);
+    context.scale(floor.pixel, -floor.pixel);
+    context.drawImage(this.picture, 0, 0);
+    context.restore();
+  }
+
+  private drawWalls(context: CanvasRenderingContext2D, scale: number): void {
+    context.lineWidth = 4 / scale;
+    context.strokeStyle = colour("ink");
+    context.beginPath();
+    for (const { from, to } of this.surroundings.walls ?? []) {
+      context.moveTo(...from);
+      context.lineTo(...to);
+    }
+    context.stroke();
   }
 
   private grid(context: CanvasRenderingContext2D, scale: number, size: number): void {

@@ -6,7 +6,7 @@ import type { InputDescription, Ready } from "../protocol";
 import { holdButton, inputControl } from "./control";
 import type { Actions, View } from "./view";
 
-const KINDS = ["nothing", "touch", "light", "sound", "ultrasonic", "color", "analogue"];
+const KINDS = ["nothing", "touch", "light", "sound", "ultrasonic", "color", "gyro", "analogue"];
 const PORTS = ["1", "2", "3", "4"];
 
 function belongs(input: InputDescription, port: string): boolean {

@@ -4,7 +4,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { seconds } from "../clock";
-import { el, panel } from "../dom";
+import { colour, el, panel } from "../dom";
 import type { Frame, Ready } from "../protocol";
 import type { Actions, View } from "./view";
 
@@ -16,7 +16,8 @@ const HEIGHT = 260;
 export class Scope implements View {
   readonly element: HTMLElement;
   channels: string[] = [];
-  private columns: number[][] = [[]];
+  /** Instants, then a column per channel; null before the first sample of a signal. */
+  private columns: (number | null)[][] = [[]];
   private plot: uPlot | null = null;
   private drawn = 0;
   private readonly known = el("datalist", { id: "channels" });
@@ -80,7 +81,7 @@ export class Scope implements View {
     for (let at = 0; at < scope.length; at += width) {
       this.columns.forEach((column, index) => {
         const value = scope[at + index] ?? Number.NaN;
-        column.push(index === 0 ? seconds(value) : value);
+        column.push(index === 0 ? seconds(value) : Number.isNaN(value) ? null : value);
       });
     }
     const surplus = (this.columns[0]?.length ?? 0) - ROWS_MAX;
@@ -120,11 +121,16 @@ export class Scope implements View {
       width: 1.5,
       paths: (label.startsWith("pin:") && uPlot.paths.stepped?.({ align: 1 })) || null,
     }));
+    const [stroke, line] = [colour("ink"), { stroke: colour("grid"), width: 1 }];
+    const axis = { stroke, grid: line, ticks: line };
     const options: uPlot.Options = {
       width: this.figure.clientWidth,
       height: HEIGHT,
       scales: { x: { time: false } },
-      axes: [{ label: "s", labelSize: 16 }, { size: 60 }],
+      axes: [
+        { ...axis, label: "s", labelSize: 16 },
+        { ...axis, size: 60 },
+      ],
       series: [{ label: "s" }, ...(series as uPlot.Series[])],
     };
     return new uPlot(options, this.columns as uPlot.AlignedData, this.figure);
@@ -139,7 +145,7 @@ export class Scope implements View {
     const width = this.figure.clientWidth;
     if (width !== this.plot.width) this.plot.setSize({ width, height: HEIGHT });
     const from = Math.max(0, end - Number(this.window.value));
-    const first = Math.max(0, times.findIndex((time) => time >= from));
+    const first = Math.max(0, times.findIndex((time) => time !== null && time >= from));
     const shown = this.columns.map((column) => column.slice(first));
     this.plot.setData(shown as uPlot.AlignedData);
   }

@@ -12,8 +12,6 @@ export class Sound {
   readonly element: HTMLElement;
   private context: AudioContext | null = null;
   private next = 0;
-  /** Samples given to the loudspeaker so far, for tests. */
-  played = 0;
 
   constructor() {
     const change = () => this.turn(box.checked);
@@ -35,7 +33,8 @@ export class Sound {
     if (this.next < now + 4 * LATENCY_S) {
       source.start(this.next);
       this.next += buffer.duration / factor;
-      this.played += sound.length;
+      const played = Number(this.element.dataset["played"] ?? 0) + sound.length;
+      this.element.dataset["played"] = String(played);
     }
   }
 

@@ -5,7 +5,7 @@ import { CLOCK_HZ } from "../clock";
 import { colour, el, panel, surface } from "../dom";
 import { sourceName } from "../events";
 import type { Frame, Ready, Thread } from "../protocol";
-import { Schedule, type Lane, type Piece } from "../schedule";
+import { Schedule, type Job, type Lane, type Piece } from "../schedule";
 import type { Task } from "../session";
 import type { View } from "./view";
 
@@ -48,11 +48,13 @@ export class Timeline implements View {
   private readonly body = el("tbody", {});
 
   constructor() {
-    const heads = ["task", "jobs", "last", "worst", "deadline", "bound", "misses", "processor"];
+    const heads = ["task", "jobs", "last", "worst", "deadline", "misses", "bound", "of bound"];
+    heads.push("processor");
     const head = el("tr", {}, ...heads.map((name) => el("th", { scope: "col" }, name)));
     const table = el("table", {}, el("thead", {}, head), this.body);
     const legend =
-      "Filled: executing. Outline: from release to completion. ↑ release, red: deadline missed.";
+      "Filled: executing. Outline: from release (↑) to completion. ↓ deadline, red: missed. " +
+      "┤ bound of the response time.";
     this.element = panel(
       "timeline",
       "Schedule",
@@ -74,8 +76,12 @@ export class Timeline implements View {
   frame(frame: Frame): void {
     this.threads = frame.threads;
     frame.threads.forEach((thread, index) => {
-      const deadline = this.task(thread.name)?.deadline_us;
-      this.schedule.setDeadline(index, deadline == null ? null : deadline / US);
+      const task = this.task(thread.name);
+      this.schedule.setLimits(index, {
+        deadline: task?.deadline_us == null ? null : task.deadline_us / US,
+        bound: task?.bound_cycles ?? null,
+        cyclic: task?.release === "cyclic",
+      });
     });
     this.schedule.add(frame.events, frame.cycles);
     const wall = performance.now();
@@ -149,22 +155,36 @@ export class Timeline implements View {
       const left = place(piece.from);
       context.fillRect(left, top + 10, Math.max(0.75, place(piece.to) - left), base - top - 10);
     }
-    for (const job of row.lane.jobs.slice(-500)) {
-      const end = job.completion ?? this.schedule.now;
-      if (end < from) continue;
-      context.strokeStyle = colour(job.missed ? "missed" : "job");
-      context.lineWidth = job.missed ? 2 : 1;
-      const left = place(job.release);
-      context.strokeRect(left, top + 8, Math.max(1, place(end) - left), base - top - 8);
-      context.beginPath();
-      context.moveTo(left, base);
-      context.lineTo(left, top + 1);
-      context.lineTo(left - 3, top + 5);
-      context.moveTo(left, top + 1);
-      context.lineTo(left + 3, top + 5);
-      context.stroke();
-    }
+    for (const job of row.lane.jobs.slice(-500)) this.job(context, row.lane, job, top, place);
     context.restore();
+  }
+
+  /** A job's outline, an arrow up at its release, one down at its deadline, its bound as ┤. */
+  private job(
+    context: CanvasRenderingContext2D,
+    { limits }: Lane,
+    job: Job,
+    top: number,
+    place: (at: number) => number,
+  ): void {
+    const [high, base] = [top + 2, top + LANE_HEIGHT - 4];
+    const end = job.completion ?? this.schedule.now;
+    const left = place(job.release);
+    if (Math.max(place(end), place(job.release + (limits.deadline ?? 0))) < LABEL_WIDTH) return;
+    context.strokeStyle = colour(job.missed ? "missed" : job.beyond ? "bound" : "job");
+    context.lineWidth = job.missed || job.beyond ? 2 : 1;
+    context.strokeRect(left, top + 8, Math.max(1, place(end) - left), base - top - 8);
+    arrow(context, left, base, high);
+    if (limits.deadline !== null) arrow(context, place(job.release + limits.deadline), high, base);
+    if (limits.bound === null) return;
+    const bound = place(job.release + limits.bound);
+    context.strokeStyle = colour("bound");
+    context.beginPath();
+    context.moveTo(bound, top + 6);
+    context.lineTo(bound, base + 2);
+    context.moveTo(bound - 4, (top + 8 + base) / 2);
+    context.lineTo(bound, (top + 8 + base) / 2);
+    context.stroke();
   }
 
   private axis(
@@ -175,7 +195,7 @@ export class Timeline implements View {
     span: number,
     place: (at: number) => number,
   ): void {
-    const step = span / 5;
+    const step = span / Math.min(5, Math.max(1, Math.floor((width - LABEL_WIDTH) / 90)));
     context.fillStyle = colour("ink");
     context.textAlign = "center";
     for (let at = Math.ceil(from / step) * step; at <= from + span; at += step) {
@@ -189,29 +209,40 @@ export class Timeline implements View {
   private tabulate(): void {
     const now = Math.max(1, this.schedule.now);
     const rows = this.rows().map(({ label, lane, task, interrupt }) => {
-      const { jobs, last, worst, misses } = lane.figures;
-      const bound = task?.bound_us;
+      const { jobs, last, worst, misses, bounded, beyond } = lane.figures;
+      const { bound } = lane.limits;
       const cells = interrupt
-        ? ["", "", "", "", "", ""]
+        ? ["", "", "", "", "", "", ""]
         : [
             String(jobs),
             microseconds(last),
             microseconds(worst),
             task?.deadline_us == null ? "–" : `${task.deadline_us} µs`,
-            bound == null ? "–" : `${bound} µs`,
             String(misses),
+            bound === null ? "–" : microseconds(bound),
+            bound === null || bounded === 0 ? "–" : `${((100 * bounded) / bound).toFixed(1)} %`,
           ];
-      const beyond = bound != null && worst * US > bound;
       const share = `${((100 * lane.busy) / now).toFixed(1)} %`;
       return el(
         "tr",
-        { class: misses > 0 || beyond ? "missed" : "", "data-task": label },
+        { class: misses > 0 || beyond > 0 ? "missed" : "", "data-task": label },
         el("th", { scope: "row" }, label),
         ...[...cells, share].map((text) => el("td", {}, text)),
       );
     });
     this.body.replaceChildren(...rows);
   }
+}
+
+function arrow(context: CanvasRenderingContext2D, x: number, from: number, to: number): void {
+  const back = Math.sign(from - to) * 4;
+  context.beginPath();
+  context.moveTo(x, from);
+  context.lineTo(x, to);
+  context.moveTo(x - 3, to + back);
+  context.lineTo(x, to);
+  context.lineTo(x + 3, to + back);
+  context.stroke();
 }
 
 /** The pieces that end after an instant; they are sorted. */

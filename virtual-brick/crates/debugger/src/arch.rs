@@ -128,13 +128,15 @@ impl Arch for Brick {
     }
 }
 
-/// RAM, flash, the memory that appears at address 0, and the peripherals.
+/// RAM, flash in pages of 256 bytes, the memory that appears at address 0, and the peripherals.
 pub(crate) const MEMORY_MAP: &str = r#"<?xml version="1.0"?>
 <!DOCTYPE memory-map PUBLIC "+//IDN gnu.org//DTD GDB Memory Map V1.0//EN"
  "http://sourceware.org/gdb/gdb-memory-map.dtd">
 <memory-map>
 <memory type="ram" start="0x00000000" length="0x00100000"/>
-<memory type="rom" start="0x00100000" length="0x00040000"/>
+<memory type="flash" start="0x00100000" length="0x00040000">
+<property name="blocksize">0x100</property>
+</memory>
 <memory type="ram" start="0x00200000" length="0x00010000"/>
 <memory type="ram" start="0xfff00000" length="0x000ff000"/>
 <memory type="ram" start="0xfffff000" length="0x00000f00"/>

@@ -68,6 +68,8 @@ impl DebugTarget {
     }
 
     fn forward(&mut self, mut job: ForwardJob) -> Option<Reason> {
+        // After a way back, what was said is said again.
+        self.told = self.told.min(self.timeline.brick().console_bytes());
         let limit = self.timeline.now().saturating_add(SLICE_CYCLES);
         let for_others: &[u32] = if job.locked { &self.removed } else { &[] };
         // The observer looks at a brick that the timeline is about to run.
@@ -122,6 +124,7 @@ impl DebugTarget {
             return None;
         };
         self.stopped = self.executing();
+        self.told = self.timeline.brick().console_bytes();
         Some(match arrival {
             None => self.beginning(),
             Some(Arrival::StepDone) => self.step_done(),

@@ -11,6 +11,7 @@ mod arch;
 mod backwards;
 mod checkpoints;
 mod execution;
+mod loading;
 mod monitor;
 mod peripherals;
 mod screen;

@@ -9,6 +9,7 @@ use virtual_brick::CLOCK_HZ;
 
 use crate::arch::BANKED;
 use crate::execution::Job;
+use crate::loading;
 use crate::peripherals;
 use crate::screen;
 use crate::target::DebugTarget;
@@ -32,7 +33,9 @@ trace [COUNT]       the last events of the record, 20 when no count is given
 threads             tasks with state, priority and stack
 registers           registers of all modes
 digest              digest of the record up to the present
+semihosting on|off  the program's calls of its debugger are served (on), or go to its own handler
 steps task|processor  a step is one of the selected task (interrupts pass), or of the processor
+program FILE        begin again with this ELF file; say 'file FILE' to GDB before
 reset               back to the beginning; say 'maintenance flush register-cache' afterwards
 ";
 
@@ -59,8 +62,14 @@ pub(crate) fn answer(target: &mut DebugTarget, line: &str) -> String {
         ["threads"] => threads(target),
         ["registers"] => registers(target),
         ["digest"] => format!("{}\n", target.timeline.brick().trace().digest()),
+        ["semihosting", "on"] => semihosting(target, true),
+        ["semihosting", "off"] => semihosting(target, false),
         ["steps", "task"] => steps(target, true),
         ["steps", "processor"] => steps(target, false),
+        ["program", path] => match loading::program(target, path) {
+            Ok(()) => time(target),
+            Err(why) => format!("{why}\n"),
+        },
         ["reset"] => reset(target),
         _ => format!("no command '{line}'; 'monitor help' lists them\n"),
     }
@@ -217,6 +226,14 @@ fn registers(target: &DebugTarget) -> String {
         let _ = writeln!(text, "{name:<24}{:#010X}", value.unwrap_or(0));
     }
     text
+}
+
+fn semihosting(target: &mut DebugTarget, on: bool) -> String {
+    match target.timeline.intervene(Change::Semihosting(on)) {
+        Ok(()) if on => "the program's calls of its debugger are served\n".to_owned(),
+        Ok(()) => "the program's calls of its debugger go to its own handler\n".to_owned(),
+        Err(_) => "it stays as it was\n".to_owned(),
+    }
 }
 
 fn steps(target: &mut DebugTarget, of_task: bool) -> String {

@@ -15,6 +15,8 @@ use crate::target::DebugTarget;
 
 /// How long a look at the caller's wish to stop may be late.
 const PATIENCE: Duration = Duration::from_millis(50);
+/// GDB takes packets of a few hundred bytes at least.
+const CONSOLE_PIECE_BYTES: usize = 128;
 
 /// How a session ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -111,6 +113,24 @@ where
     }
 }
 
+/// Let GDB show what the program said: packets `O` with hexadecimal digits, which may come at any
+/// time while the program runs (GDB manual, "Stop Reply Packets").
+fn tell<C: Connection>(said: &[u8], connection: &mut C) -> Result<(), C::Error> {
+    for piece in said.chunks(CONSOLE_PIECE_BYTES) {
+        let digits = piece.iter().flat_map(|byte| {
+            let digit = |value: u8| b"0123456789abcdef"[usize::from(value & 15)];
+            [digit(byte >> 4), digit(*byte)]
+        });
+        let body: Vec<u8> = std::iter::once(b'O').chain(digits).collect();
+        let sum = body.iter().fold(0u8, |sum, byte| sum.wrapping_add(*byte));
+        connection.write(b'$')?;
+        connection.write_all(&body)?;
+        connection.write_all(format!("#{sum:02x}").as_bytes())?;
+        connection.flush()?;
+    }
+    Ok(())
+}
+
 struct EventLoop<C>(std::marker::PhantomData<C>);
 
 impl<C: ConnectionExt> BlockingEventLoop for EventLoop<C> {
@@ -131,7 +151,9 @@ impl<C: ConnectionExt> BlockingEventLoop for EventLoop<C> {
                 let byte = conn.read().map_err(WaitForStopReasonError::Connection)?;
                 return Ok(Event::IncomingData(byte));
             }
-            if let Some(reason) = target.advance() {
+            let reason = target.advance();
+            tell(&target.take_console(), conn).map_err(WaitForStopReasonError::Connection)?;
+            if let Some(reason) = reason {
                 return Ok(Event::TargetStopped(reason));
             }
         }

@@ -14,6 +14,7 @@ use gdbstub::target::ext::breakpoints::{
     Breakpoints, BreakpointsOps, HwBreakpoint, HwBreakpointOps, HwWatchpoint, HwWatchpointOps,
     SwBreakpoint, SwBreakpointOps, WatchKind,
 };
+use gdbstub::target::ext::flash::FlashOps;
 use gdbstub::target::ext::memory_map::{MemoryMap, MemoryMapOps};
 use gdbstub::target::ext::monitor_cmd::{ConsoleOutput, MonitorCmd, MonitorCmdOps};
 use gdbstub::target::ext::thread_extra_info::{ThreadExtraInfo, ThreadExtraInfoOps};
@@ -45,12 +46,15 @@ pub struct DebugTarget {
     pub(crate) at_watch: bool,
     /// The thread of the last stop.
     pub(crate) stopped: Tid,
+    /// Bytes of the program's console that GDB has been shown.
+    pub(crate) told: u64,
 }
 
 impl DebugTarget {
     /// The present of the brick becomes the beginning of its record.
     #[must_use]
-    pub fn new(brick: VirtualBrick) -> Self {
+    pub fn new(mut brick: VirtualBrick) -> Self {
+        brick.set_semihosting(true);
         let stopped = Who::now(&brick).tid(&brick);
         Self {
             timeline: Timeline::new(brick),
@@ -60,6 +64,7 @@ impl DebugTarget {
             steps_of_task: true,
             at_watch: false,
             stopped,
+            told: 0,
         }
     }
 
@@ -88,12 +93,23 @@ impl DebugTarget {
         monitor::answer(self, line)
     }
 
+    /// What the program has said since GDB was last told; nothing on the way back.
+    pub(crate) fn take_console(&mut self) -> Vec<u8> {
+        if matches!(self.job, Job::Back(_)) {
+            return Vec::new();
+        }
+        let brick = self.timeline.brick();
+        let text = brick.console_since(self.told).to_vec();
+        self.told = brick.console_bytes();
+        text
+    }
+
     fn executes(&self, tid: Tid) -> bool {
         let brick = self.timeline.brick();
         Who::of(tid, brick) == Who::now(brick)
     }
 
-    fn change(&mut self, change: Change) -> TargetResult<(), Self> {
+    pub(crate) fn change(&mut self, change: Change) -> TargetResult<(), Self> {
         self.timeline
             .intervene(change)
             .map_err(|_| TargetError::NonFatal)
@@ -117,6 +133,10 @@ impl Target for DebugTarget {
     }
 
     fn support_memory_map(&mut self) -> Option<MemoryMapOps<'_, Self>> {
+        Some(self)
+    }
+
+    fn support_flash_operations(&mut self) -> Option<FlashOps<'_, Self>> {
         Some(self)
     }
 }

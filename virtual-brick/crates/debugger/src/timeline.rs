@@ -21,6 +21,7 @@ pub(crate) enum Change {
     Memory { address: u32, bytes: Vec<u8> },
     Register { register: BrickRegister, value: u32 },
     Input { name: String, value: f64 },
+    Semihosting(bool),
 }
 
 #[derive(Clone, Debug)]
@@ -202,6 +203,7 @@ fn change(brick: &mut VirtualBrick, change: &Change) -> Result<(), Refused> {
         Change::Input { name, value } => brick
             .schedule_input(brick.cycles(), name, *value)
             .map_err(Refused::Input)?,
+        Change::Semihosting(on) => brick.set_semihosting(*on),
     }
     Ok(())
 }

@@ -62,7 +62,7 @@ fn the_description_names_the_banks_of_all_modes_and_the_register_packet_has_them
 fn the_memory_map_has_ram_and_flash() {
     let reply = talk(&mut target(), &["qXfer:memory-map:read::0,fff"]).remove(0);
     assert!(reply.contains(r#"type="ram" start="0x00200000" length="0x00010000""#));
-    assert!(reply.contains(r#"type="rom" start="0x00100000""#));
+    assert!(reply.contains(r#"type="flash" start="0x00100000""#));
 }
 
 #[test]

@@ -18,6 +18,7 @@ use crate::memory::{ChipMemory, MemoryError};
 use crate::monitor::Monitor;
 use crate::probes::Probe;
 use crate::recorder::Recorder;
+use crate::semihosting::Console;
 use crate::stop::Stop;
 use crate::threads::{Layout, Thread, ThreadObserver};
 
@@ -27,6 +28,7 @@ use crate::threads::{Layout, Thread, ThreadObserver};
 /// of [`VirtualBrick::run_until`] makes no difference.
 #[derive(Clone, Debug)]
 pub struct VirtualBrick {
+    configuration: Arc<Configuration>,
     pub(crate) cpu: Cpu,
     pub(crate) chip: Machine,
     pub(crate) image: Arc<Image>,
@@ -37,6 +39,8 @@ pub struct VirtualBrick {
     pub(crate) engine: Engine,
     pub(crate) blocks: Blocks<Machine>,
     pub(crate) monitor: Option<Monitor>,
+    /// What the program says to its debugger; none while it has none.
+    pub(crate) console: Option<Console>,
     threads_unobserved: Option<String>,
 }
 
@@ -105,6 +109,7 @@ impl VirtualBrick {
         let mut recorder = Recorder::new(configuration, &chip, observer);
         recorder.watch_new_words(&mut chip);
         Ok(Self {
+            configuration: Arc::new(configuration.clone()),
             cpu,
             chip,
             image,
@@ -115,8 +120,24 @@ impl VirtualBrick {
             engine: configuration.engine,
             blocks: Blocks::default(),
             monitor: None,
+            console: None,
             threads_unobserved,
         })
+    }
+
+    /// The same brick at its start with another program: inputs that still wait stay, and the
+    /// probes that the program has.
+    ///
+    /// # Errors
+    /// The program cannot be used.
+    pub fn with_program(&self, elf: &[u8]) -> Result<Self, BrickError> {
+        let mut brick = Self::new(&self.configuration, elf)?;
+        brick.inputs = self.inputs.clone();
+        for probe in self.recorder.probes() {
+            // What the program does not have is no longer recorded.
+            let _ = brick.add_probe(&probe.path, Some(probe.kind));
+        }
+        Ok(brick)
     }
 
     /// The present, in cycles of the master clock since the start.

@@ -20,6 +20,7 @@ mod outside;
 mod probes;
 mod recorder;
 mod run;
+mod semihosting;
 mod stop;
 mod threads;
 

@@ -59,6 +59,10 @@ impl Recorder {
         }
     }
 
+    pub(crate) fn probes(&self) -> &[Probe] {
+        &self.probes
+    }
+
     pub(crate) fn threads(&self, memory: &ChipMemory<'_>) -> Vec<Thread> {
         self.observer
             .as_ref()

@@ -109,6 +109,7 @@ impl VirtualBrick {
             }
             let before = self.cpu.next_instruction_address();
             let step = self.step(observer);
+            let step = self.semihost(step)?;
             self.after_step(before)?;
             if self.guard.concerned(before, &self.cpu) {
                 self.look_for_dead_end(before, step)?;
