@@ -6,12 +6,12 @@ import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
-import { chromium, type Browser, type Page } from "playwright-core";
+import { chromium, type Browser, type BrowserContextOptions, type Page } from "playwright-core";
 
 export const ROOT = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 export const PICTURES = join(ROOT, "out", "page");
 const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
-const VEHICLE = join(ROOT, "examples", "vehicle");
+export const VEHICLE = "examples/vehicle";
 const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
 /** The browser of the system; RAVENBRICK_CHROMIUM names another. */
@@ -25,10 +25,10 @@ export async function ravenbrick(...words: string[]): Promise<Record<string, unk
   return JSON.parse(done.stdout) as Record<string, unknown>;
 }
 
-/** A server for the vehicle, and its address. */
+/** A server for a project, and its address. */
 export async function serve(...words: string[]): Promise<{ address: string; end: () => void }> {
   const options = ["--port", "0", "--no-browser"];
-  const server: ChildProcess = spawn(COMMAND, ["view", VEHICLE, ...words, ...options], {
+  const server: ChildProcess = spawn(COMMAND, ["view", ...words, ...options], {
     cwd: ROOT,
     env: { ...process.env, PYTHONUNBUFFERED: "1", COLUMNS: "200" },
   });
@@ -51,6 +51,36 @@ export async function launch(): Promise<Browser> {
   if (!executablePath) throw new Error("no Chromium; install the Debian package chromium");
   mkdirSync(PICTURES, { recursive: true });
   return chromium.launch({ executablePath, args: ["--no-sandbox", "--mute-audio"] });
+}
+
+/** A page that has loaded its brick, with what it asked of the network and complained about. */
+export async function open(
+  browser: Browser,
+  address: string,
+  options: BrowserContextOptions = {},
+  prepare: (page: Page) => Promise<void> = () => Promise.resolve(),
+) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(90_000);
+  const requests: string[] = [];
+  const complaints: string[] = [];
+  page.on("request", (request) => requests.push(request.url()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+  await prepare(page);
+  await page.goto(address);
+  await page.waitForFunction(() => document.title.includes("–"));
+  return { context, page, requests, complaints };
+}
+
+/** Wait until the line of status begins with these words. */
+export async function says(page: Page, words: string): Promise<void> {
+  await page.waitForFunction(
+    (begin) => document.querySelector("#status")?.textContent?.startsWith(begin),
+    words,
+    { timeout: 90_000 },
+  );
 }
 
 /** A picture of the page for a person to look at. */

@@ -1,21 +1,23 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-import { statSync, readdirSync } from "node:fs";
-import { gzipSync } from "node:zlib";
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import type { Browser, BrowserContext, Page } from "playwright-core";
+import { gzipSync } from "node:zlib";
+import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 import {
   downloaded,
   inked,
   launch,
+  open,
   passes,
   picture,
   ravenbrick,
   ROOT,
+  says,
   serve,
   shownTime,
+  VEHICLE,
 } from "./harness";
 
 let browser: Browser;
@@ -23,7 +25,9 @@ let drive: Awaited<ReturnType<typeof serve>>;
 let free: Awaited<ReturnType<typeof serve>>;
 
 beforeAll(async () => {
-  [browser, drive, free] = await Promise.all([launch(), serve("drive"), serve()]);
+  await ravenbrick("build", VEHICLE);
+  const servers = [serve(VEHICLE, "drive"), serve(VEHICLE)] as const;
+  [browser, drive, free] = await Promise.all([launch(), ...servers]);
 });
 
 afterAll(async () => {
@@ -32,30 +36,12 @@ afterAll(async () => {
   await browser?.close();
 });
 
-/** A page that has loaded its brick, with what it asked of the network and complained about. */
-async function open(address: string, options: Parameters<Browser["newContext"]>[0] = {}) {
-  const context: BrowserContext = await browser.newContext({
-    viewport: { width: 1280, height: 900 },
-    ...options,
-  });
-  const page: Page = await context.newPage();
-  page.setDefaultTimeout(90_000);
-  const requests: string[] = [];
-  const complaints: string[] = [];
-  page.on("request", (request) => requests.push(request.url()));
-  page.on("pageerror", (error) => complaints.push(error.message));
-  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
-  await page.goto(address);
-  await page.waitForFunction(() => document.title.includes("–"));
-  return { context, page, requests, complaints };
-}
-
 const status = (page: Page) => page.textContent("#status");
 
 describe("sample: the drive in the tab", () => {
   it("has the digest of the run on this machine, and plays again on it", async () => {
-    const native = await ravenbrick("run", "examples/vehicle", "drive");
-    const { context, page, requests, complaints } = await open(drive.address);
+    const native = await ravenbrick("run", VEHICLE, "drive");
+    const { context, page, requests, complaints } = await open(browser, drive.address);
     await picture(page, "1-ready");
     await page.selectOption("#speed", "2");
     await page.click("#run");
@@ -65,13 +51,11 @@ describe("sample: the drive in the tab", () => {
     expect(await inked(page, "#lcd")).toBeGreaterThan(0.02);
     expect(await inked(page, "#floor-view")).toBeGreaterThan(0.001);
     expect(await inked(page, "#timeline-view")).toBeGreaterThan(0.005);
-    await page.waitForFunction(() =>
-      document.querySelector("#status")?.textContent?.startsWith("Ended (power off)"),
-    { timeout: 90_000 });
+    await says(page, "Ended (power off)");
     await picture(page, "3-ended");
     const saved = await downloaded(page, "#save-run");
     expect((JSON.parse(saved.text) as { digest: string }).digest).toBe(native["trace_digest"]);
-    const replay = ["run", "examples/vehicle", "drive", "--replay", saved.path];
+    const replay = ["run", VEHICLE, "drive", "--replay", saved.path];
     expect((await ravenbrick(...replay))["same_as_replayed"]).toBe(true);
     expect(requests.filter((url) => !url.startsWith(drive.address) && !url.startsWith("blob:")))
       .toEqual([]);
@@ -82,7 +66,7 @@ describe("sample: the drive in the tab", () => {
 
 describe("steering by hand", () => {
   it("drives with the joystick; run, link and inputs are the same run again", async () => {
-    const { context, page } = await open(free.address);
+    const { context, page } = await open(browser, free.address);
     await page.selectOption("#speed", "5");
     await page.keyboard.press("Space");
     await passes(page, 1);
@@ -105,14 +89,13 @@ describe("steering by hand", () => {
     expect(inputs.text).toMatch(/^at_cycles,motor\.A\.hand_angle,touch\.1\n/);
     // The scenario 'drive' has a deviation: an open scenario has the same surroundings.
     const idle = join(ROOT, "out", "page", "idle.toml");
-    const { writeFileSync } = await import("node:fs");
     writeFileSync(
       idle,
       `schema_version = 1\nname = "idle"\nseed = 1\nduration_ms = ${until_ms}\n`,
     );
-    const again = await ravenbrick("run", "examples/vehicle", idle, "--replay", saved.path);
+    const again = await ravenbrick("run", VEHICLE, idle, "--replay", saved.path);
     expect(again["same_as_replayed"]).toBe(true);
-    const fed = await ravenbrick("run", "examples/vehicle", idle, "--stimulus", inputs.path);
+    const fed = await ravenbrick("run", VEHICLE, idle, "--stimulus", inputs.path);
     expect(fed["trace_digest"]).toBe(digest);
 
     await page.click("#save-link");
@@ -123,12 +106,16 @@ describe("steering by hand", () => {
     await other.waitForFunction(() =>
       /same run again|ANOTHER/.test(document.querySelector("#status")?.textContent ?? ""),
     { timeout: 60_000 });
-    expect(await other.textContent("#status")).toBe(`The same run again: trace digest ${digest}`);
+    const same = `The same run again: trace digest ${digest}`;
+    expect(await other.textContent("#status")).toBe(same);
+    await page.click("#reset");
+    await page.setInputFiles("#open", saved.path);
+    await says(page, same);
     await context.close();
   });
 
   it("plugs, presses and breaks things", async () => {
-    const { context, page } = await open(free.address);
+    const { context, page } = await open(browser, free.address);
     await page.selectOption('[aria-label="Sensor at port 4"]', "ultrasonic");
     await page.waitForSelector('[data-input="distance.4"]');
     await page.click("#run");
@@ -150,13 +137,18 @@ describe("steering by hand", () => {
 
 describe("time", () => {
   it("is stepped by instruction, line and job, and keeps to real time", async () => {
-    const { context, page } = await open(drive.address);
+    const { context, page } = await open(browser, drive.address);
     await page.click("#run");
     await page.waitForTimeout(1500);
-    await page.click("#run");
     const rate = await shownTime(page);
     expect(rate).toBeGreaterThan(0.5);
     expect(rate).toBeLessThan(3);
+    await page.selectOption("#speed", "0.1");
+    const slow = await shownTime(page);
+    await page.waitForTimeout(1000);
+    expect((await shownTime(page)) - slow).toBeLessThan(0.3);
+    await page.click("#run");
+    await page.waitForFunction(() => document.querySelector("#run")?.textContent === "Run");
     const places: (string | null)[] = [];
     for (const button of ["#step-i", "#step-i", "#step-l", "#step-j"]) {
       const before = await page.textContent("#time");
@@ -185,7 +177,7 @@ describe("time", () => {
 describe("small and off-line", () => {
   it("fits a phone, in the dark too", async () => {
     const phone = { width: 360, height: 740 };
-    const { context, page } = await open(drive.address, {
+    const { context, page } = await open(browser, drive.address, {
       viewport: phone,
       colorScheme: "dark",
       hasTouch: true,
@@ -200,7 +192,7 @@ describe("small and off-line", () => {
   });
 
   it("works without its server once it was loaded", async () => {
-    const { context, page } = await open(drive.address);
+    const { context, page } = await open(browser, drive.address);
     await page.evaluate(() => navigator.serviceWorker.ready.then(() => undefined));
     // The second visit goes through the service worker and fills its cache.
     await page.reload();
@@ -221,7 +213,7 @@ describe("small and off-line", () => {
     });
     const total = packed.reduce((sum, [, bytes]) => sum + bytes, 0);
     const raw = readdirSync(assets).reduce((sum, n) => sum + statSync(join(assets, n)).size, 0);
-    const { context, page } = await open(drive.address);
+    const { context, page } = await open(browser, drive.address);
     const paint = await page.evaluate(() =>
       performance.getEntriesByName("first-contentful-paint").map((entry) => entry.startTime),
     );

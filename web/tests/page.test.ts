@@ -163,6 +163,71 @@ describe("the joystick", () => {
   });
 });
 
+describe("a gamepad", () => {
+  it("turns the joystick by its stick and presses by its first button, beyond a dead zone", () => {
+    const pad = { axes: [0.05], buttons: [{ pressed: false }] };
+    const value = () => [null, pad];
+    Object.defineProperty(navigator, "getGamepads", { value, configurable: true });
+    try {
+      app.receive(FRAME);
+      expect(inputs()).toEqual([]);
+      pad.axes[0] = -0.5;
+      app.receive(FRAME);
+      app.receive(FRAME);
+      pad.buttons[0] = { pressed: true };
+      app.receive(FRAME);
+      pad.axes[0] = 0;
+      pad.buttons[0] = { pressed: false };
+      app.receive(FRAME);
+    } finally {
+      Object.defineProperty(navigator, "getGamepads", { value: undefined, configurable: true });
+    }
+    expect(inputs()).toEqual([
+      ["motor.A.hand_angle", Math.PI / 4],
+      ["touch.1", 1],
+      ["motor.A.hand_angle", -0],
+      ["touch.1", 0],
+    ]);
+  });
+});
+
+describe("sound", () => {
+  it("is given to the loudspeaker once it is switched on, faster with the speed", () => {
+    const played: [number[], number, number][] = [];
+    class Context {
+      currentTime = 1;
+      destination = {};
+      close = () => Promise.resolve();
+      createBuffer = (_channels: number, length: number, rate: number) => {
+        const samples = new Float32Array(length);
+        return { samples, rate, duration: length / rate, getChannelData: () => samples };
+      };
+      createBufferSource = () => ({
+        buffer: null as ReturnType<Context["createBuffer"]> | null,
+        playbackRate: { value: 1 },
+        connect: () => undefined,
+        start() {
+          played.push([
+            [...(this.buffer?.samples ?? [])],
+            this.buffer?.rate ?? 0,
+            this.playbackRate.value,
+          ]);
+        },
+      });
+    }
+    vi.stubGlobal("AudioContext", Context);
+    const sound = Int16Array.of(16384, -32768);
+    app.receive({ ...FRAME, sound });
+    get("#sound").click();
+    get<HTMLSelectElement>("#speed").value = "2";
+    get("#speed").dispatchEvent(new Event("change"));
+    app.receive({ ...FRAME, sound });
+    app.receive({ ...FRAME, sound: new Int16Array() });
+    vi.unstubAllGlobals();
+    expect(played).toEqual([[[0.5, -1], 336_384 / 7, 2]]);
+  });
+});
+
 describe("the surroundings", () => {
   it("have battery, load and faults to set", () => {
     for (const [name, value] of [

@@ -15,6 +15,7 @@ from threading import Thread
 
 import pytest
 from host.tests.conftest import VEHICLE
+from host.tests.support.gdb_client import talk
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
@@ -42,30 +43,6 @@ pytestmark = [
         not ELF.is_file(), reason="the vehicle is not built; 'ravenbrick build' builds it"
     ),
 ]
-
-QUIET = ("set pagination off", "set confirm off", "set width 0", "set style enabled off")
-MARK = "=== said ==="
-
-
-def talk(command: list[str], commands: tuple[str, ...]) -> list[str]:
-    """Run a program that reads GDB's commands; what GDB said to each."""
-    lines = [*QUIET, f"echo {MARK}\\n"]
-    for line in commands:
-        lines += [line, f"echo {MARK}\\n"]
-    done = subprocess.run(
-        command,
-        input="\n".join([*lines, "kill", "quit"]) + "\n",
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout
-    said = done.stdout.replace("(gdb) ", "").split(MARK)[1:-1]
-    assert len(said) == len(commands), done.stdout
-    return [text.strip() for text in said]
-
 
 def drive() -> tuple[Robot, Scenario, ElfImage]:
     """The vehicle's drive."""

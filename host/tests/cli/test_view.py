@@ -19,9 +19,12 @@ from ravenbrick.cli.app import app
 from ravenbrick.cli.view import page_server
 from ravenbrick.errors import ExitCode
 from ravenbrick.target import virtual
+from ravenbrick.target.bounds_file import image_digest
+from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.run_file import session_of
 from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.workspace import Workspace
 
 
 @pytest.fixture(autouse=True)
@@ -78,6 +81,52 @@ def test_a_folder_for_any_web_server_has_page_session_and_image(
     assert (folder / "image.elf").read_bytes()[:4] == b"\x7fELF"
     assert (folder / "assets" / "brick.wasm").is_file()
     assert call("view", project, "--out", folder)[0] == ExitCode.USAGE
+
+
+def timing_file(project: Path, **changes: Any) -> Path:
+    """Bounds as `ravenbrick analyse` writes them, where it writes them."""
+    image = read_image(Workspace.of(project).image("ram", "vehicle"))
+    tasks = [{"name": "control_task", "response_bound_cycles": 9000}]
+    tasks += [{"name": "display_task", "response_bound_cycles": None}]
+    file = Workspace.of(project).results / "timing.json"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(json.dumps({"image_sha256": image_digest(image), "tasks": tasks} | changes))
+    return file
+
+
+def bounds_in(folder: Path) -> dict[str, int | None]:
+    """The bound of each task of a page."""
+    session = json.loads((folder / "session.json").read_text())
+    return {task["name"]: task["bound_cycles"] for task in session["tasks"]}
+
+
+def test_bounds_of_this_image_go_to_the_page_and_those_of_another_do_not(
+    project: Path, tmp_path: Path
+) -> None:
+    """Without being named where `analyse` left them; named, a wrong one is refused."""
+    bundle(project)
+    assert call("view", project, "--out", tmp_path / "none")[0] == ExitCode.OK
+    assert set(bounds_in(tmp_path / "none").values()) == {None}
+    file = timing_file(project)
+    assert call("view", project, "--out", tmp_path / "own")[0] == ExitCode.OK
+    assert bounds_in(tmp_path / "own")["control_task"] == 9000
+    assert bounds_in(tmp_path / "own")["display_task"] is None
+    timing_file(project, image_sha256="0")
+    assert call("view", project, "--out", tmp_path / "other")[0] == ExitCode.OK
+    assert bounds_in(tmp_path / "other")["control_task"] is None
+    code, answer = call("view", project, "--bounds", file, "--out", tmp_path / "refused")
+    assert (code, "another image" in answer["error"]) == (ExitCode.USAGE, True)
+
+
+@pytest.mark.parametrize("changes", [{"tasks": 5}, {"tasks": [{}]}, {"tasks": [{"name": "x"}]}])
+def test_a_wrong_file_of_bounds_is_named(
+    project: Path, tmp_path: Path, changes: dict[str, Any]
+) -> None:
+    """With its field."""
+    bundle(project)
+    file = timing_file(project, **changes)
+    code, answer = call("view", project, "--bounds", file, "--out", tmp_path / "there")
+    assert (code, str(file) in answer["error"]) == (ExitCode.PROJECT_FILE, True)
 
 
 def test_the_server_gives_the_page_the_project_and_nothing_else(project: Path) -> None:

@@ -60,7 +60,7 @@ export class Timeline implements View {
       "Schedule",
       el("div", { class: "row" }, this.width, el("span", { class: "note" }, legend)),
       this.canvas,
-      el("div", { class: "scrolled" }, table),
+      el("div", { class: "scrolled", role: "region", tabindex: 0, "aria-label": "Tasks" }, table),
       this.note,
     );
   }

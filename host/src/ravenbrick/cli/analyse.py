@@ -14,6 +14,7 @@ from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import play, project_scenarios
 from ravenbrick.errors import UsageError
+from ravenbrick.target.bounds_file import image_digest
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.robot import Robot, read_robot
@@ -131,6 +132,7 @@ def analyse_command(
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
         "scenario": chosen.name,
+        "image_sha256": image_digest(elf),
         **result_of(analysis, observe(robot, recording)),
         "chains": [{**vars(chain), "jitter_cycles": chain.jitter_cycles} for chain in chains],
     }

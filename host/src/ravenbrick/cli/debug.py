@@ -34,6 +34,9 @@ LOOPBACK = "127.0.0.1"
 # GDB keeps registers across a reset that it does not know of.
 RESET = "define reset\nmonitor reset\nmaintenance flush register-cache\nend\n"
 RESET += "document reset\nBegin the run again.\nend\n"
+PROGRAM = "define program\nmonitor program $arg0\nfile $arg0\n"
+PROGRAM += "maintenance flush register-cache\nend\n"
+PROGRAM += "document program\nBegin again with the program of an ELF file.\nend\n"
 
 
 def gdb_command(program: str, elf: Path, port: int, script: Path | None = None) -> list[str]:
@@ -79,7 +82,7 @@ def _with_gdb(brick: Any, elf: Path, port: int) -> int:
     try:
         with tempfile.TemporaryDirectory() as folder:
             script = Path(folder) / "ravenbrick.gdb"
-            script.write_text(RESET)
+            script.write_text(RESET + PROGRAM)
             return subprocess.call(gdb_command(program, elf, told, script))
     finally:
         finished.set()
@@ -113,7 +116,7 @@ def debug_command(
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
     loaded = read_image(elf or Workspace.of(directory).image(image.kind, robot.name))
-    brick = VirtualTarget().prepare(robot, chosen, loaded)
+    brick = VirtualTarget().prepare(robot, chosen, loaded, any_program=True)
     if gdb:
         _with_gdb(brick, loaded.path, port)
     else:

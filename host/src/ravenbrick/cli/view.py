@@ -19,6 +19,7 @@ from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import scenario_or_none, shown_path
 from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.target.bounds_file import own_bounds, read_bounds
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.run_file import session_of
@@ -28,7 +29,7 @@ __all__ = ["page_server", "view_command"]
 
 LOOPBACK = "127.0.0.1"
 TYPES = {".js": "text/javascript", ".wasm": "application/wasm"}
-SESSION, IMAGE = "session.json", "image.elf"
+SESSION, IMAGE, BOUNDS = "session.json", "image.elf", "timing.json"
 # The page needs its own files, its worker, and permission to compile the brick.
 POLICY = (
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
@@ -115,14 +116,26 @@ def view_command(
     ] = None,
     elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
     image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    bounds: Annotated[
+        Path | None,
+        typer.Option(help="timing.json of 'ravenbrick analyse'; the project's unless given."),
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """See and steer the brick in a browser tab; the program runs in the tab itself."""
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
-    loaded = read_image(elf or Workspace.of(directory).image(image.kind, robot.name))
+    workspace = Workspace.of(directory)
+    loaded = read_image(elf or workspace.image(image.kind, robot.name))
     bundle = _bundle()
-    session = session_of(robot, chosen, named=scenario is not None)
+    if bounds is not None:
+        proven = read_bounds(bounds, loaded)
+    else:
+        proven = own_bounds(workspace.results / BOUNDS, loaded)
+    session = session_of(robot, chosen, named=scenario is not None, bounds_cycles=proven)
+    if elf is not None:
+        # Another program has other variables: those of the project that it has are recorded.
+        session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
     own = {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
     reporter = Reporter(json_output)
     if out is not None:
@@ -132,6 +145,8 @@ def view_command(
     with page_server(bundle, own, port) as server:
         address = f"http://{LOOPBACK}:{server.server_port}/"
         reporter.print(f"the brick is at {address}; Ctrl-C ends it")
+        if not proven:
+            reporter.print("no bounds of response times; 'ravenbrick analyse' finds this image's")
         if browser:
             webbrowser.open(address)
         server.serve_forever(poll_interval=0.1)

@@ -9,6 +9,7 @@ were applied, its end, its digest and its image. docs/reference/run-files.md des
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,8 +38,17 @@ class RunFile:
     digest: str
 
 
-def session_of(robot: Robot, scenario: Scenario, named: bool = True) -> dict[str, Any]:
-    """The session that the page loads; `named` false hides a scenario that was made up."""
+def session_of(
+    robot: Robot,
+    scenario: Scenario,
+    named: bool = True,
+    bounds_cycles: Mapping[str, int] | None = None,
+) -> dict[str, Any]:
+    """The session that the page loads; `named` false hides a scenario that was made up.
+
+    `bounds_cycles` are proven response times by the name of the task.
+    """
+    bounds = bounds_cycles or {}
     return {
         "project": robot.name,
         "scenario": scenario.name if named else None,
@@ -47,9 +57,11 @@ def session_of(robot: Robot, scenario: Scenario, named: bool = True) -> dict[str
         "tasks": [
             {
                 "name": task.name,
+                "release": task.release,
                 "period_us": task.period_us,
                 "deadline_us": task.deadline_us,
                 "priority": task.priority,
+                "bound_cycles": bounds.get(task.name),
             }
             for task in robot.tasks
         ],

@@ -101,14 +101,22 @@ class VirtualTarget:
             screens=play.screens(events),
         )
 
-    def prepare(self, robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
-        """A brick with the image and the scenario's inputs, for others to run; errors as `run`."""
-        brick = self._assemble(robot, scenario, image)
+    def prepare(
+        self, robot: Robot, scenario: Scenario, image: ElfImage, any_program: bool = False
+    ) -> Any:
+        """A brick with the image and the scenario's inputs, for others to run; errors as `run`.
+
+        With `any_program` it need not be linked with the run-time: then it has no tasks.
+        """
+        brick = self._assemble(robot, scenario, image, any_program)
         self._schedule(brick, scenario)
-        self._probe(brick, robot, image)
+        if brick.threads_unobserved is None:
+            self._probe(brick, robot, image)
         return brick
 
-    def _assemble(self, robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
+    def _assemble(
+        self, robot: Robot, scenario: Scenario, image: ElfImage, any_program: bool = False
+    ) -> Any:
         fields = brick_configuration(robot, scenario, MASTER_CLOCK)
         configuration = json.dumps({**fields, **self._settings})
         kind = self._module.VirtualBrick
@@ -126,7 +134,7 @@ class VirtualTarget:
                 f"the module 'virtual_brick' has another clock ({brick.clock_hz}); "
                 "run 'make setup' to build the one of this version"
             )
-        if brick.threads_unobserved is not None and not image.bare:
+        if brick.threads_unobserved is not None and not image.bare and not any_program:
             raise ImageFileError(
                 f"{image.path}: its tasks cannot be observed ({brick.threads_unobserved}); "
                 "link it with the project's run-time"

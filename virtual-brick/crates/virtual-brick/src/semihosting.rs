@@ -258,10 +258,10 @@ impl Call<'_> {
         Some(0)
     }
 
-    /// A heap wherever the program has one, a stack from the end of the RAM.
+    /// A heap from wherever the program ends, a stack from the end of the RAM.
     fn heap_information(&mut self) -> Option<u32> {
         let block = self.field(0)?;
-        let fields: [u32; 4] = [0, 0, RAM_END, 0];
+        let fields: [u32; 4] = [0, RAM_END, RAM_END, 0];
         let bytes: Vec<u8> = fields
             .iter()
             .flat_map(|value| value.to_le_bytes())

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+/** The page as axe-core judges it (WCAG 2.2 A and AA, and axe's good practice), and by keyboard. */
+import axe from "axe-core";
+import type { Browser, Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { launch, open, passes, ravenbrick, serve, shownTime, VEHICLE } from "./harness";
+
+let browser: Browser;
+let drive: Awaited<ReturnType<typeof serve>>;
+
+beforeAll(async () => {
+  await ravenbrick("build", VEHICLE);
+  [browser, drive] = await Promise.all([launch(), serve(VEHICLE, "drive")]);
+});
+
+afterAll(async () => {
+  drive?.end();
+  await browser?.close();
+});
+
+/** What axe finds wrong: rule and elements. */
+async function violations(page: Page): Promise<string[]> {
+  await page.evaluate(axe.source);
+  const found = await page.evaluate(async () => {
+    const { axe: judge } = globalThis as unknown as { axe: typeof axe };
+    const { violations } = await judge.run(document);
+    return violations.map(({ id, nodes }) => [id, ...nodes.map((node) => node.html)].join(" | "));
+  });
+  return found;
+}
+
+describe("accessibility", () => {
+  for (const colorScheme of ["light", "dark"] as const) {
+    it(`has no violation at the beginning and while it runs, ${colorScheme}`, async () => {
+      const { context, page } = await open(browser, drive.address, { colorScheme });
+      expect(await violations(page)).toEqual([]);
+      await page.click("#run");
+      await passes(page, 1.2);
+      expect(await violations(page)).toEqual([]);
+      await context.close();
+    });
+  }
+
+  it("has no violation on a phone", async () => {
+    const viewport = { width: 360, height: 740 };
+    const { context, page } = await open(browser, drive.address, { viewport, hasTouch: true });
+    expect(await violations(page)).toEqual([]);
+    await context.close();
+  });
+
+  it("finds what is wrong", async () => {
+    const { context, page } = await open(browser, drive.address);
+    await page.$eval("#run", (button) => button.replaceChildren());
+    await page.$eval("#run", (button) => button.removeAttribute("title"));
+    expect((await violations(page)).join()).toContain("button-name");
+    await context.close();
+  });
+
+  it("is used by keyboard alone: every control is reached, and a drive is made", async () => {
+    const { context, page } = await open(browser, drive.address);
+    const controls = await page.$$eval(
+      "button, input:not([tabindex='-1']), select, [tabindex='0']",
+      (all) => all.filter((one) => one.checkVisibility()).length,
+    );
+    const reached = new Set<string>();
+    for (let step = 0; step < controls; step += 1) {
+      await page.keyboard.press("Tab");
+      reached.add(
+        await page.evaluate(() => {
+          const all = [...document.querySelectorAll("*")];
+          return String(all.indexOf(document.activeElement ?? document.body));
+        }),
+      );
+    }
+    expect(reached.size).toBe(controls);
+    await page.focus("#run");
+    await page.keyboard.press("Enter");
+    await passes(page, 1);
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => document.querySelector("#run")?.textContent === "Run");
+    expect(await shownTime(page)).toBeGreaterThan(1);
+    await context.close();
+  });
+});

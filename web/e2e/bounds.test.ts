@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+/** Jobs on the page against the bounds that `ravenbrick analyse` proved. */
+import type { Browser, Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import { launch, open, passes, picture, ravenbrick, says, serve, VEHICLE } from "./harness";
+
+interface Analysed {
+  tasks: { name: string; response_bound_cycles: number }[];
+}
+
+interface Session {
+  tasks: { bound_cycles: number | null }[];
+}
+
+let browser: Browser;
+let drive: Awaited<ReturnType<typeof serve>>;
+let bounds: Analysed["tasks"];
+
+beforeAll(async () => {
+  await ravenbrick("build", VEHICLE);
+  const analysed = await ravenbrick("analyse", VEHICLE, "--scenario", "drive");
+  bounds = (analysed as unknown as Analysed).tasks;
+  [browser, drive] = await Promise.all([launch(), serve(VEHICLE, "drive")]);
+}, 240_000);
+
+afterAll(async () => {
+  drive?.end();
+  await browser?.close();
+});
+
+/** The cells of a task's row. */
+const row = (page: Page, task: string) =>
+  page.$eval(`[data-task="${task}"]`, (element) => ({
+    missed: element.className === "missed",
+    cells: [...element.querySelectorAll("td")].map((cell) => cell.textContent ?? ""),
+  }));
+
+describe("response times", () => {
+  it("stay below their bounds through the whole drive", async () => {
+    const { context, page } = await open(browser, drive.address);
+    await page.selectOption('[aria-label="Width of the schedule"]', "10");
+    await page.click("#run");
+    await passes(page, 4);
+    await page.click("#run");
+    await picture(page, "8-bounds");
+    await page.selectOption("#speed", "Infinity");
+    await page.click("#run");
+    await says(page, "Ended (power off)");
+    for (const { name, response_bound_cycles } of bounds) {
+      const { missed, cells } = await row(page, name);
+      const [, , , , misses, bound, share] = cells;
+      expect([missed, misses]).toEqual([false, "0"]);
+      const us = (response_bound_cycles * 7e3) / 336_384;
+      expect(bound).toBe(`${us.toFixed(0)} µs`);
+      expect(Number.parseFloat(share ?? "")).toBeGreaterThan(20);
+      expect(Number.parseFloat(share ?? "")).toBeLessThanOrEqual(100);
+    }
+    await context.close();
+  });
+
+  it("above their bound are shown as such", async () => {
+    const { context, page } = await open(browser, drive.address, {}, async (made) => {
+      await made.route("**/session.json", async (route) => {
+        const answer = await route.fetch();
+        const session = (await answer.json()) as Session;
+        for (const task of session.tasks) task.bound_cycles = 2000;
+        await route.fulfill({ response: answer, json: session });
+      });
+    });
+    await page.selectOption("#speed", "5");
+    await page.click("#run");
+    await passes(page, 3);
+    await page.click("#run");
+    const { missed, cells } = await row(page, "control_task");
+    expect([missed, cells[4]]).toEqual([true, "0"]);
+    expect(Number.parseFloat(cells[6] ?? "")).toBeGreaterThan(100);
+    await picture(page, "9-beyond-bounds");
+    await context.close();
+  });
+});
