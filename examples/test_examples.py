@@ -74,6 +74,20 @@ def test_a_scenario_meets_its_criteria(example: str, scenario: str) -> None:
 
 
 @pytest.mark.skipif(
+    "RAVENBRICK_LONG" not in os.environ, reason="bounds every path of a job: make conformance"
+)
+def test_the_telemetry_is_part_of_the_schedulability_report() -> None:
+    """The server's job and response have bounds, not below what was seen, and all is in time."""
+    ravenbrick("build", str(EXAMPLES / "motor-bench"))
+    answer = ravenbrick("analyse", str(EXAMPLES / "motor-bench"), "--scenario", "step")
+    assert answer["schedulable"]
+    talker = next(task for task in answer["tasks"] if task["name"] == "talker")
+    seen = talker["observed"]
+    assert 0 < seen["execution_cycles"] <= talker["execution_bound_cycles"]
+    assert 0 < seen["response_cycles"] <= talker["response_bound_cycles"]
+
+
+@pytest.mark.skipif(
     "RAVENBRICK_LONG" not in os.environ, reason="a minute on the brick: make conformance"
 )
 def test_the_balancer_stands_for_a_minute_under_pushes() -> None:

@@ -2,22 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cycles that the drivers' operations and interrupts take, measured on the virtual brick.
 
-`python -m drivers.tests.cost_table <elf of costs> <elf of more_costs> <file>` writes the table as
-Markdown, and the figures as JSON beside it.
+`python -m drivers.tests.cost_table <elf of costs> <elf of more_costs> <elf of telemetry_costs>
+<file>` writes the table as Markdown, and the figures as JSON beside it.
 """
 
 from __future__ import annotations
 
 import bisect
+import io
 import json
 import struct
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 import virtual_brick
+from elftools.elf.elffile import ELFFile
+from ravenbrick.target.peers import BluetoothComputer
+from ravenbrick.telemetry import Session
 
 from drivers.tests.observe import CLOCK_DENOMINATOR, CLOCK_NUMERATOR, Brick, bench
 
@@ -50,6 +55,21 @@ MORE_OPERATIONS = [
     "`Parameters.Store.Load`",
     "nothing",
 ]
+TELEMETRY_OPERATIONS = [
+    "nothing",
+    "`Telemetry.Publish`, 1 value",
+    "`Telemetry.Publish`, 4 values",
+    "`Telemetry.Publish`, 8 values",
+    "`Telemetry.Current`",
+    "nothing",
+]
+TELEMETRY_PARTS = {
+    "queue, names, protocol": ("nxt__telemetry__", "nxt__frames__"),
+    "server of a program": ("cost_link__server__",),
+    "driver of Bluetooth": ("nxt__bluetooth",),
+}
+SAMPLE_BYTES = 12
+LINK_MS = 1_500
 SOURCES = {
     2: "motor edges (PIOA)",
     5: "display (SPI)",
@@ -60,7 +80,8 @@ SOURCES = {
 SOURCES |= {12: "alarm of the run-time (TC0)", 13: "sensor buses (TC1)"}
 PERIOD_CYCLES = 100 * CLOCK_NUMERATOR // (CLOCK_DENOMINATOR * 1000)
 END_MS = 2_500
-TASKS = {"coprocessor_task": 2.0, "regulator_task": 4.0}
+TELEMETRY_END_MS = 3_500
+TASKS = {"coprocessor_task": 2.0, "regulator_task": 4.0, "talker": 10.0}
 MAIN = 0
 MASK_SYMBOL = "ravenbrick__interrupts__masked"
 STEP_CYCLES = 4
@@ -116,6 +137,17 @@ def start(elf: bytes) -> Brick:
     return brick
 
 
+def start_with_host(elf: bytes) -> Brick:
+    """A brick with a host that listens to its telemetry."""
+    brick = start(elf)
+    brick.run(LINK_MS)
+    computer = BluetoothComputer(brick.device, pin="1234")
+    computer.connect(timeout_ms=1000)
+    brick.device.run_until(brick.device.cycles + brick.cycles(50))
+    computer.write(Session().connected(0.0))
+    return brick
+
+
 def observe(brick: Brick) -> Run:
     """The run from its events. A handler is (start, end, source, cycles of its own)."""
     kinds = brick.device.event_kinds()
@@ -166,9 +198,8 @@ def handler_cycles(run: Run, window: Span, sources: set[int]) -> int:
     return sum(own for _, _, source, own in begun_in(run, window) if source in sources)
 
 
-def longest_masking(elf: bytes, window: Span) -> int:
+def longest_masking(brick: Brick, window: Span) -> int:
     """Longest time in the begin of a window in which the kernel holds interrupts back."""
-    brick = start(elf)
     device = brick.device
     device.run_until(window[0])
     address, size = device.symbol(MASK_SYMBOL)
@@ -198,11 +229,14 @@ def longest_job(run: Run, thread: int, period_ms: float, window: Span) -> int:
 
 
 def measure(
-    elf: bytes, names: list[str] = OPERATIONS
+    elf: bytes,
+    names: list[str] = OPERATIONS,
+    begin: Callable[[bytes], Brick] = start,
+    end_ms: float = END_MS,
 ) -> tuple[list[Operation], list[Interrupt], list[Task]]:
-    """Operations, interrupts and the drivers' own tasks."""
-    brick = start(elf)
-    brick.run(END_MS)
+    """Operations, interrupts and the drivers' own tasks; `begin` sets the surroundings up."""
+    brick = begin(elf)
+    brick.run(end_ms)
     assert brick.integer("operations") == len(names)
     run = observe(brick)
     caused = {5, 6, 8, 13}
@@ -213,7 +247,7 @@ def measure(
             name,
             thread_cycles(run, MAIN, window) - empty,
             handler_cycles(run, window, caused),
-            longest_masking(elf, window),
+            longest_masking(begin(elf), window),
         )
         for name, window in zip(names, spans, strict=True)
     ]
@@ -233,15 +267,41 @@ def measure(
     return operations, interrupts, tasks
 
 
-def figures(elf: bytes, more: bytes) -> dict[str, Any]:
-    """All figures of both programs by name, in cycles, for programs that reckon with them."""
-    operations, interrupts, tasks = measure(elf)
-    others, other_interrupts, other_tasks = measure(more, MORE_OPERATIONS)
-    operations = operations[1:-1] + others[1:-1]
-    known = {row.name for row in interrupts}
-    interrupts += [row for row in other_interrupts if row.name not in known]
-    tasks += [row for row in other_tasks if row.name not in {task.name for task in tasks}]
+def telemetry_memory(elf: bytes) -> list[dict[str, Any]]:
+    """Bytes of code and of data of the telemetry's parts, from the sizes of their symbols."""
+    symbols = ELFFile(io.BytesIO(elf)).get_section_by_name(".symtab")
+    rows = []
+    for part, beginnings in TELEMETRY_PARTS.items():
+        own = [s for s in symbols.iter_symbols() if s.name.startswith(beginnings)]
+        kinds = {"STT_FUNC": 0, "STT_OBJECT": 0}
+        for address, size, kind in {
+            (s["st_value"], s["st_size"], s["st_info"]["type"]) for s in own
+        }:
+            if kind in kinds and address:
+                kinds[kind] += size
+        rows.append(
+            {"name": part, "code_bytes": kinds["STT_FUNC"], "data_bytes": kinds["STT_OBJECT"]}
+        )
+    return rows
+
+
+def figures(elf: bytes, more: bytes, telemetry: bytes) -> dict[str, Any]:
+    """All figures of the programs by name, in cycles, for programs that reckon with them."""
+    measured = [
+        measure(elf),
+        measure(more, MORE_OPERATIONS),
+        measure(telemetry, TELEMETRY_OPERATIONS, start_with_host, TELEMETRY_END_MS),
+    ]
+    operations, interrupts, tasks = [], [], []
+    for rows, new_interrupts, new_tasks in measured:
+        operations += rows[1:-1]
+        interrupts += [r for r in new_interrupts if r.name not in {i.name for i in interrupts}]
+        tasks += [r for r in new_tasks if r.name not in {t.name for t in tasks}]
     return {
+        "telemetry": {
+            "memory": telemetry_memory(telemetry),
+            "sample_bytes": {"fixed": SAMPLE_BYTES, "per_value": 4},
+        },
         "clock_hz": [CLOCK_NUMERATOR, CLOCK_DENOMINATOR],
         "operations": [
             {
@@ -314,12 +374,32 @@ def table(known: dict[str, Any]) -> str:
         f"| `{row['name']}` | {row['period_ms']:g} | {row['longest_cycles']} |"
         for row in known["tasks"]
     ]
-    return "\n".join([*lines, ""])
+    return "\n".join([*lines, *telemetry_lines(known["telemetry"]), ""])
 
 
-def main(elf: Path, more: Path, page: Path) -> None:
+def telemetry_lines(known: dict[str, Any]) -> list[str]:
+    """The page's part on telemetry."""
+    line = known["sample_bytes"]
+    rows = [
+        f"| {row['name']} | {row['code_bytes']} | {row['data_bytes']} |" for row in known["memory"]
+    ]
+    return [
+        "",
+        "`talker` is the server of the telemetry over Bluetooth while a host listens and samples go",
+        "out.",
+        "",
+        "| Telemetry | Code, bytes | Data, bytes |",
+        "|---|---:|---:|",
+        *rows,
+        "",
+        "The server's data contains its stack of 2048 bytes. On the line a sample of *n* values has",
+        f"{line['fixed']} + {line['per_value']} *n* bytes, frame included.",
+    ]
+
+
+def main(elf: Path, more: Path, telemetry: Path, page: Path) -> None:
     """Write the page, and the figures beside it."""
-    known = figures(elf.read_bytes(), more.read_bytes())
+    known = figures(elf.read_bytes(), more.read_bytes(), telemetry.read_bytes())
     page.write_text(table(known), encoding="utf-8")
     text = json.dumps(known, indent=1) + "\n"
     page.with_suffix(".json").write_text(text, encoding="utf-8")

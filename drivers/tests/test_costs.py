@@ -6,7 +6,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from drivers.tests.cost_table import MORE_OPERATIONS, measure
+from ravenbrick.telemetry.frames import frame
+from ravenbrick.telemetry.messages import Sample, encode
+
+from drivers.tests.cost_table import (
+    MORE_OPERATIONS,
+    SAMPLE_BYTES,
+    TELEMETRY_END_MS,
+    TELEMETRY_OPERATIONS,
+    measure,
+    start_with_host,
+    telemetry_memory,
+)
 
 CYCLES_PER_MS = 48_055
 READINGS = ("Encoder_Count", "Pressed", "Raw_Input", "Light_Value", "Sound_Level", "Voltage")
@@ -38,3 +49,25 @@ def test_the_other_drivers_are_short_too(image: Callable[[str, str], bytes]) -> 
     assert {row.name for row in interrupts} >= {"RS485 (USART0)"}
     longest = {task.name: task.longest for task in tasks}
     assert 0 < longest["regulator_task"] < CYCLES_PER_MS // 2
+
+
+def test_telemetry_is_cheap_where_it_is_published(image: Callable[[str, str], bytes]) -> None:
+    """While a host listens: 8 values in 20 us, a parameter in 1 us, the server below 1 ms a job."""
+    elf = image("telemetry_costs", "ram")
+    operations, _, tasks = measure(elf, TELEMETRY_OPERATIONS, start_with_host, TELEMETRY_END_MS)
+    one, four, eight, current = operations[1:-1]
+    assert 0 < one.task < four.task < eight.task < CYCLES_PER_MS // 50
+    assert eight.masked < CYCLES_PER_MS // 50
+    assert 0 < current.task < CYCLES_PER_MS // 1000
+    assert 0 < {task.name: task.longest for task in tasks}["talker"] < CYCLES_PER_MS
+    memory = telemetry_memory(elf)
+    assert all(row["code_bytes"] > 0 and row["data_bytes"] > 0 for row in memory)
+    assert sum(row["code_bytes"] + row["data_bytes"] for row in memory) < 16_384
+
+
+def test_the_bytes_of_a_sample_are_those_of_the_page() -> None:
+    """Frame included, for one value and for eight."""
+    for count in (1, 8):
+        words = (b"\1\2\3\4",) * count
+        line = frame(encode(Sample(1, 7, 9, words)))
+        assert len(line) == SAMPLE_BYTES + 4 * count

@@ -30,6 +30,9 @@ package Live with Elaborate_Body is
    --  Volts and degrees.
 
    package Server is new NXT.Telemetry.Bluetooth_Server
-     (Program_Name => "motor-bench", Priority => System.Priority'First, Stack_Bytes => 1_024);
+     (Program_Name => "motor-bench",
+      Priority     => System.Priority'First,
+      Period_Ms    => 20,
+      Stack_Bytes  => 1_024);
 
 end Live;

@@ -37,9 +37,9 @@ from ravenbrick.timing.kernel import (
 )
 from ravenbrick.timing.started import (
     ALARM_SOURCE,
-    INITIALIZERS,
     ProtectedObject,
     attached_handlers,
+    initializers,
     protected_objects,
 )
 from ravenbrick.trace.interrupts import source_name
@@ -252,7 +252,7 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     """
     entries = ("entries", entry_facts(image))
     elaborated = execution_times(
-        image.content, root="adainit", callees=INITIALIZERS, annotations=[entries]
+        image.content, root="adainit", callees=initializers(image), annotations=[entries]
     )
     objects = protected_objects(image, elaborated.calls)
     tasks = _timed_tasks(robot)

@@ -20,10 +20,10 @@ from ravenbrick.timing.bounds import Call
 __all__ = [
     "ALARM_SOURCE",
     "FIRST_INTERRUPT_PRIORITY",
-    "INITIALIZERS",
     "Handler",
     "ProtectedObject",
     "attached_handlers",
+    "initializers",
     "object_words",
     "protected_objects",
 ]
@@ -37,6 +37,7 @@ PRIORITY_LAST = 30
 INITIALIZER = "system__tasking__protected_objects__initialize_protection"
 ENTRY_INITIALIZER = "system__tasking__protected_objects__single_entry__initialize_protection_entry"
 INITIALIZERS = (INITIALIZER, ENTRY_INITIALIZER)
+VENEERS = ("_from_thumb", "_from_arm")
 CODE_OFFSET = 20
 
 
@@ -91,11 +92,24 @@ def _name_of(image: ElfImage, address: int) -> str:
     return next(inside, f"0x{address:08x}")
 
 
+def initializers(image: ElfImage) -> tuple[str, ...]:
+    """What sets up protected objects, and the linker's veneers to it from the other code state."""
+    veneers = (f"__{name}{suffix}" for name in INITIALIZERS for suffix in VENEERS)
+    return (*INITIALIZERS, *(name for name in veneers if name in image.symbols))
+
+
+def _behind_veneer(name: str) -> str:
+    for suffix in VENEERS:
+        if name.startswith("__") and name.endswith(suffix):
+            return name[2:].removesuffix(suffix)
+    return name
+
+
 def protected_objects(image: ElfImage, calls: Sequence[Call]) -> tuple[ProtectedObject, ...]:
-    """Protected objects from the calls of `INITIALIZERS`."""
+    """Protected objects from the calls of `initializers`."""
     found = []
     for call in calls:
-        if call.caller == ENTRY_INITIALIZER:
+        if _behind_veneer(call.caller) in INITIALIZERS:
             continue
         address, ceiling, _, code = call.arguments
         if address is None or ceiling is None:
@@ -105,7 +119,7 @@ def protected_objects(image: ElfImage, calls: Sequence[Call]) -> tuple[Protected
             )
         if ceiling == 0xFFFF_FFFF:
             ceiling = PRIORITY_LAST
-        entry = (code or 0) if call.callee == ENTRY_INITIALIZER else 0
+        entry = (code or 0) if _behind_veneer(call.callee) == ENTRY_INITIALIZER else 0
         found.append(ProtectedObject(_name_of(image, address), address, ceiling, entry))
     return tuple(sorted(set(found), key=lambda item: item.address))
 

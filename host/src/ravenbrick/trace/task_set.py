@@ -16,7 +16,11 @@ PERIOD_TOLERANCE_US = 1.0
 
 
 def _observed_period_us(recording: Recording, thread: int) -> float | None:
+    """In the run's second half when there are enough releases: a task may begin by setting up."""
     releases = [job.release_cycles for job in jobs_of(recording, thread)][1:]
+    late = [release for release in releases if 2 * release >= recording.stop.at_cycles]
+    if len(late) >= 3:
+        releases = late
     if len(releases) < 3:
         return None
     return 1e6 * float(np.median(np.diff(releases))) / float(recording.clock.hertz)
