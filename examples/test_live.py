@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from ravenbrick.cli import app
 from ravenbrick.target.byte_ports import open_port
+from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
 from ravenbrick.target.robot import read_robot
@@ -22,7 +23,8 @@ from ravenbrick.telemetry.steps import live_steps
 from typer.testing import CliRunner
 
 BENCH = Path(__file__).resolve().parent / "motor-bench"
-SECONDS = 3.0
+LONGEST_S = 60.0
+SETTLED_S = 1.5
 
 
 @pytest.fixture(scope="module")
@@ -58,8 +60,16 @@ def test_a_monitored_run_plays_again(image: Any, tmp_path: Path, kind: str) -> N
     listener = threading.Thread(target=listen)
     listener.start()
     brick = prepared(image)
+    changed_at: list[int] = []
+
+    def settled() -> bool:
+        """The set-point was accepted, and the speed had time to follow it."""
+        if not changed_at and len(session.answers) >= 2:
+            changed_at.append(brick.cycles)
+        return bool(changed_at) and MASTER_CLOCK.seconds(brick.cycles - changed_at[0]) > SETTLED_S
+
     try:
-        stopped = LiveRun(brick, port, record, "1234").run(SECONDS)
+        stopped = LiveRun(brick, port, record, "1234").run(LONGEST_S, settled)
     finally:
         finished.set()
         listener.join()

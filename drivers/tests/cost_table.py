@@ -385,15 +385,15 @@ def telemetry_lines(known: dict[str, Any]) -> list[str]:
     ]
     return [
         "",
-        "`talker` is the server of the telemetry over Bluetooth while a host listens and samples go",
-        "out.",
+        "`talker` is the server of the telemetry over Bluetooth while a host listens and samples",
+        "go out.",
         "",
         "| Telemetry | Code, bytes | Data, bytes |",
         "|---|---:|---:|",
         *rows,
         "",
-        "The server's data contains its stack of 2048 bytes. On the line a sample of *n* values has",
-        f"{line['fixed']} + {line['per_value']} *n* bytes, frame included.",
+        "The server's data contains its stack of 2048 bytes. On the line a sample of *n* values",
+        f"has {line['fixed']} + {line['per_value']} *n* bytes, frame included.",
     ]
 
 
