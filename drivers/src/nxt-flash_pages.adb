@@ -12,7 +12,8 @@ package body NXT.Flash_Pages is
 
    Controller : Registers.EFC.Peripheral renames Registers.EFC.EFC;
 
-   --  A page with erasing takes 6 ms, a lock bit 3 ms (datasheet, flash characteristics)
+   --  A page with erasing takes 6 ms, a lock or general purpose bit 3 ms (datasheet, flash
+   --  characteristics)
    Page_Time : constant Time_Span := Milliseconds (7);
    Lock_Time : constant Time_Span := Milliseconds (4);
 
@@ -78,5 +79,15 @@ package body NXT.Flash_Pages is
       Perform (Write_Page or Place, Page_Time);
       Done := Flash_Pages.Content (Page) = Content;
    end Program;
+
+   function Bit_Is_Set (Number : Bit_Id) return Boolean is
+     (Has (Controller.Status, Bit (First_Bit + Number)));
+
+   procedure Set_Bit (Number : Bit_Id) is
+   begin
+      if not Bit_Is_Set (Number) then
+         Perform (Registers.EFC.Set_Bit or Word (Number) * 2 ** Page_Place, Lock_Time);
+      end if;
+   end Set_Bit;
 
 end NXT.Flash_Pages;

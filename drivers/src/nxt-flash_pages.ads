@@ -19,4 +19,12 @@ private package NXT.Flash_Pages is
    --  Erase and program a page, unlocking its region if needed, and compare. Delays the caller by
    --  7 ms, 11 ms with unlocking; an image in flash is held for 6 and 9 ms. By one task at a time.
 
+   subtype Bit_Id is Natural range 0 .. 1;
+
+   function Bit_Is_Set (Number : Bit_Id) return Boolean;
+
+   procedure Set_Bit (Number : Bit_Id);
+   --  A general purpose bit, which outlives the program: delays the caller by 4 ms unless it is
+   --  set already; an image in flash is held for 3 ms. By the task that programs pages.
+
 end NXT.Flash_Pages;

@@ -2,6 +2,8 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with NXT.AVR;
+with NXT.Flash_Pages;
+with NXT.Registers.EFC;
 with NXT.Registers.RSTC;  use NXT.Registers, NXT.Registers.RSTC;
 
 package body NXT.Power is
@@ -19,6 +21,12 @@ package body NXT.Power is
          when others => return Power_On;
       end case;
    end Last_Reset;
+
+   procedure Reset_At_Brown_Out is
+   begin
+      Flash_Pages.Set_Bit (Registers.EFC.Reset_At_Brown_Out);
+      Flash_Pages.Set_Bit (Registers.EFC.Detect_Brown_Out);
+   end Reset_At_Brown_Out;
 
    procedure Switch_Off is
    begin

@@ -11,6 +11,11 @@ package NXT.Power is
    function Last_Reset return Reset_Cause;
    --  Why the processor started last; after a RAM image was loaded, why the boot monitor did.
 
+   procedure Reset_At_Brown_Out;
+   --  From now on, and in every program after this one, the processor is reset and held while its
+   --  supply is too low to rely on, in place of going on with it. Two bits of the flash memory keep
+   --  that: the first call delays the caller by 8 ms, see NXT.Flash_Pages, later ones by nothing.
+
    procedure Switch_Off;
    --  Stop the motors and switch the brick off, within a few periods of the link to the
    --  co-processor. There is no way back.

@@ -25,12 +25,20 @@ package NXT.Registers.EFC is
    --  Command: key, page number from bit 8 on, what to do
    Write_Page   : constant Word := 16#5A00_0001#;
    Clear_Lock   : constant Word := 16#5A00_0004#;
+   Set_Bit      : constant Word := 16#5A00_000B#;
+   --  With the number of a general purpose bit in the place of the page.
    Page_Place   : constant := 8;
 
    --  Status
    Ready      : constant Word := Bit (0);
    First_Lock : constant := 16;
    --  Number of the bit of the first lock region.
+   First_Bit  : constant := 8;
+   --  Number of the first general purpose bit.
+
+   --  General purpose bits
+   Detect_Brown_Out   : constant := 0;
+   Reset_At_Brown_Out : constant := 1;
 
    Start_Address : constant := 16#0010_0000#;
    Page_Length   : constant := 256;

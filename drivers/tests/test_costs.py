@@ -4,57 +4,109 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable
+
+import pytest
 
 from ravenbrick.telemetry.frames import frame
 from ravenbrick.telemetry.messages import Sample, encode
 
+from drivers.tests.conftest import ROOT
 from drivers.tests.cost_table import (
-    MORE_OPERATIONS,
+    PROGRAMS,
     SAMPLE_BYTES,
-    TELEMETRY_END_MS,
-    TELEMETRY_OPERATIONS,
+    TELEMETRY,
+    Interrupt,
+    Operation,
+    Task,
     measure,
-    start_with_host,
+    table,
     telemetry_memory,
 )
 
 CYCLES_PER_MS = 48_055
-READINGS = ("Encoder_Count", "Pressed", "Raw_Input", "Light_Value", "Sound_Level", "Voltage")
+SHORT = CYCLES_PER_MS // 50
+READINGS = (
+    "Encoder_Count",
+    "Pressed",
+    "Raw_Input",
+    "Light_Value",
+    "Sound_Level",
+    "Voltage",
+    "Current_Button",
+    "Last_Reset",
+    "Convert",
+    "Publish",
+)
+SUSPENDING = {
+    "`Ultrasonic_Sensors.Measure`",
+    "`Color_Sensors.Measure`",
+    "`Parameters.Store.Save`",
+    "`Brick_Name.Set_Name`",
+    "`Power.Reset_At_Brown_Out`",
+}
+WAITS_FOR_FLASH = "nxt-flash_pages.adb"
+EMPTY_LOOP = re.compile(r"\bloop\s+(?:null;\s*|exit when[^;]*;\s*)?end loop")
+PAGE = ROOT / "docs" / "reference" / "driver-costs.md"
+
+Measured = tuple[list[Operation], list[Interrupt], list[Task]]
 
 
-def test_no_operation_polls_and_readings_are_short(image: Callable[[str, str], bytes]) -> None:
-    """The longest operation takes less than 1 ms of its task, a reading less than 20 us."""
-    operations, interrupts, tasks = measure(image("costs", "ram"))
+@pytest.fixture(scope="module", params=PROGRAMS, ids=lambda program: program.name)
+def measured(request: pytest.FixtureRequest, image: Callable[[str, str], bytes]) -> Measured:
+    """What a program's run gives."""
+    return measure(request.param, image(request.param.name, "ram"))
+
+
+def test_operations_are_short(measured: Measured) -> None:
+    """Less than 1 ms of its task for any, 20 us for a reading, 50 us of masking."""
+    operations, interrupts, tasks = measured
     for row in operations[1:-1]:
         assert 0 < row.task < CYCLES_PER_MS, row
         assert row.masked < CYCLES_PER_MS // 20, row
         if any(name in row.name for name in READINGS):
-            assert row.task < CYCLES_PER_MS // 50, row
-    by_name = {row.name: row for row in interrupts}
-    assert by_name["co-processor (TWI)"].longest < 22 * CYCLES_PER_MS // 1000
-    assert by_name["sensor buses (TC1)"].longest < 52 * CYCLES_PER_MS // 1000
+            assert row.task < SHORT, row
     assert abs(operations[-1].task) < 50
-    assert [task.name for task in tasks] == ["coprocessor_task"]
-    assert 0 < tasks[0].longest < CYCLES_PER_MS // 10
-
-
-def test_the_other_drivers_are_short_too(image: Callable[[str, str], bytes]) -> None:
-    """A line of 100 pixels takes less than 1 ms, all else 0.2 ms; three regulators 0.5 ms."""
-    operations, interrupts, tasks = measure(image("more_costs", "ram"), MORE_OPERATIONS)
-    for row in operations[1:-1]:
-        limit = CYCLES_PER_MS if "Draw_Line" in row.name else CYCLES_PER_MS // 5
-        assert 0 < row.task < limit, row
-        assert row.masked < CYCLES_PER_MS // 20, row
-    assert {row.name for row in interrupts} >= {"RS485 (USART0)"}
+    limits = {"co-processor (TWI)": 22, "sensor buses (TC1)": 52, "colour sensors (TC2)": 40}
+    for row in interrupts:
+        assert row.longest < limits.get(row.name, 1_000) * CYCLES_PER_MS // 1_000, row
     longest = {task.name: task.longest for task in tasks}
-    assert 0 < longest["regulator_task"] < CYCLES_PER_MS // 2
+    assert 0 < longest["coprocessor_task"] < CYCLES_PER_MS // 10
+    assert longest.get("regulator_task", 1) < CYCLES_PER_MS // 2
+
+
+def test_no_operation_polls(measured: Measured) -> None:
+    """One that lasts longer than its own time is suspended: the processor is free meanwhile."""
+    for row in measured[0][1:-1]:
+        suspended = row.returns_after - row.task - row.interrupts
+        if row.name in SUSPENDING:
+            assert suspended > 4 * row.task, row
+        else:
+            assert row.returns_after < row.task + SHORT, row
+
+
+def test_no_loop_waits_for_a_register() -> None:
+    """Only the command to the flash memory does, in an image that lies there."""
+    sources = (ROOT / "drivers" / "src").glob("*.adb")
+    waiting = {path.name for path in sources if EMPTY_LOOP.search(path.read_text())}
+    assert waiting == {WAITS_FOR_FLASH}
+
+
+def test_the_page_is_that_of_the_figures() -> None:
+    """Page and figures are written together; each driver of the list has a row."""
+    known = json.loads(PAGE.with_suffix(".json").read_text(encoding="utf-8"))
+    assert table(known) == PAGE.read_text(encoding="utf-8")
+    rows = [name.strip("`") for p in PROGRAMS for name in p.operations[1:-1] if name]
+    assert [row["name"] for row in known["operations"]] == [n.replace("`", "") for n in rows]
 
 
 def test_telemetry_is_cheap_where_it_is_published(image: Callable[[str, str], bytes]) -> None:
     """While a host listens: 8 values in 20 us, a parameter in 1 us, the server below 1 ms a job."""
     elf = image("telemetry_costs", "ram")
-    operations, _, tasks = measure(elf, TELEMETRY_OPERATIONS, start_with_host, TELEMETRY_END_MS)
+    program = next(program for program in PROGRAMS if program.name == TELEMETRY)
+    operations, _, tasks = measure(program, elf)
     one, four, eight, current = operations[1:-1]
     assert 0 < one.task < four.task < eight.task < CYCLES_PER_MS // 50
     assert eight.masked < CYCLES_PER_MS // 50

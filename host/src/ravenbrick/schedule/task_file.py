@@ -12,6 +12,7 @@ from typing import Any
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.schedule.assignment import audsley, deadline_monotonic, rate_monotonic
+from ravenbrick.schedule.driver_costs import CostError, DriverCosts, read_driver_costs
 from ravenbrick.schedule.located_json import read_json
 from ravenbrick.schedule.model import (
     NO_OVERHEADS,
@@ -29,7 +30,16 @@ __all__ = ["TaskFile", "read_task_file"]
 
 SCHEMA_VERSION = 1
 ASSIGNMENTS = ("declared", "rate_monotonic", "deadline_monotonic", "audsley")
-_ROOT = ("schema_version", "name", "unit", "priorities", "overheads", "tasks")
+_ROOT = (
+    "schema_version",
+    "name",
+    "unit",
+    "priorities",
+    "driver_costs",
+    "driver_tasks",
+    "overheads",
+    "tasks",
+)
 _TASK = (
     "name",
     "description",
@@ -43,6 +53,7 @@ _TASK = (
     "phase",
     "blocking",
     "sections",
+    "operations",
 )
 _SECTION = ("resource", "duration", "start")
 _PRIORITY_LIMIT = 10**6
@@ -202,6 +213,48 @@ def _unique_names(tables: list[_Table]) -> None:
         seen.add(name)
 
 
+def _counts(table: _Table) -> dict[str, int]:
+    """How often each job calls operations of the drivers."""
+    counts = table.table("operations")
+    return {name: counts.whole(name, _PRIORITY_LIMIT) for name in counts.values}
+
+
+def _driver_costs(root: _Table, rule: str) -> DriverCosts:
+    if rule != "declared":
+        raise root.error(
+            "driver_costs", "needs priorities that are declared; add them to the tasks"
+        )
+    file = root.document.path.parent / root.text("driver_costs")
+    try:
+        return read_driver_costs(file, root.text("unit", "ms"))
+    except CostError as error:
+        raise root.error("driver_costs", str(error)) from None
+
+
+def _with_drivers(
+    root: _Table, costs: DriverCosts, tasks: list[Task], overheads: Overheads
+) -> tuple[list[Task], Overheads]:
+    """The tasks with what their operations cost; drivers' tasks above them, interrupts on top."""
+    names = root.values.get("driver_tasks", [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise root.error("driver_tasks", f"is {names!r}; expected a list of names")
+    top = max(task.priority for task in tasks)
+    found: list[Task] = []
+    used: set[str] = set()
+    for table, task in zip(root.tables("tasks"), tasks, strict=True):
+        counts = _counts(table)
+        used |= set(counts)
+        try:
+            found += costs.charged(task, counts, top + len(names) + 1)
+        except CostError as error:
+            raise table.error("operations", str(error)) from None
+    try:
+        found += [costs.driver_task(n, top + len(names) - i) for i, n in enumerate(names)]
+    except CostError as error:
+        raise root.error("driver_tasks", str(error)) from None
+    return found, costs.overheads(overheads, used)
+
+
 def read_task_file(path: Path) -> TaskFile:
     """Read a task set from TOML, or from JSON when the name ends in `.json`.
 
@@ -222,7 +275,12 @@ def read_task_file(path: Path) -> TaskFile:
     if not tables:
         raise root.error("tasks", "there is no task; add one with [[tasks]]")
     _unique_names(tables)
-    task_set = TaskSet(tuple(_task(table, rule == "declared") for table in tables))
+    tasks = [_task(table, rule == "declared") for table in tables]
+    if "driver_costs" in root.values:
+        tasks, overheads = _with_drivers(root, _driver_costs(root, rule), tasks, overheads)
+    elif "driver_tasks" in root.values or any("operations" in t.values for t in tables):
+        raise root.error("driver_costs", "is missing; name the table of what operations cost")
+    task_set = TaskSet(tuple(tasks))
     return TaskFile(
         path,
         root.text("name", path.stem),

@@ -65,6 +65,11 @@ impl<B: Board> Chip<B> {
         self.refresh_all(at);
     }
 
+    /// The board was changed from outside: follow its supply now.
+    pub fn follow_supply(&mut self) {
+        self.look_at_supply(self.now);
+    }
+
     /// Follow the supply (datasheet, 6175M, chapter 13 and section 8.8): programming fails without
     /// it; the brown-out detector, when its bit in flash is set, tells, and with a second bit
     /// resets the chip for as long as the supply is low. Without the detector the program goes on.

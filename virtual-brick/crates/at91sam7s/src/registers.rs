@@ -286,6 +286,9 @@ impl<B: Board> Chip<B> {
                 let (command, page) = ((value & 0xF) as u8, (value >> 8 & 0x3FF) as u16);
                 self.board.flash_command(self.now, command, page);
                 self.flash.command(self.now, value)?;
+                if self.supply_low {
+                    self.flash.interrupt_programming(self.now);
+                }
             }
             0x04 | 0x08 | 0x68 => {}
             _ => {

@@ -131,5 +131,7 @@ const fn power_off(reason: PowerOffReason) -> (i64, &'static str) {
 /// The name and value were checked when the input was scheduled.
 pub(crate) fn apply_input(chip: &mut Machine, input: &Input) -> Result<(), InputError> {
     let now = chip.now();
-    chip.board_mut().set_input(now, &input.name, input.value)
+    chip.board_mut().set_input(now, &input.name, input.value)?;
+    chip.follow_supply();
+    Ok(())
 }

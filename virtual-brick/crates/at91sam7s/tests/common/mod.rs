@@ -57,6 +57,8 @@ pub struct ScriptedBoard {
     pub stretch_after_address: Cycles,
     pub spi_answer: u16,
     pub analogue: [u16; 8],
+    pub supply_low: bool,
+    pub dead: bool,
 }
 
 impl Board for ScriptedBoard {
@@ -135,7 +137,11 @@ impl Board for ScriptedBoard {
     }
 
     fn powered(&self) -> bool {
-        true
+        !self.dead
+    }
+
+    fn supply_is_low(&self) -> bool {
+        self.supply_low
     }
 
     fn sound_bits(&mut self, now: Cycles, sound: SoundBits) {
