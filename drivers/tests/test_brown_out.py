@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The battery's voltage falls while NXT.Parameters saves: the old or the new value, never neither."""
+"""The battery fails while NXT.Parameters saves: the old or the new value, never neither."""
 
 from __future__ import annotations
 
