@@ -74,6 +74,20 @@ def test_a_scenario_meets_its_criteria(example: str, scenario: str) -> None:
 
 
 @pytest.mark.skipif(
+    "RAVENBRICK_LONG" not in os.environ, reason="two bricks for 30 s: make conformance"
+)
+def test_a_joystick_steers_a_vehicle_through_the_air() -> None:
+    """Two bricks find each other and drive, each meets its criteria, and the run comes again."""
+    ravenbrick("build", str(EXAMPLES / "remote-joystick"))
+    first = run_scenario("remote-vehicle", "drive")
+    again = run_scenario("remote-vehicle", "drive")
+    assert len(first["criteria"]) == 9 and len(first["peer"]["criteria"]) == 4
+    for key in ("trace_digest", "peer"):
+        assert first[key] == again[key]
+    assert first["trace_digest"] != first["peer"]["trace_digest"]
+
+
+@pytest.mark.skipif(
     "RAVENBRICK_LONG" not in os.environ, reason="bounds every path of a job: make conformance"
 )
 def test_the_telemetry_is_part_of_the_schedulability_report() -> None:

@@ -103,3 +103,14 @@ def test_a_criterion_without_a_bound_is_refused(project: Path, robot: Robot, edi
     edit(DRIVE, "minimum = 3.0\n", "")
     with pytest.raises(ProjectFileError, match="has no bound; give 'minimum', 'maximum' or both"):
         _read(project, robot)
+
+
+def test_a_peer_that_is_no_project_is_named_with_its_line(
+    project: Path, robot: Robot, edit: Edit
+) -> None:
+    """Relative to the scenario; the folder that was looked for is told."""
+    peer = '[peer]\nproject = "../joystick"\nscenario = "x"\n\n'
+    line = edit(DRIVE, "[straight]", f"{peer}[straight]")
+    with pytest.raises(ProjectFileError, match=r"joystick' has no robot.toml") as caught:
+        _read(project, robot)
+    assert caught.value.line == line + 1

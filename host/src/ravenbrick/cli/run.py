@@ -14,7 +14,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import TASK_HEAD, play, read_run, task_rows
+from ravenbrick.cli.pipeline import TASK_HEAD, read_run, task_rows
 from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
@@ -31,7 +31,7 @@ from ravenbrick.target.scenario import (
 )
 from ravenbrick.target.stimulus import Channels, read_stimulus
 from ravenbrick.target.stimulus_callback import Callback, load_callback
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.virtual import Station, VirtualTarget
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.expectation_file import read_expectations_of
 from ravenbrick.trace.measures import require_criteria
@@ -115,6 +115,23 @@ def _callback(text: str | None, period_ms: int, replay: Path | None) -> Callback
     return load_callback(text, period_ms)
 
 
+def _peer_run(peer: Station | None, reporter: Reporter) -> Run | None:
+    """The run of the scenario's peer, kept, measured and shown."""
+    if peer is None or peer.recording is None:
+        return None
+    workspace = Workspace.of(peer.robot.directory)
+    peer.recording.save(workspace.recording(peer.scenario.name, peer.image.kind))
+    run = read_run(peer.robot, peer.scenario, peer.recording)
+    reporter.print(f"\nbeside it: '{peer.scenario.name}' of '{peer.robot.name}'")
+    _show(run, reporter)
+    return run
+
+
+def _outcome(run: Run, beside: Run | None, kept: Path) -> dict[str, Any]:
+    answer: dict[str, Any] = {**run_summary(run), "recording": str(kept)}
+    return answer if beside is None else {**answer, "peer": run_summary(beside)}
+
+
 def _show(run: Run, reporter: Reporter) -> None:
     reporter.table(TASK_HEAD, task_rows(run))
     rows = [[r.label, r.shown, "met" if r.met else "not met"] for r in run.criteria]
@@ -177,16 +194,18 @@ def run_command(
         loaded = read_binary(binary, at.kind)
     reporter = Reporter(json_output)
     with reporter.step(f"run '{chosen.name}'") as step:
-        recording = play(workspace, robot, chosen, loaded, target, step.progress)
+        recording, peer = target.run_with_peer(robot, chosen, loaded, step.progress)
+        recording.save(workspace.recording(chosen.name, loaded.kind))
         run = read_run(robot, chosen, recording)
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.3f} s on the brick"
     _show(run, reporter)
+    beside = _peer_run(peer, reporter)
     kept = workspace.recording(chosen.name, loaded.kind)
     reporter.print(f"recording: {workspace.shown(kept)}")
-    answer: dict[str, Any] = {**run_summary(run), "recording": str(kept)}
+    answer = _outcome(run, beside, kept)
     if original is not None:
         same = original == recording.digest
         reporter.print("the same run again" if same else "ANOTHER trace digest than the replayed")
         answer["same_as_replayed"] = same
-    require_criteria(run.criteria)
+    require_criteria([*run.criteria, *(beside.criteria if beside is not None else ())])
     return answer

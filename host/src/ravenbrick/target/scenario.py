@@ -22,6 +22,7 @@ from ravenbrick.trace.expectation_text import ExpectationSyntaxError, parse_expe
 __all__ = [
     "Criterion",
     "Input",
+    "Peer",
     "Scenario",
     "StepWindow",
     "StraightDrive",
@@ -75,6 +76,14 @@ class Criterion:
 
 
 @dataclass(frozen=True)
+class Peer:
+    """A second brick in range: its project, and the name of its scenario."""
+
+    project: Path
+    scenario: str
+
+
+@dataclass(frozen=True)
 class Scenario:
     """One run; `deviations` maps port and motor parameter to the value used instead.
 
@@ -98,6 +107,7 @@ class Scenario:
     criteria: tuple[Criterion, ...]
     stimuli: tuple[TimedInput, ...]
     expectations: tuple[Expectation, ...]
+    peer: Peer | None = None
 
     def timed_inputs(self) -> tuple[TimedInput, ...]:
         """All inputs of the run in the order of time; the file's own first at one instant."""
@@ -342,6 +352,18 @@ def read_expectations(document: LocatedToml) -> tuple[Expectation, ...]:
     return tuple(found)
 
 
+def _peer(document: LocatedToml) -> Peer | None:
+    table = document.values.get("peer")
+    if table is None:
+        return None
+    project = (document.path.parent / table["project"]).resolve()
+    if not (project / "robot.toml").is_file():
+        raise document.error(
+            ("peer", "project"), f"'{project}' has no robot.toml; name the folder of a project"
+        )
+    return Peer(project, table["scenario"])
+
+
 def read_scenario(path: Path, robot: Robot) -> Scenario:
     """Read a scenario; raises `ProjectFileError`, or `ScenarioError` for what cannot happen."""
     if not path.is_file():
@@ -371,6 +393,7 @@ def read_scenario(path: Path, robot: Robot) -> Scenario:
         criteria=_criteria(values),
         stimuli=_stimuli(document, robot),
         expectations=read_expectations(document),
+        peer=_peer(document),
     )
     _check_reachable(scenario)
     return scenario

@@ -7,7 +7,8 @@ from __future__ import annotations
 import importlib
 import json
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -18,13 +19,15 @@ from numpy.typing import NDArray
 from ravenbrick.errors import ImageFileError, ProjectFileError, ToolMissingError
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
-from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
+from ravenbrick.target.peers import BluetoothLink
 from ravenbrick.target.protocol import Progress, no_progress
-from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Scenario
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.stimulus import TimedInput
 from ravenbrick.target.stimulus_callback import Callback
+from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.recording import (
     EventKind,
     Picture,
@@ -36,10 +39,11 @@ from ravenbrick.trace.recording import (
     decode_events,
 )
 
-__all__ = ["VirtualTarget"]
+__all__ = ["Station", "VirtualTarget"]
 
 SLICE_MS = 5
 PROGRESS_MS = 500
+PEER_ADDRESS = "00:16:53:00:00:02"
 
 
 def _module() -> Any:
@@ -49,6 +53,16 @@ def _module() -> Any:
         raise ToolMissingError(
             "the Python module 'virtual_brick' is not installed; run 'make setup'"
         ) from None
+
+
+@dataclass(frozen=True)
+class Station:
+    """A scenario's peer: what it is, and how it ran."""
+
+    robot: Robot
+    scenario: Scenario
+    image: ElfImage
+    recording: Recording | None = None
 
 
 class VirtualTarget:
@@ -80,26 +94,49 @@ class VirtualTarget:
         image: ElfImage,
         progress: Progress = no_progress,
     ) -> Recording:
-        """See `Target.run`."""
-        brick = self._assemble(robot, scenario, image)
+        """See `Target.run`. The scenario's peer, if any, runs beside."""
+        return self.run_with_peer(robot, scenario, image, progress)[0]
+
+    def run_with_peer(
+        self,
+        robot: Robot,
+        scenario: Scenario,
+        image: ElfImage,
+        progress: Progress = no_progress,
+    ) -> tuple[Recording, Station | None]:
+        """The recording of `run`, and the scenario's peer as it ran, if there is one."""
+        play = self._play(robot, scenario, image, self._callback)
+        station = self._station(scenario)
+        if station is None:
+            play.run(progress)
+        else:
+            address = {"bluetooth": {"address": PEER_ADDRESS}}
+            other = self._play(station.robot, station.scenario, station.image, None, address)
+            play.run(progress, other)
+            station = replace(station, recording=other.recording())
+        return play.recording(), station
+
+    def _station(self, scenario: Scenario) -> Station | None:
+        """The peer's robot, scenario and image; raises as for the first brick's."""
+        if scenario.peer is None:
+            return None
+        project = scenario.peer.project
+        robot = read_robot(project)
+        chosen = read_scenario(scenario_path(project, scenario.peer.scenario), robot)
+        return Station(robot, chosen, read_image(Workspace.of(project).image("ram", robot.name)))
+
+    def _play(
+        self,
+        robot: Robot,
+        scenario: Scenario,
+        image: ElfImage,
+        callback: Callback | None,
+        fields: Mapping[str, Any] | None = None,
+    ) -> _Play:
+        brick = self._assemble(robot, scenario, image, fields=fields)
         inputs = self._schedule(brick, scenario)
         self._probe(brick, robot, image)
-        play = _Play(brick, scenario, image, self._callback, self._module.InputError)
-        stop = play.run(progress)
-        events = decode_events(brick.events())
-        applied = [timed for timed in inputs if timed.at_cycles <= stop.at_cycles]
-        return Recording(
-            scenario=scenario.name,
-            clock=MASTER_CLOCK,
-            stop=stop,
-            events=events,
-            signals=_signals(brick),
-            threads=_threads(brick),
-            pictures=tuple(play.pictures),
-            digest=brick.trace_digest(),
-            inputs=tuple(sorted([*applied, *play.inputs], key=lambda timed: timed.at_cycles)),
-            screens=play.screens(events),
-        )
+        return _Play(brick, scenario, image, callback, self._module.InputError, inputs)
 
     def prepare(
         self, robot: Robot, scenario: Scenario, image: ElfImage, any_program: bool = False
@@ -107,6 +144,7 @@ class VirtualTarget:
         """A brick with the image and the scenario's inputs, for others to run; errors as `run`.
 
         With `any_program` it need not be linked with the run-time: then it has no tasks.
+        A peer of the scenario is not there.
         """
         brick = self._assemble(robot, scenario, image, any_program)
         self._schedule(brick, scenario)
@@ -115,10 +153,15 @@ class VirtualTarget:
         return brick
 
     def _assemble(
-        self, robot: Robot, scenario: Scenario, image: ElfImage, any_program: bool = False
+        self,
+        robot: Robot,
+        scenario: Scenario,
+        image: ElfImage,
+        any_program: bool = False,
+        fields: Mapping[str, Any] | None = None,
     ) -> Any:
-        fields = brick_configuration(robot, scenario, MASTER_CLOCK)
-        configuration = json.dumps({**fields, **self._settings})
+        own = brick_configuration(robot, scenario, MASTER_CLOCK)
+        configuration = json.dumps({**own, **self._settings, **(fields or {})})
         kind = self._module.VirtualBrick
         try:
             if image.bare:
@@ -208,16 +251,19 @@ class _Play:
         image: ElfImage,
         callback: Callback | None,
         refused: type[Exception],
+        inputs: Sequence[TimedInput],
     ) -> None:
         self._brick, self._scenario, self._image = brick, scenario, image
+        self._scheduled = inputs
         self._callback, self._refused = callback, refused
         self._moment = _Moment(brick, image)
         self._visited: list[int] = []
         self._seen: list[tuple[int, Picture]] = []
         self._version = -1
         self._content = b""
-        self.pictures: list[Picture] = []
-        self.inputs: list[TimedInput] = []
+        self._stop: Any = None
+        self._pictures: list[Picture] = []
+        self._inputs: list[TimedInput] = []
 
     def _instants(self) -> list[int]:
         end = self._scenario.duration_ms
@@ -226,22 +272,48 @@ class _Play:
             instants |= set(range(0, end, self._callback.period_ms))
         return sorted(instants)
 
-    def run(self, progress: Progress) -> Stop:
-        """To the end of the scenario or of the run."""
+    def run(self, progress: Progress, peer: _Play | None = None) -> None:
+        """To the end of the scenario or of the run; `peer` is in range and runs beside."""
+        link = BluetoothLink(self._brick, peer._brick) if peer is not None else None
         for at_ms in self._instants():
-            self._visited.append(MASTER_CLOCK.cycles_of_ms(at_ms))
-            stop = self._brick.run_until(self._visited[-1])
-            self._look()
+            at_cycles = MASTER_CLOCK.cycles_of_ms(at_ms)
+            if link is None or peer is None:
+                self._visit(at_ms, self._brick.run_until(at_cycles))
+            else:
+                stops = link.run_until(at_cycles)
+                self._visit(at_ms, stops[0])
+                peer._visit(at_ms, stops[1])
             if at_ms % PROGRESS_MS == 0:
                 progress(at_ms / self._scenario.duration_ms)
-            if stop.reason != "reached":
+            if self._stop.reason != "reached":
                 break
-            if at_ms in self._scenario.pictures_ms:
-                self.pictures.append(_picture(self._brick, self._image))
             if self._callback is not None and at_ms % self._callback.period_ms == 0:
                 self._ask(self._callback)
-        self.pictures.append(_picture(self._brick, self._image))
-        return Stop(stop.reason, stop.at_cycles, stop.message)
+
+    def _visit(self, at_ms: int, stop: Any) -> None:
+        self._stop = stop
+        self._visited.append(MASTER_CLOCK.cycles_of_ms(at_ms))
+        self._look()
+        if stop.reason == "reached" and at_ms in self._scenario.pictures_ms:
+            self._pictures.append(_picture(self._brick, self._image))
+
+    def recording(self) -> Recording:
+        """The run so far."""
+        stop = Stop(self._stop.reason, self._stop.at_cycles, self._stop.message)
+        events = decode_events(self._brick.events())
+        inputs = [timed for timed in self._scheduled if timed.at_cycles <= stop.at_cycles]
+        return Recording(
+            scenario=self._scenario.name,
+            clock=MASTER_CLOCK,
+            stop=stop,
+            events=events,
+            signals=_signals(self._brick),
+            threads=_threads(self._brick),
+            pictures=(*self._pictures, _picture(self._brick, self._image)),
+            digest=self._brick.trace_digest(),
+            inputs=tuple(sorted([*inputs, *self._inputs], key=lambda timed: timed.at_cycles)),
+            screens=self._screens(events),
+        )
 
     def _look(self) -> None:
         if self._brick.lcd_version == self._version:
@@ -258,9 +330,9 @@ class _Play:
                 self._brick.schedule_input(self._brick.cycles, name, value)
             except self._refused as error:
                 raise callback.error(f"returned what is refused: {error}") from None
-            self.inputs.append(TimedInput(self._brick.cycles, name, value))
+            self._inputs.append(TimedInput(self._brick.cycles, name, value))
 
-    def screens(self, events: NDArray[np.void]) -> tuple[Screen, ...]:
+    def _screens(self, events: NDArray[np.void]) -> tuple[Screen, ...]:
         """Text after each whole picture: from the event that ends its transfer on.
 
         What is seen between such events is a picture half drawn.

@@ -1,0 +1,135 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Ada.Real_Time;      use Ada.Real_Time;
+with Joystick_Commands;  use Joystick_Commands;
+with NXT.Bluetooth;      use NXT.Bluetooth;
+with NXT.Bytes;
+with NXT.Frames;
+with NXT.Motor_Encoders;
+with NXT.Touch_Sensors;
+
+package body Stick is
+
+   use NXT;
+   use type NXT.Bytes.Byte;
+
+   Period         : constant Time_Span := Milliseconds (Period_Ms);
+   Looking_Period : constant := 5;
+   --  Seconds that a search takes.
+
+   protected Shared with Priority => System.Priority'First + 2 is
+      procedure Set (Item : Status);
+      function Get return Status;
+   private
+      Current : Status;
+   end Shared;
+
+   protected body Shared is
+
+      procedure Set (Item : Status) is
+      begin
+         Current := Item;
+      end Set;
+
+      function Get return Status is (Current);
+
+   end Shared;
+
+   function Latest return Status is (Shared.Get);
+
+   Sensor  : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
+   Touched : Boolean := True;
+   Now     : Status;
+
+   procedure Show (State : Contact) is
+   begin
+      Now.Contact := State;
+      Shared.Set (Now);
+   end Show;
+
+   procedure Read_Stick is
+      Touched_Now : constant Boolean := NXT.Touch_Sensors.Pressed (Sensor);
+      Count       : constant Integer := NXT.Motor_Encoders.Encoder_Count (Motor_A);
+   begin
+      if Touched_Now and then not Touched then
+         Now.Running := not Now.Running;
+      end if;
+      Touched := Touched_Now;
+      Now.Angle := Integer'Max (-90, Integer'Min (90, Count));
+   end Read_Stick;
+
+   procedure Tell is
+      Line : Bytes.Byte_Array (1 .. Content'Length + NXT.Frames.Overhead);
+      Last : Natural;
+   begin
+      NXT.Frames.Encode (To_Content ((Now.Running, Steering (Now.Angle))), Line, Last);
+      if Room >= Last then
+         Send (Line (1 .. Last));
+      end if;
+   end Tell;
+
+   --  A connection to its end. The vehicle stands when a new one begins.
+   procedure Talk is
+      Next_Release : Time := Clock;
+   begin
+      Now.Running := False;
+      loop
+         Poll;
+         exit when State /= Connected;
+         Read_Stick;
+         Tell;
+         Show (Stick.Connected);
+         Next_Release := Next_Release + Period;
+         delay until Next_Release;
+      end loop;
+   end Talk;
+
+   function Is_Vehicle (Item : Device) return Boolean is
+     (for all Index in Vehicle_Name'Range =>
+         Item.Name (Index - Vehicle_Name'First) = Character'Pos (Vehicle_Name (Index)));
+
+   procedure Look_For_Vehicle (Address : out BT_Address; Success : out Boolean) is
+      Found : Device_List (0 .. 3);
+      Count : Natural;
+   begin
+      Address := (others => 0);
+      Success := False;
+      Find_Discoverable_Devices (Looking_Period, Found, Count);
+      for Item of Found (0 .. Count - 1) loop
+         if Is_Vehicle (Item) then
+            Address := Item.Addr;
+            Success := True;
+         end if;
+      end loop;
+   end Look_For_Vehicle;
+
+   procedure Start is
+   begin
+      loop
+         Initialize;
+         exit when Available;
+         delay until Clock + Seconds (1);
+      end loop;
+   end Start;
+
+   task body Radio_Task is
+      Address : BT_Address;
+      Success : Boolean;
+   begin
+      Start;
+      loop
+         Show (Looking);
+         Look_For_Vehicle (Address, Success);
+         if Success then
+            Show (Calling);
+            Connect (Address, To_Pin (Vehicle_Pin), Success);
+         end if;
+         if Success then
+            Talk;
+         end if;
+         delay until Clock + Period;
+      end loop;
+   end Radio_Task;
+
+end Stick;
