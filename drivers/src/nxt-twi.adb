@@ -77,7 +77,7 @@ package body NXT.TWI is
       procedure Await_End_On_Bus is
       begin
          Controller.Disable_Interrupt := All_Interrupts;
-         Controller.Enable_Interrupt := Transfer_Complete;
+         Controller.Enable_Interrupt := Transfer_Complete or Not_Acknowledged;
       end Await_End_On_Bus;
 
       --  The stop must be asked for while the last byte is on its way, that is after the last but

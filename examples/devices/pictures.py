@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,31 @@ class Example:
     at_ms: float
     sensors: dict[str, str] = field(default_factory=dict)
     inputs: tuple[tuple[float, str, float], ...] = ()
+    outside: Callable[[Brick], None] = lambda brick: None
+
+
+def bluetooth_peer(brick: Brick) -> None:
+    """A computer connects and sends two messages."""
+    device, computer = brick.device, "00:1A:7D:00:00:01"
+    device.bluetooth_send(0, computer, "in_range", name="computer")
+    device.bluetooth_send(brick.cycles(900), computer, "page", name="computer", pin="1234")
+    for at_ms in (1_500, 1_700):
+        device.bluetooth_send(brick.cycles(at_ms), computer, "data", b"Hello, brick!")
+
+
+def usb_host(brick: Brick) -> None:
+    """A host finds the brick and sends it three packets."""
+    brick.set(0, "usb.plugged", 1)
+    packets = [(400 + 50 * n, "out", 1, bytes(8)) for n in range(3)]
+    steps = [
+        (250, "reset", 0, b""),
+        (300, "control", 0, bytes([0, 5, 5, 0, 0, 0, 0, 0])),
+        (350, "control", 0, bytes([0, 9, 1, 0, 0, 0, 0, 0])),
+        *packets,
+    ]
+    for number, (at_ms, kind, endpoint, data) in enumerate(steps):
+        limit = brick.cycles(1_000)
+        brick.device.usb_transfer(brick.cycles(at_ms), number, limit, kind, endpoint, data, 0)
 
 
 EXAMPLES = {
@@ -84,12 +110,37 @@ EXAMPLES = {
         {"4": "ultrasonic"},
         ((10, "distance.4", 0.425),),
     ),
+    "color_of_things": Example(
+        "colour sensor",
+        "`NXT.Color_Sensors`",
+        "a yellow thing",
+        500,
+        {"3": "color"},
+        ((10, "color.3.red", 0.9), (10, "color.3.green", 0.7), (10, "color.3.blue", 0.2)),
+    ),
+    "who_is_there": Example(
+        "any I2C sensor", "`NXT.I2C_Sensors`", "an ultrasonic sensor", 600, {"4": "ultrasonic"}
+    ),
     "loudspeaker": Example("sound", "`NXT.Audio`", "the notes played", 900),
     "battery_level": Example(
         "battery and power", "`NXT.Battery`, `NXT.Power`", "a pack of 8 V", 400
     ),
     "storage": Example("flash storage", "`NXT.Parameters`", "the first start", 200),
+    "name_of_brick": Example(
+        "name, watchdog, reset",
+        "`NXT.Brick_Name`, `NXT.Watchdog`, `NXT.Power`",
+        "a brick that was switched on",
+        200,
+    ),
     "serial_line": Example("RS485", "`NXT.RS485`", "a text that came back", 150),
+    "bluetooth_echo": Example(
+        "Bluetooth",
+        "`NXT.Bluetooth`",
+        "a computer sends two messages",
+        2_000,
+        outside=bluetooth_peer,
+    ),
+    "usb_packets": Example("USB", "`NXT.USB`", "a host sends three packets", 800, outside=usb_host),
 }
 
 
@@ -113,6 +164,7 @@ def run(name: str) -> Brick:
     brick = Brick(virtual_brick.VirtualBrick(configuration, build(name)))
     for at_ms, quantity, value in example.inputs:
         brick.set(at_ms, quantity, value)
+    example.outside(brick)
     brick.run(example.at_ms)
     return brick
 

@@ -262,8 +262,9 @@ impl Twi {
         self.received = byte;
     }
 
+    /// What waits in THR is dropped with the end of the stop: TXRDY, TXCOMP and NACK are set at
+    /// the same time (datasheet, TWI status register).
     fn refuse(&mut self, at: Cycles) {
-        self.holding = None;
         self.stop(at, true);
     }
 
