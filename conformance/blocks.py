@@ -22,7 +22,7 @@ from ravenbrick.model.program import Program, with_constants
 from host.tests.codegen.brick_cycles import Cost, image_of_checks, step_costs
 from host.tests.codegen.c_build import WORD_FLAGS, ada_object
 from host.tests.codegen.paper_pi import LOOP, fixed_pi, paper_pi, plant
-from host.tests.codegen.test_block_c import LINEAR, fixed_program
+from host.tests.codegen.test_block_c import FIXED, fixed_program
 from host.tests.model.block_table import TABLE, block_diagram
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -118,7 +118,7 @@ def block_forms() -> dict[str, Form]:
         program = block_diagram(name).lower()
         programs[f"b_{name}"] = named(program, "b_", name)
         programs[f"{ADA}{name}"] = named(program, ADA, name)
-    for name in LINEAR:
+    for name in FIXED:
         fixed = fixed_program(name)
         programs[f"fx_{name}"] = named(fixed, "fx_", name)
         programs[f"{ADA}fx_{name}"] = named(fixed, f"{ADA}fx_", name)
@@ -139,7 +139,7 @@ def block_rows(forms: Mapping[str, Form]) -> list[str]:
     """Rows of the table of blocks."""
     rows = []
     for name in TABLE:
-        fixed = f"{fixed_error(name):.1e}" if name in LINEAR else "no form"
+        fixed = f"{fixed_error(name):.1e}" if name in FIXED else "no form"
         cells = [_cell(forms.get(key)) for key in
                  (f"b_{name}", f"{ADA}{name}", f"fx_{name}", f"{ADA}fx_{name}")]  # fmt: skip
         kind = type(TABLE[name][0]).__name__

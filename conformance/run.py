@@ -214,6 +214,8 @@ BLOCKS = (f"{HOST_TESTS}/model/test_blocks.py", f"{HOST_TESTS}/codegen/test_bloc
 FIXED_POINT = (
     f"{HOST_TESTS}/model/test_fixed_point.py",
     f"{HOST_TESTS}/codegen/test_fixed_point_c.py",
+    f"{HOST_TESTS}/codegen/test_frama_c.py",
+    f"{HOST_TESTS}/control/test_limit_cycles.py",
     f"{HOST_TESTS}/control/test_peak_gain.py",
 )
 FIRMWARE = f"{HOST_TESTS}/firmware"

@@ -6,9 +6,13 @@ from __future__ import annotations
 
 import math
 
+import control
 import numpy as np
 import pytest
+from host.tests.model.block_table import block_diagram
 
+from ravenbrick.codegen import prove
+from ravenbrick.control import PlantInLoop, one_step_errors
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
     Diagram,
@@ -20,6 +24,7 @@ from ravenbrick.model import (
     Inport,
     Interval,
     Outport,
+    Relay,
     Rounding,
     Sum,
     UnitDelay,
@@ -136,3 +141,25 @@ def test_a_format_names_itself() -> None:
     assert str(FixedFormat(16, 11)) == "sfix16_En11"
     assert str(FixedFormat(32, -2)) == "sfix32_E2"
     assert math.isclose(FixedFormat(16, 11).lsb, 0.000488, rel_tol=1e-3)
+
+
+def test_a_choice_states_no_bound_of_its_error() -> None:
+    """A rounding error before a comparison may change the branch, so nothing is promised."""
+    diagram = Diagram("relay", 0.01)
+    chain = (Inport("In"), Gain("Share", gain=0.3), Relay("Level", on_above=1.0), Outport("Out"))
+    diagram.connect_chain(*(diagram.add(block) for block in chain))
+    fixed = to_fixed_point(diagram, FixedPointOptions({"In": 4.0}))
+    assert one_step_errors(fixed) == {}
+    assert "Out: not stated, a block before it decides" in prove(fixed).text()
+    system = control.ss([[0.5]], [[1.0]], [[1.0]], [[0.0]], 0.01)
+    with pytest.raises(DesignError, match="'Level' decides or rounds"):
+        prove(fixed, PlantInLoop(system, ("In",)))
+
+
+def test_a_counter_is_bounded_by_what_it_is_compared_with() -> None:
+    """Interval analysis sees the comparison, so that a state machine needs no range."""
+    program = to_fixed_point(
+        block_diagram("state_machine"), FixedPointOptions({"In0": 10.0, "In1": 10.0})
+    )
+    found = program.ranges[Kind.STATE, "B_SINCE"]
+    assert 3.0 <= found.high < 1e7

@@ -9,6 +9,7 @@ from ravenbrick.codegen.ada_binding import AdaBinding, ada_binding
 from ravenbrick.codegen.ada_generator import generate_ada
 from ravenbrick.codegen.c_header import ModelHeader, read_header
 from ravenbrick.codegen.coder_model import CoderModel, read_binding, read_coder_model
+from ravenbrick.codegen.frama_c import FramaCResult, check_with_frama_c, frama_c_goals
 from ravenbrick.codegen.gappa import check_with_gappa, gappa_script
 from ravenbrick.codegen.generator import GeneratedCode, generate_c
 from ravenbrick.codegen.proof import FixedPointProof, generate_fixed_c, prove
@@ -18,6 +19,7 @@ __all__ = [
     "AdaBinding",
     "CoderModel",
     "FixedPointProof",
+    "FramaCResult",
     "GeneratedCode",
     "ModelHeader",
     "NamedNumber",
@@ -25,7 +27,9 @@ __all__ = [
     "ada_binding",
     "ada_package",
     "check_program",
+    "check_with_frama_c",
     "check_with_gappa",
+    "frama_c_goals",
     "gappa_script",
     "generate_ada",
     "generate_c",

@@ -183,6 +183,8 @@ class AdaText:
                 return self._fixed_binary(expression, nested=nested)
             case Binary(operator=operator, left=left, right=right):
                 text = self._infix(operator, left, right)
+            case Select() if isinstance(expression_type(expression), FixedFormat):
+                return self._fixed_choice(expression)
             case Select(condition=condition, chosen=chosen, otherwise=otherwise):
                 test = self._infix(condition.operator, condition.left, condition.right)
                 first = self.expression(chosen, nested=True)
@@ -232,6 +234,13 @@ class AdaText:
         left, right = self._in_word(expression.left), self._in_word(expression.right)
         text = f"{left} {expression.operator} {right}"
         return f"({text})" if nested else text
+
+    def _fixed_choice(self, select: Select) -> str:
+        condition = select.condition
+        test = f"{self._in_word(condition.left)} {condition.operator} "
+        test += self._in_word(condition.right)
+        chosen, otherwise = self._in_word(select.chosen), self._in_word(select.otherwise)
+        return f"(if {test} then {chosen} else {otherwise})"
 
     def _rescale(self, expression: Rescale) -> str:
         """The integer behind the value, divided: conversions of Ada may round either way."""

@@ -106,8 +106,7 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
             text = _c_infix(program, operator, left, right)
         case Select(condition=condition, chosen=chosen, otherwise=otherwise):
             test = _c_infix(program, condition.operator, condition.left, condition.right)
-            first = _c_expression(program, chosen, nested=True)
-            second = _c_expression(program, otherwise, nested=True)
+            first, second = (_c_branch(program, branch) for branch in (chosen, otherwise))
             text = f"({test}) ? {first} : {second}"
         case Call(name=name, arguments=arguments):
             given = ", ".join(_c_expression(program, one) for one in arguments)
@@ -127,6 +126,13 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
         case Clamp() | Bounded():
             raise DesignError("a limit inside an expression cannot become C; give it its own block")
     return f"({text})" if nested else text
+
+
+def _c_branch(program: Program, branch: Expression) -> str:
+    """One side of a choice; a small integer alone would have a narrower type than a variable."""
+    text = _c_expression(program, branch, nested=True)
+    whole = isinstance(branch, Literal) and isinstance(branch.data_type, FixedFormat)
+    return f"(int32_T){text}" if whole else text
 
 
 def _c_infix(program: Program, operator: str, left: Expression, right: Expression) -> str:

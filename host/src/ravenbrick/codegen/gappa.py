@@ -35,7 +35,7 @@ def gappa_script(fixed: FixedPoint, bounds: Mapping[str, float]) -> str:
 
     Limits are left out on both sides: limiting both values does not let their difference grow.
     """
-    return _Script(fixed).text(bounds)
+    return _Script(fixed, bounds).text(bounds)
 
 
 def check_with_gappa(script: str) -> None:
@@ -54,8 +54,9 @@ def check_with_gappa(script: str) -> None:
 
 
 class _Script:
-    def __init__(self, fixed: FixedPoint) -> None:
+    def __init__(self, fixed: FixedPoint, bounds: Mapping[str, float]) -> None:
         self._fixed = fixed
+        self._goals = set(bounds)
         self._block = ""
         self._real = {slot.name: slot.initial for slot in fixed.source.parameters}
         self._needed = self._reachable()
@@ -63,7 +64,7 @@ class _Script:
     def _reachable(self) -> set[tuple[Kind, str]]:
         """What the outputs depend on in this step."""
         program = self._fixed.program
-        needed = {(slot.kind, slot.name) for slot in program.outputs}
+        needed = {(s.kind, s.name) for s in program.outputs if s.name in self._goals}
         for statement in reversed(program.statements):
             if statement.target.kind is Kind.STATE:
                 continue
@@ -85,6 +86,8 @@ class _Script:
             f"# One-step rounding error of '{program.name}'; _g given,",
             "# _f as the C computes it, _r in real numbers.",
         ]
+        if not bounds:
+            return "\n".join([*lines, "# No bound is stated: a block decides or rounds.", ""])
         for statement in program.statements:
             target = statement.target
             if target.kind is Kind.STATE or (target.kind, target.name) not in self._needed:

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ravenbrick import __version__
+from ravenbrick.codegen.frama_c import frama_c_goals
 from ravenbrick.codegen.gappa import gappa_script
 from ravenbrick.codegen.generator import GeneratedCode, generate_c
+from ravenbrick.control.limit_cycles import LimitCycleSearch, search_limit_cycles
 from ravenbrick.control.rounding_error import (
     ClosedLoopBound,
     PlantInLoop,
@@ -27,11 +29,15 @@ __all__ = ["FixedPointProof", "generate_fixed_c", "prove"]
 
 @dataclass(frozen=True, eq=False)
 class FixedPointProof:
-    """What is proved of a fixed-point program; `closed_loop` only with a plant."""
+    """What is proved of a fixed-point program; `closed_loop` only with a plant.
+
+    `limit_cycles` is what was found of oscillations, if they were looked for.
+    """
 
     fixed: FixedPoint
     one_step: dict[str, float]
     closed_loop: ClosedLoopBound | None
+    limit_cycles: LimitCycleSearch | None = None
 
     def results(self) -> dict[str, Any]:
         """Plain values for JSON; SI units and V."""
@@ -45,6 +51,20 @@ class FixedPointProof:
             "overflow": "none for any value of the inputs' formats, by induction over the steps",
             "one_step_error": self.one_step,
             "closed_loop": self._loop(),
+            "limit_cycles": self._cycles(),
+        }
+
+    def _cycles(self) -> dict[str, Any] | None:
+        found = self.limit_cycles
+        if found is None:
+            return None
+        return {
+            "runs": found.runs,
+            "steps": found.steps,
+            "closed_loop": found.closed_loop,
+            "oscillating": len(found.cycles),
+            "largest_peak_to_peak_lsb": found.largest_lsb,
+            "periods_samples": sorted({cycle.period for cycle in found.cycles}),
         }
 
     def _slots(self) -> tuple[Slot, ...]:
@@ -120,7 +140,17 @@ class FixedPointProof:
             )
         lines += ["", "One step against real numbers, inputs and states in their ranges:"]
         lines += [f"  |error of {name}| <= {e:.6g}" for name, e in self.one_step.items()]
-        return "\n".join([*lines, *self._loop_text(), ""])
+        lines += [
+            f"  {slot.name}: not stated, a block before it decides or rounds"
+            for slot in self.fixed.program.outputs
+            if slot.name not in self.one_step
+        ]
+        cycles = (
+            []
+            if self.limit_cycles is None
+            else ["", "Limit cycles (a search, no proof):", f"  {self.limit_cycles.sentence()}"]
+        )
+        return "\n".join([*lines, *self._loop_text(), *cycles, ""])
 
     def _loop_text(self) -> list[str]:
         loop = self._loop()
@@ -136,13 +166,17 @@ class FixedPointProof:
         return [*lines, f"  |error of the observed signal| <= {loop['bound']:.6g} {loop['unit']}"]
 
 
-def prove(fixed: FixedPoint, plant: PlantInLoop | None = None) -> FixedPointProof:
+def prove(
+    fixed: FixedPoint, plant: PlantInLoop | None = None, *, limit_cycles: bool = False
+) -> FixedPointProof:
     """Bounds of the rounding errors in one step and, with a plant, for all time.
 
-    The ranges were proved when the formats were chosen.
+    The ranges were proved when the formats were chosen. With `limit_cycles` oscillations are
+    looked for besides, in the loop if there is a plant.
     """
     loop = None if plant is None else closed_loop_bound(fixed, plant)
-    return FixedPointProof(fixed, one_step_errors(fixed), loop)
+    found = search_limit_cycles(fixed, plant) if limit_cycles else None
+    return FixedPointProof(fixed, one_step_errors(fixed), loop, found)
 
 
 def generate_fixed_c(
@@ -152,13 +186,15 @@ def generate_fixed_c(
     only_used: bool = False,
     tunable: bool = True,
 ) -> GeneratedCode:
-    """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`.
+    """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`,
+
+    and `<model>_goals.h`, contract and driver for Frama-C (`check_with_frama_c`).
 
     `only_used` and `tunable` as in `generate_c`. The proof holds for the parameters' values as
     they are: without `tunable` nobody can set others.
     """
     code = generate_c(fixed.program, only_used=only_used, tunable=tunable)
-    proof = prove(fixed, plant)
+    proof = prove(fixed, plant, limit_cycles=True)
     name = fixed.program.name
     record = {
         "generator": f"ravenbrick {__version__}",
@@ -171,5 +207,6 @@ def generate_fixed_c(
         f"{name}_proof.json": json.dumps(record, indent=1) + "\n",
         f"{name}_proof.txt": proof.text(),
         f"{name}.gappa": gappa_script(fixed, proof.one_step),
+        f"{name}_goals.h": frama_c_goals(fixed, tunable=tunable),
     }
     return GeneratedCode(files, code.digest)

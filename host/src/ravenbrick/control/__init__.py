@@ -29,6 +29,7 @@ from ravenbrick.control.estimator_menu import (
 )
 from ravenbrick.control.family import FamilyMember, gain_family
 from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
+from ravenbrick.control.limit_cycles import LimitCycle, LimitCycleSearch, search_limit_cycles
 from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
 from ravenbrick.control.peak_gain import peak_gain
 from ravenbrick.control.regulator import (
@@ -71,6 +72,8 @@ __all__ = [
     "EstimatorRow",
     "Extreme",
     "FamilyMember",
+    "LimitCycle",
+    "LimitCycleSearch",
     "LoopSpecification",
     "Margins",
     "MonteCarlo",
@@ -112,6 +115,7 @@ __all__ = [
     "pi_with_estimator",
     "plot_speed_estimators",
     "root_locus_figure",
+    "search_limit_cycles",
     "standard_menu",
     "step_metrics",
     "with_integrators",

@@ -26,9 +26,13 @@ from ravenbrick.model.program import (
     Expression,
     Kind,
     Literal,
+    Program,
     Read,
     Rescale,
+    Rounded,
+    Select,
     Slot,
+    Table,
     children,
 )
 
@@ -86,6 +90,12 @@ def closed_loop_bound(fixed: FixedPoint, plant: PlantInLoop) -> ClosedLoopBound:
     implementation of linear filters with fixed-point arithmetic (SiPS 2013), use the same bound
     for filters.
     """
+    deciding = sorted(_deciding_blocks(fixed.source))
+    if deciding:
+        raise DesignError(
+            f"block '{deciding[0]}' decides or rounds: a rounding error before it may change what "
+            "it does, so no bound in the loop is stated; leave out the plant"
+        )
     system, sources = linearise_with_errors(fixed.program)
     loop = _error_loop(fixed, system, sources, plant)
     gains = peak_gain(loop)[0]
@@ -154,9 +164,23 @@ def one_step_errors(fixed: FixedPoint) -> dict[str, float]:
     """Bounds by outport of |fixed-point - real-number| output of one step from the same state.
 
     For inputs and states in their declared ranges; rounded gains included. Limits do not let an
-    error grow.
+    error grow. An outport that depends on a block that decides or rounds (a switch, a table) is
+    left out: there an error before the block may change what it does.
     """
     return _ErrorPass(fixed).outputs()
+
+
+def _deciding_blocks(source: Program) -> set[str]:
+    """Blocks whose output is not a linear function of what they read, limits aside."""
+    found = set()
+    for statement in source.statements:
+        waiting: list[Expression] = [statement.expression]
+        while waiting:
+            node = waiting.pop()
+            waiting.extend(children(node))
+            if isinstance(node, Select | Rounded | Table):
+                found.add(statement.block)
+    return found
 
 
 class _ErrorPass:
@@ -166,6 +190,8 @@ class _ErrorPass:
         self._fixed = fixed
         self._block = ""
         self._errors: dict[tuple[Kind, str], float] = {}
+        self._deciding = _deciding_blocks(fixed.source)
+        self._open: set[tuple[Kind, str]] = set()
         real = {slot.name: slot.initial for slot in fixed.source.parameters}
         for slot in fixed.program.parameters:
             assert isinstance(slot.data_type, FixedFormat)
@@ -176,11 +202,21 @@ class _ErrorPass:
         """Bounds by outport."""
         for statement in self._fixed.program.statements:
             self._block, target = statement.block, statement.target
-            if target.kind is not Kind.STATE:
+            if statement.block in self._deciding or self._depends(statement.expression):
+                self._open.add((target.kind, target.name))
+            elif target.kind is not Kind.STATE:
                 self._errors[target.kind, target.name] = self._bound(statement.expression)[1]
         return {
-            slot.name: self._errors[slot.kind, slot.name] for slot in self._fixed.program.outputs
+            slot.name: self._errors[slot.kind, slot.name]
+            for slot in self._fixed.program.outputs
+            if (slot.kind, slot.name) not in self._open
         }
+
+    def _depends(self, expression: Expression) -> bool:
+        """Whether an expression reads what has no bound."""
+        if isinstance(expression, Read):
+            return (expression.slot.kind, expression.slot.name) in self._open
+        return any(self._depends(inner) for inner in children(expression))
 
     def _bound(self, expression: Expression) -> tuple[Interval, float]:
         match expression:

@@ -68,6 +68,14 @@ class Execution:
             raise KeyError(f"no parameter '{name}'; there are: {known}")
         self._values[_key(slot)] = slot.data_type.scalar(value)
 
+    def set_state(self, name: str, value: float) -> None:
+        """Change a state before the next step; raises `KeyError` for an unknown name."""
+        slot = next((slot for slot in self.program.states if slot.name == name), None)
+        if slot is None:
+            known = ", ".join(slot.name for slot in self.program.states)
+            raise KeyError(f"no state '{name}'; there are: {known}")
+        self._values[_key(slot)] = slot.data_type.scalar(value)
+
     @property
     def states(self) -> dict[str, Any]:
         """Present values of the states by name."""

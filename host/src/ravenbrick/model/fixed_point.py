@@ -17,14 +17,19 @@ from ravenbrick.model.program import (
     Bounded,
     Cast,
     Clamp,
+    Comparison,
     Expression,
     Kind,
     Literal,
     Program,
     Read,
     Rescale,
+    Rounded,
+    Select,
     Slot,
     Statement,
+    Table,
+    as_choices,
 )
 from ravenbrick.model.ranges import real_ranges
 
@@ -126,14 +131,18 @@ def to_fixed_point(diagram: Diagram | Program, options: FixedPointOptions) -> Fi
 
 
 def _without_idle_limits(program: Program, ranges: Mapping[Key, Interval]) -> Program:
-    """Leave out the limits that no value reaches."""
+    """Leave out limits that no value reaches; beside one that is reached stands the range's."""
     statements = []
     for statement in program.statements:
         bounded = statement.expression
         if isinstance(bounded, Bounded):
             allowed = Interval(bounded.low, bounded.high)
-            if expression_range(bounded.value, ranges, statement.block).within(allowed):
-                statement = replace(statement, expression=bounded.value)
+            reached = expression_range(bounded.value, ranges, statement.block)
+            low, high = max(bounded.low, int(reached.low)), min(bounded.high, int(reached.high))
+            kept = (
+                bounded.value if reached.within(allowed) else replace(bounded, low=low, high=high)
+            )
+            statement = replace(statement, expression=kept)
         statements.append(statement)
     return replace(program, statements=tuple(statements))
 
@@ -277,11 +286,44 @@ class _Rewriting:
                 size = bound.interval.size
                 clamp = Clamp(value.expression, bound.expression)
                 return _Scaled(clamp, value.fraction, value.interval.limited(-size, size))
+            case Rounded(value=inner):
+                exact = self._convert(inner)
+                whole = Rescale(exact.expression, exact.fraction, Rounding.NEAREST)
+                low, high = exact.interval.low - 0.5, exact.interval.high + 0.5
+                return _Scaled(whole, 0, Interval(low, high))
+            case Table():
+                return self._convert(as_choices(expression))
+            case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+                one, other = self._aligned(condition.left, condition.right)
+                test = Comparison(condition.operator, one.expression, other.expression)
+                first, second = self._aligned(chosen, otherwise)
+                select = Select(test, first.expression, second.expression)
+                return _Scaled(select, first.fraction, first.interval.hull(second.interval))
             case _:
                 raise DesignError(
                     f"block '{self._block}' has no fixed-point form; use it in floating point or "
-                    "replace it by sums, gains, delays, integrators and saturations"
+                    "replace it by sums, gains, delays, integrators, saturations and switches"
                 )
+
+    def _aligned(self, left: Expression, right: Expression) -> tuple[_Scaled, _Scaled]:
+        """Two values with the same fraction, so that their integers can be compared."""
+        sides = (left, right)
+        values = [None if _is_constant(side) else self._convert(side) for side in sides]
+        known = [value.fraction for value in values if value is not None]
+        hull = self._source_range(left).hull(self._source_range(right))
+        fraction = max(known, default=min(finest_fraction(hull, 16), self._fraction))
+        if finest_fraction(hull, 32) < fraction:
+            raise _TooFineError(f"block '{self._block}' reaches {hull.size:.6g}")
+        first, second = (
+            self._constant(side, fraction, 32) if value is None else value.finer(fraction)
+            for value, side in zip(values, sides, strict=True)
+        )
+        return first, second
+
+    def _source_range(self, expression: Expression) -> Interval:
+        if _is_constant(expression):
+            return self._constant_range(expression)
+        return self._convert(expression).interval
 
     def _literal_fraction(self, value: float) -> int:
         return min(finest_fraction(Interval(value, value), 16), self._fraction)
@@ -302,6 +344,9 @@ class _Rewriting:
 
     def _sum(self, operator: str, left: Expression, right: Expression) -> _Scaled:
         operands = [None if _is_constant(side) else self._convert(side) for side in (left, right)]
+        if isinstance(left, Literal) and isinstance(right, Literal):
+            value = left.value + right.value if operator == "+" else left.value - right.value
+            return self._constant(replace(left, value=value), self._literal_fraction(value), 32)
         fraction = max(
             (value.fraction for value in operands if value is not None), default=self._fraction
         )

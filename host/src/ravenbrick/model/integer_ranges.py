@@ -16,6 +16,7 @@ from ravenbrick.model.program import (
     Program,
     Read,
     Rescale,
+    Select,
     Slot,
 )
 from ravenbrick.model.ranges import Key, key
@@ -94,6 +95,11 @@ def expression_range(
             result = expression_range(inner, ranges, block).limited(low, high)
         case Rescale(value=inner, bits=bits, rounding=rounding):
             result = _rescaled(expression_range(inner, ranges, block), bits, rounding, block)
+        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            for side in (condition.left, condition.right):
+                expression_range(side, ranges, block)
+            first = expression_range(chosen, ranges, block)
+            result = first.hull(expression_range(otherwise, ranges, block))
         case _:
             raise OverflowError(f"block '{block}' is not in fixed point")
     if not result.within(_WORD):

@@ -24,6 +24,7 @@ from ravenbrick.model.program import (
     Program,
     Read,
     Rescale,
+    Select,
     Slot,
     Statement,
     children,
@@ -99,6 +100,8 @@ def fraction_of(expression: Expression) -> int:
             return fraction_of(left) + fraction_of(right)
         case Rescale(value=value, bits=bits):
             return fraction_of(value) - bits
+        case Select(chosen=chosen):
+            return fraction_of(chosen)
         case _ if children(expression):
             return fraction_of(children(expression)[0])
     raise DiagramError("the expression is not in fixed point")

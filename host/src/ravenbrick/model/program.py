@@ -36,6 +36,7 @@ __all__ = [
     "Slot",
     "Statement",
     "Table",
+    "as_choices",
     "children",
     "expression_type",
     "is_fixed_point",
@@ -275,6 +276,22 @@ def expression_type(expression: Expression) -> NumberFormat:
             return expression_type(chosen)
         case _:
             return expression_type(expression.value)
+
+
+def as_choices(table: Table) -> Expression:
+    """The same lines as a table, chosen by comparisons; the last goes on."""
+    form = expression_type(table)
+
+    def line(index: int) -> Expression:
+        point, level = table.breakpoints[index], Literal(table.values[index], form)
+        run = Binary("-", table.value, Literal(point, form)) if point else table.value
+        return Binary("+", Binary("*", Literal(table.slopes[index], form), run), level)
+
+    chosen = line(0)
+    for index in range(1, len(table.breakpoints) - 1):
+        reached = Comparison(">=", table.value, Literal(table.breakpoints[index], form))
+        chosen = Select(reached, line(index), chosen)
+    return chosen
 
 
 def children(expression: Expression) -> tuple[Expression, ...]:

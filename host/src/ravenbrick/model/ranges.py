@@ -16,12 +16,18 @@ from ravenbrick.model.program import (
     Binary,
     Cast,
     Clamp,
+    Comparison,
     Expression,
     Kind,
     Literal,
     Program,
     Read,
+    Rounded,
+    Select,
     Slot,
+    Table,
+    as_choices,
+    children,
 )
 
 __all__ = ["Key", "key", "real_ranges"]
@@ -56,24 +62,62 @@ def real_ranges(program: Program, given: Mapping[str, Interval]) -> dict[Key, In
     for slot in program.states:
         start = Interval(slot.initial, slot.initial)
         ranges[key(slot)] = given[slot.block].hull(start) if slot.block in given else start
+    starts = dict(ranges)
     if _iterate(program, ranges, free):
         return ranges
-    _use_peak_gains(program, ranges, free)
+    try:
+        _use_peak_gains(program, ranges, free)
+    except DesignError:
+        ranges = starts
+        if _iterate(program, ranges, free, _landmarks(program)):
+            return ranges
+        raise
     _pass(program, ranges, frozenset(key(slot) for slot in program.states))
     return ranges
 
 
-def _iterate(program: Program, ranges: dict[Key, Interval], free: list[Slot]) -> bool:
-    """Grow the free states' ranges until none grows; False if that does not end."""
+def _landmarks(program: Program) -> list[float]:
+    """Where a range that grows may end: the numbers that values are compared with, and one more."""
+    found = {0.0}
+    waiting = [statement.expression for statement in program.statements]
+    while waiting:
+        node = waiting.pop()
+        waiting.extend(children(node))
+        if isinstance(node, Literal):
+            found |= {abs(node.value), abs(node.value) + 1.0}
+    return sorted(found)
+
+
+def _iterate(
+    program: Program,
+    ranges: dict[Key, Interval],
+    free: list[Slot],
+    landmarks: list[float] | None = None,
+) -> bool:
+    """Grow the free states' ranges until none grows; False if that does not end.
+
+    With `landmarks` a growing range grows to the next of them at once.
+    """
     fixed = frozenset(key(slot) for slot in program.states) - {key(slot) for slot in free}
     for _ in range(_ROUNDS):
         before = {key(slot): ranges[key(slot)] for slot in free}
         _pass(program, ranges, fixed)
         for name, interval in before.items():
             ranges[name] = ranges[name].hull(interval)
+            if landmarks is not None and ranges[name] != interval:
+                ranges[name] = _widened(ranges[name], interval, landmarks)
         if all(ranges[name] == interval for name, interval in before.items()):
             return True
     return False
+
+
+def _widened(found: Interval, before: Interval, landmarks: list[float]) -> Interval:
+    low, high = found.low, found.high
+    if low < before.low:
+        low = max((-mark for mark in landmarks if -mark <= low), default=low)
+    if high > before.high:
+        high = min((mark for mark in landmarks if mark >= high), default=high)
+    return Interval(low, high)
 
 
 def _pass(program: Program, ranges: dict[Key, Interval], kept: frozenset[Key]) -> None:
@@ -98,11 +142,43 @@ def _range(expression: Expression, ranges: Mapping[Key, Interval], block: str) -
             if operator == "*":
                 return first * second
             return first + second if operator == "+" else first - second
+        case Rounded(value=inner):
+            found = _range(inner, ranges, block)
+            return Interval(found.low - 0.5, found.high + 0.5)
+        case Table():
+            return _range(as_choices(expression), ranges, block)
+        case Select():
+            return _choice(expression, ranges, block)
         case _:
             raise DesignError(
                 f"block '{block}' has no fixed-point form; use it in floating point or replace it "
                 "by sums, gains, delays, integrators and saturations"
             )
+
+
+def _choice(select: Select, ranges: Mapping[Key, Interval], block: str) -> Interval:
+    """The hull of both branches, each with what its condition says of a variable."""
+    branches = []
+    for holds, branch in ((True, select.chosen), (False, select.otherwise)):
+        known = _with_condition(select.condition, ranges, block, holds=holds)
+        if known is not None:
+            branches.append(_range(branch, known, block))
+    return branches[0] if len(branches) == 1 else branches[0].hull(branches[1])
+
+
+def _with_condition(
+    condition: Comparison, ranges: Mapping[Key, Interval], block: str, *, holds: bool
+) -> Mapping[Key, Interval] | None:
+    """The ranges where the condition holds (or not); None if that cannot be."""
+    left, right = (_range(side, ranges, block) for side in (condition.left, condition.right))
+    below = (condition.operator in ("<", "<=")) == holds
+    if (left.low > right.high) if below else (left.high < right.low):
+        return None
+    if not isinstance(condition.left, Read):
+        return ranges
+    low = left.low if below else max(left.low, right.low)
+    high = min(left.high, right.high) if below else left.high
+    return {**ranges, key(condition.left.slot): Interval(low, high)}
 
 
 def _use_peak_gains(program: Program, ranges: dict[Key, Interval], free: list[Slot]) -> None:
