@@ -238,13 +238,17 @@ def other_control() -> list[str]:
 ENCODER_STRESS = "drivers/tests/test_encoder_stress.py"
 COMPATIBILITY = "drivers/tests/test_compatibility.py"
 NXT_PYTHON = "drivers/tests/test_nxt_python.py"
+SCRIPTED = ("drivers/tests/test_scripted.py", "drivers/tests/test_bus_log.py")
+COLOR_AS_LEGO = "drivers/tests/test_color_as_lego.py"
+BROWN_OUT = "drivers/tests/test_brown_out.py"
 BRICK_TELEMETRY = ("drivers/tests/test_telemetry.py", "drivers/tests/test_frames.py")
 
 
 def other_drivers() -> list[str]:
     """Drivers' tests that have no suite of their own."""
     files = {path.relative_to(ROOT).as_posix() for path in ROOT.glob("drivers/tests/test_*.py")}
-    return sorted(files - {ENCODER_STRESS, COMPATIBILITY, NXT_PYTHON, *BRICK_TELEMETRY})
+    named = {ENCODER_STRESS, COMPATIBILITY, NXT_PYTHON, COLOR_AS_LEGO, BROWN_OUT}
+    return sorted(files - named - {*SCRIPTED, *BRICK_TELEMETRY})
 
 
 SUITES: list[tuple[str, Callable[[], Row]]] = [
@@ -351,6 +355,26 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     (
         "drivers",
         pytest_suite("drivers", "nxt-python: direct commands over USB and Bluetooth", NXT_PYTHON),
+    ),
+    (
+        "drivers",
+        pytest_suite("drivers", "scripted peripherals: exact logs of every bus", *SCRIPTED),
+    ),
+    (
+        "drivers",
+        third_party(
+            NXT_FIRMWARE,
+            "nxt-firmware",
+            pytest_suite(
+                "drivers",
+                "colours: LEGO's firmware and NXT.Color_Sensors name the same",
+                COLOR_AS_LEGO,
+            ),
+        ),
+    ),
+    (
+        "drivers",
+        pytest_suite("drivers", "brown-out and dead battery at each moment of a saving", BROWN_OUT),
     ),
     ("runtime", pytest_suite("runtime", "restriction programs are refused", RESTRICTIONS)),
     ("runtime", acats("ACATS: programs that the profiles admit", refused=False)),
