@@ -362,14 +362,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ),
     (
         "drivers",
-        third_party(
-            NXT_FIRMWARE,
-            "nxt-firmware",
-            pytest_suite(
-                "drivers",
-                "colours: LEGO's firmware and NXT.Color_Sensors name the same",
-                COLOR_AS_LEGO,
-            ),
+        pytest_suite(
+            "drivers",
+            "colours: LEGO's firmware and NXT.Color_Sensors name the same",
+            COLOR_AS_LEGO,
         ),
     ),
     (
