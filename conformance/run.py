@@ -85,6 +85,20 @@ def public_single_step() -> Row:
     return cargo_example("arm7tdmi", "public_single_step", folder)
 
 
+def gba_tests() -> Row:
+    """jsmolka/gba-tests, whose two programs lie outside: see conformance/cpu/README.md."""
+    folder = os.environ.get("JSMOLKA_GBA_TESTS")
+    suite = "jsmolka/gba-tests: arm.gba, thumb.gba"
+    if not folder:
+        reason = (
+            "the environment variable JSMOLKA_GBA_TESTS does not name the folder with arm.gba and "
+            "thumb.gba (conformance/cpu/README.md)"
+        )
+        return suite_row("cpu", suite, 2, 0, [{"count": 2, "reason": reason}])
+    row = cargo_example("arm7tdmi", "gba_tests", folder)
+    return suite_row("cpu", suite, row["case_count"], row["passed"])
+
+
 def engines() -> Row:
     """Random programs on the fast and the reference engine, for a time."""
     row = cargo_example("virtual-brick", "compare_engines", str(CAMPAIGN_SECONDS))
@@ -254,6 +268,7 @@ def other_drivers() -> list[str]:
 SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("cpu", single_step),
     ("cpu", public_single_step),
+    ("cpu", gba_tests),
     ("cpu", engines),
     ("cpu", cargo_suite("cpu", "instructions, exceptions, silicon cycle table", "arm7tdmi")),
     ("peripherals", cargo_suite("peripherals", "registers and behaviour", "at91sam7s")),

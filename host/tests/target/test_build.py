@@ -52,7 +52,7 @@ def test_the_compilers_first_error_is_in_the_sentence(project: Path, robot: Robo
 @pytest.mark.usefixtures("no_toolchain")
 def test_the_profile_of_the_robot_reaches_every_tool(project: Path, robot: Robot) -> None:
     """Make hands it to gprbuild and to the run-time's Makefile by the environment."""
-    workspace = _makefile(project, "@echo \"main.adb:1:1: error: $$PROFILE\"; exit 1")
+    workspace = _makefile(project, '@echo "main.adb:1:1: error: $$PROFILE"; exit 1')
     with pytest.raises(BuildError, match="error: jorvik"):
         build.build_image(workspace, replace(robot, profile="jorvik"), "ram")
 

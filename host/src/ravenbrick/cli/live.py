@@ -18,6 +18,7 @@ from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.usbip import UsbIpServer
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 
@@ -33,6 +34,12 @@ def live_command(
     ] = "tcp:5555",
     usb: Annotated[
         str | None, typer.Option(help="tcp:PORT or pty for the brick's USB instead.")
+    ] = None,
+    usb_ip: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65_535, help="Offer the USB device by USB/IP on this port; 0 takes any."
+        ),
     ] = None,
     pin: Annotated[str, typer.Option(help="The program's Bluetooth code.")] = "1234",
     seconds: Annotated[
@@ -67,7 +74,15 @@ def live_command(
     link = "USB" if usb else "Bluetooth"
     reporter.print(f"{link} of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
     reporter.print(f"  ravenbrick monitor {port.address}")
-    live = LiveRun(brick, port, run_record, None if usb else pin, speed, reporter.print)
+    if usb and usb_ip is not None:
+        raise UsageError("--usb and --usb-ip both want the one cable; choose one of them")
+    server = None if usb_ip is None else UsbIpServer(usb_ip)
+    if server is not None:
+        reporter.print(f"USB/IP on port {server.port}; as root: modprobe vhci-hcd, then")
+        reporter.print(f"  usbip --tcp-port {server.port} attach -r 127.0.0.1 -b 1-1")
+    live = LiveRun(
+        brick, port, run_record, None if usb else pin, speed, usb_ip=server, tell=reporter.print
+    )
     try:
         stopped = live.run(seconds)
         reporter.print(f"the run ended: {stopped.message or stopped.reason}")
@@ -78,6 +93,8 @@ def live_command(
         reporter.print("ended from the keyboard")
     finally:
         port.close()
+        if server is not None:
+            server.close()
         if record is not None:
             run_record.save(record)
     return {

@@ -36,8 +36,7 @@ class Clock:
 
     def cycles_of_us(self, microseconds: int) -> int:
         """Whole cycles of a whole number of microseconds, rounded up."""
-        exact = microseconds * self.hertz / 1_000_000
-        return -(-exact.numerator // exact.denominator)
+        return -(-microseconds * self.hertz.numerator // (1_000_000 * self.hertz.denominator))
 
     def cycles_of_ms(self, milliseconds: int) -> int:
         """Whole cycles of a whole number of milliseconds, rounded up."""

@@ -20,11 +20,13 @@ from ravenbrick.errors import PeerError, UsageError
 from ravenbrick.target.byte_ports import BytePort
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.peers import BluetoothComputer, StreamPeer, UsbStream
+from ravenbrick.target.usbip import UsbIpServer
 
 __all__ = ["AirSignal", "CableSignal", "LiveRecord", "LiveRun", "replay_live"]
 
 _FORMAT = "ravenbrick live run 1"
 _SLICE_MS = 5
+_WAITING_MOST = 4096
 _ATTEMPT_PERIOD_S = 1.0
 _LISTENING_MS = 500
 
@@ -153,7 +155,8 @@ class _RecordedBrick:
 class LiveRun:
     """One brick, one port; `speed` is virtual seconds per second, 0 for as fast as possible.
 
-    `pin` is that of the program's Bluetooth; without one the port is the brick's USB.
+    `pin` is that of the program's Bluetooth; without one the port is the brick's USB. `usb_ip` offers
+    the USB device to tools that drive it themselves.
     """
 
     brick: Any
@@ -161,15 +164,17 @@ class LiveRun:
     record: LiveRecord
     pin: str | None
     speed: float = 1.0
+    usb_ip: UsbIpServer | None = None
     tell: Callable[[str], None] = lambda _text: None
     clock: Callable[[], float] = time.monotonic
     pause: Callable[[float], None] = time.sleep
+    _recorded: _RecordedBrick = field(init=False)
     _computer: StreamPeer = field(init=False)
     _next_attempt_s: float = 1.0
 
     def __post_init__(self) -> None:
         """The computer comes into range, or sits at the other end of the cable."""
-        brick = _RecordedBrick(self.brick, self.record)
+        self._recorded = brick = _RecordedBrick(self.brick, self.record)
         in_air = self.pin is not None
         self._computer = BluetoothComputer(brick, pin=self.pin) if in_air else UsbStream(brick)
 
@@ -196,7 +201,11 @@ class LiveRun:
         return stopped
 
     def _exchange(self) -> None:
-        from_client = self.port.read()
+        if self.usb_ip is not None:
+            self.usb_ip.exchange(self._recorded)
+        # A client that sends faster than the air carries waits at its own end.
+        full = self.brick.bluetooth_waiting > _WAITING_MOST
+        from_client = b"" if full else self.port.read()
         if self._computer.connected and not self.port.in_use:
             self._computer.close()
             self.tell("the client has gone")
@@ -221,27 +230,20 @@ class LiveRun:
 
 def replay_live(brick: Any, record: LiveRecord) -> bool:
     """Play a record on a fresh brick with the same image; whether the run was the same."""
-    for signal in record.signals:
-        brick.bluetooth_send(
-            signal.at_cycles,
-            signal.peer,
-            signal.kind,
-            signal.data,
-            name=signal.name,
-            pin=signal.pin,
-        )
-    for cable in record.cable:
-        if cable.kind == "plugged":
-            brick.schedule_input(cable.at_cycles, "usb.plugged", cable.number)
-        else:
-            brick.usb_transfer(
-                cable.at_cycles,
-                cable.number,
-                cable.timeout_cycles,
-                cable.kind,
-                cable.endpoint,
-                cable.data,
-                cable.length,
-            )
+    happened: list[AirSignal | CableSignal] = [*record.signals, *record.cable]
+    for one in sorted(happened, key=lambda one: one.at_cycles):
+        brick.run_until(one.at_cycles)
+        _play(brick, one)
     brick.run_until(record.end_cycles)
     return bool(brick.trace_digest() == record.digest)
+
+
+def _play(brick: Any, one: AirSignal | CableSignal) -> None:
+    at_cycles = one.at_cycles
+    if isinstance(one, AirSignal):
+        brick.bluetooth_send(at_cycles, one.peer, one.kind, one.data, name=one.name, pin=one.pin)
+    elif one.kind == "plugged":
+        brick.schedule_input(at_cycles, "usb.plugged", one.number)
+    else:
+        timing = (at_cycles, one.number, one.timeout_cycles)
+        brick.usb_transfer(*timing, one.kind, one.endpoint, one.data, one.length)

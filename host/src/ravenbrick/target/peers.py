@@ -156,6 +156,7 @@ class UsbComputer:
     def __init__(self, brick: Any) -> None:
         self._brick = brick
         self._number = 0
+        self._others: list[tuple[int, bytes | None, str | None]] = []
         brick.schedule_input(brick.cycles, "usb.plugged", 1)
 
     def enumerate(self, timeout_ms: int = READ_MS) -> tuple[int, int]:
@@ -198,19 +199,38 @@ class UsbComputer:
         timeout_ms: int = USB_MS,
     ) -> bytes:
         """A transfer from begin to end. Raises PeerError when it fails."""
+        begun = self.begin(kind, endpoint, data, length, timeout_ms)
+        while True:
+            _run(self._brick, STEP_MS)
+            completed = self._brick.usb_completed()
+            others = [other for other in completed if other[1] != begun]
+            self._others += [(number, data, failure) for _, number, data, failure in others]
+            for _, _, received, failure in (one for one in completed if one[1] == begun):
+                if received is None:
+                    raise PeerError(f"USB {kind} transfer on endpoint {endpoint}: {failure}")
+                return bytes(received)
+
+    def begin(
+        self,
+        kind: str,
+        endpoint: int = 0,
+        data: bytes = b"",
+        length: int = 0,
+        timeout_ms: int = USB_MS,
+    ) -> int:
+        """Begin a transfer without waiting for it; its number."""
         self._number += 1
         timeout_cycles = MASTER_CLOCK.cycles_of_ms(timeout_ms)
         self._brick.usb_transfer(
             self._brick.cycles, self._number, timeout_cycles, kind, endpoint, data, length
         )
-        while True:
-            _run(self._brick, STEP_MS)
-            for _, number, received, failure in self._brick.usb_completed():
-                if number != self._number:
-                    continue
-                if received is None:
-                    raise PeerError(f"USB {kind} transfer on endpoint {endpoint}: {failure}")
-                return bytes(received)
+        return self._number
+
+    def ended(self) -> list[tuple[int, bytes | None, str | None]]:
+        """Number, bytes and failure of transfers of `begin` that have ended since the last call."""
+        ended, self._others = self._others, []
+        completed = self._brick.usb_completed()
+        return ended + [(number, data, failure) for _, number, data, failure in completed]
 
 
 class UsbStream:

@@ -165,6 +165,11 @@ impl<B: Board> Chip<B> {
         &mut self.board
     }
 
+    /// The board, to take from it what it has reported: its pins and its next event stay.
+    pub fn board_reports(&mut self) -> &mut B {
+        &mut self.board
+    }
+
     /// Levels of pins PA0 to PA31 as the PIO controller last saw them, one bit each.
     pub fn pins(&self) -> u32 {
         self.pio.pins()
@@ -182,8 +187,19 @@ impl<B: Board> Chip<B> {
         self.fault.as_ref()
     }
 
+    /// The data controller may write memory without the processor.
+    #[must_use]
+    pub fn memory_is_written_besides(&self) -> bool {
+        let serial = self.serial.iter().any(|port| port.pdc.receive.ready());
+        serial || self.spi.pdc.receive.ready()
+    }
+
     /// A reset of the processor happened since the last call: reset the core.
+    #[inline]
     pub fn take_reset(&mut self) -> Option<ResetCause> {
+        if self.reset.is_none() {
+            return None;
+        }
         self.reset.take()
     }
 
@@ -309,8 +325,8 @@ impl<B: Board> Chip<B> {
     #[cold]
     pub(crate) fn serve_events(&mut self) {
         loop {
-            let (kind, at) = self.schedule.first();
-            if at <= self.now && at != NEVER {
+            if self.schedule.earliest() <= self.now {
+                let (kind, at) = self.schedule.first();
                 self.serve(kind, at);
             } else if self.stolen != 0 && !self.stopped {
                 self.now += std::mem::take(&mut self.stolen) * self.ratio;
@@ -402,7 +418,8 @@ impl<B: Board> Chip<B> {
         if self.stopped && !self.held {
             self.stopped = false;
             self.wdt.processor_resumed(at);
-            self.refresh_system(at);
+            self.schedule
+                .set(EventKind::Watchdog, self.wdt.next_event());
             self.board.observe(at, ChipEvent::ProcessorResumed);
         }
     }
@@ -414,7 +431,8 @@ impl<B: Board> Chip<B> {
         }
         self.stopped = true;
         self.wdt.processor_stopped(at);
-        self.refresh_system(at);
+        self.schedule
+            .set(EventKind::Watchdog, self.wdt.next_event());
         self.schedule.set(EventKind::Wake, self.aic.wake_at());
         self.board.observe(at, ChipEvent::ProcessorStopped);
     }

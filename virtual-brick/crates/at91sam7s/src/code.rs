@@ -3,7 +3,7 @@
 //! The chip as the bus of decoded blocks: code in SRAM and flash, plain accesses to them.
 
 use arm7tdmi::bus::Width;
-use arm7tdmi::{BlockBus, CodePlace, PlainRead};
+use arm7tdmi::{BlockBus, CodePlace, PlainRead, PlainWords};
 
 use crate::board::{Board, Cycles};
 use crate::bus::{lane, misaligned};
@@ -159,11 +159,32 @@ impl<B: Board> BlockBus for Chip<B> {
         plain.then_some(self.sram_cycles())
     }
 
-    #[inline(always)]
-    fn plain_write_cycles(&self, address: u32, width: Width) -> Option<u32> {
-        let plain =
-            !misaligned(address, width) && self.is_sram(address) && !self.sram.is_marked(address);
-        plain.then_some(self.sram_cycles())
+    #[inline]
+    fn plain_words(&self, address: u32, count: u32) -> Option<PlainWords<&[u32]>> {
+        if misaligned(address, Width::Word) {
+            return None;
+        }
+        if self.is_sram(address) {
+            let cycles = self.sram_cycles();
+            let words = self.sram.words(address, count)?;
+            return Some(PlainWords { words, cycles });
+        }
+        if !Self::is_flash(address) || !self.flash_ready() {
+            return None;
+        }
+        let cycles = self.flash.data_cycles() as u32;
+        let words = self.flash.words(address, count)?;
+        Some(PlainWords { words, cycles })
+    }
+
+    #[inline]
+    fn plain_words_mut(&mut self, address: u32, count: u32) -> Option<PlainWords<&mut [u32]>> {
+        if misaligned(address, Width::Word) || !self.is_sram(address) {
+            return None;
+        }
+        let cycles = self.sram_cycles();
+        let words = self.sram.unmarked_words(address, count)?;
+        Some(PlainWords { words, cycles })
     }
 
     #[inline]

@@ -79,6 +79,9 @@ impl Schedule {
     pub(crate) fn set(&mut self, kind: EventKind, at: Cycles) {
         let slot = &mut self.due[kind as usize];
         let before = *slot;
+        if at == before {
+            return;
+        }
         *slot = at;
         if at <= self.earliest {
             self.earliest = at;
@@ -88,14 +91,11 @@ impl Schedule {
     }
 
     /// The first event: its kind and time.
+    #[inline]
     pub(crate) fn first(&self) -> (EventKind, Cycles) {
-        let mut best = (EventKind::Board, NEVER);
-        for kind in EventKind::ALL {
-            let at = self.due[kind as usize];
-            if at < best.1 {
-                best = (kind, at);
-            }
-        }
-        best
+        let at = self.earliest;
+        let first = EventKind::ALL.into_iter().zip(self.due);
+        let kind = first.into_iter().find(|&(_, due)| due == at);
+        (kind.map_or(EventKind::Board, |(kind, _)| kind), at)
     }
 }

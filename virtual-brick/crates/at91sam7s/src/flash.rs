@@ -119,6 +119,13 @@ impl Flash {
         self.words[(address as usize >> 2) % WORDS]
     }
 
+    /// Words up to the end of the array at most.
+    #[inline(always)]
+    pub(crate) fn words(&self, address: u32, count: u32) -> Option<&[u32]> {
+        let first = (address as usize >> 2) % WORDS;
+        self.words.get(first..first + count as usize)
+    }
+
     /// Cycles of an ARM opcode fetch; a fetch is sequential when it continues the last one.
     #[inline]
     pub(crate) fn fetch_word_cycles(&mut self, address: u32) -> Cycles {

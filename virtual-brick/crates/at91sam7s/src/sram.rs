@@ -110,9 +110,28 @@ impl Sram {
         true
     }
 
+    /// Words up to the end of the memory at most.
     #[inline(always)]
-    pub(crate) fn is_marked(&self, address: u32) -> bool {
-        self.marks[index(address)] != 0
+    pub(crate) fn words(&self, address: u32, count: u32) -> Option<&[u32]> {
+        let first = index(address);
+        self.words.get(first..first + count as usize)
+    }
+
+    /// Words to write, unless somebody wants to know of it.
+    #[inline(always)]
+    pub(crate) fn unmarked_words(&mut self, address: u32, count: u32) -> Option<&mut [u32]> {
+        let first = index(address);
+        let range = first..first + count as usize;
+        let free = self
+            .marks
+            .get(range.clone())?
+            .iter()
+            .all(|marks| *marks == 0);
+        if free {
+            self.words.get_mut(range)
+        } else {
+            None
+        }
     }
 
     /// Tell the next change of a word, which was decoded as code.

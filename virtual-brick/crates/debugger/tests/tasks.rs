@@ -166,7 +166,9 @@ fn the_monitor_shows_record_peripherals_and_plant_as_they_are() {
     let mut target = target(program());
     let trace = target.monitor("trace 3");
     assert_eq!(trace.lines().count(), 3, "{trace}");
-    assert!(target.monitor("trace").contains("thread_running    control"));
+    assert!(target
+        .monitor("trace")
+        .contains("thread_running    control"));
     assert!(target.monitor("trace many").contains("no number of events"));
     let before = target.monitor("digest");
     let shown = target.monitor("peripherals pmc");

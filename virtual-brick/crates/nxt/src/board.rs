@@ -83,6 +83,8 @@ pub struct NxtBoard {
     phase: Cycles,
     sound: Recording,
     log: EventLog,
+    /// What [`Self::slow_change`] tells, as long as nobody has reached for these parts since.
+    slow_next: Option<Cycles>,
 }
 
 /// When the picture is to be looked at.
@@ -135,6 +137,7 @@ impl NxtBoard {
             phase,
             sound: Recording::default(),
             log: EventLog::default(),
+            slow_next: None,
         })
     }
 
@@ -144,6 +147,7 @@ impl NxtBoard {
         let measurable = self.measurable();
         self.coprocessor.skip_start_up(now, self.phase, measurable);
         self.bluetooth.skip_start_up(now);
+        self.slow_next = None;
     }
 
     /// The Bluetooth module.
@@ -154,6 +158,7 @@ impl NxtBoard {
 
     /// The Bluetooth module, to bring devices into its range and to speak with it.
     pub fn bluetooth_mut(&mut self) -> &mut Bluetooth {
+        self.slow_next = None;
         &mut self.bluetooth
     }
 
@@ -165,6 +170,7 @@ impl NxtBoard {
 
     /// The USB host, to give it work.
     pub fn usb_mut(&mut self) -> &mut UsbHost {
+        self.slow_next = None;
         &mut self.usb
     }
 
@@ -214,7 +220,10 @@ impl NxtBoard {
     /// program switches the pull-up off.
     pub fn enter_boot_monitor(&mut self, now: Cycles) {
         self.coprocessor.restart(now, self.phase);
+        self.ports
+            .set_supplies(now, self.coprocessor.sensor_supplies());
         self.boot_monitor = Some(BootMonitor::default());
+        self.slow_next = None;
         self.usb.set_pull_up(true);
     }
 
@@ -251,9 +260,10 @@ impl NxtBoard {
         !self.log.is_empty()
     }
 
-    /// Events since the last call, in the order in which they happened.
-    pub fn take_events(&mut self) -> Vec<BoardEvent> {
-        self.log.take()
+    /// Events since the last call, in the order in which they happened, in place of what `taken`
+    /// holds.
+    pub fn take_events(&mut self, taken: &mut Vec<BoardEvent>) {
+        self.log.take(taken);
     }
 
     /// The inputs that this configuration has.
@@ -277,6 +287,7 @@ impl NxtBoard {
     pub fn set_input(&mut self, now: Cycles, name: &str, value: f64) -> Result<(), InputError> {
         let target = inputs::find(&self.inputs, name, value)?;
         self.advance(now);
+        self.slow_next = None;
         match target {
             Target::Sensor(index, quantity) => self.ports.set_quantity(index, quantity, value),
             Target::Plugged(index) => self.ports.set_plugged(now, index, value != 0.0),
@@ -347,6 +358,7 @@ impl NxtBoard {
         } else if let Err(fault) = self.display.write_command(byte) {
             self.log.fault(now, fault);
         }
+        self.slow_next = None;
         let first_at = *self.refresh.first_at.get_or_insert(now);
         self.refresh.due_at = (now + DISPLAY_PAUSE).min(first_at + DISPLAY_PERIOD);
     }
@@ -367,6 +379,7 @@ impl NxtBoard {
 impl Board for NxtBoard {
     fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
         self.outputs = outputs;
+        self.slow_next = None;
         self.ports.outputs_changed(now, outputs);
         let high = |pin: u32| {
             let pulled = outputs.driven & pin == 0 && outputs.pull_up & pin != 0;
@@ -479,21 +492,20 @@ impl Board for NxtBoard {
     }
 
     fn advance(&mut self, now: Cycles) {
-        while self.next_change() <= now {
+        loop {
             let at = self.next_change();
-            let drives = self.coprocessor.drives();
-            if self.physics.advance(at, &drives, self.battery.voltage()) {
-                let (_, robot, _) = self.physics.around(at);
-                self.battery.set_current(robot.supply_current());
-                self.measured.update(robot, &mut self.ports);
-                self.look_at_battery(at);
+            if at > now {
+                return;
+            }
+            if self.physics.next_event() <= at {
+                self.advance_physics(at);
             }
             if self.coprocessor.next_event() <= at {
                 let measurable = self.measurable();
                 self.coprocessor.advance(at, measurable, &mut self.log);
+                self.ports
+                    .set_supplies(at, self.coprocessor.sensor_supplies());
             }
-            self.ports
-                .set_supplies(at, self.coprocessor.sensor_supplies());
             if self.ports.next_event() <= at {
                 self.ports.advance(at);
             }
@@ -502,6 +514,7 @@ impl Board for NxtBoard {
             if self.refresh.due_at <= at {
                 self.report_picture(at);
             }
+            self.slow_next = Some(self.slow_change());
         }
     }
 
@@ -514,6 +527,7 @@ impl Board for NxtBoard {
     }
 
     fn serial_sent(&mut self, now: Cycles, port: SerialPort, character: Character) {
+        self.slow_next = None;
         let event = BusEvent::Sent(port, character.data as u8);
         self.bench.note(now, event);
         match (port, self.bench.module()) {
@@ -541,8 +555,11 @@ impl Board for NxtBoard {
 
     fn usb_signal(&mut self, now: Cycles) -> Option<UsbSignal> {
         let Some(monitor) = &mut self.boot_monitor else {
-            return self.usb.signal(now);
+            let signal = self.usb.signal(now)?;
+            self.slow_next = None;
+            return Some(signal);
         };
+        self.slow_next = None;
         while let Some(signal) = self.usb.signal(now) {
             if let Some(answer) = monitor.signal(signal) {
                 self.usb.answer(now, answer);
@@ -552,6 +569,7 @@ impl Board for NxtBoard {
     }
 
     fn usb_answer(&mut self, now: Cycles, answer: UsbAnswer) {
+        self.slow_next = None;
         self.usb.answer(now, answer);
     }
 
@@ -561,12 +579,27 @@ impl Board for NxtBoard {
 }
 
 impl NxtBoard {
+    fn advance_physics(&mut self, at: Cycles) {
+        let drives = self.coprocessor.drives();
+        if self.physics.advance(at, &drives, self.battery.voltage()) {
+            let (_, robot, _) = self.physics.around(at);
+            self.battery.set_current(robot.supply_current());
+            self.measured.update(robot, &mut self.ports);
+            self.look_at_battery(at);
+        }
+    }
+
     /// When the board changes by itself next; transactions on the USB come on top of that.
     fn next_change(&self) -> Cycles {
+        let slow = self.slow_next.unwrap_or_else(|| self.slow_change());
         let physics = self.physics.next_event();
-        physics
-            .min(self.coprocessor.next_event())
-            .min(self.refresh.due_at)
+        physics.min(self.coprocessor.next_event()).min(slow)
+    }
+
+    /// When display, ports, Bluetooth or USB change by themselves next.
+    fn slow_change(&self) -> Cycles {
+        self.refresh
+            .due_at
             .min(self.ports.next_event())
             .min(self.bluetooth.next_event())
             .min(self.usb.next_event())
@@ -576,6 +609,8 @@ impl NxtBoard {
     fn look_at_battery(&mut self, now: Cycles) {
         if self.battery.voltage() < LOST_VOLTAGE {
             self.coprocessor.lose_supply(now, &mut self.log);
+            self.ports
+                .set_supplies(now, self.coprocessor.sensor_supplies());
         }
     }
 

@@ -126,7 +126,9 @@ impl EventLog {
         self.events.is_empty()
     }
 
-    pub fn take(&mut self) -> Vec<BoardEvent> {
-        std::mem::take(&mut self.events)
+    /// Hands the events over; `taken` is emptied first, its room is used again.
+    pub fn take(&mut self, taken: &mut Vec<BoardEvent>) {
+        taken.clear();
+        std::mem::swap(&mut self.events, taken);
     }
 }

@@ -20,6 +20,8 @@ pub struct Physics {
     encoders: [Option<Encoder>; 3],
     /// Edges of the running step, the next one last.
     edges: Vec<Edge>,
+    /// Drives and supply of the last step if it changed nothing: with the same, no step will.
+    resting: Option<([MotorDrive; 3], f64)>,
 }
 
 impl Physics {
@@ -38,6 +40,7 @@ impl Physics {
             step_start: 0,
             encoders,
             edges: Vec::new(),
+            resting: None,
         })
     }
 
@@ -64,8 +67,13 @@ impl Physics {
             return false;
         }
         self.step_start += PLANT_STEP_CYCLES;
+        if self.resting == Some((*drives, supply)) {
+            return true;
+        }
         self.behind.clone_from(&self.ahead);
         self.ahead.step(seconds(PLANT_STEP_CYCLES), drives, supply);
+        let rests = self.ahead.same_state(&self.behind);
+        self.resting = rests.then_some((*drives, supply));
         self.find_edges();
         true
     }
@@ -102,11 +110,13 @@ impl Physics {
 
     /// The motor in `port` as the next step will take it.
     pub fn motor_mut(&mut self, port: MotorPort) -> Option<&mut Motor> {
+        self.resting = None;
         self.ahead.motor_mut(port)
     }
 
     /// The robot as the next step will take it.
     pub fn robot_mut(&mut self) -> &mut Robot {
+        self.resting = None;
         &mut self.ahead
     }
 

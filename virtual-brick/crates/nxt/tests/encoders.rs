@@ -166,7 +166,7 @@ fn next_event_never_goes_back_and_events_come_in_the_order_of_time() {
         rig.board.advance(next);
         last = next;
     }
-    let events = rig.board.take_events();
+    let events = rig.reports();
     assert!(events
         .windows(2)
         .all(|pair| pair[0].at_cycles <= pair[1].at_cycles));
@@ -190,7 +190,7 @@ fn one_late_call_brings_the_same_state_as_many_timely_ones() {
         late.board.signals(late.now)
     );
     assert_eq!(timely.board.pin_levels(), late.board.pin_levels());
-    assert_eq!(timely.board.take_events(), late.board.take_events());
+    assert_eq!(timely.reports(), late.reports());
 }
 
 #[test]

@@ -160,6 +160,21 @@ impl Motor {
         ((-half - lead) / dt, (half - lead) / dt)
     }
 
+    /// Everything that a step changes.
+    pub(crate) fn state(&self) -> [f64; 9] {
+        [
+            self.angle,
+            self.angular_velocity,
+            self.load_angle,
+            self.load_velocity,
+            self.current,
+            self.voltage,
+            self.supply_current,
+            self.heat.square(),
+            f64::from(u8::from(self.heat.is_open())),
+        ]
+    }
+
     pub(crate) fn winding(&self, supply: f64, dt: f64) -> Winding {
         Winding {
             velocity: self.angular_velocity,

@@ -118,6 +118,23 @@ impl Robot {
         }
     }
 
+    /// Motion, currents and heat are the same, bit for bit; asked of two states of one robot.
+    #[must_use]
+    pub fn same_state(&self, other: &Self) -> bool {
+        let motors = self
+            .motors
+            .iter()
+            .flatten()
+            .zip(other.motors.iter().flatten());
+        let same = |(one, other): (&Motor, &Motor)| same_bits(&one.state(), &other.state());
+        let body = |robot: &Self| {
+            let (pose, pitch) = (robot.pose().unwrap_or_default(), robot.pitch());
+            let (angle, rate) = pitch.unwrap_or_default();
+            [pose.x, pose.y, pose.heading, angle, rate]
+        };
+        motors.into_iter().all(same) && same_bits(&body(self), &body(other))
+    }
+
     /// Current that all motors take from the supply in A, mean of the last step.
     #[must_use]
     pub fn supply_current(&self) -> f64 {
@@ -246,12 +263,11 @@ impl Robot {
 
     fn constrained(&self, step: &Step) -> Vector {
         let mut velocity = step.free;
-        let none = Constraint::friction(&step.inverse, [(0, 1.0), (0, 0.0)], 0.0);
-        let mut constraints = [none; CONSTRAINTS];
+        let mut constraints = [const { None }; CONSTRAINTS];
         let mut frictions = [None; MOTORS];
         let mut count = 0;
         let mut add = |constraint| {
-            constraints[count] = constraint;
+            constraints[count] = Some(constraint);
             count += 1;
             count - 1
         };
@@ -269,7 +285,8 @@ impl Robot {
         }
         solve(&mut velocity, &mut constraints[..count]);
         for (k, friction) in frictions.into_iter().enumerate() {
-            let held = friction.is_some_and(|index: usize| constraints[index].holds());
+            let constraint = friction.and_then(|index: usize| constraints[index].as_ref());
+            let held = constraint.is_some_and(Constraint::holds);
             if held && libm::fabs(velocity[k]) < AT_REST {
                 velocity[k] = 0.0;
             }
@@ -379,6 +396,11 @@ impl Robot {
             }
         }
     }
+}
+
+fn same_bits(one: &[f64], other: &[f64]) -> bool {
+    let bits = |value: &f64| value.to_bits();
+    one.iter().map(bits).eq(other.iter().map(bits))
 }
 
 /// Coordinate of what lies behind the play of motor `k`: its gear train's when it has none.

@@ -124,6 +124,7 @@ pub(crate) struct Constraint {
 
 impl Constraint {
     /// `inverse` is that of the mass matrix.
+    #[inline(always)]
     pub fn new(
         inverse: &MassMatrix,
         direction: [(usize, f64); 2],
@@ -135,7 +136,8 @@ impl Constraint {
             unit[index] += factor;
         }
         let response = inverse.multiply(&unit);
-        let mobility: f64 = (0..COORDINATES).map(|i| unit[i] * response[i]).sum();
+        let [(one, k), (other, l)] = direction;
+        let mobility = k * response[one] + l * response[other];
         let (lowest, highest) = bounds;
         let stiffness = 1.0 / mobility;
         Self {
@@ -150,6 +152,7 @@ impl Constraint {
     }
 
     /// Friction of at most `bound` (N m s) along `direction`.
+    #[inline(always)]
     pub fn friction(inverse: &MassMatrix, direction: [(usize, f64); 2], bound: f64) -> Self {
         Self::new(inverse, direction, 0.0, (-bound, bound))
     }
@@ -177,10 +180,10 @@ impl Constraint {
 }
 
 /// Changes `velocity` until every constraint is met.
-pub(crate) fn solve(velocity: &mut Vector, constraints: &mut [Constraint]) {
+pub(crate) fn solve(velocity: &mut Vector, constraints: &mut [Option<Constraint>]) {
     for _ in 0..ITERATIONS {
         let mut largest = 0.0;
-        for constraint in constraints.iter_mut() {
+        for constraint in constraints.iter_mut().flatten() {
             largest = libm::fmax(largest, constraint.relax(velocity));
         }
         if largest < SMALL_IMPULSE {

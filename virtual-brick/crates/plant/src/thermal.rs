@@ -41,6 +41,11 @@ impl Heat {
         self.open
     }
 
+    /// Square of the steady current in A^2.
+    pub const fn square(self) -> f64 {
+        self.square
+    }
+
     /// `current` flowed for `dt` s.
     pub fn advance(&mut self, fuse: &CutOut, current: f64, dt: f64) {
         self.square += (current * current - self.square) * dt / fuse.time_constant;

@@ -57,12 +57,8 @@ pub(crate) fn load(chip: &mut Machine, image: &Image) -> Result<(), AddressError
 }
 
 /// Events of the board since the last call.
-pub(crate) fn take_events(chip: &mut Machine) -> Vec<BoardEvent> {
-    if chip.board().has_events() {
-        chip.board_mut().take_events()
-    } else {
-        Vec::new()
-    }
+pub(crate) fn take_events(chip: &mut Machine, taken: &mut Vec<BoardEvent>) {
+    chip.board_reports().take_events(taken);
 }
 
 /// Meaning of an event of the board.

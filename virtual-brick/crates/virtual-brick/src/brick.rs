@@ -10,6 +10,7 @@ use trace::Trace;
 
 use crate::assembly::{self, Machine};
 use crate::configuration::{Configuration, ConfigurationError};
+use crate::endless::EndlessLoops;
 use crate::engine::Engine;
 use crate::guard::Guard;
 use crate::image::{Image, ImageError, Placement, ScalarKind};
@@ -35,6 +36,7 @@ pub struct VirtualBrick {
     pub(crate) recorder: Recorder,
     pub(crate) inputs: InputSchedule,
     pub(crate) guard: Guard,
+    pub(crate) endless_loops: EndlessLoops,
     pub(crate) ended: Option<Stop>,
     pub(crate) engine: Engine,
     pub(crate) blocks: Blocks<Machine>,
@@ -116,6 +118,7 @@ impl VirtualBrick {
             recorder,
             inputs: InputSchedule::default(),
             guard: Guard::default(),
+            endless_loops: EndlessLoops::default(),
             ended: None,
             engine: configuration.engine,
             blocks: Blocks::default(),

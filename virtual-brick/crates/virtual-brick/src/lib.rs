@@ -9,6 +9,7 @@ mod brick;
 mod buses;
 mod checkpoint;
 mod configuration;
+mod endless;
 mod engine;
 mod guard;
 mod image;

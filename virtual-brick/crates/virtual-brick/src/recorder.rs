@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! From what the chip, the board and the observer report to the trace, in the order of time.
 
+use nxt::BoardEvent;
 use trace::{Event, EventKind, NameSpace, Trace, TraceError};
 
 use crate::assembly::{self, Machine, Observed};
@@ -19,6 +20,7 @@ pub(crate) struct Recorder {
     observer: Option<ThreadObserver>,
     probes: Vec<Probe>,
     pending: Vec<Event>,
+    reported: Vec<BoardEvent>,
     row: Vec<f64>,
     signal_period_cycles: u64,
     next_sample_cycles: u64,
@@ -42,6 +44,7 @@ impl Recorder {
             observer,
             probes: Vec::new(),
             pending: Vec::new(),
+            reported: Vec::new(),
             row: Vec::new(),
             signal_period_cycles: configuration.signal_period_cycles,
             next_sample_cycles: 0,
@@ -108,8 +111,9 @@ impl Recorder {
     /// The stop when the supply is off, the board met what it does not model or the trace is full.
     pub(crate) fn collect(&mut self, chip: &mut Machine) -> Result<(), Stop> {
         let mut end = None;
-        for event in assembly::take_events(chip) {
-            match assembly::observed(&event) {
+        assembly::take_events(chip, &mut self.reported);
+        for event in &self.reported {
+            match assembly::observed(event) {
                 Observed::Event(event) => self.pending.push(event),
                 Observed::ClockStarted { at_cycles } => {
                     if let Some(observer) = &mut self.observer {

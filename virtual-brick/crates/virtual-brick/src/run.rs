@@ -12,6 +12,9 @@ use crate::image::Placement;
 use crate::observe::{ObservedBus, StepObserver, Unobserved};
 use crate::stop::{Stop, StopReason};
 
+/// Fewer quiet cycles are left to the reference engine: entering a block costs more.
+const WORTHWHILE_CYCLES: u32 = 16;
+
 /// Why a slice of the run was left early.
 enum Break {
     /// The run ended.
@@ -80,8 +83,20 @@ impl VirtualBrick {
         }
         if self.recorder.next_sample_cycles() <= now {
             self.recorder.sample(&self.chip)?;
+            if self.monitor.is_none() && self.endless_loops.at_sample(&self.cpu, &self.chip) {
+                return Err(self.loops_for_ever());
+            }
         }
         Ok(())
+    }
+
+    fn loops_for_ever(&self) -> Stop {
+        let here = crate::guard::place(&self.image, self.cpu.next_instruction_address());
+        Stop {
+            reason: StopReason::Halted,
+            at_cycles: self.chip.now(),
+            message: format!("the processor loops around {here} with interrupts masked"),
+        }
     }
 
     /// Steps up to the next input, sample or the limit.
@@ -128,6 +143,9 @@ impl VirtualBrick {
         let status = self.cpu.cpsr();
         let (irq, fiq) = (status & psr::I == 0, status & psr::F == 0);
         let budget = self.chip.quiet_cycles(end, irq, fiq);
+        if budget < WORTHWHILE_CYCLES {
+            return;
+        }
         let run = self
             .cpu
             .run_blocks(&mut self.chip, &mut self.blocks, budget);

@@ -58,11 +58,33 @@ fn a_loop_with_interrupts_enabled_waits_for_them() {
 }
 
 #[test]
-fn a_loop_of_several_instructions_goes_on() {
+fn a_loop_of_several_instructions_with_interrupts_masked_is_a_halt() {
     let stop = run(|program| {
         program.raw(0xE1A0_0000).branch(ALWAYS, 0);
     });
-    assert_eq!(stop.reason, StopReason::Reached);
+    assert_eq!(stop.reason, StopReason::Halted);
+    let words = "the processor loops around 0x0020200";
+    assert!(stop.message.starts_with(words), "{}", stop.message);
+}
+
+#[test]
+fn a_loop_that_something_can_leave_goes_on() {
+    let interruptible = run(|program| {
+        program.status(0x13).raw(0xE1A0_0000).branch(ALWAYS, 1);
+    });
+    assert_eq!(interruptible.reason, StopReason::Reached);
+    let counting = run(|program| {
+        let again = program.here();
+        program.add(0, 1).branch(ALWAYS, again);
+    });
+    assert_eq!(counting.reason, StopReason::Reached);
+    let polling = run(|program| {
+        // The interval timer's image register changes.
+        program.load(1, 0xFFFF_FD3C);
+        let again = program.here();
+        program.ldr(0, 1, 0).branch(ALWAYS, again);
+    });
+    assert_eq!(polling.reason, StopReason::Reached);
 }
 
 #[test]

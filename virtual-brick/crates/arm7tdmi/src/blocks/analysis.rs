@@ -133,6 +133,25 @@ pub(super) fn needed_flags(instructions: &[Instruction]) -> Vec<bool> {
     needed
 }
 
+/// After which instructions of a block are all flags what the processor's would be, when only
+/// those of `needed` are computed?
+pub(super) fn whole_flags(instructions: &[Instruction], needed: &[bool]) -> Vec<bool> {
+    let mut stale = 0;
+    let whole = instructions
+        .iter()
+        .zip(needed)
+        .map(|(instruction, &needed)| {
+            let flags = flags(instruction);
+            stale = if needed {
+                stale & !flags.replaces
+            } else {
+                stale | flags.writes
+            };
+            stale == 0
+        });
+    whole.collect()
+}
+
 /// Registers as a set; bit 15 stands for nothing here, as r15 is constant at each instruction.
 struct Registers {
     reads: u32,

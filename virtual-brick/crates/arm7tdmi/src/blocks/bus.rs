@@ -23,6 +23,14 @@ pub struct PlainRead {
     pub cycles: u32,
 }
 
+/// Words that lie one after the other in memory.
+pub struct PlainWords<W> {
+    /// The words.
+    pub words: W,
+    /// Cycles of the access to each.
+    pub cycles: u32,
+}
+
 /// A bus whose code memories can be decoded ahead of execution.
 ///
 /// Costs are in cycles of the processor clock and hold until [`BlockBus::code_epoch`] changes or
@@ -59,8 +67,10 @@ pub trait BlockBus: Bus {
     fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead>;
     /// Write memory, if writing does nothing else; cycles of the access.
     fn plain_write(&mut self, address: u32, width: Width, value: u32) -> Option<u32>;
-    /// Cycles of a plain write that would be possible.
-    fn plain_write_cycles(&self, address: u32, width: Width) -> Option<u32>;
+    /// Words of memory, if reading them does nothing else and needs no waiting.
+    fn plain_words(&self, address: u32, count: u32) -> Option<PlainWords<&[u32]>>;
+    /// Words of memory to write, if writing them does nothing else.
+    fn plain_words_mut(&mut self, address: u32, count: u32) -> Option<PlainWords<&mut [u32]>>;
     /// Let processor cycles pass in which nothing happens.
     fn pass(&mut self, cycles: u32);
 }

@@ -3,10 +3,11 @@
 //! Operations on registers only.
 
 use super::bus::BlockBus;
-use super::run::{follow, Handler, Op, Run};
+use super::run::{follow, holds, Handler, Op, Run};
 use crate::alu::{add, shift_by_constant, shift_by_register, Shifted, Sum};
 use crate::instruction::AluOperation;
 use crate::multiply::{signed_cycles, unsigned_cycles};
+use crate::status::condition_passes;
 
 /// Kinds of second operand that have handlers of their own.
 pub(super) const CONSTANT: u8 = 0;
@@ -84,6 +85,48 @@ fn data<B: BlockBus, const OPERATION: u8, const KIND: u8, const FLAGS: bool>(
     op: &Op<B>,
     rest: &[Op<B>],
 ) {
+    process::<B, OPERATION, KIND, FLAGS, false>(run, op);
+    follow(run, rest);
+}
+
+/// Data processing that sets flags, and the conditional branch behind it.
+fn data_and_branch<B: BlockBus, const OPERATION: u8, const KIND: u8, const CONDITION: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    process::<B, OPERATION, KIND, true, false>(run, op);
+    if let Some((branch, rest)) = rest.split_first() {
+        if holds::<B, CONDITION>(run) {
+            run.branch(branch, branch.value, u32::from(branch.cycles));
+        } else {
+            follow(run, rest);
+        }
+    }
+}
+
+/// Data processing without flags whose result is kept only if the condition, in `cycles`, holds:
+/// random conditions cost no wrong guess of the host's branch predictor.
+fn data_if<B: BlockBus, const OPERATION: u8, const KIND: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: &[Op<B>],
+) {
+    process::<B, OPERATION, KIND, false, true>(run, op);
+    follow(run, rest);
+}
+
+#[inline(always)]
+fn process<
+    B: BlockBus,
+    const OPERATION: u8,
+    const KIND: u8,
+    const FLAGS: bool,
+    const CONDITIONAL: bool,
+>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+) {
     let Shifted { value: b, carry } = operand::<B, KIND>(run, op);
     if KIND == BY_REGISTER {
         run.cycles += 1;
@@ -113,10 +156,15 @@ fn data<B: BlockBus, const OPERATION: u8, const KIND: u8, const FLAGS: bool>(
             run.carry = u32::from(carry);
         }
     }
-    if !matches!(OPERATION, 0x8..=0xB) {
+    if CONDITIONAL {
+        let flags =
+            run.negative >> 31 << 3 | u32::from(run.zero == 0) << 2 | run.carry << 1 | run.overflow;
+        let kept = u32::from(condition_passes(u32::from(op.cycles), flags)).wrapping_sub(1);
+        let old = run.get(op.destination);
+        run.set(op.destination, old & kept | sum.value & !kept);
+    } else if !matches!(OPERATION, 0x8..=0xB) {
         run.set(op.destination, sum.value);
     }
-    follow(run, rest);
 }
 
 const fn with_flags<B: BlockBus, const OPERATION: u8, const KIND: u8>(flags: bool) -> Handler<B> {
@@ -163,6 +211,73 @@ pub(super) const fn data_handler<B: BlockBus>(
         AluOperation::Mov => with_kind::<B, 13>(kind, flags),
         AluOperation::Bic => with_kind::<B, 14>(kind, flags),
         AluOperation::Mvn => with_kind::<B, 15>(kind, flags),
+    }
+}
+
+const fn if_of_kind<B: BlockBus, const OPERATION: u8>(kind: u8) -> Option<Handler<B>> {
+    Some(match kind {
+        CONSTANT => data_if::<B, OPERATION, CONSTANT>,
+        REGISTER => data_if::<B, OPERATION, REGISTER>,
+        LEFT => data_if::<B, OPERATION, LEFT>,
+        RIGHT => data_if::<B, OPERATION, RIGHT>,
+        RIGHT_ARITHMETIC => data_if::<B, OPERATION, RIGHT_ARITHMETIC>,
+        _ => return None,
+    })
+}
+
+/// The handler of the usual conditional operations that set no flags.
+pub(super) const fn data_if_handler<B: BlockBus>(
+    operation: AluOperation,
+    kind: u8,
+) -> Option<Handler<B>> {
+    match operation {
+        AluOperation::And => if_of_kind::<B, 0>(kind),
+        AluOperation::Eor => if_of_kind::<B, 1>(kind),
+        AluOperation::Sub => if_of_kind::<B, 2>(kind),
+        AluOperation::Rsb => if_of_kind::<B, 3>(kind),
+        AluOperation::Add => if_of_kind::<B, 4>(kind),
+        AluOperation::Orr => if_of_kind::<B, 12>(kind),
+        AluOperation::Mov => if_of_kind::<B, 13>(kind),
+        AluOperation::Bic => if_of_kind::<B, 14>(kind),
+        AluOperation::Mvn => if_of_kind::<B, 15>(kind),
+        _ => None,
+    }
+}
+
+const fn branch_of<B: BlockBus, const OPERATION: u8, const KIND: u8>(
+    condition: u32,
+) -> Option<Handler<B>> {
+    Some(match condition {
+        0x0 => data_and_branch::<B, OPERATION, KIND, 0x0>,
+        0x1 => data_and_branch::<B, OPERATION, KIND, 0x1>,
+        0x2 => data_and_branch::<B, OPERATION, KIND, 0x2>,
+        0x3 => data_and_branch::<B, OPERATION, KIND, 0x3>,
+        0x4 => data_and_branch::<B, OPERATION, KIND, 0x4>,
+        0x5 => data_and_branch::<B, OPERATION, KIND, 0x5>,
+        0x8 => data_and_branch::<B, OPERATION, KIND, 0x8>,
+        0x9 => data_and_branch::<B, OPERATION, KIND, 0x9>,
+        0xA => data_and_branch::<B, OPERATION, KIND, 0xA>,
+        0xB => data_and_branch::<B, OPERATION, KIND, 0xB>,
+        0xC => data_and_branch::<B, OPERATION, KIND, 0xC>,
+        0xD => data_and_branch::<B, OPERATION, KIND, 0xD>,
+        _ => return None,
+    })
+}
+
+/// The handler of a usual comparison together with the conditional branch behind it.
+pub(super) const fn data_and_branch_handler<B: BlockBus>(
+    operation: AluOperation,
+    kind: u8,
+    condition: u32,
+) -> Option<Handler<B>> {
+    match (operation, kind) {
+        (AluOperation::Sub, CONSTANT) => branch_of::<B, 0x2, CONSTANT>(condition),
+        (AluOperation::Sub, REGISTER) => branch_of::<B, 0x2, REGISTER>(condition),
+        (AluOperation::Add, CONSTANT) => branch_of::<B, 0x4, CONSTANT>(condition),
+        (AluOperation::Tst, CONSTANT) => branch_of::<B, 0x8, CONSTANT>(condition),
+        (AluOperation::Cmp, CONSTANT) => branch_of::<B, 0xA, CONSTANT>(condition),
+        (AluOperation::Cmp, REGISTER) => branch_of::<B, 0xA, REGISTER>(condition),
+        _ => None,
     }
 }
 

@@ -18,17 +18,19 @@ mod translate;
 
 use std::fmt;
 
-pub use bus::{BlockBus, CodePlace, PlainRead};
+pub use bus::{BlockBus, CodePlace, PlainRead, PlainWords};
 
 use crate::bus::Cycle;
 use crate::cpu::Cpu;
 use crate::registers::psr;
-use run::{size_of, Run, NOWHERE};
+use run::{size_of, Run, NOWHERE, NO_TARGET};
 use translate::{translate, Block, BYTES_MAX};
 
 /// Blocks kept at most; with more, all are forgotten.
 const BLOCKS_MAX: usize = 0x4000;
 const NO_KEY: u32 = u32::MAX;
+/// So many times in a row the first instruction was no plain access: so it will be.
+const REFUSALS_LIKELY: u8 = 4;
 
 /// Decoded blocks of one machine. A copy starts empty: it is a cache, no state.
 pub struct Blocks<B: BlockBus> {
@@ -154,6 +156,27 @@ impl<B: BlockBus> Blocks<B> {
         self.blocks.len() as u32 - 1
     }
 
+    /// The block's first instruction was left to the reference engine again and again. Now and
+    /// then the block is tried all the same.
+    #[inline(always)]
+    fn likely_refuses(&mut self, number: u32) -> bool {
+        let Some(block) = self.blocks.get_mut(number as usize) else {
+            return true;
+        };
+        if block.refusals < REFUSALS_LIKELY {
+            return false;
+        }
+        block.refusals = block.refusals.wrapping_add(1);
+        block.refusals != 0
+    }
+
+    #[inline(always)]
+    fn note_refusal(&mut self, number: u32, refused: bool) {
+        if let Some(block) = self.blocks.get_mut(number as usize) {
+            block.refusals = if refused { block.refusals + 1 } else { 0 };
+        }
+    }
+
     /// The block at `key` that follows block `from`.
     #[inline(always)]
     fn successor(&mut self, bus: &mut B, from: u32, key: u32, region: u8) -> Option<u32> {
@@ -193,14 +216,15 @@ impl Cpu {
         let Some(place) = bus.code_place(start & !1) else {
             return BlocksRun::default();
         };
-        if !self.pipeline_follows(bus, start, place.region) {
-            return BlocksRun::default();
-        }
         let Some(first) = blocks.find(bus, start, place) else {
             return BlocksRun::default();
         };
+        if blocks.likely_refuses(first) || !self.pipeline_follows(bus, start, place.region) {
+            return BlocksRun::default();
+        }
         let mut run = self.begin(bus, start, place.region);
         execute(&mut run, blocks, first, budget);
+        blocks.note_refusal(first, run.leave && run.cycles == 0);
         let done = BlocksRun {
             cycles: run.cycles,
             spun: run.spun,
@@ -291,7 +315,7 @@ fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32
         };
         let (key, begun) = (block.key, run.cycles);
         if begun + block.worst > budget {
-            return;
+            return execute_part(run, block, budget - begun);
         }
         if let Some((op, rest)) = block.ops.split_first() {
             (op.handler)(run, op, rest);
@@ -313,5 +337,23 @@ fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32
             Some(next) => number = next,
             None => return,
         }
+    }
+}
+
+/// As much of a block as surely ends within `budget` cycles.
+fn execute_part<B: BlockBus>(run: &mut Run<'_, B>, block: &Block<B>, budget: u32) {
+    let count = block
+        .ops
+        .partition_point(|op| u32::from(op.worst) <= budget);
+    let (Some((op, rest)), Some(next)) = (block.ops[..count].split_first(), block.ops.get(count))
+    else {
+        return;
+    };
+    let state = block.key & 1;
+    run.next = NO_TARGET | state;
+    (op.handler)(run, op, rest);
+    if run.next == NO_TARGET | state {
+        run.cycles += u32::from(next.before);
+        run.next = next.address | state;
     }
 }

@@ -27,10 +27,14 @@ pub(super) struct Op<B: BlockBus> {
     pub mode: u8,
     /// Cycles besides the fetches and plain data accesses.
     pub cycles: u8,
+    /// Most cycles from the block's beginning to where it can be left behind this operation.
+    pub worst: u16,
 }
 
 /// No instruction has this address.
 pub(super) const NOWHERE: u32 = u32::MAX;
+/// No block is here; in Thumb state the next address.
+pub(super) const NO_TARGET: u32 = u32::MAX - 1;
 
 /// The processor while blocks run: general registers, flags apart from each other, cycles.
 pub(super) struct Run<'a, B: BlockBus> {

@@ -3,7 +3,7 @@
 //! Loads and stores. What a plain access cannot do is left to the reference engine, before the
 //! instruction has changed anything.
 
-use super::bus::{BlockBus, PlainRead};
+use super::bus::{BlockBus, PlainRead, PlainWords};
 use super::run::{follow, Handler, Op, Run};
 use crate::alu::shift_by_constant;
 use crate::bus::Width;
@@ -171,31 +171,34 @@ pub(super) fn load_block<B: BlockBus, const RETURNS: bool>(
     op: &Op<B>,
     rest: &[Op<B>],
 ) {
-    let (mut at, moved) = block_address(run, op);
-    let mut registers = run.registers;
-    let mut cycles = 1;
-    if op.mode & WRITE_BACK != 0 {
-        registers[usize::from(op.first & 15)] = moved;
-    }
-    let mut list = op.value;
-    while list != 0 {
-        let Some(read) = run.bus.plain_read(at, Width::Word) else {
+    let (at, moved) = block_address(run, op);
+    let count = op.value.count_ones();
+    if RETURNS {
+        let last = at.wrapping_add(4 * (count - 1));
+        let Some(read) = run.bus.plain_read(last, Width::Word) else {
             return run.leave_before(op);
         };
-        registers[(list.trailing_zeros() & 15) as usize] = read.value;
-        cycles += read.cycles;
-        at = at.wrapping_add(4);
-        list &= list - 1;
-    }
-    if RETURNS {
+        if run.bus.plain_words(at, count).is_none() {
+            return run.leave_before(op);
+        }
         let size = 4 >> (run.next & 1);
-        let target = registers[15] & !(size - 1) | run.next & 1;
+        let target = read.value & !(size - 1) | run.next & 1;
         if !run.branch_to(op, target) {
             return run.leave_before(op);
         }
     }
-    run.cycles += cycles;
-    run.registers = registers;
+    let Some(PlainWords { words, cycles }) = run.bus.plain_words(at, count) else {
+        return run.leave_before(op);
+    };
+    run.cycles += 1 + count * cycles;
+    if op.mode & WRITE_BACK != 0 {
+        run.registers[usize::from(op.first & 15)] = moved;
+    }
+    let mut list = op.value;
+    for &word in words {
+        run.registers[(list.trailing_zeros() & 15) as usize] = word;
+        list &= list.wrapping_sub(1);
+    }
     if !RETURNS {
         follow(run, rest);
     }
@@ -203,27 +206,20 @@ pub(super) fn load_block<B: BlockBus, const RETURNS: bool>(
 
 /// STM.
 pub(super) fn store_block<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, rest: &[Op<B>]) {
-    let (start, moved) = block_address(run, op);
+    let (at, moved) = block_address(run, op);
     let count = op.value.count_ones();
-    let mut cycles = 0;
-    for word in 0..count {
-        let at = start.wrapping_add(4 * word);
-        let Some(cost) = run.bus.plain_write_cycles(at, Width::Word) else {
-            return run.leave_before(op);
-        };
-        cycles += cost;
-    }
-    let (mut list, mut at) = (op.value, start);
-    while list != 0 {
-        let value = run.registers[(list.trailing_zeros() & 15) as usize];
-        let _ = run.bus.plain_write(at, Width::Word, value);
-        if at == start && op.mode & WRITE_BACK != 0 {
-            run.set(op.first, moved);
+    let Some(PlainWords { words, cycles }) = run.bus.plain_words_mut(at, count) else {
+        return run.leave_before(op);
+    };
+    let mut list = op.value;
+    for (index, word) in words.iter_mut().enumerate() {
+        *word = run.registers[(list.trailing_zeros() & 15) as usize];
+        list &= list.wrapping_sub(1);
+        if index == 0 && op.mode & WRITE_BACK != 0 {
+            run.registers[usize::from(op.first & 15)] = moved;
         }
-        at = at.wrapping_add(4);
-        list &= list - 1;
     }
-    run.cycles += cycles;
+    run.cycles += count * cycles;
     run.after_store = op.address;
     follow(run, rest);
 }

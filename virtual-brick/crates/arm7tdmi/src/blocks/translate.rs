@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //! From opcodes to blocks.
 
-use super::analysis::{needed_flags, repeats};
+use super::analysis::{needed_flags, repeats, whole_flags};
 use super::branch::{
     branch, branch_if_handler, branch_link, exchange, fall_through, jump, leave, long_branch,
     long_branch_suffix, only_if_handler, spin,
 };
 use super::bus::{BlockBus, CodePlace};
-use super::data::{self, data_handler, multiply, multiply_long, nothing};
+use super::data::{
+    self, data_and_branch_handler, data_handler, data_if_handler, multiply, multiply_long, nothing,
+};
 use super::run::{size_of, width_of, Handler, Op};
 use super::transfer::{self, load_block, load_handler, store_block, store_handler};
 use crate::bus::Width;
@@ -35,6 +37,8 @@ pub(super) struct Block<B: BlockBus> {
     pub worst: u32,
     /// Running it again changes nothing, as long as memory stays.
     pub repeats: bool,
+    /// Times in a row that its first instruction was left to the reference engine.
+    pub refusals: u8,
     pub ops: Box<[Op<B>]>,
     /// Keys and numbers of the blocks that followed last.
     pub links: [(u32, u32); 2],
@@ -55,6 +59,9 @@ struct Builder<'a, B: BlockBus> {
     address: u32,
     before: u16,
     through: u16,
+    worst: u16,
+    /// Operation and kind of operand of the last instruction, if it always sets flags.
+    comparison: Option<(AluOperation, u8)>,
     ops: Vec<Op<B>>,
 }
 
@@ -150,6 +157,7 @@ pub(super) fn translate<B: BlockBus>(bus: &mut B, key: u32, place: CodePlace) ->
         halfwords: covered / 2,
         worst,
         repeats: repeats(&source.instructions),
+        refusals: 0,
         ops: ops.into_boxed_slice(),
         links: [(u32::MAX, 0); 2],
     })
@@ -165,13 +173,19 @@ fn build<B: BlockBus>(bus: &B, source: &Source) -> Vec<Op<B>> {
         address: source.key & !1,
         before: 0,
         through: 0,
+        worst: 0,
+        comparison: None,
         ops: Vec::with_capacity(source.instructions.len() + 1),
     };
+    let worst = worst_where_left(source, &needed, bus.access_cycles_max());
     let mut prefix = None;
-    for (instruction, &flags) in source.instructions.iter().zip(&needed) {
+    let instructions = source.instructions.iter().zip(&needed).zip(&worst);
+    for ((instruction, &flags), &worst) in instructions {
+        builder.worst = worst;
         let fetched = builder.address.wrapping_add(2 * size);
         builder.through += bus.sequential_fetch_cycles(fetched, width) as u16;
         builder.instruction(instruction, flags, prefix);
+        builder.comparison = comparison(instruction, flags);
         prefix = match instruction.operation {
             Operation::LongBranchPrefix { offset } => Some(offset),
             _ => None,
@@ -184,6 +198,23 @@ fn build<B: BlockBus>(bus: &B, source: &Source) -> Vec<Op<B>> {
         builder.push(fall_through).value = next;
     }
     builder.ops
+}
+
+/// For each instruction the most cycles up to the next place at which the block can be left.
+fn worst_where_left(source: &Source, needed: &[bool], most: u32) -> Vec<u16> {
+    let mut through = 0;
+    let cycles = source.instructions.iter().map(|instruction| {
+        through += most_cycles(instruction, most);
+        through as u16
+    });
+    let mut worst: Vec<u16> = cycles.collect();
+    let whole = whole_flags(&source.instructions, needed);
+    for index in (1..worst.len()).rev() {
+        if !whole[index - 1] {
+            worst[index - 1] = worst[index];
+        }
+    }
+    worst
 }
 
 impl<B: BlockBus> Builder<'_, B> {
@@ -201,6 +232,7 @@ impl<B: BlockBus> Builder<'_, B> {
             amount: 0,
             mode: 0,
             cycles: 0,
+            worst: self.worst,
         });
         &mut self.ops[index]
     }
@@ -222,6 +254,11 @@ impl<B: BlockBus> Builder<'_, B> {
             return;
         }
         if condition < ALWAYS {
+            if let Operation::DataProcessing(processing) = &instruction.operation {
+                if self.data_processing_if(processing, flags, condition) {
+                    return;
+                }
+            }
             self.push(only_if_handler(condition));
         }
         match &instruction.operation {
@@ -290,11 +327,24 @@ impl<B: BlockBus> Builder<'_, B> {
                 let op = self.push(branch_if_handler(condition));
                 op.value = target | state;
                 op.cycles = cycles;
+                self.join_with_comparison(condition);
             }
             _ => {
                 self.push(only_if_handler(condition));
                 self.push(leave);
             }
+        }
+    }
+
+    /// The operation before the branch, if it is a usual comparison, takes the branch as well.
+    fn join_with_comparison(&mut self, condition: u32) {
+        let Some((operation, kind)) = self.comparison else {
+            return;
+        };
+        let before = self.ops.len().wrapping_sub(2);
+        let joined = data_and_branch_handler(operation, kind, condition);
+        if let (Some(handler), Some(op)) = (joined, self.ops.get_mut(before)) {
+            op.handler = handler;
         }
     }
 
@@ -351,6 +401,30 @@ impl<B: BlockBus> Builder<'_, B> {
         (op.value, op.second, op.amount, op.mode) = (value, register, amount, mode);
         op.destination = destination as u8;
         op.first = first as u8;
+    }
+
+    /// Conditional data processing as one operation; false when it needs two.
+    fn data_processing_if(
+        &mut self,
+        processing: &DataProcessing,
+        flags: bool,
+        condition: u32,
+    ) -> bool {
+        let (kind, value, register, amount, mode) = operand_parts(processing.second);
+        let moves = matches!(processing.operation, AluOperation::Mov | AluOperation::Mvn);
+        let reads_pc = !moves && processing.first == 15 || operand_reads_pc(processing.second);
+        if flags || reads_pc || processing.destination == 15 {
+            return false;
+        }
+        let Some(handler) = data_if_handler(processing.operation, kind) else {
+            return false;
+        };
+        let op = self.push(handler);
+        (op.value, op.second, op.amount, op.mode) = (value, register, amount, mode);
+        op.destination = processing.destination as u8;
+        op.first = processing.first as u8;
+        op.cycles = condition as u8;
+        true
     }
 
     /// MOV r15, Rm is a branch in the present state; others are left to the reference engine.
@@ -519,6 +593,16 @@ impl<B: BlockBus> Builder<'_, B> {
             | u8::from(block.before) * transfer::BEFORE
             | u8::from(block.write_back) * transfer::WRITE_BACK;
     }
+}
+
+/// Operation and kind of operand of an instruction that always computes flags.
+fn comparison(instruction: &Instruction, flags: bool) -> Option<(AluOperation, u8)> {
+    let Operation::DataProcessing(processing) = &instruction.operation else {
+        return None;
+    };
+    let plain = flags && instruction.condition == ALWAYS && processing.destination != 15;
+    let reads_pc = processing.first == 15 || operand_reads_pc(processing.second);
+    (plain && !reads_pc).then(|| (processing.operation, operand_parts(processing.second).0))
 }
 
 fn mode_of(transfer: &Transfer, mode: u8) -> u8 {

@@ -4,7 +4,7 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use at91sam7s::board::{Board, Cycles, PinOutputs};
-use nxt::{BoardConfiguration, BoardEventKind, NxtBoard};
+use nxt::{BoardConfiguration, BoardEvent, BoardEventKind, NxtBoard};
 use plant::RobotParameters;
 
 pub const HANDSHAKE: &[u8] = b"\xCCLet's samba nxt arm in arm, (c)LEGO System A/S";
@@ -116,8 +116,15 @@ impl Rig {
 
     /// Events without those of the display, as (cycle, kind).
     pub fn events(&mut self) -> Vec<(Cycles, BoardEventKind)> {
-        let events = self.board.take_events().into_iter();
+        let events = self.reports().into_iter();
         events.map(|event| (event.at_cycles, event.kind)).collect()
+    }
+
+    /// Events since the last call.
+    pub fn reports(&mut self) -> Vec<BoardEvent> {
+        let mut events = Vec::new();
+        self.board.take_events(&mut events);
+        events
     }
 
     pub fn set(&mut self, name: &str, value: f64) {
