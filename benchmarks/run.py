@@ -70,7 +70,7 @@ def ravenbrick(*arguments: str) -> Row:
 
 
 def vehicle_speed() -> Iterator[Row]:
-    """Virtual seconds per second of the processor for the drive, recorded; nothing built or drawn."""
+    """Virtual seconds per second of processor time for the drive, recorded, nothing drawn."""
     from ravenbrick.target.elf_image import read_image
     from ravenbrick.target.robot import read_robot
     from ravenbrick.target.scenario import read_scenario, scenario_path

@@ -36,10 +36,7 @@ def live_command(
         str | None, typer.Option(help="tcp:PORT or pty for the brick's USB instead.")
     ] = None,
     usb_ip: Annotated[
-        int | None,
-        typer.Option(
-            min=0, max=65_535, help="Offer the USB device by USB/IP on this port; 0 takes any."
-        ),
+        int | None, typer.Option(min=0, max=65_535, help="USB/IP on this port; 0 takes any.")
     ] = None,
     pin: Annotated[str, typer.Option(help="The program's Bluetooth code.")] = "1234",
     seconds: Annotated[
@@ -74,12 +71,7 @@ def live_command(
     link = "USB" if usb else "Bluetooth"
     reporter.print(f"{link} of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
     reporter.print(f"  ravenbrick monitor {port.address}")
-    if usb and usb_ip is not None:
-        raise UsageError("--usb and --usb-ip both want the one cable; choose one of them")
-    server = None if usb_ip is None else UsbIpServer(usb_ip)
-    if server is not None:
-        reporter.print(f"USB/IP on port {server.port}; as root: modprobe vhci-hcd, then")
-        reporter.print(f"  usbip --tcp-port {server.port} attach -r 127.0.0.1 -b 1-1")
+    server = _usb_ip_server(usb, usb_ip, reporter)
     live = LiveRun(
         brick, port, run_record, None if usb else pin, speed, usb_ip=server, tell=reporter.print
     )
@@ -103,3 +95,14 @@ def live_command(
         "signals": len(run_record.signals) + len(run_record.cable),
         "record": str(record) if record else None,
     }
+
+
+def _usb_ip_server(usb: str | None, port: int | None, reporter: Reporter) -> UsbIpServer | None:
+    if port is None:
+        return None
+    if usb is not None:
+        raise UsageError("--usb and --usb-ip both want the one cable; choose one of them")
+    server = UsbIpServer(port)
+    reporter.print(f"USB/IP on port {server.port}; as root: modprobe vhci-hcd, then")
+    reporter.print(f"  usbip --tcp-port {server.port} attach -r 127.0.0.1 -b 1-1")
+    return server

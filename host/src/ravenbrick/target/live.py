@@ -155,8 +155,8 @@ class _RecordedBrick:
 class LiveRun:
     """One brick, one port; `speed` is virtual seconds per second, 0 for as fast as possible.
 
-    `pin` is that of the program's Bluetooth; without one the port is the brick's USB. `usb_ip` offers
-    the USB device to tools that drive it themselves.
+    `pin` is that of the program's Bluetooth; without one the port is the brick's USB. `usb_ip`
+    offers the USB device to tools that drive it themselves.
     """
 
     brick: Any

@@ -44,7 +44,7 @@ _STALLED, _PROTOCOL_ERROR, _TIMED_OUT, _UNLINKED_IN_TIME = -32, -71, -110, -104
 _FAILURES = {"stalled": _STALLED, "timed_out": _TIMED_OUT}
 
 
-class _Refused(Exception):
+class _RefusedError(Exception):
     """The host breaks the protocol or asks for too much; it is let go."""
 
 
@@ -90,7 +90,7 @@ class UsbIpServer:
             self._serve(brick, self._computer)
             self._answer(self._computer)
             self._send()
-        except (_Refused, OSError):
+        except (_RefusedError, OSError):
             self._drop()
 
     def close(self) -> None:
@@ -124,7 +124,7 @@ class UsbIpServer:
         except BlockingIOError:
             return
         if not data:
-            raise _Refused
+            raise _RefusedError
         self._received += data
 
     def _send(self) -> None:
@@ -136,7 +136,7 @@ class UsbIpServer:
             sent = 0
         del self._unsent[:sent]
         if len(self._unsent) > _WAITING_MOST:
-            raise _Refused
+            raise _RefusedError
 
     def _take(self, count: int) -> bytes:
         data = bytes(self._received[:count])
@@ -155,7 +155,7 @@ class UsbIpServer:
         """A request before a device is attached; false while it has not come whole."""
         version, code, _ = _HEADER.unpack_from(self._received)
         if version != _VERSION or code not in (_REQUEST_LIST, _REQUEST_IMPORT):
-            raise _Refused
+            raise _RefusedError
         length = _HEADER.size + (32 if code == _REQUEST_IMPORT else 0)
         if len(self._received) < length:
             return False
@@ -182,7 +182,7 @@ class UsbIpServer:
             self._unlink(sequence, victim=fields[5])
             return True
         if command != _SUBMIT or length > _TRANSFER_MOST or endpoint > 15 or direction > 1:
-            raise _Refused
+            raise _RefusedError
         outgoing = 0 if direction else length
         if len(self._received) < _COMMAND.size + outgoing:
             return False
@@ -193,7 +193,7 @@ class UsbIpServer:
 
     def _submit(self, computer: UsbComputer, request: _Request, setup: bytes, data: bytes) -> None:
         if len(self._pending) >= _PENDING_MOST:
-            raise _Refused
+            raise _RefusedError
         if request.endpoint == 0 and setup[:2] == _SET_ADDRESS:
             # The cable's own host has given the device its address.
             return self._reply(request, 0, b"")
