@@ -85,6 +85,7 @@ export async function says(page: Page, words: string): Promise<void> {
 
 /** A picture of the page for a person to look at. */
 export async function picture(page: Page, name: string): Promise<void> {
+  await page.evaluate(() => scrollTo(0, 0));
   await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage: true });
 }
 

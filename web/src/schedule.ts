@@ -107,19 +107,23 @@ export class Schedule {
   private running: { subject: number; since: number } | null = null;
   private nested: { source: number; since: number }[] = [];
 
+  /** `cyclicTasks` is how many there will be: not all are there from the beginning. */
+  constructor(private readonly cyclicTasks = 0) {}
+
   setLimits(thread: number, limits: Limits): void {
     this.lane(thread).limits = limits;
   }
 
   /** When the last cyclic task begins its cycle; null while one has not. */
   get begin(): number | null {
-    let begin = 0;
+    let [begin, known] = [0, 0];
     for (const lane of this.threads.values()) {
       if (!lane.limits.cyclic) continue;
       if (lane.begin === null) return null;
       begin = Math.max(begin, lane.begin);
+      known += 1;
     }
-    return begin;
+    return known < this.cyclicTasks ? null : begin;
   }
 
   add(packed: Uint8Array, now: number): void {

@@ -15,7 +15,8 @@ from threading import Thread
 
 import pytest
 from host.tests.conftest import VEHICLE
-from host.tests.support.gdb_client import talk
+from tools import gdb_session
+from tools.gdb_session import talk
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
@@ -122,25 +123,11 @@ def test_going_back_finds_who_wrote_a_variable() -> None:
     assert later == f"$3 = {new}"
 
 
-def same_but_numbers(text: str) -> list[str]:
-    """Lines without what another build changes: folders, addresses, values, line numbers."""
-    text = re.sub(r"[\w./-]+/(?=[\w.-]+\.(?:ad[bs]|[cS]):)", "", text)
-    lines = (re.sub(r"0x[0-9a-f]+|\d+(?:\.\d+)?", "#", line) for line in text.splitlines())
-    return [" ".join(line.split()) for line in lines if line.strip()]
-
-
-def test_the_transcript_of_the_guide_is_what_gdb_says() -> None:
-    """Its commands are given again; its lines come in this order, others between them."""
-    guide = (VEHICLE.parent.parent / "docs" / "guides" / "debugging.md").read_text()
-    transcript = guide.partition("## Who wrote this?")[2].partition("```text\n")[2]
-    transcript = transcript.partition("```")[0]
-    exchanges = [part.partition("\n") for part in transcript.split("(gdb) ")[1:]]
-    commands = [command for command, _, _ in exchanges]
-    assert "reverse-continue" in commands
-    for said, (command, _, shown) in zip(gdb(*commands), exchanges, strict=True):
-        lines = iter(same_but_numbers(said))
-        missing = [line for line in same_but_numbers(shown) if line not in lines]
-        assert not missing, f"{command}: {said}"
+def test_the_session_of_the_guide_is_what_gdb_says() -> None:
+    """Held again, it has the same lines but for numbers; it ends where the record begins."""
+    shown = gdb_session.guide_session()
+    assert gdb_session.compared(gdb_session.hold()) == gdb_session.compared(shown)
+    assert "No more reverse-execution history." in shown
 
 
 def test_the_monitor_shows_record_peripherals_and_plant() -> None:

@@ -5,11 +5,14 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 import typer
 from host.tests.conftest import VEHICLE
@@ -19,6 +22,18 @@ from ravenbrick.cli.app import app
 ROOT = VEHICLE.parent.parent
 CODE = VEHICLE / ".vscode"
 ADAPTER = "adapter driver dummy"
+SCHEMAS = os.environ.get("RAVENBRICK_VSCODE_SCHEMAS")
+with_schemas = pytest.mark.skipif(
+    not SCHEMAS,
+    reason="RAVENBRICK_VSCODE_SCHEMAS is not set: a folder with tasks.json, launch.json and "
+    "extensions.json as VS Code exports its schemas, and cpptools-package.json, the package.json "
+    "of its extension for C and C++",
+)
+
+
+def schema(name: str) -> Any:
+    """A schema that we did not write."""
+    return json.loads((Path(SCHEMAS or "") / name).read_text(encoding="utf-8"))
 
 
 def read(name: str) -> Any:
@@ -52,6 +67,29 @@ def test_a_launch_begins_when_the_server_says_that_it_waits() -> None:
     assert {launch["preLaunchTask"] for launch in launches.values()} <= set(tasks())
     image = virtual["program"].replace("${workspaceFolder}", str(VEHICLE))
     assert image.endswith("build/vehicle/ram/vehicle.elf")
+
+
+@with_schemas
+@pytest.mark.parametrize("name", ["tasks.json", "extensions.json"])
+def test_a_file_is_valid_by_the_editors_own_schema(name: str) -> None:
+    """And the schema is not one that takes everything."""
+    judge = jsonschema.validators.validator_for(schema(name))(schema(name))
+    assert [error.message for error in judge.iter_errors(read(name))] == []
+    assert not judge.is_valid({"version": "2.0.0", "tasks": 5, "recommendations": 5})
+
+
+@with_schemas
+def test_a_launch_is_valid_by_the_schema_of_the_extension_that_serves_it() -> None:
+    """Each field is one of VS Code's common ones or of the debugger `cppdbg`, and of its type."""
+    # VS Code itself adds `type` and `request` to the schema of each debugger.
+    common = {"type", "request", *schema("launch.json")["definitions"]["common"]["properties"]}
+    debuggers = schema("cpptools-package.json")["contributes"]["debuggers"]
+    (own,) = (d["configurationAttributes"]["launch"] for d in debuggers if d["type"] == "cppdbg")
+    for launch in read("launch.json")["configurations"]:
+        assert [e.message for e in jsonschema.Draft7Validator(own).iter_errors(launch)] == []
+        assert set(launch) <= set(own["properties"]) | common
+    wrong = jsonschema.Draft7Validator(own)
+    assert not wrong.is_valid({"program": 5})
 
 
 def test_an_error_of_the_compiler_is_found() -> None:

@@ -6,19 +6,27 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from host.tests.support.recordings import preempted
 
 from ravenbrick.errors import ProjectFileError, ScenarioError, UsageError
 from ravenbrick.target.robot import Task
 from ravenbrick.trace.expectation_file import read_expectations_of
-from ravenbrick.trace.expectation_text import ExpectationSyntaxError, parse_expectation
+from ravenbrick.trace.expectation_text import (
+    ExpectationSyntaxError,
+    expected_pins,
+    parse_expectation,
+)
 from ravenbrick.trace.measures import RunMeasures
-from ravenbrick.trace.recording import Recording, Screen, Stop
+from ravenbrick.trace.recording import Recording, Screen, Signal, Stop
 from ravenbrick.trace.schedule import measure_task, utilization
 from ravenbrick.trace.verdict import Verdict, judge
 
-RECORDING = preempted()
+MADE = preempted()
+# A pin that is high from 0.83 ms to 2.08 ms.
+PIN_17 = Signal(np.array([0, 40_000, 100_000], np.uint64), np.array([0.0, 1.0, 0.0]))
+RECORDING = replace(MADE, signals={**MADE.signals, "pin.17": PIN_17})
 
 
 def measured(recording: Recording, deadline_us: int = 1000) -> RunMeasures:
@@ -50,6 +58,9 @@ MET = [
     "motor.B.angular_velocity at most 8.9 rad/s",
     "body.x at least 39 cm after 4.1 ms",
     "probe.late at least 5",
+    "pin 17 high from 1 ms to 2 ms",
+    "pin 17 ever low",
+    "pin 17 low after 2.1 ms",
     'lcd shows "closed loop"',
     'lcd shows "set 4.79" at 2 ms',
     'lcd never shows "open loop"',
@@ -69,6 +80,8 @@ NOT_MET = [
     ("motor.B.angular_velocity at least 8.3 from 1.5 ms to 2.5 ms", 8.2),
     ("motor.B.angular_velocity ever at least 9", 8.9),
     ("motor.B.angular_velocity between 8 and 9 rad/s", 0.0),
+    ("pin 17 high from 1 ms to 3 ms", 0.0),
+    ("pin 17 ever low from 1 ms to 2 ms", 1.0),
     ("body.x at most 30 cm at the end", 40.0),
     ('lcd shows "open loop"', "closed loop / set 4.79"),
     ('lcd shows "closed" at 1 ms', None),
@@ -94,6 +107,12 @@ def test_what_the_run_does_not_show_is_not_met(text: str, value: object) -> None
     assert not found.met
     assert found.value == value
     assert text.replace("  ", " ")[:20] in found.sentence
+
+
+def test_the_pins_that_are_spoken_of_are_found() -> None:
+    """In either form; a number that is no pin is no signal of a run."""
+    texts = ["pin 31 high", "pin.4 at least 1", "pin 4 ever low", "pin.32 at least 1", "no fault"]
+    assert expected_pins(parse_expectation(text, "here") for text in texts) == [4, 31]
 
 
 def test_a_missed_deadline_is_counted() -> None:

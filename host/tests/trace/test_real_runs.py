@@ -81,6 +81,21 @@ def test_a_drive_by_callback_replays_with_the_same_digest(
     assert again.inputs == driven.inputs
 
 
+def test_a_pin_that_is_spoken_of_is_recorded_change_by_change(
+    robot: Robot, scenario: Scenario, driven: Recording
+) -> None:
+    """PA26 is an encoder line of motor B: it changes with each count. The trace is the same."""
+    asked = replace(scenario, expectations=(parse_expectation("pin 26 ever high", "here"),))
+    target = VirtualTarget(callback=Callback(hand, "hand", 50))
+    recording = target.run(robot, asked, read_image(IMAGE))
+    assert recording.digest == driven.digest
+    pin = recording.signals["pin.26"]
+    counts = recording.signals["motor.B.encoder"].values
+    assert np.abs(np.diff(counts)).sum() > 100
+    assert abs(pin.values.size - 1 - np.abs(np.diff(counts)).sum()) <= 1
+    assert set(np.abs(np.diff(pin.values))) == {1.0}
+
+
 def test_a_drive_is_played_again_from_its_vcd(
     robot: Robot, scenario: Scenario, driven: Recording, tmp_path: Path
 ) -> None:

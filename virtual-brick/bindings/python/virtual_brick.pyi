@@ -7,7 +7,7 @@ fraction. A run is a function of the configuration, the image and the inputs: `t
 same on every machine, and how a run is cut into calls of `run_until` makes no difference.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal, final
 
 __all__ = [
@@ -169,6 +169,10 @@ class VirtualBrick:
         """
     def rs485_sent(self) -> list[tuple[int, int]]:
         """Bytes that the brick sent on the RS485 line since the last call, each with its end."""
+    def log_pins(self, pins: Sequence[int]) -> None:
+        """Log the levels of these pins (0 to 31) from now on; the run is the same."""
+    def logged_pins(self) -> list[tuple[int, int]]:
+        """Cycle and levels (a bit per pin) at each change of a logged pin, from the begin."""
     def record_buses(self) -> None:
         """Record from now on what passes on the chip's buses; the run is the same."""
     def bus_log(self) -> list[tuple[int, str]]:

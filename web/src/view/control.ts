@@ -7,6 +7,8 @@ import type { InputDescription } from "../protocol";
 /** Where an input is before anybody sets it. */
 function initial(input: InputDescription): number {
   if (input.name === "battery.voltage") return 8;
+  // Nothing is in range, and an open input reads its highest count.
+  if (input.name.startsWith("distance.") || input.name.endsWith(".raw")) return input.highest;
   return Math.min(Math.max(0, input.lowest), input.highest);
 }
 

@@ -19,6 +19,13 @@ function label(name: string): string {
   return quantity ?? kind ?? name;
 }
 
+/** What can happen to a sensor by hand, of all that the input takes. */
+function byHand(input: InputDescription): InputDescription {
+  if (input.name.startsWith("distance.")) return { ...input, highest: 2.6 };
+  if (input.name.startsWith("gyro.")) return { ...input, lowest: -10, highest: 10 };
+  return input;
+}
+
 export class Ports implements View {
   readonly element: HTMLElement;
   private readonly row = el("div", { class: "ports" });
@@ -64,6 +71,6 @@ export class Ports implements View {
       const attributes = { "data-input": input.name, class: "touch" };
       return holdButton("press", attributes, (down) => set(down ? 1 : 0));
     }
-    return inputControl(input, label(input.name), set);
+    return inputControl(byHand(input), label(input.name), set);
   }
 }

@@ -66,8 +66,9 @@ export class Timeline implements View {
   }
 
   ready({ session, unobserved }: Ready): void {
-    this.schedule = new Schedule();
     this.tasks = session.tasks;
+    const cyclic = this.tasks.filter((task) => task.release === "cyclic");
+    this.schedule = new Schedule(cyclic.length);
     this.threads = [];
     this.note.textContent = unobserved ? `Tasks cannot be observed: ${unobserved}` : "";
     this.draw();

@@ -28,6 +28,7 @@ from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.stimulus import TimedInput
 from ravenbrick.target.stimulus_callback import Callback
 from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.expectation_text import PIN, expected_pins
 from ravenbrick.trace.recording import (
     EventKind,
     Picture,
@@ -136,6 +137,9 @@ class VirtualTarget:
         brick = self._assemble(robot, scenario, image, fields=fields)
         inputs = self._schedule(brick, scenario)
         self._probe(brick, robot, image)
+        pins = expected_pins(scenario.expectations)
+        if pins:
+            brick.log_pins(pins)
         return _Play(brick, scenario, image, callback, self._module.InputError, inputs)
 
     def prepare(
@@ -302,12 +306,13 @@ class _Play:
         stop = Stop(self._stop.reason, self._stop.at_cycles, self._stop.message)
         events = decode_events(self._brick.events())
         inputs = [timed for timed in self._scheduled if timed.at_cycles <= stop.at_cycles]
+        pins = expected_pins(self._scenario.expectations)
         return Recording(
             scenario=self._scenario.name,
             clock=MASTER_CLOCK,
             stop=stop,
             events=events,
-            signals=_signals(self._brick),
+            signals=_signals(self._brick) | _pins(self._brick, pins),
             threads=_threads(self._brick),
             pictures=(*self._pictures, _picture(self._brick, self._image)),
             digest=self._brick.trace_digest(),
@@ -359,6 +364,20 @@ def _signals(brick: Any) -> dict[str, Signal]:
         name: Signal(np.frombuffer(cycles, "<u8"), np.frombuffer(values, "<f8"))
         for name, (cycles, values) in sorted(brick.signals().items())
     }
+
+
+def _pins(brick: Any, pins: list[int]) -> dict[str, Signal]:
+    """A signal for each pin, with the instants at which its level changes."""
+    if not pins:
+        return {}
+    log = np.array(brick.logged_pins(), np.int64).reshape(-1, 2)
+    found = {}
+    for pin in pins:
+        levels = log[:, 1] >> pin & 1
+        changes = np.concatenate([[True], np.diff(levels) != 0])
+        cycles = log[changes, 0].astype(np.uint64)
+        found[f"{PIN}{pin}"] = Signal(cycles, levels[changes].astype(np.float64))
+    return found
 
 
 def _threads(brick: Any) -> tuple[Thread, ...]:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from ravenbrick.trace.expectation import (
     DeadlinesMet,
@@ -21,7 +21,10 @@ from ravenbrick.trace.expectation import (
 )
 from ravenbrick.trace.units import UNITS, signal_unit
 
-__all__ = ["MEASURES", "ExpectationSyntaxError", "parse_expectation"]
+__all__ = ["MEASURES", "PIN", "ExpectationSyntaxError", "expected_pins", "parse_expectation"]
+
+# A pin's level is the signal of this name and its number.
+PIN = "pin."
 
 MEASURES = (
     "cpu_utilization",
@@ -40,6 +43,7 @@ _WINDOW = re.compile(
 )
 _BOUND = rf"(?:between ({_NUMBER}) and ({_NUMBER})|(at least|at most) ({_NUMBER}))(?: ?({_UNIT}))?"
 _SIGNAL = re.compile(rf"([A-Za-z_][\w.]*?)( ever)? {_BOUND}")
+_PIN = re.compile(r"pin ([12]?\d|3[01])( ever)? (high|low)")
 _LCD = re.compile(r'lcd( never)? shows "([^"]+)"')
 _DEADLINES = re.compile(r"deadlines met(?: for (\w+))?")
 _RESPONSE = re.compile(rf"response time of (\w+) at most ({_NUMBER}) ?(s|ms|us|µs)")
@@ -51,9 +55,9 @@ _FAULT = re.compile(r'(no|a) fault(?: saying "([^"]+)")?')
 _POWER = re.compile(r"powered off")
 FORMS = (
     "<signal> [ever] between 8 and 9 rad/s [from 3 s to 9 s], <signal> at least 2 m at the end, "
-    'lcd [never] shows "text" [at 5 s], deadlines met [for <task>], response time of <task> at '
-    "most 2 ms, path ends within 10 cm of (3.2, 0.4), powered off [before 20 s], no fault, "
-    'a fault [saying "text"]'
+    'pin 17 [ever] high [after 2 s], lcd [never] shows "text" [at 5 s], deadlines met '
+    "[for <task>], response time of <task> at most 2 ms, path ends within 10 cm of (3.2, 0.4), "
+    'powered off [before 20 s], no fault, a fault [saying "text"]'
 )
 
 
@@ -121,6 +125,11 @@ def _signal(match: re.Match[str], text: str, place: str, window: Window) -> Expe
     return SignalBound(text, place, window, name, low, high, match[7], match[2] is not None)
 
 
+def _pin(match: re.Match[str], text: str, place: str, window: Window) -> Expectation:
+    low, high = (0.5, None) if match[3] == "high" else (None, 0.5)
+    return SignalBound(text, place, window, f"{PIN}{match[1]}", low, high, None, bool(match[2]))
+
+
 def _whole(window: Window, what: str) -> None:
     if window != Window():
         raise ExpectationSyntaxError(f"'{what}' is of the whole run; leave the time out")
@@ -159,6 +168,7 @@ def _power(match: re.Match[str], text: str, place: str, window: Window) -> Expec
 
 
 _FORMS: tuple[tuple[re.Pattern[str], Callable[..., Expectation]], ...] = (
+    (_PIN, _pin),
     (_LCD, _lcd),
     (_DEADLINES, _deadlines),
     (_RESPONSE, _response),
@@ -184,3 +194,10 @@ def parse_expectation(text: str, place: str) -> Expectation:
         if match:
             return build(match, written, place, window)
     raise ExpectationSyntaxError(f"'{written}' is no expectation; the forms are: {FORMS}")
+
+
+def expected_pins(expectations: Iterable[Expectation]) -> list[int]:
+    """Pins that expectations speak of: 0 to 31."""
+    bounds = (e.signal for e in expectations if isinstance(e, SignalBound))
+    numbers = {name.removeprefix(PIN) for name in bounds if name.startswith(PIN)}
+    return sorted(int(number) for number in numbers if number in map(str, range(32)))

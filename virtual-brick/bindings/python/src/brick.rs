@@ -168,6 +168,20 @@ impl VirtualBrick {
         log.map(|(at, event)| (at, event.to_string())).collect()
     }
 
+    fn log_pins(&mut self, pins: Vec<u32>) -> PyResult<()> {
+        if let Some(pin) = pins.iter().find(|&&pin| pin > 31) {
+            let text = format!("pin {pin}: expected 0 to 31");
+            return Err(raise::<AddressError>(text));
+        }
+        self.0.log_pins(pins.iter().fold(0, |mask, pin| mask | 1 << pin));
+        Ok(())
+    }
+
+    fn logged_pins(&self) -> Vec<(u64, u32)> {
+        let log = self.0.logged_pins().iter();
+        log.map(|levels| (levels.at_cycles, levels.pins)).collect()
+    }
+
     fn script_twi(&mut self, turns: Vec<(usize, Vec<u8>, u64)>) {
         self.0
             .script_twi(turns.into_iter().map(outside::twi_turn).collect());

@@ -11,6 +11,7 @@ use crate::event::{EventKind, Schedule};
 use crate::fault::{Fault, FaultKind};
 use crate::flash::{Flash, FLASH_BYTES};
 use crate::mc::Mc;
+use crate::pin_log::PinLog;
 use crate::pins::PIOA;
 use crate::pio::{PeripheralLines, Pio};
 use crate::pit::Pit;
@@ -90,6 +91,7 @@ pub struct Chip<B: Board> {
     pub(crate) regulator_mode: u32,
     pub(crate) board: B,
     pub(crate) outputs: PinOutputs,
+    pub(crate) pin_log: PinLog,
     pub(crate) timer_lines: PeripheralLines,
     pub(crate) serial_lines: PeripheralLines,
     pub(crate) stopped: bool,
@@ -131,6 +133,7 @@ impl<B: Board> Chip<B> {
             udp: Udp::new(),
             regulator_mode: 0,
             board,
+            pin_log: PinLog::default(),
             outputs: PinOutputs::default(),
             timer_lines: PeripheralLines::default(),
             serial_lines: PeripheralLines::default(),

@@ -19,6 +19,7 @@ mod fault;
 mod flash;
 mod mc;
 mod pdc;
+mod pin_log;
 mod pins;
 mod pio;
 mod pit;
@@ -43,6 +44,7 @@ pub mod board;
 
 pub use chip::{AddressError, Chip};
 pub use fault::{Fault, FaultKind};
+pub use pin_log::LoggedPins;
 pub use rstc::ResetCause;
 pub use sram::WatchHit;
 pub use timing::{ChipConfiguration, FlashCost, TimingProfile};

@@ -71,6 +71,7 @@ impl<B: Board> Chip<B> {
 
     fn pins_changed(&mut self, changed: u32, at: Cycles) {
         let pins = self.pio.pins();
+        self.pin_log.changed(changed, at, pins);
         for (number, (pin_a, pin_b)) in TIMER_PINS.into_iter().enumerate() {
             if changed & (1 << pin_a | 1 << pin_b) == 0 {
                 continue;

@@ -3,6 +3,7 @@
 //! Access for debuggers: what the bus shows, and changes from outside.
 
 use arm7tdmi::{Bus, Cpu, Cycle, Width};
+use at91sam7s::LoggedPins;
 
 use crate::brick::VirtualBrick;
 use crate::memory::{ChipMemory, MemoryError};
@@ -71,6 +72,17 @@ impl VirtualBrick {
     #[must_use]
     pub fn pins(&self) -> u32 {
         self.chip.pins()
+    }
+
+    /// Log the levels of the pins whose bits are set, beside the trace, which stays the same.
+    pub fn log_pins(&mut self, chosen: u32) {
+        self.chip.log_pins(chosen);
+    }
+
+    /// Levels of all pins at each change of a logged one, from those when the log began.
+    #[must_use]
+    pub fn logged_pins(&self) -> &[LoggedPins] {
+        self.chip.logged_pins()
     }
 
     /// What can be set from outside on this brick.

@@ -26,6 +26,7 @@ mod stop;
 mod threads;
 
 pub use arm7tdmi::Step as CpuStep;
+pub use at91sam7s::LoggedPins;
 pub use brick::{BrickError, Snapshot, VirtualBrick};
 pub use checkpoint::{Checkpoint, NotPassed};
 pub use configuration::{Configuration, ConfigurationError, Timing};
