@@ -4,15 +4,9 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 from collections.abc import Callable
-from pathlib import Path
 
-import virtual_brick
-
-from drivers.tests.conftest import ROOT, TESTS
-from drivers.tests.observe import Brick, bench
+from drivers.tests.observe import Brick
 
 SENSORS = {
     "1": {"kind": "touch"},
@@ -53,20 +47,10 @@ def test_messages_to_the_co_processor_are_made_by_hand(brick: Callable[..., Bric
     assert device.run_to_end(2_000).reason == "power_off"
 
 
-def test_functions_that_make_limited_objects_need_a_heap_of_no_bytes(
-    run_time: None, tmp_path: Path
+def test_functions_make_limited_objects_with_a_heap_of_no_bytes(
+    brick: Callable[..., Brick],
 ) -> None:
-    """The compiler refers to the heap, which nobody uses: without it the linker names it."""
-    command = ["gprbuild", "-q", "-j2", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"]
-    command += ["-P", str(TESTS / "test.gpr"), "-XTEST=limited_types"]
-    command += [f"-XRAVENBRICK_BUILD={tmp_path}"]
-    failed = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert failed.returncode != 0
-    assert "undefined reference to `ravenbrick_heap_size'" in failed.stdout + failed.stderr
-    command += ["-largs", "-Wl,--defsym=ravenbrick_heap_size=0"]
-    subprocess.run(command, check=True)
-    name = "limited_types"
-    elf = (tmp_path / "drivers" / "tests" / name / "ram" / f"{name}.elf").read_bytes()
-    device = Brick(virtual_brick.VirtualBrick(json.dumps(bench()), elf))
+    """The compiler refers to the heap, which nobody uses; NXT.Malloc stands for it."""
+    device = brick("limited_types")
     device.run(10)
     assert device.integer("total") == 42

@@ -10,7 +10,14 @@ import re
 from drivers.tests.driver_table import COSTS, DEVICES, PAGE, ROOT, page
 
 SOURCES = ROOT / "drivers" / "src"
-WITHOUT_DEVICE = {"NXT.Bytes", "NXT.Filtering", "NXT.Fonts", "NXT.Priorities", "NXT.Registers"}
+WITHOUT_DEVICE = {
+    "NXT.Bytes",
+    "NXT.Filtering",
+    "NXT.Fonts",
+    "NXT.Malloc",
+    "NXT.Priorities",
+    "NXT.Registers",
+}
 PUBLIC_PACKAGE = re.compile(r"^(?:generic|package)\b", re.MULTILINE)
 
 

@@ -1,6 +1,9 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with NXT.Malloc;
+pragma Unreferenced (NXT.Malloc);
+
 package body Counters is
 
    function Make (Start : Integer) return Counter is
