@@ -57,6 +57,7 @@ bench: setup ## Ratios measured side by side; writes benchmarks/results.{json,md
 docs: setup ## The documentation site and the lab sheets as PDF: docs/_build
 	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements-docs.txt
 	@$(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
+	@$(PYTHON) -m tools.site_links docs/_build/html
 	@$(PYTHON) -m tools.sheets_pdf docs/_build/lab-sheets.pdf
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
 

@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
+from typing import Any
+
+from sphinx.util import logging
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
@@ -25,3 +29,25 @@ myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 3
 highlight_language = "none"
 nitpicky = True
+
+OUTWARDS = re.compile(r"\[([^\]]+)\]\((\.\./[^)#]+)[^)]*\)")
+
+
+def name_files_of_the_tree(app: Any, docname: str, source: list[str]) -> None:
+    """Links to files beside docs/, which the site does not have, become their paths."""
+    page = Path(app.srcdir, docname).parent
+
+    def named(match: re.Match[str]) -> str:
+        target = (page / match.group(2)).resolve()
+        if target.is_relative_to(HERE):
+            return match.group(0)
+        if not target.exists():
+            logging.getLogger(__name__).warning("no file %s", match.group(2), location=docname)
+        return f"{match.group(1)} (`{target.relative_to(HERE.parent)}`)"
+
+    source[0] = OUTWARDS.sub(named, source[0])
+
+
+def setup(app: Any) -> None:
+    """Called by Sphinx."""
+    app.connect("source-read", name_files_of_the_tree)

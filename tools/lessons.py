@@ -5,6 +5,7 @@
 In a sheet, a fence `console` holds commands, one a line, which are run in a folder of the sheet's
 own; `console exit=8` expects the last one to end with 8. `LANGUAGE file=PATH` writes its content to
 the file. `text seen` after commands quotes lines that their output must contain, blanks apart.
+Afterwards the sheet's part of solutions.md is executed in the same folder.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SHEETS = ROOT / "docs" / "lessons"
+SOLUTIONS = SHEETS / "solutions.md"
 FENCE = re.compile(r"^```(\w+)(?: (\w+)(?:=(\S+))?)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -82,8 +84,27 @@ def _execute(step: Step, folder: Path) -> str:
 
 def run_sheet(sheet: Path, folder: Path) -> str:
     """Execute a sheet in an empty folder; all output. Raises `SheetError`."""
+    return run_text(sheet.read_text("utf-8"), sheet.name, folder)
+
+
+def solution_of(sheet: Path) -> str:
+    """The sheet's part of solutions.md, with the lines before it left empty."""
+    text = SOLUTIONS.read_text("utf-8")
+    found = re.search(rf"^## {int(sheet.name[:2])}\. .*?(?=^## |\Z)", text, re.M | re.S)
+    if found is None:
+        raise SheetError(f"{SOLUTIONS.name} has no part for {sheet.name}")
+    return "\n" * text.count("\n", 0, found.start()) + found.group(0)
+
+
+def run_solution(sheet: Path, folder: Path) -> str:
+    """Execute the solution where the sheet was executed before. Raises `SheetError`."""
+    return run_text(solution_of(sheet), SOLUTIONS.name, folder)
+
+
+def run_text(text: str, name: str, folder: Path) -> str:
+    """Execute the steps of a text."""
     output, transcript = "", ""
-    for step in steps(sheet.read_text("utf-8")):
+    for step in steps(text):
         try:
             if step.kind == "file":
                 path = folder / step.argument
@@ -98,7 +119,7 @@ def run_sheet(sheet: Path, folder: Path) -> str:
                     if line not in seen:
                         raise SheetError(f"'{line}' is not in the output:\n{output[-3000:]}")
         except SheetError as error:
-            raise SheetError(f"{sheet.name}:{step.line}: {error}") from None
+            raise SheetError(f"{name}:{step.line}: {error}") from None
     return transcript
 
 
@@ -119,6 +140,7 @@ def main() -> int:
         with tempfile.TemporaryDirectory() as folder:
             try:
                 transcript = run_sheet(sheet, Path(folder))
+                transcript += run_solution(sheet, Path(folder))
             except SheetError as error:
                 failed += 1
                 print(f"FAILED {error}", flush=True)

@@ -104,6 +104,58 @@ def schema_page(name: str, title: str) -> str:
     return "\n".join([*lines, *_fields(root, root, "")]) + "\n"
 
 
+PACKAGE = re.compile(r"^(?:private )?(?:package|generic|function|procedure)\b", re.M)
+UNIT = re.compile(r"^(private )?package (?!body)([\w.]+)", re.M)
+# Units for drivers and compiler, not for programs.
+INNER_UNITS = ("NXT.Registers", "System.", "Ravenbrick.")
+
+
+def _public_part(text: str) -> tuple[str, str]:
+    """Opening comment and visible declarations of a specification."""
+    body = text.split("\n", 3)[-1]
+    found = PACKAGE.search(body)
+    assert found is not None
+    comment = re.findall(r"^--  ?(.*)$", body[: found.start()], re.M)
+    visible = re.split(r"^private$", body[found.start() :], maxsplit=1, flags=re.M)[0]
+    return " ".join(comment), visible.rstrip()
+
+
+def _specifications(folders: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """Name and text of each unit that programs may name, by name."""
+    found = {}
+    for folder in folders:
+        for file in (ROOT / folder).glob("*.ads"):
+            text = file.read_text("utf-8")
+            unit = UNIT.search(text)
+            if unit is not None and not unit.group(1) and not unit.group(2).startswith(INNER_UNITS):
+                found[unit.group(2)] = text
+    yield from sorted(found.items())
+
+
+def package_page(title: str, opening: str, *folders: str) -> str:
+    """Every public package below the folders: what it is for, and its declarations."""
+    lines = [f"# {title}", "", opening]
+    for name, text in _specifications(folders):
+        comment, visible = _public_part(text)
+        lines += ["", f"## {name}", "", _cell(comment), "", "```ada", visible, "```"]
+    return "\n".join(lines) + "\n"
+
+
+def trace_page() -> str:
+    """A recording's events and their layout, from the program's own types."""
+    from ravenbrick.trace.recording import EVENT_TYPE, EventKind
+
+    lines = ["# Events of a recording", ""]
+    lines += ["What they mean: [recordings](../trace.md).", "", "| Number | Kind |", "|---:|---|"]
+    lines += [f"| {kind.value} | {kind.name.lower().replace('_', ' ')} |" for kind in EventKind]
+    lines += ["", f"An event has {EVENT_TYPE.itemsize} bytes, the lower one first:", ""]
+    lines += ["| Field | Offset | Kind |", "|---|---:|---|"]
+    assert EVENT_TYPE.fields is not None
+    for name, (kind, offset, *_) in EVENT_TYPE.fields.items():
+        lines.append(f"| `{name}` | {offset} | {kind.name} |")
+    return "\n".join(lines) + "\n"
+
+
 def draw_step(file: Path) -> None:
     """The motor bench's step response, continuous and sampled, as its design computes them."""
     import matplotlib
@@ -135,6 +187,16 @@ def write_pages(pages: Path, pictures: Path) -> None:
     pictures.mkdir(parents=True, exist_ok=True)
     texts = {"commands": command_page()}
     texts |= {file: schema_page(name, title) for file, (name, title) in SCHEMAS.items()}
+    texts["drivers"] = package_page(
+        "Drivers: all packages", "From the specifications below `drivers/src`.", "drivers/src"
+    )
+    texts["run-time"] = package_page(
+        "Run-time: all packages",
+        "From the specifications below `runtime/language`; what programs may name of Ada's library "
+        "and is not here comes from the compiler.",
+        "runtime/language",
+    )
+    texts["trace-events"] = trace_page()
     for name, text in texts.items():
         file = pages / f"{name}.md"
         if not file.is_file() or file.read_text("utf-8") != text:

@@ -9,8 +9,10 @@ import re
 from pathlib import Path
 
 import pytest
+from ravenbrick.grading.answers import parse_wanted
+from ravenbrick.grading.rubric import read_rubric
 
-from tools.lessons import SHEETS, SheetError, find, run_sheet, steps
+from tools.lessons import SHEETS, SheetError, find, run_sheet, run_solution, solution_of, steps
 
 QUICK = ("08-fixed-point.md",)
 LONG = "RAVENBRICK_LONG" in os.environ
@@ -50,8 +52,21 @@ def test_there_are_ten_and_more_in_order() -> None:
     ids=lambda sheet: sheet.stem,
 )
 def test_the_commands_of_a_sheet_do_what_it_says(sheet: Path, tmp_path: Path) -> None:
-    """Every command, in order, in an empty folder; quoted output must appear."""
+    """Every command, in order, in an empty folder; quoted output must appear. Then the solution,
+    which the rubric gives all points."""
     run_sheet(sheet, tmp_path)
+    run_solution(sheet, tmp_path)
+
+
+@pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)
+def test_a_rubric_asks_for_what_the_sheet_names(sheet: Path) -> None:
+    """It can be read, gives ten points, and each number that it wants is in the sheet's table."""
+    rubric = read_rubric(SHEETS / "rubrics" / f"lab-{sheet.name[:2]}.toml")
+    assert rubric.points == 10
+    wanted = {parse_wanted(c.value).name for c in rubric.checks if c.kind == "answer"}
+    assert wanted == set(re.findall(r"^\| `(\w+)` \|", sheet.read_text(), re.MULTILINE))
+    solution = solution_of(sheet)
+    assert all(f"{name} = " in solution for name in wanted)
 
 
 WRONG = [

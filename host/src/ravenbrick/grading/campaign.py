@@ -105,7 +105,7 @@ def run_campaign(
     stamps = {s.name: _stamp(rubric, s) for s in submissions}
     done = {s.name: _kept(results, s, stamps[s.name]) for s in submissions}
     waiting = [s for s in submissions if done[s.name] is None]
-    if waiting:
+    if waiting and rubric.needs_image:
         prepare_base(rubric, cache)
     jobs = {
         s.name: Job(str(rubric.path.resolve()), s.name, str(s.path.resolve()), str(cache), design)

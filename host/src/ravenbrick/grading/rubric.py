@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick import __version__
+from ravenbrick.grading.answers import parse_wanted
 from ravenbrick.target.located_toml import LocatedToml, read_toml
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import read_scenario
@@ -20,7 +21,7 @@ from ravenbrick.trace.expectation_text import ExpectationSyntaxError, parse_expe
 
 __all__ = ["Check", "Limits", "Rubric", "digest_of", "read_rubric"]
 
-KINDS = ("expect", "criteria", "stack_share_at_most", "memory_at_most", "builds")
+KINDS = ("expect", "criteria", "stack_share_at_most", "memory_at_most", "builds", "answer")
 RUNS = ("expect", "criteria", "stack_share_at_most")
 # What a result depends on besides submission and rubric.
 TOOLS = ("drivers/src", "runtime", "tools/application.gpr", "tools/ravenbrick.cgpr")
@@ -65,6 +66,11 @@ class Rubric:
     checks: tuple[Check, ...]
     robot: Robot
     digest: str
+
+    @property
+    def needs_image(self) -> bool:
+        """Some check is about the program."""
+        return any(check.kind != "answer" for check in self.checks)
 
     @property
     def points(self) -> float:
@@ -125,6 +131,11 @@ def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: R
             parse_expectation(table["expect"], place)
         except ExpectationSyntaxError as error:
             raise document.error(("checks", index, "expect"), str(error)) from None
+    if kind == "answer":
+        try:
+            parse_wanted(table["answer"])
+        except ValueError as error:
+            raise document.error(("checks", index, "answer"), str(error)) from None
     scenario = table.get("scenario")
     return Check(
         name=table["name"],

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from ravenbrick.errors import UsageError
+from ravenbrick.grading.answers import ANSWERS_FILE
 
 __all__ = ["Submission", "find_submissions", "read_sources", "refusal"]
 
@@ -38,7 +39,7 @@ def find_submissions(paths: list[Path]) -> list[Submission]:
     for path in paths:
         if path.is_file() and path.suffix == ".zip":
             found.append(Submission(path.stem, path))
-        elif (path / "src").is_dir():
+        elif (path / "src").is_dir() or (path / ANSWERS_FILE).is_file():
             found.append(Submission(path.resolve().name, path))
         elif path.is_dir():
             inner = sorted(p for p in path.iterdir() if p.suffix == ".zip" or p.is_dir())
@@ -71,11 +72,19 @@ def _members(submission: Submission) -> Iterator[tuple[PurePosixPath, int, bytes
                 yield PurePosixPath(info.filename), info.file_size, content
 
 
-def read_sources(submission: Submission, folders: tuple[str, ...]) -> dict[str, bytes]:
-    """Sources by `folder/file`, at any depth of an archive; raises `UsageError`."""
+def read_sources(
+    submission: Submission, folders: tuple[str, ...], must_have: bool = True
+) -> dict[str, bytes]:
+    """Sources by `folder/file`, at any depth of an archive, and answers.toml by its name.
+
+    Raises `UsageError`, also when there are no sources but `must_have` is true.
+    """
     sources: dict[str, bytes] = {}
     try:
         for name, size, content in _members(submission):
+            if name.name == ANSWERS_FILE and 0 < size <= LARGEST:
+                sources.setdefault(ANSWERS_FILE, content)
+                continue
             if name.suffix not in SUFFIXES or name.parent.name not in folders:
                 continue
             if size > LARGEST or len(sources) >= MOST:
@@ -83,7 +92,7 @@ def read_sources(submission: Submission, folders: tuple[str, ...]) -> dict[str, 
             sources[f"{name.parent.name}/{name.name}"] = content
     except (zipfile.BadZipFile, OSError, RuntimeError) as error:
         raise UsageError(f"{submission.name}: cannot be read ({error}); hand it in again") from None
-    if not any(name.startswith("src/") for name in sources):
+    if must_have and not any(name.startswith("src/") for name in sources):
         raise UsageError(f"{submission.name}: has no Ada or C sources below src/")
     return sources
 

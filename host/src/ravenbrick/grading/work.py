@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import UsageError
+from ravenbrick.grading.answers import ANSWERS_FILE, Answers, parse_wanted, read_answers
 from ravenbrick.grading.rubric import Check, Rubric, read_rubric
 from ravenbrick.grading.sandbox import Outcome, run_limited
 from ravenbrick.grading.submission import Submission, read_sources, refusal
@@ -186,23 +187,43 @@ def grade_one(job: Job) -> dict[str, Any]:
     submission = Submission(job.submission, Path(job.path))
     cache = Path(job.cache)
     try:
-        sources = read_sources(submission, rubric.folders)
+        sources = read_sources(submission, rubric.folders, rubric.needs_image)
     except UsageError as error:
         return _result(rubric, submission, "", _failed(rubric, error.sentence))
+    answers = read_answers(sources.get(ANSWERS_FILE))
     key = hashlib.sha256(
         json.dumps(
             [rubric.digest, job.design, {k: v.hex() for k, v in sorted(sources.items())}]
         ).encode()
     ).hexdigest()
-    refused = refusal(sources)
-    if refused:
-        return _result(rubric, submission, key, _failed(rubric, refused))
-    image, reason = _build(rubric, submission, sources, cache, job.design)
-    if image is None:
-        return _result(rubric, submission, key, _failed(rubric, reason))
-    rows, defect = _judged(rubric, image)
+    rows, defect = _program_rows(rubric, submission, sources, cache, job.design)
+    rows = [
+        _answer_row(check, answers) if check.kind == "answer" else row
+        for check, row in zip(rubric.checks, rows, strict=True)
+    ]
     result = _result(rubric, submission, key, rows)
     return {**result, "defect": defect} if defect else result
+
+
+def _answer_row(check: Check, answers: Answers) -> dict[str, Any]:
+    met, found = parse_wanted(check.value).judge(answers)
+    return check_row(check, float(met), found)
+
+
+def _program_rows(
+    rubric: Rubric, submission: Submission, sources: dict[str, bytes], cache: Path, design: bool
+) -> tuple[list[dict[str, Any]], str]:
+    """Build, run, judge: rows of all checks, those of answers without points, and a defect."""
+    if not rubric.needs_image:
+        return _failed(rubric, ""), ""
+    program = {name: text for name, text in sources.items() if name != ANSWERS_FILE}
+    refused = refusal(program)
+    if refused:
+        return _failed(rubric, refused), ""
+    image, reason = _build(rubric, submission, program, cache, design)
+    if image is None:
+        return _failed(rubric, reason), ""
+    return _judged(rubric, image)
 
 
 def _judged(rubric: Rubric, image: Path) -> tuple[list[dict[str, Any]], str]:
