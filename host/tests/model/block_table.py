@@ -8,9 +8,12 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import control
 import numpy as np
 from scipy import signal
+from scipy.linalg import solve_discrete_are
 
+from ravenbrick.control import kalman, observer_system
 from ravenbrick.model import (
     Backlash,
     Block,
@@ -47,6 +50,7 @@ from ravenbrick.model import (
     Transition,
     UnitDelay,
     ZeroOrderHold,
+    state_space_block,
 )
 
 # From the input columns (steps, ports) to the output (steps).
@@ -122,6 +126,24 @@ def _machine(u: np.ndarray) -> np.ndarray:
     return np.array(outputs)
 
 
+# Angle and speed of a motor, driven by its voltage; the angle is measured.
+MOTOR = control.ss([[1.0, 0.095], [0.0, 0.9]], [[0.02], [0.2]], [[1.0, 0.0]], [[0.0]], 0.01)
+NOISES = [[0.01, 0.0], [0.0, 0.05]], [[0.08]]
+
+
+def _kalman(u: np.ndarray) -> np.ndarray:
+    """The predicted speed by the textbook's recurrence, its gain from the Riccati equation."""
+    a, b, c = (np.asarray(m) for m in (MOTOR.A, MOTOR.B, MOTOR.C))
+    process, measured = map(np.array, NOISES)
+    spread = solve_discrete_are(a.T, c.T, process, measured)
+    gain = a @ spread @ c.T @ np.linalg.inv(c @ spread @ c.T + measured)
+    state, found = np.zeros(2), []
+    for voltage, angle in u:
+        found.append(state[1])
+        state = a @ state + b[:, 0] * voltage + gain[:, 0] * (angle - (c @ state)[0])
+    return np.array(found)
+
+
 def _rows(count: int) -> np.ndarray:
     return np.arange(count, dtype=float)
 
@@ -167,6 +189,10 @@ TABLE: dict[str, tuple[Block, Reference]] = {
     "complementary": (
         ComplementaryFilter("B", weight=0.9, step=0.02, initial=1.0),
         _recurrence(lambda last, row: 0.9 * (last + 0.02 * row[0]) + 0.1 * row[1], 1.0),
+    ),
+    "kalman": (
+        state_space_block("B", observer_system(MOTOR, kalman(MOTOR, *NOISES)), output=1),
+        _kalman,
     ),
     "dead_zone": (
         DeadZone("B", start=-2.0, end=3.0),

@@ -8,11 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-BENCH = {
-    "seed": 1,
-    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
-    "body": {"kind": "bench"},
-}
+from ravenbrick.target.step_cost import BENCH
 
 
 def silent_brick(image: Path) -> Any:

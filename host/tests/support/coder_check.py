@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from host.tests.codegen.brick_cycles import START
 from host.tests.codegen.c_build import ARM, ada_object, run
 from host.tests.codegen.c_build import START as ORIGIN
 from host.tests.support.bench import silent_brick
@@ -21,6 +20,7 @@ from host.tests.support.bench import silent_brick
 from ravenbrick.codegen import AdaBinding, CoderModel
 from ravenbrick.codegen.ada_interface import Interface
 from ravenbrick.codegen.c_header import KEPT_ROLES, CField
+from ravenbrick.target.step_cost import FIRST_WORDS
 
 LIMIT_CYCLES = 400_000_000
 _LARGEST = 10.0
@@ -90,8 +90,8 @@ class _Check:
         for name, text in self._model.files.items():
             if name.endswith(".h"):
                 (self._folder / name).write_text(text)
-        (self._folder / "first.c").write_text(START)
-        return {"first.c": START, "direct.c": self._direct()}
+        (self._folder / "first.c").write_text(FIRST_WORDS)
+        return {"first.c": FIRST_WORDS, "direct.c": self._direct()}
 
     def _values(self) -> np.ndarray:
         random = np.random.default_rng(5)

@@ -12,6 +12,7 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter, Step
+from ravenbrick.cli.costs import project_costs
 from ravenbrick.cli.pipeline import design_project
 from ravenbrick.control.design_plots import DesignedLoop, read_system, write_figure
 from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
@@ -31,6 +32,10 @@ def design_command(
             help="Bode, Nyquist, root locus, gain family, discretisations, tolerances as pictures.",
         ),
     ] = False,
+    costs: Annotated[
+        bool,
+        typer.Option("--costs", help="Cycles on the brick: single precision beside fixed point."),
+    ] = False,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Run design.py: tune, discretise, simulate, and generate the controller's C."""
@@ -43,12 +48,34 @@ def design_command(
     )
     generated = sorted(str(path) for path in (workspace.project / "generated").glob("*.[ch]"))
     reporter.print(f"design: {workspace.shown(workspace.design_file)}")
-    answer = {
+    answer: dict[str, Any] = {
         "design_file": str(workspace.design_file),
         "figures": dict(design.figures),
         "generated": generated,
     }
+    if costs:
+        answer["costs"] = _count(workspace, reporter)
     return {**answer, **_draw(workspace, reporter)} if plots else answer
+
+
+def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
+    """What a step costs in each number format, counted on the virtual brick."""
+    with reporter.step("cycles of a step on the brick"):
+        rows = project_costs(workspace.project)
+    table = [
+        [
+            row["form"],
+            str(row["least_cycles"]),
+            str(row["most_cycles"]),
+            f"{row['share']:.3%}",
+            str(row["size_bytes"]),
+            f"{row['error_bound']:.3g} {row['unit']}" if row["error_bound"] else "not stated",
+        ]
+        for row in rows
+    ]
+    head = ("step function", "least cycles", "most", "of the period", "bytes", "error bound")
+    reporter.table(head, table)
+    return rows
 
 
 def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:

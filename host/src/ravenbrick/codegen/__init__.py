@@ -13,6 +13,7 @@ from ravenbrick.codegen.frama_c import FramaCResult, check_with_frama_c, frama_c
 from ravenbrick.codegen.gappa import check_with_gappa, gappa_script
 from ravenbrick.codegen.generator import GeneratedCode, generate_c
 from ravenbrick.codegen.proof import FixedPointProof, generate_fixed_c, prove
+from ravenbrick.codegen.variants import NumberChoice, Variant, number_variants
 from ravenbrick.codegen.vectors import StepVectors, check_program, random_vectors
 
 __all__ = [
@@ -23,7 +24,9 @@ __all__ = [
     "GeneratedCode",
     "ModelHeader",
     "NamedNumber",
+    "NumberChoice",
     "StepVectors",
+    "Variant",
     "ada_binding",
     "ada_package",
     "check_program",
@@ -34,6 +37,7 @@ __all__ = [
     "generate_ada",
     "generate_c",
     "generate_fixed_c",
+    "number_variants",
     "prove",
     "random_vectors",
     "read_binding",

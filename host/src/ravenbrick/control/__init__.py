@@ -40,6 +40,7 @@ from ravenbrick.control.regulator import (
     lqg,
     lqr,
     observer_by_poles,
+    observer_system,
     with_integrators,
 )
 from ravenbrick.control.responses import write_loop_results
@@ -105,6 +106,7 @@ __all__ = [
     "monte_carlo",
     "nyquist_figure",
     "observer_by_poles",
+    "observer_system",
     "one_step_errors",
     "peak_gain",
     "pi_by_damping",

@@ -21,6 +21,7 @@ __all__ = [
     "lqg",
     "lqr",
     "observer_by_poles",
+    "observer_system",
     "with_integrators",
 ]
 
@@ -119,6 +120,18 @@ def kalman(
         raise DesignError(f"no steady Kalman filter: {error}") from error
     gain = np.asarray(gain)
     return Observer(gain, _stable(plant.A - gain @ plant.C, plant, "Kalman filter"))
+
+
+def observer_system(plant: control.StateSpace, observer: Observer) -> control.StateSpace:
+    """The observer as a system: from the plant's inputs, then its outputs, to the estimated state.
+
+    Of a discrete plant each estimate becomes a block by `state_space_block(name, system, output)`.
+    """
+    gain = observer.gain
+    matrix = plant.A - gain @ plant.C
+    entry = np.hstack([plant.B - gain @ plant.D, gain])
+    order = plant.nstates
+    return control.ss(matrix, entry, np.eye(order), np.zeros((order, entry.shape[1])), plant.dt)
 
 
 def lqg(
