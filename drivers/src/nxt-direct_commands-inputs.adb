@@ -2,6 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with NXT.AVR;
+with NXT.Direct_Commands.Low_Speed;
 with NXT.Sensor_Ports;  use NXT.Sensor_Ports;
 
 package body NXT.Direct_Commands.Inputs is
@@ -14,6 +15,8 @@ package body NXT.Direct_Commands.Inputs is
    Sound       : constant Byte := 16#07#;
    Sound_Heard : constant Byte := 16#08#;
    Custom      : constant Byte := 16#09#;
+   On_Bus      : constant Byte := 16#0A#;
+   On_Bus_9V   : constant Byte := 16#0B#;
 
    --  Modes
    Mode_Mask   : constant Byte := 16#E0#;
@@ -49,12 +52,15 @@ package body NXT.Direct_Commands.Inputs is
       Sensor : constant Sensor_Id := Sensor_Id'Val (Port);
    begin
       Status := Success;
+      Low_Speed.Close (Sensor);
       case Kind is
          when No_Sensor | Switch | Custom => Reset (Sensor);
          when Light_On    => Drive_Lines (Sensor, High, Low);
          when Light_Off   => Drive_Lines (Sensor, Low, Low);
          when Sound       => Drive_Lines (Sensor, High, Low);
          when Sound_Heard => Drive_Lines (Sensor, Low, High);
+         when On_Bus      => Low_Speed.Open (Sensor, Standard_Power);
+         when On_Bus_9V   => Low_Speed.Open (Sensor, NXT_9V);
          when others      => Status := Out_Of_Range;
       end case;
       if (Mode and Mode_Mask) not in Raw_Mode | Truth_Mode | Share_Mode then

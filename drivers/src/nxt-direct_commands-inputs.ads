@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Sensors as the protocol sees them: those with an analogue output.
+--  Sensors as the protocol sees them: their kinds, and readings of those with an analogue output.
 
 with Interfaces;  use Interfaces;
 

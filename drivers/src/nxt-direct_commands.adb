@@ -5,6 +5,7 @@ with Interfaces;                   use Interfaces;
 with NXT.Audio;
 with NXT.Battery;
 with NXT.Direct_Commands.Inputs;
+with NXT.Direct_Commands.Low_Speed;
 with NXT.Direct_Commands.Outputs;
 
 package body NXT.Direct_Commands is
@@ -32,6 +33,9 @@ package body NXT.Direct_Commands is
    Get_Battery     : constant Byte := 16#0B#;
    Stop_Sound      : constant Byte := 16#0C#;
    Keep_Alive      : constant Byte := 16#0D#;
+   Bus_Status      : constant Byte := 16#0E#;
+   Bus_Write       : constant Byte := 16#0F#;
+   Bus_Read        : constant Byte := 16#10#;
 
    --  System commands
    Get_Version     : constant Byte := 16#88#;
@@ -123,6 +127,39 @@ package body NXT.Direct_Commands is
       end case;
    end Obey_Input;
 
+   procedure Obey_Bus_Write (Port : Sensor_Id; Item : Byte_Array; Result : in out Answer) is
+      First  : constant Positive := Item'First + 5;
+      Length : constant Natural := Natural (Item (Item'First + 3));
+   begin
+      if Item'Last - First + 1 < Length then
+         Result.Status := Wrong_Length;
+      else
+         Low_Speed.Write
+           (Port, Item (First .. First + Length - 1), Item (Item'First + 4), Result.Status);
+      end if;
+   end Obey_Bus_Write;
+
+   procedure Obey_Bus (Item : Byte_Array; Result : in out Answer) is
+      Port  : constant Byte := Item (Item'First + 2);
+      Data  : Low_Speed.Data_Bytes;
+      Count : Byte;
+   begin
+      if not Inputs.Is_Port (Port) then
+         Result.Status := Out_Of_Range;
+         return;
+      end if;
+      case Item (Item'First + 1) is
+         when Bus_Write =>
+            Obey_Bus_Write (Sensor_Id'Val (Port), Item, Result);
+         when Bus_Status =>
+            Low_Speed.Look (Sensor_Id'Val (Port), Count, Result.Status);
+            Put (Result, (1 => Count));
+         when others =>
+            Low_Speed.Read (Sensor_Id'Val (Port), Data, Count, Result.Status);
+            Put (Result, Count & Data);
+      end case;
+   end Obey_Bus;
+
    procedure Obey_Direct (Item : Byte_Array; Result : in out Answer) is
    begin
       case Item (Item'First + 1) is
@@ -132,6 +169,8 @@ package body NXT.Direct_Commands is
             Obey_Output (Item, Result);
          when Set_Input_Mode | Get_Input | Reset_Scaled =>
             Obey_Input (Item, Result);
+         when Bus_Status | Bus_Write | Bus_Read =>
+            Obey_Bus (Item, Result);
          when Get_Battery =>
             Put (Result, To_Bytes (Unsigned_16 (NXT.Battery.Voltage)));
          when Stop_Sound =>
@@ -165,7 +204,8 @@ package body NXT.Direct_Commands is
          when Set_Output     => 12,
          when Set_Input_Mode => 5,
          when Reset_Position => 4,
-         when Get_Output | Get_Input | Reset_Scaled => 3,
+         when Get_Output | Get_Input | Reset_Scaled | Bus_Status | Bus_Read => 3,
+         when Bus_Write      => 5,
          when others         => Header_Length);
 
    procedure Obey (Item : Byte_Array; Reply : out Telegram; Last : out Natural) is

@@ -12,6 +12,7 @@ import nxt.brick
 import nxt.error
 import nxt.motor
 import nxt.sensor
+import nxt.sensor.digital
 import nxt.sensor.generic
 import pytest
 from ravenbrick.errors import PeerError
@@ -40,7 +41,8 @@ class Host:
 @pytest.fixture(params=["usb", "bluetooth"])
 def host(request: pytest.FixtureRequest, brick: Callable[..., Brick]) -> Host:
     """The client, connected."""
-    device = brick(f"direct_{request.param}")
+    sensors = {"1": {"kind": "touch"}, "4": {"kind": "ultrasonic"}}
+    device = brick(f"direct_{request.param}", sensors=sensors)
     device.run(1500)
     socket: Any
     if request.param == "usb":
@@ -70,6 +72,26 @@ def test_sensors_are_read(host: Host) -> None:
     host.brick.device.schedule_input(host.brick.device.cycles, "touch.1", 1)
     host.run(50)
     assert touch.get_sample() is True
+
+
+def test_a_sensor_on_a_bus_is_read(host: Host) -> None:
+    """The ultrasonic sensor of port 4: who it is, distances, a command; nobody on port 2."""
+    brick = host.remote
+    sonar = brick.get_sensor(nxt.sensor.Port.S4, nxt.sensor.generic.Ultrasonic, False)
+    host.run(200)
+    info = sonar.get_sensor_info()
+    assert (info.product_id, info.sensor_type) == ("LEGO", "Sonar")
+    for metres in (0.42, 1.25):
+        host.brick.device.schedule_input(host.brick.device.cycles, "distance.4", metres + 0.001)
+        host.run(100)
+        assert sonar.get_distance() == round(100 * metres)
+    sonar.write_value("command", (0,))
+    host.run(20)
+    assert sonar.read_value("command") == (0,)
+    nobody = brick.get_sensor(nxt.sensor.Port.S2, nxt.sensor.generic.Ultrasonic, False)
+    host.run(100)
+    with pytest.raises(nxt.sensor.digital.I2CError):
+        nobody.get_distance()
 
 
 def test_motors_run_and_stop(host: Host) -> None:
