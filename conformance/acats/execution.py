@@ -71,7 +71,8 @@ def execute(elf: Path) -> Verdict:
         stop = brick.run_until(until)
         verdict = brick.read_int("acats_verdict", "u32")
         if verdict:
-            word, text = WORDS[verdict], _log(brick)
+            word = WORDS.get(verdict, "stopped")
+            text = _log(brick) if verdict in WORDS else "the program overwrote its verdict"
             break
         if address := int.from_bytes(brick.read_memory(failure, 4), "little"):
             line = int.from_bytes(brick.read_memory(failure + 4, 4), "little")

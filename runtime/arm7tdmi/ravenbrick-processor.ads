@@ -10,8 +10,6 @@ with Ravenbrick.Threads;
 package Ravenbrick.Processor is
    pragma Preelaborate;
 
-
-
    type Status is new Interfaces.Unsigned_32;
    --  Image of the current program status register
 
@@ -32,6 +30,7 @@ package Ravenbrick.Processor is
    procedure Switch (From, To : not null Threads.Thread_Id) with Inline_Always;
    --  Save the caller's context in From, make To the running thread and load its context.
    --  Interrupts are masked on call and unmasked on return.
+   --  Nothing of the caller's registers survives, the parameters neither.
    --  A context is the address to go on at, on top of the thread's stack; the registers are on
    --  the stack below it, saved and restored by the subprogram that calls Switch.
 

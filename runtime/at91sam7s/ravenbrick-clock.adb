@@ -8,8 +8,6 @@ with Ravenbrick.Registers; use Ravenbrick.Registers;
 
 package body Ravenbrick.Clock is
 
-   use type Units;
-
    Enabled_Longest_Period : constant Word := 16#010F_FFFF#;
    --  PITEN, no interrupt; PIV at its maximum makes PIIR one 32-bit count
 

@@ -12,13 +12,15 @@ package Ravenbrick.Clock is
    pragma Preelaborate;
 
    subtype Units is Threads.Units;
+   use type Threads.Units;
 
    Units_Per_Tick : constant := 7;
 
    procedure Start with Export, Convention => C, External_Name => "ravenbrick_start_clock";
    --  Start at zero
 
-   function Now return Units;
+   function Now return Units
+     with Post => Now'Result >= 0;
    --  Callable from any context. The clock must be read or Observe be called at least once in
    --  1_430 s, the period of the 32-bit count.
 

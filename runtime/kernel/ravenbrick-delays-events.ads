@@ -18,7 +18,8 @@ package Ravenbrick.Delays.Events is
    procedure Initialize (Expiry : not null Action);
    --  Let the alarm call Expiry, in its handler, for each event whose time has come
 
-   procedure Set (Event : not null Threads.Thread_Id; Wake : Threads.Units);
+   procedure Set (Event : not null Threads.Thread_Id; Wake : Threads.Units)
+     with Post => Threads."<=" (Event.Wake, Wake);
    --  Expire at Wake, at once when it has passed; Event is not in the queue. Interrupts are
    --  masked.
 

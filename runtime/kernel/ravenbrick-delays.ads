@@ -11,7 +11,8 @@ package Ravenbrick.Delays is
    procedure Initialize with Export, Convention => C, External_Name => "ravenbrick_start_alarm";
    --  Attach the alarm's handler and ring for the first time
 
-   procedure Delay_Until (Wake : Threads.Units);
+   procedure Delay_Until (Wake : Threads.Units)
+     with Post => not Threads.In_Protected_Action (Threads.Kernel.Current.Active);
    --  Block the running thread until the clock has reached Wake; when it already has, the
    --  thread only lets its equals run first. Program_Error in a protected action.
 
@@ -26,7 +27,10 @@ private
    --  Times 2 cycles pass between the reading of the clock and the start of the alarm, in ARM
    --  state from RAM; from flash it is more
 
-   procedure Insert (Sleeper : not null Thread_Id; Now : Units) with Inline;
+   procedure Insert (Sleeper : not null Thread_Id; Now : Units)
+     with Inline,
+          Pre  => Sleeper.Wake < Units'Last,
+          Post => Head.Wake <= Sleeper.Wake;
    --  Into the queue by Sleeper.Wake, and set the alarm when it is the first; interrupts are
    --  masked
 

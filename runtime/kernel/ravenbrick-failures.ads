@@ -27,7 +27,8 @@ package Ravenbrick.Failures is
 
    Longest_Text : constant := 63;
 
-   procedure Stop_With (Text : String; Line : Natural) with No_Return;
+   procedure Stop_With (Text : String; Line : Natural)
+     with No_Return, Pre => Text'First >= 1;
    --  The same with a text of the program, cut to Longest_Text
 
    Ceiling_Violated : constant String := "Program_Error: ceiling violated" & ASCII.NUL;

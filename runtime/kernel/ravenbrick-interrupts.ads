@@ -20,7 +20,8 @@ package Ravenbrick.Interrupts is
      (Source   : Registers.Source_Id;
       Priority : System.Interrupt_Priority;
       Code     : System.Address;
-      Object   : System.Address);
+      Object   : System.Address)
+     with Post => Is_Attached (Source);
    --  From now on Source calls Code (Object) at Priority, in Supervisor mode
 
    function Is_Attached (Source : Registers.Source_Id) return Boolean;
@@ -29,11 +30,15 @@ package Ravenbrick.Interrupts is
      with Post => Source_Of'Result in -1 .. 31;
    --  The source of the handler that Kernel.Current names, -1 when it names a thread
 
-   procedure Raise_Mask (Ceiling : Threads.Urgency; Saved : out Threads.Urgency);
+   procedure Raise_Mask (Ceiling : Threads.Urgency; Saved : out Threads.Urgency)
+     with Pre => Threads.">=" (Ceiling, Threads.First_Interrupt_Urgency)
+                 and then Threads.In_Protected_Action (Ceiling);
    --  Disable the sources at or below Ceiling, an urgency of the interrupt range. Saved is what
    --  Lower_Mask takes.
 
-   procedure Lower_Mask (Ceiling, Saved : Threads.Urgency);
+   procedure Lower_Mask (Ceiling, Saved : Threads.Urgency)
+     with Pre => Threads.">=" (Ceiling, Threads.First_Interrupt_Urgency)
+                 and then Threads."<=" (Saved, Ceiling);
    --  Undo the matching Raise_Mask
 
 end Ravenbrick.Interrupts;

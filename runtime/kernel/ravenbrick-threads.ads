@@ -127,11 +127,17 @@ package Ravenbrick.Threads is
    --  Runs the elaboration and the main procedure
 
    procedure Initialize
-     with Export, Convention => C, External_Name => "ravenbrick_initialize_threads";
+     with Export, Convention => C, External_Name => "ravenbrick_initialize_threads",
+          Post => Kernel.Current = Environment'Access and then Kernel.Running = Kernel.Current;
    --  Make the environment thread, whose code is already executing, the running one
 
-   procedure Set_Environment_Priority (Priority : System.Any_Priority);
+   procedure Set_Environment_Priority (Priority : System.Any_Priority)
+     with Pre  => not In_Protected_Action (Environment.Active),
+          Post => Environment.Active = To_Urgency (Priority);
    --  Before other threads exist
+
+   Least_Stack : constant := 128;
+   --  A preemption and a service of the kernel
 
    procedure Create
      (Created    : not null Thread_Id;
@@ -139,28 +145,43 @@ package Ravenbrick.Threads is
       Stack_Base : System.Address;
       Stack_Size : Natural;
       Code       : System.Address;
-      Argument   : System.Address);
+      Argument   : System.Address)
+     with Pre  => Stack_Size >= Least_Stack,
+          Post => Created.State = Unstarted and then Created.Active = To_Urgency (Priority);
    --  Prepare a thread that will call Code (Argument) on the stack of Stack_Size bytes. It is
    --  recorded as created, but is not ready.
 
    --  The operations below are called with interrupts masked. Self is Kernel.Current.
 
-   procedure Make_Ready (Woken : not null Thread_Id) with Inline;
+   procedure Make_Ready (Woken : not null Thread_Id)
+     with Inline,
+          Pre  => Woken.State /= Terminated,
+          Post => Woken.State = Ready and then Kernel.Ready_Head.Active >= Woken.Active;
    --  Append to the ready queue of its priority; does not dispatch
 
    --  Those that follow are called by threads only, and return with interrupts unmasked
 
-   procedure Release (Self, Woken : not null Thread_Id) with Inline;
+   procedure Release (Self, Woken : not null Thread_Id)
+     with Inline,
+          Pre  => Self = Kernel.Current and then Woken /= Self and then Woken.State /= Terminated,
+          Post => Kernel.Current.State = Ready;
    --  Make Woken ready and let it run before the caller if it is more urgent
 
-   procedure Block (Self : not null Thread_Id) with Inline;
+   procedure Block (Self : not null Thread_Id)
+     with Inline,
+          Pre  => Self = Kernel.Current and then Self.State /= Ready
+                  and then not In_Protected_Action (Self.Active),
+          Post => Kernel.Current.State = Ready;
    --  Leave the processor to the most urgent ready thread, or to none. Returns when another
    --  has made the caller ready and it is dispatched again. The caller has set its own State.
 
-   procedure Preempt;
+   procedure Preempt
+     with Post => Kernel.Current.State = Ready;
    --  Let a more urgent ready thread run before the caller
 
-   procedure Yield (Self : not null Thread_Id);
+   procedure Yield (Self : not null Thread_Id)
+     with Pre  => Self = Kernel.Current and then not In_Protected_Action (Self.Active),
+          Post => Kernel.Current.State = Ready;
    --  Put the caller at the tail of the queue of its priority (RM D.2.3 (8))
 
    procedure Terminate_Current
