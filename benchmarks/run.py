@@ -35,12 +35,21 @@ PAGE_SECONDS = 5
 # Value and source of peers that cannot run beside ours.
 PUBLISHED = {
     "run-time text": (7292, "FreeRTOS 11.1 kernel with mutex, ARM -Os, compiled 2026"),
-    "voluntary switch": (95.3, "ChibiOS/RT 3.1.0 on LPC2148, project's reports"),
+    "context switch, voluntary": (95.3, "ChibiOS/RT 3.1.0 on LPC2148, project's reports"),
     "protected procedure": (149, "ChibiOS/RT 2.4.0 mutex lock and unlock, AT91SAM7X256"),
     "entry opened to task": (439, "FreeRTOS ARM7 port, notification, textbook cycle model"),
     "interrupt to handler": (89, "FreeRTOS ARM7 port, textbook cycle model"),
     "interrupt to task": (512, "FreeRTOS ARM7 port, textbook cycle model"),
     "delay until, idle processor": (534, "FreeRTOS ARM7 port, delay, textbook cycle model"),
+    "delay until, six tasks released together": (
+        3932,
+        "FreeRTOS ARM7 port, textbook cycle model",
+    ),
+    "timing event to handler": (917, "FreeRTOS ARM7 port, timer callback, textbook cycle model"),
+    "work while idle, per second": (195_000, "FreeRTOS ARM7 port, ticks of 1 ms"),
+    "control block": (72, "FreeRTOS 11.1 task control block"),
+    "two tasks, thumb text": (5196, "FreeRTOS 11.1, two tasks, delay, semaphore, Thumb -Os"),
+    "two tasks, arm text": (7104, "FreeRTOS 11.1, two tasks, delay, semaphore, ARM -Os"),
 }
 
 
@@ -111,6 +120,16 @@ def run_time() -> Iterator[Row]:
             unit = f"{measured['unit']}, mean"
             yield figure_row(name, measured["mean"], unit, source, value)
         yield figure_row(f"{name}, worst", measured["worst"], measured["unit"])
+
+
+def run_time_footprints() -> Iterator[Row]:
+    """Bytes of small programs in both states and of a task's control block."""
+    from runtime.benchmarks.footprints import footprints
+
+    for figure, value in footprints():
+        source = PUBLISHED.get(figure)
+        peer, peer_value = (source[1], source[0]) if source else (None, None)
+        yield figure_row(f"footprint of {figure}", value, "bytes", peer, peer_value)
 
 
 def cpu_speed() -> Iterator[Row]:
@@ -219,6 +238,7 @@ FIGURES: list[Callable[[], Iterator[Row]]] = [
     vehicle_speed,
     vehicle_memory,
     run_time,
+    run_time_footprints,
     grading,
     page_speed,
     timing_analysis,

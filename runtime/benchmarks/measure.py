@@ -19,15 +19,16 @@ from typing import TypedDict
 import numpy as np
 import virtual_brick
 
-__all__ = ["FigureRow", "figures"]
+__all__ = ["LONGEST_MASKED_CYCLES", "FigureRow", "figures", "image_of"]
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 
 CYCLES_PER_SECOND = 336_384_000 / 7
-LIMIT_SECONDS = 60
-LEAST_SAMPLES = 1_000
+LONGEST_MASKED_CYCLES = 250
+LIMIT_SECONDS = 90
+LEAST_SAMPLES = 10_000
 IDLE = 0xFFFF_FFFF
 
 BENCH = {
@@ -43,13 +44,15 @@ COSTS = (
     "two readings of the timer",
     "plain call",
     "protected procedure",
-    "voluntary switch",
+    "entry call, barrier open",
+    "context switch, voluntary",
     "suspension object to task",
     "entry opened to task",
     "interrupt to handler",
     "interrupt to task",
 )
 LESS_READING = COSTS[3:]
+TOGETHER = 6
 
 
 class FigureRow(TypedDict):
@@ -91,8 +94,8 @@ def _row(figure: str, best: float, mean: float, worst: float, samples: int) -> F
     }
 
 
-def _build(program: str, image: str, code: str) -> bytes:
-    """The image of a program of this folder, with the run-time in the same state."""
+def image_of(program: str, image: str, code: str) -> Path:
+    """The image of a program of this folder, built with the run-time in the same state."""
     products = PRODUCTS / "runtime"
     library = products / ("ravenscar-thumb" if code == "thumb" else "ravenscar")
     subprocess.run(
@@ -108,12 +111,14 @@ def _build(program: str, image: str, code: str) -> bytes:
         check=True,
         env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(library)},
     )  # fmt: skip
-    return (folder / program / image / f"{program}.elf").read_bytes()
+    return folder / program / image / f"{program}.elf"
 
 
 def _run(program: str, image: str, code: str) -> virtual_brick.VirtualBrick:
     """The brick when the program has finished its measurements."""
-    brick = virtual_brick.VirtualBrick(json.dumps(BENCH), _build(program, image, code))
+    brick = virtual_brick.VirtualBrick(
+        json.dumps(BENCH), image_of(program, image, code).read_bytes()
+    )
     for second in range(1, LIMIT_SECONDS + 1):
         stop = brick.run_until(round(second * CYCLES_PER_SECOND))
         if stop.reason != "reached":
@@ -145,34 +150,72 @@ def _load(image: str, code: str) -> list[FigureRow]:
     return [latency.row("interrupt to handler under load"), masked]
 
 
+@dataclass(frozen=True)
+class Observed:
+    """Events of the threads of a program that ran."""
+
+    brick: virtual_brick.VirtualBrick
+    events: np.ndarray
+    kinds: dict[str, int]
+
+    @classmethod
+    def of(cls, program: str, image: str, code: str) -> Observed:
+        """Run a program."""
+        brick = _run(program, image, code)
+        kinds = {name: number for number, name in brick.event_kinds().items()}
+        return cls(brick, np.frombuffer(brick.events(), EVENT), kinds)
+
+    def jobs(self, symbol: str) -> tuple[np.ndarray, np.ndarray]:
+        """Nominal releases of a task but its first, and when the kernel selected it after each."""
+        address, size = self.brick.symbol(symbol)
+        (task,) = (
+            index
+            for index, thread in enumerate(self.brick.threads())
+            if address <= thread.address < address + size
+        )
+        mine = self.events[self.events["subject"] == task]
+        nominal = mine["value"][mine["kind"] == self.kinds["release"]][1:]
+        starts = mine["at"][mine["kind"] == self.kinds["thread_running"]].astype(np.int64)
+        positions = np.searchsorted(starts, nominal)
+        begun = positions < len(starts)
+        return nominal[begun], starts[positions[begun]]
+
+
 def _delays(image: str, code: str) -> list[FigureRow]:
     """From the nominal wake-up time until the kernel selects the task, and work while idle.
 
-    A latency holds up to 16 cycles until the next tick of the clock. Work while idle is the
-    cycles per second in which the processor is not stopped though no task is ready.
+    Between arbitrary wake-up times and the next tick of the clock lie up to 16 cycles; the
+    wake-up times of the first series are ticks. Work while idle is the cycles per second in which
+    the processor is not stopped though no task is ready.
     """
-    brick = _run("delays", image, code)
-    numbers = {name: number for number, name in brick.event_kinds().items()}
-    events = np.frombuffer(brick.events(), EVENT)
-    running = events[events["kind"] == numbers["thread_running"]]
-    address, size = brick.symbol("released__delayed")
-    (task,) = (
-        index
-        for index, thread in enumerate(brick.threads())
-        if address <= thread.address < address + size
-    )
-    releases = events[(events["kind"] == numbers["release"]) & (events["subject"] == task)]
-    nominal = releases["value"][1:]
-    starts = running["at"][running["subject"] == task].astype(np.int64)
-    positions = np.searchsorted(starts, nominal)
-    latencies = starts[positions[positions < len(starts)]] - nominal[positions < len(starts)]
-    pause = int(np.argmax(np.diff(nominal))) + 1
-    rows = [
-        _latency_row("delay until, idle processor", latencies[1:pause]),
-        _latency_row("delay until, busy processor", latencies[pause + 1 :]),
+    observed = Observed.of("delays", image, code)
+    nominal, starts = observed.jobs("released__delayed")
+    latencies = starts - nominal
+    first, second = sorted(np.argsort(np.diff(nominal))[-2:] + 1)
+    begin, end = int(starts[first - 1]), int(nominal[first])
+    return [
+        _latency_row("delay until, idle processor, from the clock's tick", latencies[1:first]),
+        _latency_row("delay until, idle processor", latencies[first + 1 : second]),
+        _latency_row("delay until, busy processor", latencies[second + 1 :]),
+        _idle_row(observed.events, observed.kinds, begin, end),
     ]
-    begin, end = int(starts[positions[pause - 1]]), int(nominal[pause])
-    return [*rows, _idle_row(events, numbers, begin, end)]
+
+
+def _together(image: str, code: str) -> list[FigureRow]:
+    """From the common release of six tasks until the kernel selects the last of them."""
+    observed = Observed.of("together", image, code)
+    first, _ = observed.jobs("six__t1")
+    nominal, starts = observed.jobs(f"six__t{TOGETHER}")
+    count = min(len(first), len(nominal))
+    if not np.array_equal(first[:count], nominal[:count]):
+        raise RuntimeError("benchmark 'together': the tasks are not released together")
+    return [_latency_row("delay until, six tasks released together", starts - nominal)]
+
+
+def _events(image: str, code: str) -> list[FigureRow]:
+    """From a timing event's time until its handler's first statement."""
+    (latency,) = _summaries(_run("events", image, code), 1)
+    return [latency.row("timing event to handler")]
 
 
 def _latency_row(figure: str, latencies: np.ndarray) -> FigureRow:
@@ -207,7 +250,8 @@ def figures(image: str = "ram", code: str = "arm") -> list[FigureRow]:
         RuntimeError: A program failed or took fewer samples than it should.
         subprocess.CalledProcessError: A program could not be built.
     """
-    return [*_costs(image, code), *_load(image, code), *_delays(image, code)]
+    parts = (_costs, _load, _delays, _together, _events)
+    return [row for part in parts for row in part(image, code)]
 
 
 if __name__ == "__main__":

@@ -37,9 +37,15 @@ RUNTIMES = {
     "thumb": PRODUCTS / "runtime" / "ravenscar-thumb",
     "jorvik": PRODUCTS / "runtime" / "jorvik",
     "timed": PRODUCTS / "runtime" / "ravenscar-timed",
+    "contracts": PRODUCTS / "runtime" / "ravenscar-contracts",
 }
-MAKE_VARIABLES = {"arm": (), "thumb": ("CODE=thumb",), "jorvik": ("PROFILE=jorvik",),
-                  "timed": ("EXECUTION_TIME=yes",)}  # fmt: skip
+MAKE_VARIABLES = {
+    "arm": (),
+    "thumb": ("CODE=thumb",),
+    "jorvik": ("PROFILE=jorvik",),
+    "timed": ("EXECUTION_TIME=yes",),
+    "contracts": ("CONTRACTS=yes",),
+}
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 
 CYCLES_PER_SECOND = 336_384_000 / 7

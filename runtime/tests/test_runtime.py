@@ -113,6 +113,10 @@ class TestDispatching:
         assert journal.startswith("123.")
         assert_repeats(journal[3:], ".cabcabcab", 5)
 
+    def test_a_task_that_yields_lets_its_equals_run(self, run: Runner) -> None:
+        """Ada.Dispatching.Yield passes the turn round."""
+        assert run("yield").journal() == 10 * "abc"
+
     def test_a_preempted_task_goes_on_before_its_equals(self, run: Runner) -> None:
         """A busy task that is preempted 190 times never leaves the processor to its equal."""
         result = run("preempted_first")

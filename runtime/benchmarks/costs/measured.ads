@@ -14,6 +14,7 @@ package Measured is
      (Two_Readings,          --  of the timer, one after the other: to be subtracted
       Plain_Call,            --  of a subprogram with the body of the protected procedure
       Protected_Call,        --  lock, body, unlock
+      Open_Entry_Call,       --  of an entry whose barrier is true
       Voluntary_Switch,      --  Suspend_Until_True until the next task goes on
       Task_Released,         --  Set_True until the higher task that it releases goes on
       Entry_Opened,          --  protected procedure until the higher task on the entry goes on
@@ -28,7 +29,7 @@ package Measured is
    Finished : Boolean := False
      with Volatile, Export, Convention => C, External_Name => "finished";
 
-   Samples : constant := 2_000;
+   Samples : constant := 10_000;
 
    task Low with Priority => 10, Storage_Size => 1024;
    task High with Priority => 12, Storage_Size => 768;
