@@ -18,7 +18,7 @@ from ravenbrick.telemetry.session import Session
 
 __all__ = ["show_live"]
 
-_SHOWN_S = 10.0
+_SHOWN_S = 5.0
 _PERIOD_MS = 200
 _LOOPBACK = "127.0.0.1"
 _SLIDER_HEIGHT = 0.05
@@ -88,14 +88,13 @@ def show_live(
 
     try:
         plt.switch_backend("WebAgg")
+        from matplotlib.backends.backend_webagg import WebAggApplication
         from tornado.ioloop import IOLoop
+        from tornado.websocket import WebSocketClosedError
     except ImportError as error:
         raise ToolMissingError(
             f"the live page needs the Python package tornado ({error}); run 'make setup'"
         ) from None
-    rcParams["webagg.address"] = _LOOPBACK
-    rcParams["webagg.port"] = port
-    rcParams["webagg.open_in_browser"] = False
     figure = plt.figure(num="Ravenbrick monitor", figsize=(10, 7))
     live = _LiveFigure(figure, monitor.session, tell)
 
@@ -106,8 +105,19 @@ def show_live(
             IOLoop.current().stop()
 
     timer = figure.canvas.new_timer(interval=_PERIOD_MS, callbacks=[(step, (), {})])
+    def complain(loop: Any, context: dict[str, Any]) -> None:
+        """A browser that was closed in the middle of a picture is no defect."""
+        if not isinstance(context.get("exception"), WebSocketClosedError):
+            loop.default_exception_handler(context)
+
     timer.start()
-    tell(f"the page is http://{_LOOPBACK}:{port}; Ctrl-C ends")
-    plt.show()
-    timer.stop()
-    plt.close(figure)
+    rcParams["webagg.port"] = port
+    WebAggApplication.initialize(address=_LOOPBACK)
+    tell(f"the page is http://{_LOOPBACK}:{WebAggApplication.port}; Ctrl-C ends")
+    loop = IOLoop.current()
+    loop.asyncio_loop.set_exception_handler(complain)  # type: ignore[attr-defined]
+    try:
+        loop.start()
+    finally:
+        timer.stop()
+        plt.close(figure)

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The live page as a browser shows it: `python -m tools.monitor_picture FILE`.
+
+Runs the motor bench with its Bluetooth on a port, `ravenbrick monitor --page` on it, and headless
+Chromium on the page; drags the slider of the set-point; writes the picture as PNG. Prints the
+parameters that the program then has. Needs Debian's chromium and the image of examples/motor-bench.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import json
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import urllib.request
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from tornado.websocket import WebSocketClientConnection, websocket_connect
+
+ROOT = Path(__file__).resolve().parent.parent
+BENCH = ROOT / "examples" / "motor-bench"
+RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
+WIDTH, HEIGHT = 1040, 800
+SECONDS = 45
+PATIENCE_S = 90
+# Of the lowest slider in the page: the figure begins at 21, 44; axes of window.py in parts of it
+SLIDER_Y = 44 + 700 * (1 - 0.035)
+SLIDER_X = 21 + 1000 * 0.2
+SLIDER_WIDTH = 1000 * 0.6
+
+
+def free_port() -> int:
+    """A port of this computer that nobody uses."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return int(server.getsockname()[1])
+
+
+class Browser:
+    """A page of Chromium, steered by its developer tools' protocol."""
+
+    def __init__(self, connection: WebSocketClientConnection) -> None:
+        self._connection, self._number = connection, 0
+
+    async def call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        """A command and its result."""
+        self._number += 1
+        message = {"id": self._number, "method": method, "params": parameters}
+        await self._connection.write_message(json.dumps(message))
+        while True:
+            text = await self._connection.read_message()
+            if text is None:
+                raise ConnectionError("the browser has gone")
+            answer: dict[str, Any] = json.loads(text)
+            if answer.get("id") == self._number:
+                if "error" in answer:
+                    raise RuntimeError(answer["error"]["message"])
+                return dict(answer["result"])
+
+    async def mouse(self, kind: str, x: float, y: float) -> None:
+        """Move, press or release at a place of the page."""
+        button = "none" if kind == "mouseMoved" else "left"
+        await self.call(
+            "Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, clickCount=1
+        )
+
+    async def picture(self) -> bytes:
+        """The page as PNG."""
+        answer = await self.call("Page.captureScreenshot", format="png")
+        return base64.b64decode(answer["data"])
+
+
+async def first_page(port: int) -> str:
+    """Address of the debugger of the browser's page, once it is there."""
+    for _ in range(PATIENCE_S * 4):
+        try:
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/json", timeout=5) as answer:
+                pages = [page for page in json.load(answer) if page["type"] == "page"]
+            return str(pages[0]["webSocketDebuggerUrl"])
+        except (OSError, IndexError):
+            await asyncio.sleep(0.25)
+    raise TimeoutError("the browser does not answer")
+
+
+async def page_is_served(port: int) -> None:
+    """Wait for the monitor's page."""
+    for _ in range(PATIENCE_S * 4):
+        try:
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=5):
+                return
+        except OSError:
+            await asyncio.sleep(0.25)
+    raise TimeoutError("the monitor's page is not served")
+
+
+async def look(page: int, debugger: int, seconds: float) -> bytes:
+    """Open the page, wait, drag the set-point to about 3 V, wait, and take the picture."""
+    browser = Browser(await websocket_connect(await first_page(debugger), max_message_size=1 << 26))
+    await page_is_served(page)
+    size = {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
+    await browser.call("Emulation.setDeviceMetricsOverride", **size)
+    await browser.call("Page.navigate", url=f"http://127.0.0.1:{page}/")
+    await asyncio.sleep(seconds)
+    x = SLIDER_X + SLIDER_WIDTH * 0.8
+    for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
+        await browser.mouse(kind, x, SLIDER_Y)
+        await asyncio.sleep(0.5)
+    await asyncio.sleep(seconds / 2)
+    return await browser.picture()
+
+
+def monitor_picture(seconds: float = 12.0) -> tuple[bytes, dict[str, Any]]:
+    """The picture, and what the monitor says at its end."""
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        raise SystemExit("chromium is not installed: apt install chromium")
+    air, page, debugger = free_port(), free_port(), free_port()
+    with ExitStack() as stack:
+        profile = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
+
+        def start(command: list[str]) -> subprocess.Popen[str]:
+            process = subprocess.Popen(
+                command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+            )
+            stack.callback(process.wait)
+            stack.callback(process.terminate)
+            return process
+
+        live = ["live", str(BENCH), "step", "--bluetooth", f"tcp:{air}", "--json"]
+        start([*RAVENBRICK, *live])
+        monitor = start(
+            [*RAVENBRICK, "monitor", f"tcp:{air}", "--page", str(page), "--json"]
+            + ["--seconds", str(SECONDS)]
+        )
+        start(
+            [chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+            + [f"--user-data-dir={profile}", f"--window-size={WIDTH},{HEIGHT}"]
+            + [f"--remote-debugging-port={debugger}", "about:blank"]
+        )
+        picture = asyncio.run(look(page, debugger, seconds))
+        told, _ = monitor.communicate(timeout=SECONDS + PATIENCE_S)
+    return picture, json.loads(told)
+
+
+def main(file: str) -> int:
+    """Write the picture and say what is in force."""
+    picture, told = monitor_picture()
+    Path(file).write_bytes(picture)
+    print(json.dumps(told["parameters"]), told["runs"])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
