@@ -134,10 +134,8 @@ def monitor_picture(seconds: float = 12.0) -> tuple[bytes, dict[str, Any]]:
 
         live = ["live", str(BENCH), "step", "--bluetooth", f"tcp:{air}", "--json"]
         start([*RAVENBRICK, *live])
-        monitor = start(
-            [*RAVENBRICK, "monitor", f"tcp:{air}", "--page", str(page), "--json"]
-            + ["--seconds", str(SECONDS)]
-        )
+        told_to = ["--page", f"{page}", "--seconds", f"{SECONDS}", "--json"]
+        monitor = start([*RAVENBRICK, "monitor", f"tcp:{air}", *told_to])
         start(
             [chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
             + [f"--user-data-dir={profile}", f"--window-size={WIDTH},{HEIGHT}"]
