@@ -211,7 +211,8 @@ def page(block_lines: list[str], controller_lines: list[str]) -> str:
             "steps, least to most. In every step C and Ada have the bits of the simulation; a cell",
             "would say so if they had not. Differences: of the simulation in single precision and",
             "in fixed point from the block's definition in double precision, inputs within 10",
-            "(fixed point: 2).",
+            "(fixed point: 2). A quantiser may take the other of two levels that are equally near.",
+            "No form: a function of the user's, a sine, and a ramp without end in fixed point.",
             "",
             "| Block | Single: difference | Fixed: difference | C single | Ada single | C fixed "
             "| Ada fixed |",

@@ -14,9 +14,18 @@ from sphinx.util import logging
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
+from tools.notebook import notebook_page  # noqa: E402
 from tools.reference_pages import write_pages  # noqa: E402
 
 write_pages(HERE / "reference" / "generated", HERE / "pictures" / "generated")
+(HERE / "guides" / "paper-design.md").write_text(
+    notebook_page(
+        HERE / "notebooks" / "paper-design.ipynb",
+        HERE / "pictures" / "generated",
+        "../pictures/generated",
+    ),
+    encoding="utf-8",
+)
 
 project = "Ravenbrick"
 copyright = "2026 Ravenbrick contributors"

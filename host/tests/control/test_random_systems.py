@@ -20,7 +20,7 @@ from ravenbrick.model import (
     transfer_function_block,
 )
 
-SEEDS = range(8)
+SEEDS = range(4)
 SCIPY_NAMES = {
     DiscretisationMethod.ZERO_ORDER_HOLD: "zoh",
     DiscretisationMethod.TUSTIN: "bilinear",
