@@ -45,6 +45,7 @@ pytestmark = [
     ),
 ]
 
+
 def drive() -> tuple[Robot, Scenario, ElfImage]:
     """The vehicle's drive."""
     robot = read_robot(VEHICLE)

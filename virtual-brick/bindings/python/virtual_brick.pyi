@@ -244,6 +244,8 @@ class VirtualBrick:
         """Names of the kinds of events."""
     def signals(self) -> dict[str, tuple[bytes, bytes]]:
         """By name: sampling instants (u64 cycles) and samples (f64, SI), little endian."""
+    def quantities(self) -> list[tuple[str, float]]:
+        """Name and value of every physical quantity that is sampled as a signal, at the present."""
     def trace_digest(self) -> str:
         """SHA-256 of everything recorded, 64 hexadecimal digits."""
     def serve_debugger(

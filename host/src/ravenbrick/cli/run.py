@@ -19,6 +19,7 @@ from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import read_binary, read_image
+from ravenbrick.target.fmu_body import FmuBody
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.run_file import read_run_file
 from ravenbrick.target.scenario import (
@@ -29,6 +30,7 @@ from ravenbrick.target.scenario import (
     read_scenario,
     scenario_path,
 )
+from ravenbrick.target.snapshot import Snapshot, SnapshotWishes
 from ravenbrick.target.stimulus import Channels, read_stimulus
 from ravenbrick.target.stimulus_callback import Callback, load_callback
 from ravenbrick.target.virtual import Station, VirtualTarget
@@ -107,6 +109,29 @@ def _from_page(robot: Robot, scenario: Scenario, replay: Path) -> tuple[Scenario
     return played, run.digest
 
 
+def _with_inputs(
+    scenario: Scenario, robot: Robot, expect: list[str], stimulus: list[Path], replay: Path | None
+) -> tuple[Scenario, str | None]:
+    """What the command line adds or replays, and the digest of what is replayed."""
+    original: str | None = None
+    if replay is not None and replay.suffix == ".json":
+        scenario, original = _from_page(robot, scenario, replay)
+    scenario = _with_options(scenario, robot, expect, stimulus)
+    if replay is not None and original is None:
+        scenario, original = _replayed(scenario, replay)
+    return scenario, original
+
+
+def _same_as_replayed(
+    original: str | None, recording: Recording, reporter: Reporter
+) -> dict[str, Any]:
+    if original is None:
+        return {}
+    same = original == recording.digest
+    reporter.print("the same run again" if same else "ANOTHER trace digest than the replayed")
+    return {"same_as_replayed": same}
+
+
 def _callback(text: str | None, period_ms: int, replay: Path | None) -> Callback | None:
     if text is None:
         return None
@@ -130,6 +155,19 @@ def _peer_run(peer: Station | None, reporter: Reporter) -> Run | None:
 def _outcome(run: Run, beside: Run | None, kept: Path) -> dict[str, Any]:
     answer: dict[str, Any] = {**run_summary(run), "recording": str(kept)}
     return answer if beside is None else {**answer, "peer": run_summary(beside)}
+
+
+def _wishes(
+    scenario: Scenario, body: Path | None, save: Path | None, at_s: float, start: Path | None
+) -> SnapshotWishes:
+    if (save or start) and (body or scenario.peer):
+        raise UsageError(
+            "a snapshot holds one brick: leave --body out and take a scenario without a peer"
+        )
+    at_ms = round(1000 * at_s)
+    if save is not None and at_ms > scenario.duration_ms:
+        raise UsageError(f"--snapshot-at {at_s:g}: the scenario ends before that")
+    return SnapshotWishes(None if start is None else Snapshot.load(start), save, at_ms)
 
 
 def _show(run: Run, reporter: Reporter) -> None:
@@ -162,8 +200,7 @@ def run_command(
         Path | None, typer.Option(help="Play the inputs of this recording, or run of the page.")
     ] = None,
     binary: Annotated[
-        Path | None,
-        typer.Option("--bin", help="Image without headers instead, as written into memory."),
+        Path | None, typer.Option("--bin", help="Image without headers instead, as in memory.")
     ] = None,
     at: Annotated[ImageChoice, typer.Option(help="Where --bin goes.")] = ImageChoice.FLASH,
     timing_profile: Annotated[
@@ -172,26 +209,29 @@ def run_command(
     engine: Annotated[
         Engine, typer.Option(help="What executes instructions; the run is the same.")
     ] = Engine.FAST,
+    body: Annotated[Path | None, typer.Option(help="FMU in place of the robot's body.")] = None,
+    save_snapshot: Annotated[
+        Path | None, typer.Option(help="Save a snapshot in this file.")
+    ] = None,
+    snapshot_at: Annotated[float, typer.Option(min=0.005, help="When to save it, in s.")] = 1.0,
+    from_snapshot: Annotated[
+        Path | None, typer.Option(help="Begin with a snapshot of the same image.")
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Run a scenario on the virtual brick, keep the recording, check the pass criteria."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
-    original: str | None = None
-    if replay is not None and replay.suffix == ".json":
-        chosen, original = _from_page(robot, chosen, replay)
-    chosen = _with_options(chosen, robot, expect or [], stimulus or [])
-    if replay is not None and original is None:
-        chosen, original = _replayed(chosen, replay)
-    settings = {"engine": engine.value, "timing": {"profile": timing_profile.value}}
+    chosen, original = _with_inputs(chosen, robot, expect or [], stimulus or [], replay)
     target = VirtualTarget(
-        callback=_callback(callback, callback_period_ms, replay), settings=settings
+        callback=_callback(callback, callback_period_ms, replay),
+        settings={"engine": engine.value, "timing": {"profile": timing_profile.value}},
+        body=FmuBody(body) if body else None,
+        snapshots=_wishes(chosen, body, save_snapshot, snapshot_at, from_snapshot),
     )
-    if binary is None:
-        loaded = read_image(elf or workspace.image(image.kind, robot.name))
-    else:
-        loaded = read_binary(binary, at.kind)
+    own = workspace.image(image.kind, robot.name)
+    loaded = read_binary(binary, at.kind) if binary else read_image(elf or own)
     reporter = Reporter(json_output)
     with reporter.step(f"run '{chosen.name}'") as step:
         recording, peer = target.run_with_peer(robot, chosen, loaded, step.progress)
@@ -203,9 +243,6 @@ def run_command(
     kept = workspace.recording(chosen.name, loaded.kind)
     reporter.print(f"recording: {workspace.shown(kept)}")
     answer = _outcome(run, beside, kept)
-    if original is not None:
-        same = original == recording.digest
-        reporter.print("the same run again" if same else "ANOTHER trace digest than the replayed")
-        answer["same_as_replayed"] = same
+    answer |= _same_as_replayed(original, recording, reporter)
     require_criteria([*run.criteria, *(beside.criteria if beside is not None else ())])
     return answer

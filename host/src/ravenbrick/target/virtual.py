@@ -16,15 +16,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.errors import ImageFileError, ProjectFileError, ToolMissingError
+from ravenbrick.errors import (
+    ImageFileError,
+    ProjectFileError,
+    ToolMissingError,
+    UsageError,
+)
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.fmu_body import CoSimulation, FmuBody
 from ravenbrick.target.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
 from ravenbrick.target.peers import BluetoothLink
 from ravenbrick.target.protocol import Progress, no_progress
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.snapshot import Snapshot, SnapshotWishes
 from ravenbrick.target.stimulus import TimedInput
 from ravenbrick.target.stimulus_callback import Callback
 from ravenbrick.target.workspace import Workspace
@@ -71,6 +78,7 @@ class VirtualTarget:
 
     `callback` gives further inputs while the scenario runs. `settings` are fields of the brick's
     configuration that concern the simulation: `engine`, `timing` (docs/reference/timing.md).
+    `body` is an FMU in place of the robot's body, `snapshots` what to begin with and to save.
     """
 
     def __init__(
@@ -78,10 +86,14 @@ class VirtualTarget:
         module: Any = None,
         callback: Callback | None = None,
         settings: Mapping[str, Any] | None = None,
+        body: FmuBody | None = None,
+        snapshots: SnapshotWishes | None = None,
     ) -> None:
         self._module = module if module is not None else _module()
         self._callback = callback
         self._settings = dict(settings or {})
+        self._body = body
+        self._snapshots = snapshots or SnapshotWishes()
 
     @property
     def name(self) -> str:
@@ -134,13 +146,32 @@ class VirtualTarget:
         callback: Callback | None,
         fields: Mapping[str, Any] | None = None,
     ) -> _Play:
-        brick = self._assemble(robot, scenario, image, fields=fields)
-        inputs = self._schedule(brick, scenario)
-        self._probe(brick, robot, image)
+        wishes = self._snapshots if fields is None else SnapshotWishes()
+        if wishes.start is not None:
+            brick, inputs = wishes.start.restore(self._module, image), wishes.start.inputs
+        else:
+            brick = self._assemble(robot, scenario, image, fields=fields)
+            inputs = self._schedule(brick, scenario)
+            self._probe(brick, robot, image)
         pins = expected_pins(scenario.expectations)
+        if pins and (wishes.start or wishes.save):
+            raise UsageError("a snapshot holds no record of pins; leave out what expects them")
         if pins:
             brick.log_pins(pins)
-        return _Play(brick, scenario, image, callback, self._module.InputError, inputs)
+        play = _Play(brick, scenario, image, callback, self._module.InputError, inputs)
+        if wishes.save is not None:
+            probes = tuple((setpoint.symbol, setpoint.type) for setpoint in robot.setpoints)
+            configuration = self._configuration(robot, scenario, None)
+            play.keep(wishes, configuration, () if image.bare else probes)
+        return play
+
+    def _configuration(
+        self, robot: Robot, scenario: Scenario, fields: Mapping[str, Any] | None
+    ) -> str:
+        own = brick_configuration(robot, scenario, MASTER_CLOCK)
+        if self._body is not None and fields is None:
+            own = self._body.configuration(own)
+        return json.dumps({**own, **self._settings, **(fields or {})})
 
     def prepare(
         self, robot: Robot, scenario: Scenario, image: ElfImage, any_program: bool = False
@@ -164,8 +195,7 @@ class VirtualTarget:
         any_program: bool = False,
         fields: Mapping[str, Any] | None = None,
     ) -> Any:
-        own = brick_configuration(robot, scenario, MASTER_CLOCK)
-        configuration = json.dumps({**own, **self._settings, **(fields or {})})
+        configuration = self._configuration(robot, scenario, fields)
         kind = self._module.VirtualBrick
         try:
             if image.bare:
@@ -186,7 +216,8 @@ class VirtualTarget:
                 f"{image.path}: its tasks cannot be observed ({brick.threads_unobserved}); "
                 "link it with the project's run-time"
             )
-        return brick
+        outside = self._body if fields is None else None
+        return brick if outside is None else CoSimulation(brick, outside)
 
     def _schedule(self, brick: Any, scenario: Scenario) -> tuple[TimedInput, ...]:
         inputs = scenario.timed_inputs()
@@ -268,13 +299,31 @@ class _Play:
         self._stop: Any = None
         self._pictures: list[Picture] = []
         self._inputs: list[TimedInput] = []
+        self._kept: tuple[SnapshotWishes, str, tuple[tuple[str, str], ...]] | None = None
 
     def _instants(self) -> list[int]:
         end = self._scenario.duration_ms
         instants = {end, *range(SLICE_MS, end, SLICE_MS), *self._scenario.pictures_ms}
         if self._callback is not None:
             instants |= set(range(0, end, self._callback.period_ms))
+        if self._kept is not None:
+            instants.add(self._kept[0].save_ms)
         return sorted(instants)
+
+    def keep(
+        self, wishes: SnapshotWishes, configuration: str, probes: tuple[tuple[str, str], ...]
+    ) -> None:
+        """Save a snapshot on the way."""
+        self._kept = (wishes, configuration, probes)
+
+    def _save_snapshot(self, at_ms: int) -> None:
+        if self._kept is None:
+            return
+        wishes, configuration, probes = self._kept
+        if wishes.save is not None and at_ms == wishes.save_ms:
+            inputs = (*self._scheduled, *self._inputs)
+            snapshot = Snapshot.take(self._brick, configuration, self._image, inputs, probes)
+            snapshot.save(wishes.save)
 
     def run(self, progress: Progress, peer: _Play | None = None) -> None:
         """To the end of the scenario or of the run; `peer` is in range and runs beside."""
@@ -291,6 +340,7 @@ class _Play:
                 progress(at_ms / self._scenario.duration_ms)
             if self._stop.reason != "reached":
                 break
+            self._save_snapshot(at_ms)
             if self._callback is not None and at_ms % self._callback.period_ms == 0:
                 self._ask(self._callback)
 

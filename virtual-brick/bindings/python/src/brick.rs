@@ -318,6 +318,10 @@ impl VirtualBrick {
         Ok(signals)
     }
 
+    fn quantities(&self) -> Vec<(String, f64)> {
+        self.0.quantities()
+    }
+
     fn trace_digest(&self) -> String {
         self.0.trace().digest().to_string()
     }

@@ -54,6 +54,16 @@ fn the_battery_word_carries_count_version_and_kind() {
 }
 
 #[test]
+fn the_battery_word_tells_the_rechargeable_pack_from_cells() {
+    let word = |kind| {
+        let board = format!(r#"{{"battery": {{"kind": "{kind}", "voltage": 8.008}}}}"#);
+        Rig::running(&board, "{}").words()[5]
+    };
+    assert_eq!(word("li_ion") & !0x8000, word("aa"));
+    assert_eq!(word("li_ion") & 0x8000, 0x8000);
+}
+
+#[test]
 fn reading_beyond_the_frame_repeats_its_last_byte() {
     let mut rig = Rig::running(SENSORS, "{}");
     let bytes = rig.read(16);

@@ -263,6 +263,33 @@ fn the_start_line_scrolls_and_the_mapping_mirrors() {
 }
 
 #[test]
+fn every_command_is_taken_and_the_electrical_ones_change_no_pixel() {
+    let electrical = (0x20..=0x2F).chain(0xA0..=0xA3).chain(0xE8..=0xEB);
+    for byte in electrical.chain([0xE3, 0x84, 0x85, 0x86, 0x87]) {
+        let mut lcd = shown();
+        lcd.command(&[byte]);
+        expect_pattern(&lcd.picture());
+    }
+    // The byte after the contrast command is its value, whatever it looks like.
+    let mut lcd = shown();
+    lcd.command(&[0x81, 0xAE]);
+    expect_pattern(&lcd.picture());
+    let others = (0x00..=0x1F).chain(0x40..=0x7F).chain(0x88..=0x8F);
+    let others = others.chain(0xA4..=0xA7).chain(0xAE..=0xC7);
+    let others = others.chain([0xE2, 0xEE, 0xEF]);
+    for byte in others {
+        let mut lcd = shown();
+        lcd.rig.events();
+        lcd.command(&[byte]);
+        let kinds: Vec<_> = lcd.rig.events().into_iter().map(|(_, kind)| kind).collect();
+        let fault = kinds
+            .iter()
+            .any(|kind| matches!(kind, BoardEventKind::Fault(_)));
+        assert!(!fault, "{byte:#04X}: {kinds:?}");
+    }
+}
+
+#[test]
 fn cursor_update_mode_returns_to_the_column_where_it_began() {
     let mut lcd = shown();
     lcd.command(&[0xB0, 0x10, 0x07, 0xEF]);
