@@ -343,6 +343,26 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         ),
     ),
     ("plant", cargo_suite("plant", "published motor points, body", "plant")),
+    (
+        "plant",
+        pytest_suite("plant", "FMI 2 unit as the body", f"{HOST_TESTS}/target/test_fmu_body.py"),
+    ),
+    (
+        "peripherals",
+        pytest_suite(
+            "peripherals",
+            "USB/IP for host tools, hostile peers on the sockets",
+            f"{HOST_TESTS}/target/test_live_sockets.py",
+        ),
+    ),
+    (
+        "peripherals",
+        pytest_suite(
+            "peripherals",
+            "snapshot files: restored runs, damaged files",
+            f"{HOST_TESTS}/target/test_snapshot.py",
+        ),
+    ),
     ("runtime", pytest_suite("runtime", "behaviours on the virtual brick", "runtime/tests")),
     ("drivers", pytest_suite("drivers", "drivers on the virtual brick", *other_drivers())),
     (
