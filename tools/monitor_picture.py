@@ -137,9 +137,11 @@ def monitor_picture(seconds: float = 12.0) -> tuple[bytes, dict[str, Any]]:
         told_to = ["--page", f"{page}", "--seconds", f"{SECONDS}", "--json"]
         monitor = start([*RAVENBRICK, "monitor", f"tcp:{air}", *told_to])
         start(
-            [chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
-            + [f"--user-data-dir={profile}", f"--window-size={WIDTH},{HEIGHT}"]
-            + [f"--remote-debugging-port={debugger}", "about:blank"]
+            [
+                *(chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"),
+                *(f"--user-data-dir={profile}", f"--window-size={WIDTH},{HEIGHT}"),
+                *(f"--remote-debugging-port={debugger}", "about:blank"),
+            ]
         )
         picture = asyncio.run(look(page, debugger, seconds))
         told, _ = monitor.communicate(timeout=SECONDS + PATIENCE_S)

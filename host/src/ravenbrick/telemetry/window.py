@@ -112,8 +112,9 @@ def show_live(
 
     timer.start()
     rcParams["webagg.port"] = port
-    WebAggApplication.initialize(address=_LOOPBACK)
-    tell(f"the page is http://{_LOOPBACK}:{WebAggApplication.port}; Ctrl-C ends")
+    WebAggApplication.initialize(address=_LOOPBACK)  # type: ignore[no-untyped-call]
+    page_port = WebAggApplication.port  # type: ignore[attr-defined]
+    tell(f"the page is http://{_LOOPBACK}:{page_port}; Ctrl-C ends")
     loop = IOLoop.current()
     loop.asyncio_loop.set_exception_handler(complain)  # type: ignore[attr-defined]
     try:
