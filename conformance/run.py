@@ -452,6 +452,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
             "telemetry: host, brick, link losses",
             *BRICK_TELEMETRY,
             "host/tests/telemetry",
+            "examples/test_live.py",
         ),
     ),
     (

@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import json
+import os
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from ravenbrick.target.byte_ports import open_port
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.target.peers import BluetoothComputer
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
@@ -86,6 +89,57 @@ def test_a_monitored_run_plays_again(image: Any, tmp_path: Path, kind: str) -> N
     assert len(live_steps(recording, "setpoint", "speed")) >= 1
     record.save(tmp_path / "run.json")
     assert replay_live(prepared(image), LiveRecord.load(tmp_path / "run.json"))
+
+
+def monitored_steps(image: Any, steps: list[float]) -> Session:
+    """The bench at rest, a computer that listens, a start, and set-points (V) each 0.4 s."""
+    robot = read_robot(BENCH)
+    scenario = replace(read_scenario(scenario_path(BENCH, "step"), robot), inputs=())
+    brick = VirtualTarget().prepare(robot, scenario, image)
+    brick.run_until(MASTER_CLOCK.cycles_of_ms(1500))
+    computer, session = BluetoothComputer(brick, pin="1234"), Session()
+    computer.connect(timeout_ms=1000)
+
+    def now_s() -> float:
+        return MASTER_CLOCK.seconds(brick.cycles)
+
+    def talk(ms: int) -> None:
+        for _ in range(ms // 10):
+            computer.write(session.pending(now_s()))
+            brick.run_until(brick.cycles + MASTER_CLOCK.cycles_of_ms(10))
+            session.receive(computer.take())
+
+    computer.write(session.connected(now_s()))
+    session.set_parameter("setpoint", steps[0])
+    talk(500)
+    brick.schedule_input(brick.cycles, "touch.1", 1)
+    for volts in steps[1:]:
+        talk(400)
+        session.set_parameter("setpoint", volts)
+    talk(400)
+    return session
+
+
+@pytest.mark.skipif(
+    "RAVENBRICK_LONG" not in os.environ, reason="fits two recordings: make conformance"
+)
+def test_a_live_record_feeds_identification(image: Any, tmp_path: Path) -> None:
+    """Voltage and angle as the program published them: the motor's gain and time constant."""
+    for name, steps in (
+        ("fit", [4.0, 2.0, -3.0, 1.0, 5.0, -1.5, 3.0, -4.5, 2.5]),
+        ("check", [2.0, 4.5, -2.0, 3.0, -4.0, 1.0, 3.5]),
+    ):
+        run = monitored_steps(image, steps).run
+        assert run is not None and run.missing == 0
+        run.recording().save(tmp_path / f"{name}.npz")
+    command = ["identify", str(BENCH), str(tmp_path / "fit.npz"), str(tmp_path / "check.npz")]
+    result = CliRunner().invoke(app, [*command, "--output", str(tmp_path / "motor.toml"), "--json"])
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.output)["parameters"]
+    assert found["gain"]["value"] == pytest.approx(2.029, rel=0.01)
+    assert found["time_constant"]["value"] == pytest.approx(0.037, rel=0.05)
+    wrong = CliRunner().invoke(app, [*command, "--signals", "speed"])
+    assert wrong.exit_code == 2 and "expected VOLTAGE:ANGLE" in wrong.output
 
 
 def test_a_changed_record_is_another_run(image: Any, tmp_path: Path) -> None:

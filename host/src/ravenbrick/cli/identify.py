@@ -20,13 +20,14 @@ from ravenbrick.control.identification import (
     fit_motor,
     validate_motor,
 )
-from ravenbrick.errors import DesignError
+from ravenbrick.errors import DesignError, UsageError
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
-from ravenbrick.trace.motor_data import motor_data
+from ravenbrick.trace.motor_data import motor_data, signal_data
+from ravenbrick.trace.recording import Recording
 
 __all__ = ["identify_command"]
 
@@ -34,12 +35,25 @@ _LARGEST_ERROR = 5.0
 _KNOWN = ("resistance", "torque_constant", "electric_constant")
 
 
+def _names(text: str) -> tuple[str, str]:
+    voltage, colon, angle = text.partition(":")
+    if not (voltage and colon and angle):
+        raise UsageError(f"--signals {text}: expected VOLTAGE:ANGLE, the names of two signals")
+    return voltage, angle
+
+
 @command("ravenbrick identify . experiments/identify.toml experiments/identify-check.toml")
 def identify_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
-    scenario: Annotated[str, typer.Argument(help="Experiment: drives the motor open loop.")],
+    scenario: Annotated[
+        str,
+        typer.Argument(help="Experiment: drives the motor open loop; or a live recording (.npz)."),
+    ],
     validation: Annotated[str, typer.Argument(help="Other experiment, to validate on.")],
     motor: Annotated[str, typer.Option(help="Motor A, B or C.")] = "B",
+    signals: Annotated[
+        str, typer.Option(help="VOLTAGE:ANGLE, the names in a live recording; V and counts.")
+    ] = "control:angle",
     output: Annotated[Path | None, typer.Option(help="Where to write the parameters.")] = None,
     image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
     json_output: JsonOption = False,
@@ -48,9 +62,12 @@ def identify_command(
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     reporter = Reporter(json_output, total=4)
-    loaded = read_image(workspace.image(image.kind, robot.name))
     runs: list[MotorData] = []
     for name in (scenario, validation):
+        if name.endswith(".npz"):
+            runs.append(signal_data(Recording.load(Path(name)), *_names(signals)))
+            continue
+        loaded = read_image(workspace.image(image.kind, robot.name))
         chosen = read_scenario(scenario_path(directory, name), robot)
         with reporter.step(f"run '{chosen.name}'") as step:
             recording = play(workspace, robot, chosen, loaded, VirtualTarget(), step.progress)

@@ -10,7 +10,7 @@ from ravenbrick.control.identification import MotorData
 from ravenbrick.errors import UsageError
 from ravenbrick.trace.recording import EventKind, Recording
 
-__all__ = ["motor_data"]
+__all__ = ["motor_data", "signal_data"]
 
 _BRAKE = 0x100
 _BATTERY_STEP = 1e-3
@@ -54,3 +54,24 @@ def motor_data(recording: Recording, motor: str) -> MotorData:
     share = applied[np.minimum(np.searchsorted(steps, at, side="right"), len(steps) - 1)]
     battery = volts[np.maximum(np.searchsorted(instants, at, side="right") - 1, 0)]
     return MotorData(times[kept], counts[kept], at, share * battery)
+
+
+def signal_data(recording: Recording, voltage: str, angle: str) -> MotorData:
+    """Voltage (V) and counts that a program published, from the first voltage to the next 0.
+
+    The motor must have stood when the recording began. Raises `UsageError` otherwise, or if
+    the signals are not there.
+    """
+    times, volts = recording.signal(voltage)
+    instants, counts = recording.signal(angle)
+    driven = np.flatnonzero(volts)
+    if not driven.size or driven[0] == 0:
+        raise UsageError(
+            f"'{voltage}' must be 0 at first and then not; begin to record before the motor runs"
+        )
+    first = int(driven[0])
+    stops = np.flatnonzero(volts[first:] == 0)
+    last = first + int(stops[0]) if stops.size else len(volts)
+    end = float(times[last]) if last < len(times) else np.inf
+    kept = instants < end
+    return MotorData(instants[kept], counts[kept], times[first:last], volts[first:last])
