@@ -15,7 +15,7 @@ from ravenbrick.schemas import schema
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.scenario import input_check, read_scenario, scenario_path
 
 Edit = Callable[[str, str, str], int]
 
@@ -185,3 +185,21 @@ def test_the_brick_takes_every_kind_of_battery(project: Path, edit: Edit, kind: 
     configuration = json.dumps(brick_configuration(robot, scenario, MASTER_CLOCK))
     with pytest.raises(module.ImageError):
         module.VirtualBrick(configuration, b"no image")
+
+
+def test_a_color_sensor_is_set_by_the_scenario(project: Path, edit: Edit) -> None:
+    """Its inputs are those that the virtual brick has."""
+    module = pytest.importorskip("virtual_brick")
+    edit("robot.toml", SENSORS, '[ports.1]\ndevice = "color"')
+    robot = read_robot(project)
+    check = input_check(robot)
+    names = ["color.1", "color.1.red", "color.1.green", "color.1.blue"]
+    assert [check(name) for name in names] == [None] * len(names)
+    assert "no color sensor on sensor port 2" in str(check("color.2.red"))
+    path = project / "scenarios" / "step.toml"
+    path.write_text(path.read_text().split("[[inputs]]")[0])
+    scenario = read_scenario(scenario_path(project, "step"), robot)
+    configuration = brick_configuration(robot, scenario, MASTER_CLOCK)
+    assert configuration["sensors"]["1"] == {"kind": "color"}
+    with pytest.raises(module.ImageError):
+        module.VirtualBrick(json.dumps(configuration), b"")
