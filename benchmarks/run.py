@@ -8,6 +8,7 @@ A published peer is named with its source in `PUBLISHED`.
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import re
@@ -166,8 +167,8 @@ def busy_image(folder: Path) -> Path:
     return image
 
 
-def page_ratio(image: Path | None, key: str | None) -> float:
-    """Virtual seconds per second in headless Chromium, as fast as the page can."""
+def page_figures(image: Path | None, key: str | None) -> Row:
+    """What `web/e2e/speed.mjs` measures in headless Chromium, as fast as the page can."""
     command = [str(ROOT / ".venv" / "bin" / "ravenbrick"), "view", str(VEHICLE), "--no-browser"]
     command += ["--port", "0", *(["--elf", str(image)] if image else [])]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"}
@@ -187,8 +188,8 @@ def page_ratio(image: Path | None, key: str | None) -> float:
         server.send_signal(signal.SIGINT)
     if done.returncode != 0:
         raise SystemExit(f"{' '.join(words)}: {done.stderr}")
-    ratio: float = json.loads(done.stdout)["ratio"]
-    return ratio
+    figures: Row = json.loads(done.stdout)
+    return figures
 
 
 def page_speed() -> Iterator[Row]:
@@ -197,10 +198,16 @@ def page_speed() -> Iterator[Row]:
         print("in the tab: not measured: it needs 'make page' and the Debian package chromium")
         return
     with tempfile.TemporaryDirectory() as folder:
-        busy = page_ratio(busy_image(Path(folder)), None)
-    yield figure_row("in the tab, busy program", busy, "virtual s per s", "the brick", 1.0)
-    moving = page_ratio(None, "t")
-    yield figure_row("in the tab, vehicle driving", moving, "virtual s per s", "the brick", 1.0)
+        busy = page_figures(busy_image(Path(folder)), None)
+    brick = ("virtual s per s", "the brick", 1.0)
+    yield figure_row("in the tab, busy program", busy["ratio"], *brick)
+    moving = page_figures(None, "t")
+    yield figure_row("in the tab, vehicle driving", moving["ratio"], *brick)
+    yield figure_row("page, first contentful paint", moving["paint_ms"], "ms")
+    yield figure_row("page, brick ready to run", moving["ready_ms"], "ms")
+    files = [path for path in (ROOT / "build" / "page").rglob("*") if path.is_file()]
+    packed = sum(len(gzip.compress(path.read_bytes())) for path in files)
+    yield figure_row("page, all files packed", packed, "bytes")
 
 
 def timing_analysis() -> Iterator[Row]:

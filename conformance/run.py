@@ -236,8 +236,15 @@ FIRMWARE = f"{HOST_TESTS}/firmware"
 MISRA = (f"{HOST_TESTS}/codegen/test_misra.py",)
 SLX = (f"{HOST_TESTS}/model/test_simulink.py", f"{HOST_TESTS}/cli/test_import.py")
 NXTWAY = (f"{HOST_TESTS}/control/test_nxtway.py",)
-DIGEST = (f"{HOST_TESTS}/page/test_digest.py",)
-GDB = (f"{HOST_TESTS}/cli/test_debug.py",)
+DIGEST = (
+    f"{HOST_TESTS}/page/test_digest.py",
+    f"{HOST_TESTS}/page/test_page.py"
+    "::test_a_drive_in_the_browser_is_the_drive_of_the_command_line",
+)
+GDB = (f"{HOST_TESTS}/cli/test_debug.py", f"{HOST_TESTS}/cli/test_debug_programs.py")
+IDE = f"{HOST_TESTS}/cli/test_ide.py"
+GRADERS = (f"{HOST_TESTS}/trace/test_expectations.py", f"{HOST_TESTS}/cli/test_grading.py")
+STIMULI = f"{HOST_TESTS}/target/test_stimulus.py"
 EXPORT = (f"{HOST_TESTS}/trace/test_export.py", f"{HOST_TESTS}/trace/test_real_runs.py")
 
 
@@ -428,8 +435,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         "timing",
         pytest_suite("timing", "textbook cases, random task sets", "host/tests/schedule"),
     ),
-    ("tools", pytest_suite("tools", "digest: native = Python = browser", *DIGEST)),
+    ("tools", pytest_suite("tools", "digest: native = Python = Node.js = browser", *DIGEST)),
     ("tools", pytest_suite("tools", "gdb: debugger, forwards and backwards", *GDB)),
+    ("tools", pytest_suite("tools", "gdb: files for VS Code and OpenOCD, by their schemas", IDE)),
+    ("tools", pytest_suite("tools", "run --expect, stimuli", *GRADERS, STIMULI)),
     ("tools", pytest_suite("tools", "perfetto: read by its library", *EXPORT, "-k", "perfetto")),
     ("tools", pytest_suite("tools", "vcd: read by its library", *EXPORT, "-k", "vcd")),
     ("tools", pytest_suite("tools", "mcap: read by its library", *EXPORT, "-k", "mcap")),

@@ -23,7 +23,6 @@ COLOURS = 160
 WIDTH = 960
 # Name of the test's picture, name in the docs, height of the part that is shown (0: all).
 PICTURES = (
-    ("1-ready", "ready", 0),
     ("8-bounds", "driving", 0),
     ("4-by-hand", "by-hand", 980),
     ("5-faults", "faults", 980),

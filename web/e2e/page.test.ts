@@ -20,6 +20,11 @@ import {
   VEHICLE,
 } from "./harness";
 
+interface Saved {
+  digest: string;
+  until_ms: number;
+}
+
 let browser: Browser;
 let drive: Awaited<ReturnType<typeof serve>>;
 let free: Awaited<ReturnType<typeof serve>>;
@@ -35,6 +40,16 @@ afterAll(async () => {
   free?.end();
   await browser?.close();
 });
+
+/** A scenario of this length in which nothing happens: the page's own surroundings. */
+function emptyScenario(duration_ms: number): string {
+  const file = join(ROOT, "out", "page", "idle.toml");
+  writeFileSync(
+    file,
+    `schema_version = 1\nname = "idle"\nseed = 1\nduration_ms = ${duration_ms}\n`,
+  );
+  return file;
+}
 
 const status = (page: Page) => page.textContent("#status");
 
@@ -83,16 +98,11 @@ describe("steering by hand", () => {
     await picture(page, "4-by-hand");
 
     const saved = await downloaded(page, "#save-run");
-    const { digest, until_ms } = JSON.parse(saved.text) as { digest: string; until_ms: number };
+    const { digest, until_ms } = JSON.parse(saved.text) as Saved;
     expect(Math.ceil((await shownTime(page)) * 1000)).toBe(until_ms);
     const inputs = await downloaded(page, "#save-inputs");
     expect(inputs.text).toMatch(/^at_cycles,motor\.A\.hand_angle,touch\.1\n/);
-    // The scenario 'drive' has a deviation: an open scenario has the same surroundings.
-    const idle = join(ROOT, "out", "page", "idle.toml");
-    writeFileSync(
-      idle,
-      `schema_version = 1\nname = "idle"\nseed = 1\nduration_ms = ${until_ms}\n`,
-    );
+    const idle = emptyScenario(until_ms);
     const again = await ravenbrick("run", VEHICLE, idle, "--replay", saved.path);
     expect(again["same_as_replayed"]).toBe(true);
     const fed = await ravenbrick("run", VEHICLE, idle, "--stimulus", inputs.path);
@@ -111,6 +121,41 @@ describe("steering by hand", () => {
     await page.click("#reset");
     await page.setInputFiles("#open", saved.path);
     await says(page, same);
+    await context.close();
+  });
+
+  it("takes a gamepad, and what it did is a stimulus", async () => {
+    const { context, page } = await open(browser, free.address, {}, async (made) => {
+      await made.addInitScript(() => {
+        const pad = { axes: [0], buttons: [{ pressed: false }] };
+        Object.assign(globalThis, { pad });
+        Object.defineProperty(navigator, "getGamepads", { value: () => [pad] });
+      });
+    });
+    const hold = (axis: number, pressed: boolean) =>
+      page.evaluate(
+        ([stick, button]) => {
+          const { pad } = globalThis as unknown as { pad: { axes: number[]; buttons: object[] } };
+          pad.axes[0] = stick;
+          pad.buttons[0] = { pressed: button };
+        },
+        [axis, pressed] as const,
+      );
+    await page.selectOption("#speed", "2");
+    await page.click("#run");
+    await passes(page, 0.5);
+    await hold(0, true);
+    await passes(page, 0.7);
+    await hold(0, false);
+    await passes(page, 2);
+    await hold(-0.5, false);
+    await passes(page, 2.5);
+    await page.click("#run");
+    const { text, path } = await downloaded(page, "#save-inputs");
+    expect(text).toMatch(/^at_cycles,motor\.A\.hand_angle,touch\.1\n(\d+,.*\n){3}$/);
+    const saved = JSON.parse((await downloaded(page, "#save-run")).text) as Saved;
+    const fed = ["run", VEHICLE, emptyScenario(saved.until_ms), "--stimulus", path];
+    expect((await ravenbrick(...fed))["trace_digest"]).toBe(saved.digest);
     await context.close();
   });
 

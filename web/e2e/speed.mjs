@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 // `node speed.mjs ADDRESS SECONDS [KEY]`: times real speed of the page at ADDRESS, as fast as it
-// can, over that many seconds of the wall; KEY is pressed first. Prints JSON.
+// can, over that many seconds of the wall; KEY is pressed first. Prints JSON: the ratio, and when
+// the page first painted and its brick was ready, in ms from the begin of loading.
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
@@ -15,6 +16,10 @@ const page = await browser.newPage();
 page.setDefaultTimeout(120_000);
 await page.goto(address);
 await page.waitForFunction(() => document.title.includes("–"));
+const [paint_ms, ready_ms] = await page.evaluate(() => [
+  performance.getEntriesByName("first-contentful-paint")[0]?.startTime ?? null,
+  performance.now(),
+]);
 
 /** Wall and virtual time, in seconds. */
 const look = () =>
@@ -35,4 +40,5 @@ await page.waitForTimeout(Number(seconds) * 1000);
 const [wallAfter, after] = await look();
 const status = await page.textContent("#status");
 await browser.close();
-console.log(JSON.stringify({ ratio: (after - before) / (wallAfter - wallBefore), status }));
+const ratio = (after - before) / (wallAfter - wallBefore);
+console.log(JSON.stringify({ ratio, status, paint_ms, ready_ms }));
