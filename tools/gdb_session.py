@@ -56,7 +56,7 @@ def talk(command: list[str], commands: tuple[str, ...]) -> list[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=60,
+        timeout=240,
         check=False,
     )
     said = done.stdout.replace("(gdb) ", "").split(MARK)[1:-1]

@@ -7,6 +7,8 @@ from __future__ import annotations
 import csv
 import json
 import math
+import shutil
+import subprocess
 import sys
 from fractions import Fraction
 from pathlib import Path
@@ -206,6 +208,17 @@ def test_vcd_reals_are_the_signals_to_the_last_bit(tmp_path: Path) -> None:
     assert changes["signals.motor.B.angular_velocity"] == expected
     assert changes["inputs.touch.1"] == [(0, 1.0), (7_209, 0.0)]
     assert changes["commands.motor.B.command"] == [(0, 0.0), (4000, -40.0)]
+
+
+@pytest.mark.skipif(
+    shutil.which("vcd2fst") is None, reason="GTKWave is not installed (Debian package gtkwave)"
+)
+def test_gtkwave_reads_a_vcd_and_finds_the_same_changes(tmp_path: Path) -> None:
+    """Through its own format and back, with its own converters."""
+    made, waves, back = written(tmp_path, Format.VCD), tmp_path / "made.fst", tmp_path / "back.vcd"
+    subprocess.run(["vcd2fst", made, waves], check=True, capture_output=True)
+    subprocess.run(["fst2vcd", "-f", waves, "-o", back], check=True, capture_output=True)
+    assert vcd_changes(back) == vcd_changes(made)
 
 
 def mcap_messages(path: Path) -> dict[str, list[tuple[int, dict[str, Any]]]]:
