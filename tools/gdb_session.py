@@ -3,8 +3,8 @@
 """A session with GDB on the vehicle, as the guide shows it: who wrote a variable, found backwards.
 
 `python -m tools.gdb_session` holds the session and writes it into docs/guides/debugging.md;
-`--check` holds it and compares. Numbers and addresses change with every build: they are not
-compared. Needs gdb-multiarch and the built vehicle.
+`--check` holds it and compares what it is about: stops, values, callers and the line that is found.
+The rest, and all numbers, change with every build. Needs gdb-multiarch and the built vehicle.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 COMMAND += ["debug", str(ROOT / "examples" / "vehicle"), "drive", "--gdb", "--port", "0"]
 QUIET = ("set pagination off", "set confirm off", "set width 0", "set style enabled off")
 MARK = "=== said ==="
+# The assignment that is looked for.
+FOUND = "Control_Left :="
 # A fresh clone has sources that are newer than an image that was built elsewhere.
 TOUCHED = "warning: Source file is more recent than executable."
 BEGIN = "<!-- written by python -m tools.gdb_session -->\n\n```text\n"
@@ -38,11 +40,12 @@ SESSION = (
     "reverse-continue",
     "backtrace",
     "monitor time",
-    "monitor trace 6",
     "delete",
     "reverse-continue",
-    "backtrace 1",
+    "monitor time",
 )
+TELLING = re.compile(r"\(gdb\) |Thread \d+ hit |(?:Old|New) value|#[01] .*\b(?:panel|tasks)\.")
+
 
 
 def talk(command: list[str], commands: tuple[str, ...]) -> list[str]:
@@ -84,8 +87,9 @@ def guide_session() -> str:
 
 
 def compared(session: str) -> list[str]:
-    """Lines without what another build changes: addresses, values, numbers."""
-    lines = (re.sub(r"0x[0-9a-f]+|\d+(?:\.\d+)?", "#", line) for line in session.splitlines())
+    """The telling lines without what another build changes: addresses, values, numbers."""
+    telling = filter(lambda line: TELLING.match(line) or FOUND in line, session.splitlines())
+    lines = (re.sub(r"0x[0-9a-f]+|\d+(?:\.\d+)?", "#", line) for line in telling)
     return [" ".join(line.split()) for line in lines]
 
 

@@ -125,9 +125,11 @@ def test_going_back_finds_who_wrote_a_variable() -> None:
 
 
 def test_the_session_of_the_guide_is_what_gdb_says() -> None:
-    """Held again, it has the same lines but for numbers; it ends where the record begins."""
+    """Held again, it has the same stops, callers and values' names, and finds the same line."""
     shown = gdb_session.guide_session()
-    assert gdb_session.compared(gdb_session.hold()) == gdb_session.compared(shown)
+    told = gdb_session.compared(gdb_session.hold())
+    assert told == gdb_session.compared(shown)
+    assert any(gdb_session.FOUND in line for line in told)
     assert "No more reverse-execution history." in shown
 
 
