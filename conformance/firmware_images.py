@@ -4,7 +4,7 @@
 
 None of them may be kept in the repository: each is looked for where its environment variable
 says. `python -m conformance.firmware_images` writes the table `docs/reference/firmware-images.md`
-of those that are there.
+of those that are there; one that is absent keeps what was seen of it last.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ FAMILIES = (
     Family(
         "Pybricks",
         ("RAVENBRICK_PYBRICKS",),
-        "firmware-base.bin for the NXT of pybricks-micropython; its repository holds no built"
-        " image, and building one needs its submodules",
+        "firmware-base.bin for the NXT of pybricks-micropython, built from its sources with"
+        " upstream MicroPython 1.26.1 in place of its fork of that version",
         8_000,
     ),
 )
@@ -145,8 +145,15 @@ def digest(brick: Any) -> str:
     return hashlib.sha256(brick.lcd()[1000:]).hexdigest()[:16]
 
 
+def _seen_before(family: Family) -> list[str]:
+    """The family's section of the present page, without its heading; empty when it was not run."""
+    page = TABLE.read_text(encoding="utf-8") if TABLE.exists() else ""
+    section = page.partition(f"## {family.name}\n")[2].partition("\n## ")[0].strip("\n")
+    return section.split("\n") if "```" in section else []
+
+
 def table() -> str:
-    """The page; a family that is absent is named with the reason."""
+    """The page; a family that was never run is named with the reason."""
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
@@ -157,12 +164,14 @@ def table() -> str:
     ]
     for family in FAMILIES:
         names = ", ".join(f"`{variable}`" for variable in family.variables)
-        lines += ["", f"## {family.name}", "", f"{family.source} ({names})."]
+        heading = ["", f"## {family.name}", ""]
+        source = f"{family.source} ({names})."
         try:
             image = image_of(family)
         except ImageAbsentError as error:
-            lines += ["", f"Not run: {error}."]
+            lines += heading + (_seen_before(family) or [source, "", f"Not run: {error}."])
             continue
+        lines += [*heading, source]
         brick, stop = boot(family, image)
         sha = hashlib.sha256(image).hexdigest()
         lines += [

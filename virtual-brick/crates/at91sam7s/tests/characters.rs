@@ -342,3 +342,11 @@ fn a_character_for_a_receiver_that_is_off_is_lost() {
     chip.internal(100);
     assert_eq!(read(&mut chip, USART0 + CSR) & RXRDY, 0);
 }
+
+#[test]
+fn resets_of_what_only_iso_7816_has_do_nothing_and_multidrop_is_a_fault() {
+    let mut chip = serial_chip(USART1, 0);
+    write(&mut chip, USART1 + CR, 1 << 13 | 1 << 14);
+    assert!(chip.fault().is_none());
+    assert!(try_write(&mut chip, USART1 + CR, Width::Word, 1 << 12).is_err());
+}

@@ -24,8 +24,9 @@ impl Usart {
         if bit(9) {
             return self.missing("sending a break");
         }
-        if !self.is_debug_unit() && (bit(12) || bit(13) || bit(14)) {
-            return self.missing("multidrop or ISO 7816 mode");
+        // Bits 13 and 14 reset what only ISO 7816 mode has.
+        if !self.is_debug_unit() && bit(12) {
+            return self.missing("multidrop mode");
         }
         if let Some(identifier) = unclocked.filter(|_| bit(4) || bit(6)) {
             return Err(FaultKind::ClockDisabled {
