@@ -22,6 +22,7 @@ from ravenbrick.cli.new import home_command, new_command
 from ravenbrick.cli.report import report_command
 from ravenbrick.cli.run import run_command
 from ravenbrick.cli.schedule import schedule_command
+from ravenbrick.cli.sweep import sweep_command
 from ravenbrick.cli.upload import upload_command
 from ravenbrick.cli.view import view_command
 from ravenbrick.cli.wcet import wcet_command
@@ -46,6 +47,7 @@ __all__ = [
     "report_command",
     "run_command",
     "schedule_command",
+    "sweep_command",
     "upload_command",
     "view_command",
     "wcet_command",

@@ -18,7 +18,7 @@ from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.submission import Submission
 from ravenbrick.grading.work import Job, grade_one, prepare_base
 
-__all__ = ["run_campaign"]
+__all__ = ["on_cluster", "run_campaign"]
 
 Result = dict[str, Any]
 
@@ -69,7 +69,9 @@ def _on_cluster(values: dict[str, Any]) -> Result:
     return grade_one(Job(**values))
 
 
-def _with_dask(jobs: dict[str, Job], address: str) -> Iterator[tuple[str, Result]]:
+def on_cluster(
+    work: Callable[[dict[str, Any]], Result], jobs: dict[str, dict[str, Any]], address: str
+) -> Iterator[tuple[str, Result]]:
     """On the workers of a Dask scheduler, which must see the same folders."""
     try:
         distributed = importlib.import_module("distributed")
@@ -84,7 +86,7 @@ def _with_dask(jobs: dict[str, Job], address: str) -> Iterator[tuple[str, Result
         raise UsageError(f"no Dask scheduler answers at '{address}' ({error})") from None
     with client:
         futures = {
-            client.submit(_on_cluster, asdict(job), pure=False): name for name, job in jobs.items()
+            client.submit(work, values, pure=False): name for name, values in jobs.items()
         }
         for future, result in distributed.as_completed(futures, with_results=True):
             yield futures[future], result
@@ -112,7 +114,11 @@ def run_campaign(
         for s in waiting
     }
     by_name = {s.name: s for s in submissions}
-    stream = _with_dask(jobs, dask) if dask and jobs else _with_threads(jobs, max(workers, 1))
+    plain = {name: asdict(job) for name, job in jobs.items()}
+    if dask and jobs:
+        stream = on_cluster(_on_cluster, plain, dask)
+    else:
+        stream = _with_threads(jobs, max(workers, 1))
     for count, (name, result) in enumerate(stream, len(submissions) - len(waiting) + 1):
         done[name] = result
         if "defect" not in result:
