@@ -206,6 +206,13 @@ def grade_campaign() -> Row:
     return suite_row("course", suite, 2 * answer["count"], passed, excluded)
 
 
+def site_suite() -> Row:
+    """The documentation site and its links."""
+    from conformance.course import site
+
+    return suite_row("course", site.SUITE, *site.measure())
+
+
 def acats(suite: str, refused: bool) -> Callable[[], Row]:
     """Tests of the Ada conformity suite: those that run, or those that must be refused."""
 
@@ -271,6 +278,8 @@ def other_drivers() -> list[str]:
     named = {ENCODER_STRESS, COMPATIBILITY, NXT_PYTHON, COLOR_AS_LEGO, BROWN_OUT}
     return sorted(files - named - {*SCRIPTED, *BRICK_TELEMETRY})
 
+
+LAB_SHEETS = "tools/tests/test_lessons.py"
 
 SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("cpu", single_step),
@@ -451,9 +460,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
     ("course", pytest_suite("course", "bench, line, balancer", "examples/test_examples.py")),
     ("course", pytest_suite("course", "template: from new to a run", "host/tests/cli/test_new.py")),
-    ("course", pytest_suite("course", "lab sheets executed", "tools/tests/test_lessons.py")),
+    ("course", pytest_suite("course", "lab sheets executed, solutions graded", LAB_SHEETS)),
     ("course", pytest_suite("course", "grade: rubrics, sandbox, reports", "host/tests/grading")),
     ("course", grade_campaign),
+    ("course", site_suite),
     (
         "course",
         pytest_suite(
