@@ -26,7 +26,7 @@ beforeAll(async () => {
   const analysed = await ravenbrick("analyse", VEHICLE, "--scenario", "drive");
   bounds = (analysed as unknown as Analysed).tasks;
   [browser, drive] = await Promise.all([launch(), serve(VEHICLE, "drive")]);
-}, 240_000);
+});
 
 afterAll(async () => {
   drive?.end();

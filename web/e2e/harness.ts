@@ -62,7 +62,7 @@ export async function open(
 ) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   const page = await context.newPage();
-  page.setDefaultTimeout(90_000);
+  page.setDefaultTimeout(300_000);
   const requests: string[] = [];
   const complaints: string[] = [];
   page.on("request", (request) => requests.push(request.url()));
@@ -79,7 +79,7 @@ export async function says(page: Page, words: string): Promise<void> {
   await page.waitForFunction(
     (begin) => document.querySelector("#status")?.textContent?.startsWith(begin),
     words,
-    { timeout: 90_000 },
+    { timeout: 300_000 },
   );
 }
 
@@ -110,7 +110,7 @@ export async function passes(page: Page, seconds: number): Promise<void> {
   await page.waitForFunction(
     (end) => Number.parseFloat(document.querySelector("#time")?.textContent ?? "0") >= end,
     seconds,
-    { timeout: 90_000 },
+    { timeout: 300_000 },
   );
 }
 

@@ -115,7 +115,7 @@ describe("steering by hand", () => {
     await other.goto(link);
     await other.waitForFunction(() =>
       /same run again|ANOTHER/.test(document.querySelector("#status")?.textContent ?? ""),
-    { timeout: 60_000 });
+    { timeout: 300_000 });
     const same = `The same run again: trace digest ${digest}`;
     expect(await other.textContent("#status")).toBe(same);
     await page.click("#reset");
