@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import importlib.util
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from host.tests.conftest import VEHICLE
 
-from ravenbrick.errors import RavenbrickError
+from ravenbrick.errors import ImageFileError, RavenbrickError
 from ravenbrick.target.build import TOOLS, find_tool
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage, read_image
@@ -22,7 +23,11 @@ from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 from ravenbrick.timing.facts import Facts, read_facts
-from ravenbrick.timing.observed import check_interrupt_rates, never_exceeded, observe
+from ravenbrick.timing.hunt import hunt, largest
+from ravenbrick.timing.ipet import FlowFact, longest_path
+from ravenbrick.timing.kernel import kernel_facts, services
+from ravenbrick.timing.long_run import long_run
+from ravenbrick.timing.observed import check_interrupt_rates, exceeded, observe
 from ravenbrick.timing.result import advice, result_of
 from ravenbrick.trace.recording import Recording
 
@@ -78,7 +83,7 @@ def test_no_response_time_and_no_stack_of_the_run_exceeds_its_bound(
     check_interrupt_rates(robot, read_facts(robot), recording)
     seen = observe(robot, recording)
     assert set(seen) == {task.name for task in robot.tasks}
-    assert never_exceeded(analysis, seen)
+    assert exceeded(analysis, seen) == []
     for task in result_of(analysis, seen)["tasks"]:
         assert task["observed"]["response_cycles"] <= task["response_bound_cycles"], task
         assert task["observed"]["execution_cycles"] <= task["execution_bound_cycles"], task
@@ -135,3 +140,68 @@ def test_a_function_alone_is_bounded(image: ElfImage) -> None:
     found = execution_times(image.content, functions=["functional_step_instance"]).functions[0]
     assert 500 < found.cycles < 5_000
     assert "__aeabi_fmul" in found.reached
+
+
+def test_bounds_of_a_mode_stand_beside_those_of_any(
+    analysis: Analysis, robot: Robot, recording: Recording
+) -> None:
+    seen = observe(robot, recording)
+    for task in result_of(analysis, seen)["tasks"]:
+        (mode,) = task["modes"]
+        assert mode["name"] == "link up"
+        assert task["observed"]["execution_cycles"] <= mode["execution_bound_cycles"]
+        assert task["observed"]["response_cycles"] <= mode["response_bound_cycles"]
+        assert mode["response_bound_cycles"] < task["response_bound_cycles"]
+
+
+def test_an_image_older_than_the_run_time_is_named_with_what_to_do(image: ElfImage) -> None:
+    old = {name: symbol for name, symbol in image.symbols.items() if name != "resume"}
+    with pytest.raises(ImageFileError, match="older: build it again with 'ravenbrick build'"):
+        services(replace(image, symbols=old), [])
+
+
+def test_the_integer_program_finds_the_longest_path_of_the_graph(image: ElfImage) -> None:
+    names = ["functional_step_instance", "ada__real_time__delays__delay_until"]
+    facts = [("run-time", kernel_facts(4, ()))]
+    found = execution_times(image.content, functions=names, annotations=facts, graphs=True)
+    for bound in found.functions:
+        assert bound.graph is not None
+        assert longest_path(bound.graph) == bound.graph["path_cycles"] >= bound.cycles
+
+
+def test_a_fact_about_far_places_shortens_the_path_and_a_wrong_line_is_named(
+    image: ElfImage,
+) -> None:
+    found = execution_times(image.content, functions=["functional_step_instance"], graphs=True)
+    graph = found.functions[0].graph
+    assert graph is not None
+    lines = sorted({line for block in graph["blocks"][1:] for line in block["lines"]})
+    shorter = []
+    for line in lines:
+        fact = FlowFact("functional_step_instance", (line,), 0, "a test")
+        try:
+            shorter.append(longest_path(graph, [fact]))
+        except ExecutionTimeError:
+            continue
+    assert min(shorter) < graph["path_cycles"]
+    assert max(shorter) <= graph["path_cycles"]
+    unknown = FlowFact("functional_step_instance", ("none.c:1",), 0, "a test")
+    with pytest.raises(ExecutionTimeError, match=r"no block has the line none\.c:1"):
+        longest_path(graph, [unknown])
+
+
+def test_a_hunt_and_a_long_run_find_no_response_above_its_bound(
+    analysis: Analysis, robot: Robot, scenario: Scenario, image: ElfImage, recording: Recording
+) -> None:
+    short = replace(scenario, duration_ms=1_300, pictures_ms=())
+    found = hunt(robot, short, image, attempts=3)
+    assert set(found.catches) >= {"coprocessor_task", "control_task"}
+    both = largest(observe(robot, recording), found)
+    run = long_run(robot, short, image, seconds=2.6)
+    assert exceeded(analysis, both, run.plain()) == []
+    control = run.tasks["control_task"]
+    assert run.repetitions == 2 and control.misses == 0
+    assert 500 < control.response.count <= 660
+    assert control.latency.most is not None and control.response.most is not None
+    assert control.latency.most < control.response.most
+    assert sum(control.response.bins.values()) == control.response.count

@@ -239,6 +239,8 @@ class VirtualBrick:
         """Names of the inputs by the subject of events."""
     def events(self) -> bytes:
         """Packed events: u64 at_cycles, u32 kind, u32 subject, i64 value, little endian."""
+    def take_events(self) -> bytes:
+        """As `events`; they and all samples are then forgotten, for runs too long to keep whole."""
     @staticmethod
     def event_kinds() -> dict[int, str]:
         """Names of the kinds of events."""

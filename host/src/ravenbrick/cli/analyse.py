@@ -24,8 +24,15 @@ from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.chain import ChainDelay, LoopFigures, chain_delay
 from ravenbrick.timing.facts import Facts, read_facts
-from ravenbrick.timing.figures import margin_figure, terms_figure, windows_figure
-from ravenbrick.timing.observed import check_interrupt_rates, observe
+from ravenbrick.timing.figures import (
+    margin_figure,
+    spreads_figure,
+    terms_figure,
+    windows_figure,
+)
+from ravenbrick.timing.hunt import hunt, largest
+from ravenbrick.timing.long_run import long_run
+from ravenbrick.timing.observed import check_bounds, check_interrupt_rates, observe
 from ravenbrick.timing.report import (
     INTERRUPT_HEAD,
     SHORT_HEAD,
@@ -116,6 +123,13 @@ def analyse_command(
     image: Annotated[
         ImageChoice, typer.Option(help="RAM below the boot monitor, or flash.")
     ] = ImageChoice.RAM,
+    hunt_attempts: Annotated[
+        int,
+        typer.Option("--hunt", min=0, help="Variants of the scenario tried for long responses."),
+    ] = 0,
+    hours: Annotated[
+        float, typer.Option(min=0.0, help="Virtual time observed besides, the scenario repeated.")
+    ] = 0.0,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Bound execution and response times from the binary and show them beside a run."""
@@ -129,15 +143,31 @@ def analyse_command(
         analysis = _bounds(robot, chosen, elf, facts)
     recording = _recording(workspace, robot, chosen, elf, reporter)
     check_interrupt_rates(robot, facts, recording)
+    seen = observe(robot, recording)
+    more: dict[str, Any] = {}
+    if hunt_attempts:
+        with reporter.step(f"hunt in {hunt_attempts} variants of '{chosen.name}'") as step:
+            found = hunt(robot, chosen, elf, hunt_attempts, step.progress)
+        seen = largest(seen, found)
+        more["hunt"] = found.plain()
+    if hours:
+        with reporter.step(f"observe '{chosen.name}' over and over") as step:
+            run = long_run(robot, chosen, elf, 3600 * hours, step.progress)
+            step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
+        more["long_run"] = run.plain()
+    check_bounds(analysis, seen, more.get("long_run"))
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
         "scenario": chosen.name,
         "image_sha256": image_digest(elf),
-        **result_of(analysis, observe(robot, recording)),
+        **result_of(analysis, seen),
         "chains": [{**vars(chain), "jitter_cycles": chain.jitter_cycles} for chain in chains],
+        **more,
     }
     with reporter.step("write the report") as step:
         figures = [("Bounds by term", terms_figure(result))]
+        if hours:
+            figures.append(("Responses and jitter of the long run", spreads_figure(result)))
         for timing in analysis.tasks:
             figure = windows_figure(robot, analysis, recording, timing.task.name)
             if figure is not None:

@@ -22,7 +22,8 @@ from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.robot import Robot, Task
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
-from ravenbrick.timing.facts import TIMING_FILE, Facts
+from ravenbrick.timing.facts import TIMING_FILE, Facts, InterruptLoad, Mode, annotations_of
+from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
     COARSE_PERIOD_US,
     DELAY_UNTIL,
@@ -44,7 +45,15 @@ from ravenbrick.timing.started import (
 )
 from ravenbrick.trace.interrupts import source_name
 
-__all__ = ["PREEMPTION_BYTES", "Analysis", "BlockingCause", "TaskTiming", "analyse", "coarse_alarm"]
+__all__ = [
+    "PREEMPTION_BYTES",
+    "Analysis",
+    "BlockingCause",
+    "ModeBounds",
+    "TaskTiming",
+    "analyse",
+    "coarse_alarm",
+]
 
 PREEMPTION_BYTES = 68
 WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
@@ -78,6 +87,15 @@ class TaskTiming:
 
 
 @dataclass(frozen=True)
+class ModeBounds:
+    """Bounds that hold in one mode, by the task's name; cycles."""
+
+    mode: Mode
+    jobs: dict[str, int]
+    bounds: dict[str, ResponseTimeBound]
+
+
+@dataclass(frozen=True)
 class Analysis:
     """Everything that is known before the run."""
 
@@ -88,6 +106,7 @@ class Analysis:
     task_set: TaskSet
     overheads: Overheads
     bounds: dict[str, ResponseTimeBound]
+    modes: tuple[ModeBounds, ...] = ()
 
     @property
     def schedulable(self) -> bool:
@@ -200,22 +219,25 @@ def _scheduled_interrupts(
                 f'most: [[interrupt]] source = "{name}", at_most = ..., window_us = ..., '
                 'reason = "..."'
             )
-        load, *shorter = loads
-        limits = [(Fraction(s.at_most, load.at_most), _cycles(s.window_us)) for s in shorter]
-        found.append(
-            ScheduledTask(
-                name=source_name(source),
-                period=_cycles(load.window_us),
-                limits=tuple(limits),
-                wcet=load.at_most * cost.cycles,
-                priority=cost.handler.priority,
-                release="interrupt",
-                blocking=_blocking(cost.handler.priority, "", jobs, kernel).cycles,
-            )
-        )
+        blocking = _blocking(cost.handler.priority, "", jobs, kernel).cycles
+        found.append(_interrupt(cost, loads, blocking))
     periods = [task.period_us for task, _ in jobs if task.release == "cyclic" and task.period_us]
     alarm = next(cost for cost in costs if cost.handler.source == ALARM_SOURCE)
     return [*found, *coarse_alarm(periods, alarm.cycles, alarm.handler.priority)]
+
+
+def _interrupt(cost: InterruptCost, loads: Sequence[InterruptLoad], blocking: int) -> ScheduledTask:
+    load, *shorter = loads
+    limits = [(Fraction(s.at_most, load.at_most), _cycles(s.window_us)) for s in shorter]
+    return ScheduledTask(
+        name=source_name(cost.handler.source),
+        period=_cycles(load.window_us),
+        limits=tuple(limits),
+        wcet=load.at_most * cost.cycles,
+        priority=cost.handler.priority,
+        release="interrupt",
+        blocking=blocking,
+    )
 
 
 def coarse_alarm(
@@ -244,6 +266,22 @@ def _timed_tasks(robot: Robot) -> list[tuple[int, Task]]:
     return found
 
 
+def _solved(
+    image: ElfImage, facts: Facts, annotations: Sequence[tuple[str, str]]
+) -> list[tuple[str, str]]:
+    """Costs of the functions for which there are facts about their paths."""
+    costs: list[dict[str, Any]] = []
+    for symbol in sorted({fact.symbol for fact in facts.flows}):
+        known = ("longest paths", annotations_of({"cost": costs}))
+        found = execution_times(
+            image.content, functions=[symbol], annotations=[*annotations, known], graphs=True
+        ).functions[0]
+        own = [fact for fact in facts.flows if fact.symbol == symbol]
+        cycles = longest_path(found.graph or {}, own)
+        costs.append({"symbol": symbol, "cycles": min(cycles, found.cycles)})
+    return [("longest paths", annotations_of({"cost": costs}))] if costs else []
+
+
 def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis:
     """Bounds of all tasks and interrupts of an image; `brick` has elaborated it.
 
@@ -258,12 +296,35 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     tasks = _timed_tasks(robot)
     known = ("run-time", kernel_facts(len(robot.tasks) + 1, objects))
     annotations = [(facts.name, facts.annotations), entries, known]
+    annotations += _solved(image, facts, annotations)
     kernel = services(image, annotations)
+    costs = interrupt_costs(image, attached_handlers(brick, image), annotations)
     questions = [(_body(image, facts, task), WAITS[task.release]) for _, task in tasks]
-    found = execution_times(image.content, jobs=questions, annotations=annotations).jobs
-    jobs = [(task, job) for (_, task), job in zip(tasks, found, strict=True)]
+
+    def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
+        found = execution_times(image.content, jobs=questions, annotations=[*more, *annotations])
+        return [(task, job) for (_, task), job in zip(tasks, found.jobs, strict=True)]
+
+    jobs = bounded(())
     for index, (task, job) in enumerate(jobs):
         _check_ceilings(robot, job, task, index, objects)
+    modes = []
+    for mode in facts.modes:
+        in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
+        timings, _, _, bounds = _scheduled(costs, kernel, facts, in_mode)
+        modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
+    timings, task_set, overheads, bounds = _scheduled(costs, kernel, facts, jobs)
+    return Analysis(
+        timings, costs, objects, kernel, task_set, overheads, bounds, modes=tuple(modes)
+    )
+
+
+def _scheduled(
+    costs: tuple[InterruptCost, ...],
+    kernel: Services,
+    facts: Facts,
+    jobs: Sequence[tuple[Task, Bound]],
+) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
     timings = tuple(
         TaskTiming(
             task,
@@ -273,24 +334,36 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
         )
         for task, job in jobs
     )
-    costs = interrupt_costs(image, attached_handlers(brick, image), annotations)
-    return _scheduled(timings, costs, objects, kernel, facts, jobs)
-
-
-def _scheduled(
-    timings: tuple[TaskTiming, ...],
-    costs: tuple[InterruptCost, ...],
-    objects: tuple[ProtectedObject, ...],
-    kernel: Services,
-    facts: Facts,
-    jobs: Sequence[tuple[Task, Bound]],
-) -> Analysis:
     alarm = next((c.cycles for c in costs if c.handler.source == ALARM_SOURCE), 0)
     overheads = Overheads(
         switch_in=kernel.resume, alarm=alarm, clock_resolution=kernel.release_jitter
     )
-    task_set = TaskSet(
-        (*_scheduled_interrupts(costs, facts, jobs, kernel), *_scheduled_tasks(timings))
-    )
+    interrupts = _scheduled_interrupts(costs, facts, jobs, kernel)
+    tasks = _scheduled_tasks(timings)
+    task_set = TaskSet((*interrupts, *tasks))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
-    return Analysis(timings, costs, objects, kernel, task_set, overheads, bounds)
+    for timing in timings:
+        special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
+        if special is not None:
+            seen = TaskSet((*special, *tasks))
+            own = {b.task.name: b for b in response_time_bounds(seen, overheads)}
+            bounds[timing.task.name] = own[timing.task.name]
+    return timings, task_set, overheads, bounds
+
+
+def _interrupts_seen_by(
+    task: str,
+    interrupts: Sequence[ScheduledTask],
+    costs: Sequence[InterruptCost],
+    facts: Facts,
+) -> list[ScheduledTask] | None:
+    """Interrupts as they come in windows from a task's releases on; None where nothing is said
+    about these."""
+    by_name = {source_name(cost.handler.source): cost for cost in costs}
+    found, special = [], False
+    for interrupt in interrupts:
+        cost = by_name.get(interrupt.name)
+        loads = () if cost is None else facts.loads(cost.handler.source, task)
+        special |= bool(loads)
+        found.append(_interrupt(cost, loads, 0) if cost and loads else interrupt)
+    return found if special else None

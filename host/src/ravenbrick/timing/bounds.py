@@ -35,6 +35,7 @@ class Bound:
     sections: tuple[tuple[int, int], ...]
     reached: frozenset[str]
     report: dict[str, Any]
+    graph: dict[str, Any] | None = None
 
     def longest_section(self, above_urgency: int) -> int:
         """Longest stay at more than an urgency, in cycles."""
@@ -60,6 +61,7 @@ class Bounds:
     functions: tuple[Bound, ...]
     jobs: tuple[Bound, ...]
     calls: tuple[Call, ...]
+    closed_cycles: int | None = None
 
 
 def _question(loop: dict[str, Any], facts: str) -> str:
@@ -92,7 +94,16 @@ def _bound(answer: dict[str, Any], facts: str) -> Bound:
         tuple((urgency, cycles) for urgency, cycles in answer["sections"]),
         frozenset(answer["reached"]),
         answer["report"],
+        answer["graph"],
     )
+
+
+def _closed_cycles(answer: dict[str, Any] | None) -> int | None:
+    if answer is None:
+        return None
+    if answer["error"] is not None:
+        raise ExecutionTimeError(f"{answer['symbol']}: {answer['error']}")
+    return int(answer["cycles"])
 
 
 def execution_times(
@@ -103,14 +114,20 @@ def execution_times(
     annotations: Sequence[tuple[str, str]] = (),
     root: str | None = None,
     callees: Sequence[str] = (),
+    graphs: bool = False,
+    closed: tuple[Sequence[str], int] | None = None,
     timing: str = "nominal",
     wait_states: int = 1,
 ) -> Bounds:
     """Bounds of functions, and of jobs as (body, functions in which the task waits).
 
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
-    what it calls. Raises `ExecutionTimeError` when there is no bound, `UsageError` for a wrong
-    image or annotation.
+    what it calls. With `graphs`, bounds bring the graphs in which their longest paths were sought.
+    With `closed`, functions called one after the other and their stack pointer, the last of them is
+    bounded as it is, with memory as the image says and written by nothing else.
+
+    Raises `ExecutionTimeError` when there is no bound, `UsageError` for a wrong image or
+    annotation.
     """
     request = {
         "functions": list(functions),
@@ -118,7 +135,10 @@ def execution_times(
         "annotations": [{"name": name, "text": text} for name, text in annotations],
         "root": root,
         "callees": list(callees),
+        "graphs": graphs,
     }
+    if closed is not None:
+        request["closed"] = {"calls": list(closed[0]), "stack_pointer": closed[1]}
     try:
         module = importlib.import_module("virtual_brick")
         text = module.bound_execution_times(elf, json.dumps(request), timing, wait_states)
@@ -136,4 +156,5 @@ def execution_times(
         tuple(_bound(found, facts) for found in answer["functions"]),
         tuple(_bound(found, facts) for found in answer["jobs"]),
         tuple(Call(c["callee"], c["caller"], tuple(c["arguments"])) for c in answer["calls"]),
+        _closed_cycles(answer["closed"]),
     )

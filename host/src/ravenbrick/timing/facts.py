@@ -12,6 +12,7 @@ from typing import Any
 from ravenbrick.target.located_toml import LocatedToml, read_toml
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.validation import validate
+from ravenbrick.timing.ipet import FlowFact
 from ravenbrick.trace.interrupts import SOURCES
 
 __all__ = [
@@ -19,13 +20,16 @@ __all__ = [
     "Chain",
     "Facts",
     "InterruptLoad",
+    "Mode",
     "Suspension",
     "annotations_of",
     "read_facts",
 ]
 
 TIMING_FILE = "timing.toml"
-OWN_TABLES = frozenset({"schema_version", "interrupt", "suspension", "body", "chain"})
+OWN_TABLES = frozenset(
+    {"schema_version", "interrupt", "suspension", "body", "chain", "mode", "flow"}
+)
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
 
@@ -33,13 +37,15 @@ SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 class InterruptLoad:
     """At most `at_most` interrupts of a source in any window of `window_us`.
 
-    Several loads of one source hold together.
+    Several loads of one source hold together. With `task`, the windows are those from a release
+    of this task on.
     """
 
     source: int
     at_most: int
     window_us: int
     reason: str
+    task: str | None = None
 
 
 @dataclass(frozen=True)
@@ -66,6 +72,15 @@ class Chain:
 
 
 @dataclass(frozen=True)
+class Mode:
+    """How the program runs most of the time: `annotations` hold only then."""
+
+    name: str
+    reason: str
+    annotations: str
+
+
+@dataclass(frozen=True)
 class Facts:
     """All facts; `annotations` is TOML for the execution-time analysis."""
 
@@ -75,6 +90,8 @@ class Facts:
     suspensions: tuple[Suspension, ...] = ()
     bodies: tuple[tuple[str, str], ...] = ()
     chains: tuple[Chain, ...] = ()
+    modes: tuple[Mode, ...] = ()
+    flows: tuple[FlowFact, ...] = ()
 
     @property
     def name(self) -> str:
@@ -86,9 +103,15 @@ class Facts:
         named = (found for found in self.suspensions if found.task.lower() == task.lower())
         return next(named, None)
 
-    def loads(self, source: int) -> tuple[InterruptLoad, ...]:
-        """What is said about a source, the longest window first."""
-        found = (load for load in self.interrupts if load.source == source)
+    def loads(self, source: int, task: str | None = None) -> tuple[InterruptLoad, ...]:
+        """What is said about a source in any window, the longest window first; with `task`, only
+        what is said about windows from its releases on."""
+        wanted = None if task is None else task.lower()
+        found = (
+            load
+            for load in self.interrupts
+            if load.source == source and (load.task and load.task.lower()) == wanted
+        )
         return tuple(sorted(found, key=lambda load: -load.window_us))
 
 
@@ -105,8 +128,9 @@ def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
 def _check_tasks(document: LocatedToml, robot: Robot) -> None:
     named = [
         ((table, index, "task"), row["task"])
-        for table in ("suspension", "body")
+        for table in ("suspension", "body", "interrupt")
         for index, row in enumerate(document.values.get(table, []))
+        if "task" in row
     ]
     named += [
         (("chain", index, "stages"), stage["task"])
@@ -124,6 +148,11 @@ def _chain(row: dict[str, Any]) -> Chain:
     return Chain(row["name"], stages, row["transfer_us"])
 
 
+def _mode(row: dict[str, Any]) -> Mode:
+    tables = {"avoided": row.get("never", []), "loop": row.get("loop", [])}
+    return Mode(row["name"], row["reason"], annotations_of(tables))
+
+
 def read_facts(robot: Robot) -> Facts:
     """Facts of a project; none when it has no `timing.toml`. Raises `ProjectFileError`."""
     path: Path = robot.directory / TIMING_FILE
@@ -139,7 +168,11 @@ def read_facts(robot: Robot) -> Facts:
         annotations_of(annotations),
         tuple(
             InterruptLoad(
-                SOURCE_NUMBERS[row["source"]], row["at_most"], row["window_us"], row["reason"]
+                SOURCE_NUMBERS[row["source"]],
+                row["at_most"],
+                row["window_us"],
+                row["reason"],
+                row.get("task"),
             )
             for row in values.get("interrupt", [])
         ),
@@ -149,4 +182,9 @@ def read_facts(robot: Robot) -> Facts:
         ),
         tuple((row["task"].lower(), row["symbol"]) for row in values.get("body", [])),
         tuple(_chain(row) for row in values.get("chain", [])),
+        tuple(_mode(row) for row in values.get("mode", [])),
+        tuple(
+            FlowFact(row["symbol"], tuple(row["lines"]), row["at_most"], row["reason"])
+            for row in values.get("flow", [])
+        ),
     )

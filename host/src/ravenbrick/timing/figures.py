@@ -20,7 +20,7 @@ from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colou
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, segments
 
-__all__ = ["margin_figure", "terms_figure", "windows_figure"]
+__all__ = ["margin_figure", "spreads_figure", "terms_figure", "windows_figure"]
 
 TERMS = (
     ("own_cycles", "own", "#1f5fa8"),
@@ -107,6 +107,32 @@ def windows_figure(
         axis.set_ylim(-0.6, len(lanes) - 0.4)
         axis.set_xlim(0, microseconds(bound))
     axes[1].set_xlabel(f"time after the release of {task} (us)")
+    return figure
+
+
+def spreads_figure(result: dict[str, Any]) -> Figure:
+    """For each task of a long run, counts of responses and release latencies on a log scale, with
+    the bound of the response."""
+    tasks = [t for t in result["tasks"] if t["name"] in result["long_run"]["tasks"]]
+    figure, axes = new_figure(9.0, 2.0 * len(tasks), rows=len(tasks))
+    for axis, task in zip(axes, tasks, strict=True):
+        found = result["long_run"]["tasks"][task["name"]]
+        kinds = (
+            ("response time", "response_time_cycles", COLOURS["design"]),
+            ("release latency", "release_latency_cycles", COLOURS["right"]),
+        )
+        for label, key, colour in kinds:
+            edges = [microseconds(edge) for edge, _ in found[key]["bins"]]
+            counts = [count for _, count in found[key]["bins"]]
+            axis.bar(edges, counts, width=1.0, align="edge", color=colour, label=label)
+        if task["response_bound_cycles"] is not None:
+            bound = microseconds(task["response_bound_cycles"])
+            axis.axvline(bound, color="#000000", label=f"bound: {bound:.0f} us")
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set_ylabel(f"{task['name']}\njobs per us")
+        legend(axis, "upper left")
+    axes[-1].set_xlabel("time after the nominal release (us)")
     return figure
 
 

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from ravenbrick.errors import ImageFileError
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
@@ -112,7 +113,13 @@ def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
 
 
 def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Services:
-    """Bounds of the services that the image has."""
+    """Bounds of the services that the image has. Raises `ImageFileError` for an old image."""
+    missing = [name for name in (RESUME, INTERRUPT) if name not in image.symbols]
+    if missing:
+        raise ImageFileError(
+            f"{image.path}: has no '{missing[0]}', which the run-time of this version has; the "
+            "image is older: build it again with 'ravenbrick build'"
+        )
     present = [name for name in MASKING if name in image.symbols]
     found = execution_times(image.content, functions=[*present, RESUME], annotations=annotations)
     cycles = {bound.symbol: bound.cycles for bound in found.functions}

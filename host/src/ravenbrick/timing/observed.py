@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.robot import Robot
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.facts import Facts
+from ravenbrick.timing.facts import Facts, InterruptLoad
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.plots import cyclic_begin_cycles
@@ -22,8 +24,9 @@ from ravenbrick.trace.schedule import jobs_of
 
 __all__ = [
     "Observed",
+    "check_bounds",
     "check_interrupt_rates",
-    "never_exceeded",
+    "exceeded",
     "observe",
     "ratio",
     "worst_job_release",
@@ -105,6 +108,9 @@ def check_interrupt_rates(robot: Robot, facts: Facts, recording: Recording) -> N
     since = cyclic_begin_cycles(robot, recording)
     entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
     for load in facts.interrupts:
+        if load.task is not None:
+            _check_after_releases(facts, load, recording, since)
+            continue
         at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
         at = at[at >= since]
         window = MASTER_CLOCK.cycles_of_us(load.window_us)
@@ -120,21 +126,68 @@ def check_interrupt_rates(robot: Robot, facts: Facts, recording: Recording) -> N
             )
 
 
+def _check_after_releases(
+    facts: Facts, load: InterruptLoad, recording: Recording, since: int
+) -> None:
+    """Windows from the releases of one task on, as far as its jobs last."""
+    names = [thread.name.lower() for thread in recording.threads]
+    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
+    window = MASTER_CLOCK.cycles_of_us(load.window_us)
+    for job in jobs_of(recording, names.index(str(load.task).lower()))[1:]:
+        if job.completion_cycles is None or job.release_cycles < since:
+            continue
+        end = min(job.release_cycles + window, job.completion_cycles)
+        count = int(np.searchsorted(at, end) - np.searchsorted(at, job.release_cycles))
+        if count > load.at_most:
+            begin = float(MASTER_CLOCK.seconds(job.release_cycles))
+            raise ExecutionTimeError(
+                f"{facts.name}: {source_name(load.source)} interrupts the job of {load.task} "
+                f"released at {begin:.6f} s of the run '{recording.scenario}' {count} times, not "
+                f"at most {load.at_most}; correct the fact"
+            )
+
+
 def ratio(bound: int, observed: int) -> float | None:
     """Bound over observed maximum."""
     return bound / observed if observed else None
 
 
-def never_exceeded(analysis: Analysis, observed: dict[str, Observed]) -> bool:
-    """Whether no response time and no stack lies above its bound."""
+def exceeded(
+    analysis: Analysis, observed: dict[str, Observed], long_run: dict[str, Any] | None = None
+) -> list[str]:
+    """What lies above its bound, in words: responses, own times and stacks."""
+    found = []
     for timing in analysis.tasks:
-        found = observed.get(timing.task.name)
-        if found is None:
-            continue
-        bound = analysis.bounds[timing.task.name].bound
-        deepest = timing.stack_bound_bytes
-        if bound is not None and found.response_cycles > bound:
-            return False
-        if deepest is not None and found.stack_bytes > deepest:
-            return False
-    return True
+        name = timing.task.name
+        seen = observed.get(name)
+        pairs = []
+        response = analysis.bounds[name].bound
+        if seen is not None:
+            deepest = timing.stack_bound_bytes
+            pairs = [
+                ("a response time of", seen.response_cycles, response),
+                ("an execution time of", seen.execution_cycles, timing.job.cycles),
+                ("a stack of", seen.stack_bytes, deepest),
+            ]
+        if long_run is not None and name in long_run["tasks"]:
+            longest = long_run["tasks"][name]["response_time_cycles"]["max"]
+            pairs.append(("in the long run a response time of", longest or 0, response))
+        found += [
+            f"{name} showed {what} {value}, above its bound of {math.ceil(bound)}"
+            for what, value, bound in pairs
+            if bound is not None and value > bound
+        ]
+    return found
+
+
+def check_bounds(
+    analysis: Analysis, observed: dict[str, Observed], long_run: dict[str, Any] | None = None
+) -> None:
+    """Raise `ExecutionTimeError` when something seen lies above its bound."""
+    found = exceeded(analysis, observed, long_run)
+    if found:
+        raise ExecutionTimeError(
+            f"{found[0]}; a fact in timing.toml does not hold, or the analysis is wrong",
+            detail="\n".join(found),
+        )

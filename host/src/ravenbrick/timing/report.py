@@ -76,7 +76,15 @@ def task_rows(result: dict[str, Any]) -> list[list[str]]:
             task["stack_bytes"],
         ]
         rows.append([_text(cell) for cell in cells])
+        rows += [_mode_row(mode, seen) for mode in task["modes"]]
     return rows
+
+
+def _mode_row(mode: dict[str, Any], seen: dict[str, Any]) -> list[str]:
+    empty = [""] * 5
+    bounds = [mode["response_bound_cycles"], seen.get("response_cycles"), mode["ratio"]]
+    cells = [f"- {mode['name']}", "", mode["execution_bound_cycles"], *empty, *bounds, "", "", ""]
+    return [_text(cell) for cell in cells]
 
 
 def short_rows(result: dict[str, Any]) -> list[list[str]]:

@@ -10,7 +10,7 @@ from typing import Any
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
 from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.timing.analysis import Analysis, TaskTiming
+from ravenbrick.timing.analysis import Analysis, ModeBounds, TaskTiming
 from ravenbrick.timing.observed import Observed, ratio
 from ravenbrick.trace.interrupts import source_name
 
@@ -73,8 +73,20 @@ def _task(analysis: Analysis, timing: TaskTiming, seen: Observed | None) -> dict
         "terms": _terms(analysis, timing),
         "observed": None if seen is None else dict(vars(seen)),
         "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
+        "modes": [_in_mode(found, name, seen) for found in analysis.modes],
         "stack_bytes": timing.task.stack_bytes,
         "stack_bound_bytes": timing.stack_bound_bytes,
+    }
+
+
+def _in_mode(mode: ModeBounds, name: str, seen: Observed | None) -> dict[str, Any]:
+    bound = _up(mode.bounds[name].bound)
+    return {
+        "name": mode.mode.name,
+        "execution_bound_cycles": mode.jobs[name],
+        "response_bound_cycles": bound,
+        "meets_deadline": mode.bounds[name].meets_deadline,
+        "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
     }
 
 

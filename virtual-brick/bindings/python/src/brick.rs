@@ -295,6 +295,10 @@ impl VirtualBrick {
         PyBytes::new(py, &self.0.trace().events().pack())
     }
 
+    fn take_events<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.0.take_events().pack())
+    }
+
     #[staticmethod]
     fn event_kinds() -> BTreeMap<u32, &'static str> {
         EventKind::ALL

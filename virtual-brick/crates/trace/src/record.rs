@@ -103,6 +103,13 @@ impl Trace {
         true
     }
 
+    /// Hand out the events and forget them with all samples: for runs too long to keep whole.
+    #[must_use]
+    pub fn take_events(&mut self) -> Events {
+        self.signals.truncate(0, self.signals.len());
+        std::mem::take(&mut self.events)
+    }
+
     /// The events.
     #[must_use]
     pub fn events(&self) -> &Events {

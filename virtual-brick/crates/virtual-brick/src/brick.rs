@@ -161,6 +161,12 @@ impl VirtualBrick {
         &self.recorder.trace
     }
 
+    /// The events recorded so far, which are then forgotten with all samples. Checkpoints taken
+    /// before cannot be restored any more.
+    pub fn take_events(&mut self) -> trace::Events {
+        self.recorder.trace.take_events()
+    }
+
     /// The processor's registers and status.
     #[must_use]
     pub fn processor(&self) -> &Cpu {

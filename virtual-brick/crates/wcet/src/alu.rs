@@ -249,6 +249,9 @@ fn order_flags(a: &Value, b: &Value) -> u16 {
             return distance_flags(x.wrapping_sub(*y));
         }
     }
+    if let (Value::Stack(x), Value::Stack(y)) = (a, b) {
+        return distance_flags(x.wrapping_sub(*y));
+    }
     let ((a_low, a_high), (b_low, b_high)) = (a.unsigned(), b.unsigned());
     let ((as_low, as_high), (bs_low, bs_high)) = (a.signed(), b.signed());
     (0..16).fold(0, |mask, flags: u32| {
@@ -283,6 +286,7 @@ fn approximate(map: &MemoryMap, operation: AluOperation, a: &Value, b: &Value) -
         AluOperation::Mov => b.clone(),
         AluOperation::Add => sum(map, a, b),
         AluOperation::Sub => difference(map, a, b),
+        AluOperation::Rsb => difference(map, b, a),
         AluOperation::And | AluOperation::Bic => masked(map, operation, a, b),
         _ => Value::Top,
     }
@@ -301,6 +305,14 @@ fn sum(map: &MemoryMap, a: &Value, b: &Value) -> Value {
         (Value::Stack(offset), Value::Constant(more))
         | (Value::Constant(more), Value::Stack(offset)) => {
             Value::Stack(offset.wrapping_add(*more as i32))
+        }
+        (Value::MinusStack(offset), Value::Constant(more))
+        | (Value::Constant(more), Value::MinusStack(offset)) => {
+            Value::MinusStack(offset.wrapping_add(*more as i32))
+        }
+        (Value::MinusStack(one), Value::Stack(other))
+        | (Value::Stack(other), Value::MinusStack(one)) => {
+            Value::Constant(one.wrapping_add(*other) as u32)
         }
         (Value::Based(base, offset), Value::Constant(more))
         | (Value::Constant(more), Value::Based(base, offset))
@@ -326,6 +338,15 @@ fn difference(map: &MemoryMap, a: &Value, b: &Value) -> Value {
     match (a, b) {
         (Value::Stack(offset), Value::Constant(less)) => {
             Value::Stack(offset.wrapping_sub(*less as i32))
+        }
+        (Value::Constant(from), Value::Stack(offset)) => {
+            Value::MinusStack((*from as i32).wrapping_sub(*offset))
+        }
+        (Value::MinusStack(offset), Value::Constant(less)) => {
+            Value::MinusStack(offset.wrapping_sub(*less as i32))
+        }
+        (Value::Stack(one), Value::Stack(other)) => {
+            Value::Constant(one.wrapping_sub(*other) as u32)
         }
         (Value::Based(base, offset), Value::Constant(less)) => {
             Value::Based(*base, offset.wrapping_sub(*less as i32))

@@ -23,6 +23,8 @@ pub struct Fact {
     pub iterations: Option<u64>,
     /// Loop: most executions of its first block for each entry, as the code counts them.
     pub header_executions: Option<u64>,
+    /// Loop: holds only in calls made by this function, directly or not.
+    pub within: Option<String>,
     /// Call: names of all functions that may be reached.
     pub targets: Vec<String>,
     /// Access: name of the region.
@@ -31,6 +33,8 @@ pub struct Fact {
     pub calls: Option<u64>,
     /// Recursion: most activations at the same time.
     pub depth: Option<u32>,
+    /// Cost: most cycles of a call, without the fetches after its return.
+    pub cycles: Option<u64>,
     /// Why the fact holds.
     pub reason: Option<String>,
 }
@@ -75,12 +79,18 @@ pub struct Annotations {
     /// Places that are never executed.
     #[serde(default, rename = "never")]
     pub never: Vec<Fact>,
+    /// Places that are executed, but not in what is bounded.
+    #[serde(default, rename = "avoided")]
+    pub avoided: Vec<Fact>,
     /// Functions whose branches to unknown places end the analysis, as a return does.
     #[serde(default, rename = "leave")]
     pub leaves: Vec<Fact>,
     /// Functions that call themselves, with how often.
     #[serde(default, rename = "recursion")]
     pub recursions: Vec<Fact>,
+    /// Cycles of a function, found in another way.
+    #[serde(default, rename = "cost")]
+    pub costs: Vec<Fact>,
     /// Words that keep their values.
     #[serde(default, rename = "word")]
     pub words: Vec<Word>,
@@ -117,8 +127,10 @@ impl Annotations {
         self.calls.extend(other.calls);
         self.accesses.extend(other.accesses);
         self.never.extend(other.never);
+        self.avoided.extend(other.avoided);
         self.leaves.extend(other.leaves);
         self.recursions.extend(other.recursions);
+        self.costs.extend(other.costs);
         self.words.extend(other.words);
         let (kernel, more) = (&mut self.kernel, other.kernel);
         kernel.running_thread = kernel.running_thread.or(more.running_thread);

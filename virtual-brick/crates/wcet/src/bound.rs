@@ -2,15 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Bounds of one function: time, stack, and the path that attains the time.
 
+use crate::context::Follower;
 use crate::cost::{edge_cycles, Outside};
 use crate::error::{Error, MissingBound};
 use crate::execution::{Execution, LoopFinding};
-use crate::flow::{Block, Entry, Transfer};
+use crate::flow::{Block, Entry, Target, Transfer};
 use crate::loops::Forest;
 use crate::path::{longest_path, Problem, Solution, Unsolved};
 use crate::program::Program;
 use crate::section::{merge, Sections, Stay};
-use crate::state::State;
+use crate::state::{State, ENDLESS};
 use crate::summary::Summary;
 use crate::walk::{as_arguments, BlockRecord, Walker};
 use std::collections::BTreeSet;
@@ -38,6 +39,10 @@ pub struct LoopBound {
     pub header_executions: Option<u64>,
     /// Who says so.
     pub origin: Origin,
+    /// Its header as a position among the blocks.
+    pub header: usize,
+    /// All its blocks.
+    pub blocks: Vec<usize>,
 }
 
 /// A block as the longest path passes it.
@@ -55,6 +60,10 @@ pub struct BlockBound {
     pub calls: Vec<Rc<FunctionBound>>,
     /// Accesses whose region is not known, charged as the dearest.
     pub unknown_accesses: usize,
+    /// Blocks to which the ways out lead; none for the return.
+    pub targets: Vec<Option<usize>>,
+    /// Addresses of its instructions.
+    pub addresses: Vec<u32>,
 }
 
 /// Bounds of one function for one set of arguments.
@@ -62,8 +71,11 @@ pub struct BlockBound {
 pub struct FunctionBound {
     /// Entry.
     pub entry: Entry,
-    /// Cycles from its first instruction to its last, without the fetches of the return.
+    /// Cycles from its first instruction to its last, without the fetches of the return: the
+    /// smaller of the longest path and of the longest way with calls followed.
     pub cycles: u64,
+    /// Cycles of the longest path, on which each block costs what it can cost at most.
+    pub path_cycles: u64,
     /// Stack below the stack pointer at entry, with all callees; `None` when not bounded.
     pub stack_bytes: Option<u32>,
     /// Blocks by address, with the longest path.
@@ -78,36 +90,40 @@ pub struct FunctionBound {
 struct Executed {
     findings: Vec<LoopFinding>,
     records: Vec<BlockRecord>,
-    given: Vec<Option<u64>>,
+    /// Longest way with calls followed, if each loop on it has a bound.
+    elapsed: Option<u64>,
 }
 
-fn execute(program: &Program<'_>, summary: &Summary, state: State) -> Executed {
+fn execute(program: &Program<'_>, entry: Entry, summary: &Summary, state: State) -> Executed {
     let (flow, forest) = (&summary.flow, &summary.forest);
-    let given: Vec<Option<u64>> = summary
-        .numbers
-        .iter()
-        .enumerate()
-        .map(|(index, number)| program.given_bound(flow, forest, index, *number))
-        .collect();
     let region = |address| program.given_region(address);
-    let mut execution = Execution {
-        walker: Walker::new(program.world(), flow, &summary.callees, &region),
-        forest,
-        findings: vec![LoopFinding::default(); forest.loops.len()],
-        limits: given.clone(),
-    };
-    execution.run(state);
+    let follower = Follower::new(program, entry, false);
+    let mut walker = Walker::new(program.world(), flow, &summary.callees, &region);
+    walker.costs = &summary.costs;
+    walker.calls = Some(&follower);
+    walker.avoided = &summary.avoided;
+    let limits = summary.limits_within(&[entry]);
+    let mut execution = Execution::new(walker, forest, limits);
+    let exits = execution.run(state);
+    let returns = exits
+        .iter()
+        .filter(|((block, edge), _)| flow.blocks[*block].edges[*edge].target == Target::Return);
+    let longest = returns.map(|(_, state)| state.elapsed.0).max();
     Executed {
+        elapsed: longest.filter(|cycles| *cycles != ENDLESS),
         findings: execution.findings,
         records: execution.walker.records,
-        given,
     }
 }
 
 /// Stack of a function with all it calls, also of one that never returns.
-pub fn stack_of(program: &Program<'_>, summary: &Summary) -> Result<Option<u32>, Error> {
+pub fn stack_of(
+    program: &Program<'_>,
+    entry: Entry,
+    summary: &Summary,
+) -> Result<Option<u32>, Error> {
     let state = State::entry(&crate::walk::any_arguments());
-    let executed = execute(program, summary, state);
+    let executed = execute(program, entry, summary, state);
     let (calls, _) = called(program, summary, &executed.records)?;
     Ok(stack_bound(&executed.records, &calls))
 }
@@ -117,10 +133,20 @@ pub fn recursive_call(entry: Entry) -> FunctionBound {
     FunctionBound {
         entry,
         cycles: 0,
+        path_cycles: 0,
         stack_bytes: Some(0),
         blocks: Vec::new(),
         loops: Vec::new(),
         sections: Sections::new(),
+    }
+}
+
+/// A call that has a bound only where it is followed.
+fn followed_call(entry: Entry, cycles: u64) -> FunctionBound {
+    FunctionBound {
+        cycles,
+        stack_bytes: None,
+        ..recursive_call(entry)
     }
 }
 
@@ -144,8 +170,9 @@ pub fn bound_summary(
     let Executed {
         findings,
         records,
-        given,
-    } = execute(program, summary, state);
+        elapsed,
+    } = execute(program, entry, summary, state);
+    let given = summary.limits_within(&[entry]);
     let (calls, endless) = called(program, summary, &records)?;
     let nodes: Vec<Entry> = flow
         .blocks
@@ -156,7 +183,7 @@ pub fn bound_summary(
     for (index, block) in flow.blocks.iter().enumerate() {
         let outside = Outside {
             map: program.map,
-            call_cycles: call_cycles(program, block, &calls[index])?,
+            call_cycles: call_cycles(program, block, &calls[index], &records[index])?,
         };
         let mut ways = edge_cycles(&outside, block, &records[index], &nodes)?;
         for (way, edge) in ways.iter_mut().zip(&block.edges) {
@@ -189,24 +216,39 @@ pub fn bound_summary(
         }
     }
     let stack_bytes = stack_bound(&records, &calls);
-    let loops = (0..forest.loops.len()).map(|index| LoopBound {
-        address: nodes[forest.loops[index].header].0,
-        number: summary.numbers[index],
-        header_executions: bounds[index],
-        origin: origin(&findings[index], given[index]),
-    });
+    let loops = loop_bounds(summary, &findings, &given, &bounds);
     Ok(FunctionBound {
         entry,
-        cycles: solution.cycles,
+        path_cycles: solution.cycles,
+        cycles: elapsed.map_or(solution.cycles, |way| way.min(solution.cycles)),
         stack_bytes,
-        loops: loops.collect(),
+        loops,
         sections,
         blocks: block_bounds(summary, &solution, cycles, calls, &records),
     })
 }
 
+fn loop_bounds(
+    summary: &Summary,
+    findings: &[LoopFinding],
+    given: &[Option<u64>],
+    bounds: &[Option<u64>],
+) -> Vec<LoopBound> {
+    let loops = summary.forest.loops.iter().enumerate();
+    loops
+        .map(|(index, found)| LoopBound {
+            address: summary.flow.blocks[found.header].node.address,
+            number: summary.numbers[index],
+            header_executions: bounds[index],
+            origin: origin(&findings[index], given[index]),
+            header: found.header,
+            blocks: found.blocks.iter().copied().collect(),
+        })
+        .collect()
+}
+
 fn origin(finding: &LoopFinding, given: Option<u64>) -> Origin {
-    match (finding.unbounded, given) {
+    match (finding.unbounded || finding.cut, given) {
         (false, _) => Origin::Found,
         (true, Some(_)) => Origin::Given,
         (true, None) => Origin::NotNeeded,
@@ -253,6 +295,12 @@ fn called(
             match program.bound(*callee, known) {
                 Ok(bound) => bounds.push(bound),
                 Err(Error::NeverReturns(_)) => {}
+                Err(error @ Error::MissingBounds(_)) => match records[index].callee_cycles {
+                    Some(cycles) if cycles != ENDLESS => {
+                        bounds.push(Rc::new(followed_call(*callee, cycles)));
+                    }
+                    _ => return Err(error),
+                },
                 Err(error) => return Err(error),
             }
         }
@@ -270,8 +318,12 @@ fn call_cycles(
     program: &Program<'_>,
     block: &Block,
     calls: &[Rc<FunctionBound>],
+    record: &BlockRecord,
 ) -> Result<u64, Error> {
-    let callee = calls.iter().map(|bound| bound.cycles).max().unwrap_or(0);
+    let apart = calls.iter().map(|bound| bound.cycles).max().unwrap_or(0);
+    let callee = record
+        .callee_cycles
+        .map_or(apart, |followed| followed.min(apart));
     match (&block.transfer, block.instructions.last()) {
         (Some(Transfer::Call(_)), Some((address, instruction))) => {
             let next = address.wrapping_add(instruction.size);
@@ -307,11 +359,27 @@ fn block_bounds(
             count: solution.counts[index],
             cycles,
             calls,
+            targets: targets(&summary.flow.blocks[index]),
+            addresses: summary.flow.blocks[index]
+                .instructions
+                .iter()
+                .map(|(address, _)| *address)
+                .collect(),
             unknown_accesses: record
                 .instructions
                 .iter()
                 .filter(|i| i.unknown_address)
                 .count(),
+        })
+        .collect()
+}
+
+fn targets(block: &Block) -> Vec<Option<usize>> {
+    let edges = block.edges.iter();
+    edges
+        .map(|edge| match edge.target {
+            Target::Block(next) => Some(next),
+            Target::Return => None,
         })
         .collect()
 }

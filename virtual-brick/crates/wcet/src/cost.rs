@@ -7,7 +7,7 @@
 //! largest sum on to all combinations that may follow.
 
 use crate::error::Error;
-use crate::flow::{Block, Target, Transfer};
+use crate::flow::{Block, Flow, Target, Transfer};
 use crate::memory::MemoryMap;
 use crate::state::passing;
 use crate::walk::{BlockRecord, InstructionRecord};
@@ -59,6 +59,69 @@ fn pass_through(
                 .map(|c| c + executed)
         };
         skipped.max(kept)
+    })
+}
+
+/// What an instruction costs, but for the regions of its accesses and its multiplier.
+#[derive(Clone, Copy, Debug)]
+pub struct StepCost {
+    /// The fetch, which a skipped instruction costs too.
+    pub fetch: u64,
+    /// Data reads.
+    pub reads: u64,
+    /// Data writes.
+    pub writes: u64,
+}
+
+/// Costs of a block that no state changes.
+#[derive(Clone, Debug)]
+pub struct BlockCost {
+    /// One for each instruction.
+    pub steps: Vec<StepCost>,
+    /// Refill on each way out, callees' included.
+    pub refills: Vec<u64>,
+    /// Refill after the return of a callee.
+    pub after_call: u64,
+}
+
+/// Costs of all blocks of a function.
+pub fn block_costs(map: &MemoryMap, flow: &Flow) -> Result<Vec<BlockCost>, Error> {
+    let nodes: Vec<(u32, bool)> = flow
+        .blocks
+        .iter()
+        .map(|block| (block.node.address, block.node.thumb))
+        .collect();
+    flow.blocks
+        .iter()
+        .map(|block| block_cost(map, block, &nodes))
+        .collect()
+}
+
+fn block_cost(map: &MemoryMap, block: &Block, nodes: &[(u32, bool)]) -> Result<BlockCost, Error> {
+    let thumb = block.node.thumb;
+    let steps = block.instructions.iter().map(|(address, instruction)| {
+        let ahead = address.wrapping_add(2 * instruction.size);
+        let cycles = instruction.cycles(Default::default());
+        Ok(StepCost {
+            fetch: map.sequential_fetch(ahead, thumb)?,
+            reads: u64::from(cycles.reads.count()),
+            writes: u64::from(cycles.writes.count()),
+        })
+    });
+    let refills = block
+        .edges
+        .iter()
+        .map(|edge| branch_refill(map, block, edge.target, nodes));
+    let after_call = match (&block.transfer, block.instructions.last()) {
+        (Some(Transfer::Call(_)), Some((address, instruction))) => {
+            map.refill(address.wrapping_add(instruction.size), thumb)?
+        }
+        _ => 0,
+    };
+    Ok(BlockCost {
+        steps: steps.collect::<Result<_, Error>>()?,
+        refills: refills.collect::<Result<_, Error>>()?,
+        after_call,
     })
 }
 

@@ -6,7 +6,7 @@
 
 use crate::flow::Target;
 use crate::loops::{Forest, Item};
-use crate::state::State;
+use crate::state::{Elapsed, State, ENDLESS};
 use crate::walk::Walker;
 use std::collections::BTreeMap;
 
@@ -23,6 +23,8 @@ pub struct LoopFinding {
     pub header_executions: u64,
     /// No bound was found.
     pub unbounded: bool,
+    /// It ended because the user's bound was reached.
+    pub cut: bool,
     /// Most header executions beyond the first of each entry, added up over one entry of the
     /// loop around it.
     pub repeats: u64,
@@ -38,12 +40,16 @@ pub struct Execution<'a, 'w> {
     pub forest: &'a Forest,
     /// Findings, for each loop.
     pub findings: Vec<LoopFinding>,
-    /// Iterations after which a loop's bound is left to the user's.
+    /// Iterations after which a loop ends, as the user says.
     pub limits: Vec<Option<u64>>,
+    /// Instructions executed in one visit of a loop before it gives up.
+    pub patience: u64,
+    /// Look seldom whether a state repeats: few do, and comparing them needs a copy of memory.
+    pub rarely_repeats: bool,
 }
 
 /// States on the edges that leave a scope, by block and edge.
-type Exits = BTreeMap<(usize, usize), State>;
+pub type Exits = BTreeMap<(usize, usize), State>;
 
 struct Pass {
     back: Option<State>,
@@ -57,10 +63,22 @@ fn merge(place: &mut Option<State>, state: State) {
     });
 }
 
-impl Execution<'_, '_> {
-    /// Executes the function from its entry.
-    pub fn run(&mut self, entry: State) {
-        let _ = self.pass(None, 0, entry);
+impl<'a, 'w> Execution<'a, 'w> {
+    /// An execution that has found out nothing.
+    pub fn new(walker: Walker<'w>, forest: &'a Forest, limits: Vec<Option<u64>>) -> Self {
+        Self {
+            walker,
+            forest,
+            findings: vec![LoopFinding::default(); forest.loops.len()],
+            limits,
+            patience: PATIENCE,
+            rarely_repeats: false,
+        }
+    }
+
+    /// Executes the function from its entry; the states on its ways out.
+    pub fn run(&mut self, entry: State) -> Exits {
+        self.pass(None, 0, entry).exits
     }
 
     /// The scope's blocks once, in order, from its first block.
@@ -107,42 +125,52 @@ impl Execution<'_, '_> {
         result
     }
 
-    fn run_loop(&mut self, index: usize, entry: State) -> Exits {
+    fn run_loop(&mut self, index: usize, mut state: State) -> Exits {
         let header = self.forest.loops[index].header;
         let mut exits = Exits::new();
-        let mut state = entry.clone();
-        let (mut count, mut undecided) = (0, 0);
-        let exit_count = self.exit_count(index);
+        let mut entry = state.clone();
+        if self.rarely_repeats {
+            entry.memory = None;
+        }
+        let (mut count, mut undecided) = (0_u64, 0);
+        let exit_count = self.forest.loops[index].exit_count;
         let steps_before = self.walker.step_count;
         self.start_inner(index);
         while !self.findings[index].unbounded {
-            let pass = self.pass(Some(index), header, state.clone());
             count += 1;
+            let compared = !self.rarely_repeats || count.is_power_of_two();
+            let before = compared.then(|| state.clone());
+            let pass = self.pass(Some(index), header, state);
             undecided = if pass.exits.len() == exit_count {
                 undecided + 1
             } else {
                 0
             };
             add_exits(&mut exits, pass.exits);
-            let Some(back) = pass.back else {
-                let finding = &mut self.findings[index];
+            let cut = self.limits[index].is_some_and(|limit| count >= limit);
+            let finding = &mut self.findings[index];
+            finding.cut |= cut && pass.back.is_some();
+            let Some(back) = pass.back.filter(|_| !cut) else {
                 finding.header_executions = finding.header_executions.max(count);
                 finding.repeats_so_far += count - 1;
                 self.end_inner(index);
                 return exits;
             };
-            let late = self.limits[index].is_some_and(|limit| count > limit);
-            if back == state
-                || late
+            if before.as_ref() == Some(&back)
                 || undecided > UNDECIDED
-                || self.walker.step_count - steps_before > PATIENCE
+                || self.walker.step_count - steps_before > self.patience
             {
                 self.findings[index].unbounded = true;
                 self.walker.step_count = steps_before;
             }
             state = back;
         }
-        self.run_unbounded(index, entry.join(&state), exits)
+        let before = entry.elapsed.0;
+        let mut exits = self.run_unbounded(index, entry.join(&state));
+        for state in exits.values_mut() {
+            state.spend(before);
+        }
+        exits
     }
 
     fn inner(&self, index: usize) -> Vec<usize> {
@@ -165,33 +193,25 @@ impl Execution<'_, '_> {
         }
     }
 
-    fn exit_count(&self, index: usize) -> usize {
-        let blocks = &self.forest.loops[index].blocks;
-        let edges = blocks
-            .iter()
-            .flat_map(|block| &self.walker.flow.blocks[*block].edges);
-        edges
-            .filter(|edge| match edge.target {
-                Target::Block(next) => !blocks.contains(&next),
-                Target::Return => true,
-            })
-            .count()
-    }
-
-    /// Repeats until the state at the header covers every iteration.
-    fn run_unbounded(&mut self, index: usize, entry: State, mut exits: Exits) -> Exits {
+    /// Repeats until the state at the header covers every iteration. The ways out cost as many
+    /// of the dearest iterations as the user allows.
+    fn run_unbounded(&mut self, index: usize, entry: State) -> Exits {
         let header = self.forest.loops[index].header;
         let mut state = entry;
         loop {
-            let pass = self.pass(Some(index), header, state.clone());
-            add_exits(&mut exits, pass.exits);
+            state.elapsed = Elapsed(0);
+            let mut pass = self.pass(Some(index), header, state.clone());
             let Some(back) = pass.back else {
-                return exits;
+                return pass.exits;
             };
             let map = self.walker.world.map;
             let wider = state.widen(&back, |value| map.pointer_region(value));
             if wider == state {
-                return exits;
+                let again = self.limits[index].map_or(ENDLESS, |limit| {
+                    back.elapsed.0.saturating_mul(limit.max(1) - 1)
+                });
+                pass.exits.values_mut().for_each(|state| state.spend(again));
+                return pass.exits;
             }
             state = wider;
         }

@@ -183,6 +183,12 @@ impl Image {
         }
     }
 
+    /// First address and bytes of everything that is loaded.
+    pub fn contents(&self) -> impl Iterator<Item = (u32, &[u8])> {
+        let sections = self.sections.iter();
+        sections.map(|section| (section.start, section.bytes.as_slice()))
+    }
+
     /// First addresses of all sections with code.
     pub fn code_sections(&self) -> impl Iterator<Item = u32> + '_ {
         let code = self.sections.iter().filter(|section| section.executable);

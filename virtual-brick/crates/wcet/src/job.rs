@@ -4,6 +4,7 @@
 //! for its next release. A job is what lies between two of them, the second included.
 
 use crate::bound::{bound_summary, stack_of, FunctionBound};
+use crate::cost::block_costs;
 use crate::error::Error;
 use crate::flow::{Entry, Target};
 use crate::loops::Forest;
@@ -59,7 +60,7 @@ pub fn bound_job(program: &Program<'_>, body: &str, waits: &[String]) -> Result<
     }
     let bound = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
     Ok(Job {
-        stack_bytes: stack_of(program, &summary)?,
+        stack_bytes: stack_of(program, entry, &summary)?,
         bound,
     })
 }
@@ -107,8 +108,14 @@ fn one_job(
         let known = whole.forest.loops.iter().position(|l| l.header == header);
         known.map_or(usize::MAX, |index| whole.numbers[index])
     });
+    let numbers: Vec<usize> = numbers.collect();
+    let (limits, limits_in) = program.given_bounds(&part.flow, &forest, &numbers);
     let summary = Summary {
-        numbers: numbers.collect(),
+        costs: block_costs(program.map, &part.flow)?,
+        avoided: program.avoided(&part.flow),
+        limits,
+        limits_in,
+        numbers,
         forest,
         flow: part.flow,
         returns: true,

@@ -9,9 +9,14 @@
 //!    of registers and stack words ([`state`], [`transfer`], [`alu`]);
 //! 2. [`loops`]: its loops; a graph that is not reducible is an error;
 //! 3. [`execution`]: the function on abstract values, iteration by iteration: loop bounds,
-//!    branches never taken, regions of accesses, multiplier sizes, arguments of calls;
+//!    branches never taken, regions of accesses, multiplier sizes, arguments of calls. Calls are
+//!    followed into the callee in their caller's state ([`context`]), and the cycles of the longest
+//!    way are carried along;
 //! 4. [`cost`]: cycles of each block on each way out;
-//! 5. [`path`]: the longest path.
+//! 5. [`path`]: the longest path on which each block costs what it can cost at most. The bound is
+//!    the smaller of both.
+//!
+//! A program that nothing disturbs is bounded as it is, with what memory holds ([`closed`]).
 //!
 //! Assumptions: no interrupt and no DMA transfer intervenes (they are interference, not
 //! execution time); code does not change; saved registers and return addresses on the stack are
@@ -21,11 +26,15 @@
 pub mod alu;
 pub mod annotations;
 pub mod bound;
+pub mod closed;
+pub mod contents;
+pub mod context;
 pub mod conventions;
 pub mod cost;
 pub mod error;
 pub mod execution;
 pub mod flow;
+pub mod graph;
 pub mod image;
 pub mod job;
 mod lines;

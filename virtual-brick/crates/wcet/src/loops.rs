@@ -16,6 +16,8 @@ pub struct Loop {
     pub latches: BTreeSet<usize>,
     /// The next larger loop around it.
     pub parent: Option<usize>,
+    /// Number of edges that leave it.
+    pub exit_count: usize,
 }
 
 /// Loops, and the order in which blocks can be visited.
@@ -27,6 +29,8 @@ pub struct Forest {
     pub order: Vec<usize>,
     /// Innermost loop of each block.
     pub innermost: Vec<Option<usize>>,
+    /// What is visited in the function itself, then in each loop.
+    scopes: Vec<Vec<Item>>,
 }
 
 /// Successors of a block within the function.
@@ -133,9 +137,24 @@ impl Forest {
             innermost: vec![None; flow.blocks.len()],
             loops,
             order,
+            scopes: Vec::new(),
         };
         forest.nest();
+        forest.count_exits(flow);
+        let scopes = std::iter::once(None).chain((0..forest.loops.len()).map(Some));
+        forest.scopes = scopes.map(|scope| forest.items(scope)).collect();
         Ok(forest)
+    }
+
+    fn count_exits(&mut self, flow: &Flow) {
+        for found in &mut self.loops {
+            let edges = found.blocks.iter().flat_map(|b| &flow.blocks[*b].edges);
+            let leaving = edges.filter(|edge| match edge.target {
+                Target::Block(next) => !found.blocks.contains(&next),
+                Target::Return => true,
+            });
+            found.exit_count = leaving.count();
+        }
     }
 
     fn nest(&mut self) {
@@ -157,15 +176,20 @@ impl Forest {
 
     /// The blocks of a scope in order, those of inner loops represented by their headers.
     pub fn steps(&self, scope: Option<usize>) -> impl Iterator<Item = Item> + '_ {
-        let inside = self.order.iter().copied();
-        inside.filter_map(move |block| {
-            if self.innermost[block] == scope {
-                return Some(Item::Block(block));
+        let items = self.scopes.get(scope.map_or(0, |index| index + 1));
+        items.into_iter().flatten().copied()
+    }
+
+    fn items(&self, scope: Option<usize>) -> Vec<Item> {
+        let item = |block: &usize| {
+            if self.innermost[*block] == scope {
+                return Some(Item::Block(*block));
             }
-            let index = self.innermost[block]?;
+            let index = self.innermost[*block]?;
             let found = &self.loops[index];
-            (found.header == block && found.parent == scope).then_some(Item::Loop(index))
-        })
+            (found.header == *block && found.parent == scope).then_some(Item::Loop(index))
+        };
+        self.order.iter().filter_map(item).collect()
     }
 }
 
@@ -186,6 +210,7 @@ fn add_back_edge(flow: &Flow, order: &[usize], loops: &mut Vec<Loop>, latch: usi
             blocks: BTreeSet::from([header]),
             latches: BTreeSet::new(),
             parent: None,
+            exit_count: 0,
         });
         loops.len() - 1
     });

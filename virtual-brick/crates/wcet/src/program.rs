@@ -6,7 +6,7 @@ use crate::annotations::{Annotations, Fact};
 use crate::bound::{bound_recursive, bound_summary, recursive_call, FunctionBound};
 use crate::conventions::Conventions;
 use crate::error::Error;
-use crate::flow::{Entry, Flow};
+use crate::flow::{Entry, Flow, Target};
 use crate::image::Image;
 use crate::loops::Forest;
 use crate::memory::MemoryMap;
@@ -32,6 +32,8 @@ pub struct Program<'a> {
     pub map: &'a MemoryMap,
     /// Meaning of the kernel's code.
     pub conventions: Conventions,
+    /// Nothing but the program writes to memory, and it begins as the image says.
+    pub closed: bool,
     annotations: &'a Annotations,
     summaries: RefCell<BTreeMap<Entry, Rc<Summary>>>,
     bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, Rc<FunctionBound>>>>,
@@ -66,6 +68,7 @@ impl<'a> Program<'a> {
             image,
             map,
             conventions: Conventions::new(image, annotations),
+            closed: false,
             annotations,
             summaries: RefCell::default(),
             bounds: RefCell::default(),
@@ -97,6 +100,17 @@ impl<'a> Program<'a> {
             && self.fact(&self.annotations.never, address, None).is_some()
     }
 
+    /// Which blocks are not executed in what is bounded.
+    pub fn avoided(&self, flow: &Flow) -> Vec<bool> {
+        let facts = &self.annotations.avoided;
+        let is_avoided = |address: u32| self.fact(facts, address, None).is_some();
+        let blocks = flow.blocks.iter();
+        let marked = blocks.map(|block| {
+            !facts.is_empty() && block.instructions.iter().any(|(a, _)| is_avoided(*a))
+        });
+        marked.collect()
+    }
+
     /// Does a branch to an unknown place end the analysis here?
     pub fn leaves(&self, address: u32) -> bool {
         !self.annotations.leaves.is_empty()
@@ -107,6 +121,14 @@ impl<'a> Program<'a> {
     pub fn given_recursion(&self, entry: Entry) -> Option<(u64, u32)> {
         let fact = self.fact(&self.annotations.recursions, entry.0, None)?;
         Some((fact.calls?, fact.depth?))
+    }
+
+    /// Most cycles of a function, as the user says.
+    pub fn given_cycles(&self, entry: Entry) -> Option<u64> {
+        if self.annotations.costs.is_empty() {
+            return None;
+        }
+        self.fact(&self.annotations.costs, entry.0, None)?.cycles
     }
 
     /// Functions that an indirect branch may reach, as the user says.
@@ -122,6 +144,9 @@ impl<'a> Program<'a> {
     /// Region of an access, as the user says.
     pub fn given_region(&self, address: u32) -> Option<u8> {
         let accesses = &self.annotations.accesses;
+        if accesses.is_empty() {
+            return None;
+        }
         let fact = self
             .fact(accesses, address, None)
             .or_else(|| accesses.iter().find(|fact| fact.is_general()))?;
@@ -148,33 +173,34 @@ impl<'a> Program<'a> {
             .collect()
     }
 
-    /// Header executions of a loop, as the user says: iterations, and one more where the loop
-    /// may be left elsewhere than at the end of an iteration.
-    pub fn given_bound(
+    /// Header executions of all loops, as the user says: anywhere, and while some function is
+    /// under way.
+    pub fn given_bounds(
         &self,
         flow: &Flow,
         forest: &Forest,
-        index: usize,
-        number: usize,
-    ) -> Option<u64> {
-        let found = &forest.loops[index];
-        let address = flow.blocks[found.header].node.address;
-        let fact = self.fact(&self.annotations.loops, address, Some(number))?;
-        if let Some(executions) = fact.header_executions {
-            return Some(executions);
+        numbers: &[usize],
+    ) -> (Vec<Option<u64>>, Vec<(usize, Entry, u64)>) {
+        let (mut anywhere, mut within) = (Vec::new(), Vec::new());
+        for (index, number) in numbers.iter().enumerate() {
+            let address = flow.blocks[forest.loops[index].header].node.address;
+            let place = self.image.place(address);
+            let names = self.image.names_at(address);
+            let facts = self.annotations.loops.iter();
+            let mut everywhere = None;
+            for fact in facts.filter(|fact| fact.matches(&place, &names, Some(*number))) {
+                let Some(bound) = header_executions(fact, flow, forest, index) else {
+                    continue;
+                };
+                match fact.within.as_deref().map(|name| self.image.function(name)) {
+                    None => everywhere = everywhere.or(Some(bound)),
+                    Some(Some(function)) => within.push((index, function, bound)),
+                    Some(None) => {}
+                }
+            }
+            anywhere.push(everywhere);
         }
-        let leaves_early = found.blocks.iter().any(|block| {
-            !found.latches.contains(block)
-                && flow.blocks[*block]
-                    .edges
-                    .iter()
-                    .any(|edge| match edge.target {
-                        crate::flow::Target::Block(next) => !found.blocks.contains(&next),
-                        crate::flow::Target::Return => true,
-                    })
-        });
-        fact.iterations
-            .map(|count| count.saturating_add(u64::from(leaves_early)))
+        (anywhere, within)
     }
 
     /// Summary of a function called from `site`.
@@ -193,7 +219,7 @@ impl<'a> Program<'a> {
             })
         };
         if let Some(mut sites) = cycle {
-            if self.given_recursion(entry).is_some() {
+            if self.closed || self.given_recursion(entry).is_some() {
                 return Ok(Rc::new(Summary::of_recursion()));
             }
             sites.push(site);
@@ -234,6 +260,9 @@ impl<'a> Program<'a> {
             return Ok(Rc::clone(found));
         }
         let summary = self.summary(entry, entry.0)?;
+        if summary.avoided.first() == Some(&true) {
+            return Err(Error::NeverReturns(self.image.place(entry.0)));
+        }
         let recursion = self.given_recursion(entry);
         let arguments = match recursion {
             Some(_) => any_arguments(),
@@ -249,7 +278,9 @@ impl<'a> Program<'a> {
             Some((calls, depth)) => bound_recursive(bound?, calls, depth),
             None => bound?,
         };
-        let bound = Rc::new(bound);
+        let given = self.given_cycles(entry).unwrap_or(u64::MAX);
+        let cycles = bound.cycles.min(given);
+        let bound = Rc::new(FunctionBound { cycles, ..bound });
         let mut bounds = self.bounds.borrow_mut();
         bounds
             .entry(entry)
@@ -282,4 +313,27 @@ impl<'a> Program<'a> {
     pub fn return_cycles(&self) -> Result<u64, Error> {
         self.map.worst_refill(self.image.code_sections())
     }
+}
+
+/// Header executions that a fact allows: iterations, and one more where the loop may be left
+/// elsewhere than at the end of an iteration.
+fn header_executions(fact: &Fact, flow: &Flow, forest: &Forest, index: usize) -> Option<u64> {
+    if let Some(executions) = fact.header_executions {
+        return Some(executions);
+    }
+    let found = &forest.loops[index];
+    let leaves = |block: &usize| {
+        let mut edges = flow.blocks[*block].edges.iter();
+        edges.any(|edge| match edge.target {
+            Target::Block(next) => !found.blocks.contains(&next),
+            Target::Return => true,
+        })
+    };
+    let mut inside = found
+        .blocks
+        .iter()
+        .filter(|block| !found.latches.contains(block));
+    let leaves_early = inside.any(leaves);
+    fact.iterations
+        .map(|count| count.saturating_add(u64::from(leaves_early)))
 }

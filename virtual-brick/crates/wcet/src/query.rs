@@ -4,8 +4,10 @@
 
 use crate::annotations::Annotations;
 use crate::bound::FunctionBound;
+use crate::closed::Closed;
 use crate::error::Error;
 use crate::flow::Entry;
+use crate::graph::Graph;
 use crate::image::Image;
 use crate::job::bound_job;
 use crate::memory::MemoryMap;
@@ -50,6 +52,10 @@ pub struct Request {
     pub root: Option<String>,
     /// Functions whose arguments at calls are wanted.
     pub callees: Vec<String>,
+    /// Graphs are wanted too.
+    pub graphs: bool,
+    /// Calls that nothing disturbs, to bound as they are.
+    pub closed: Option<Closed>,
 }
 
 /// A loop that needs a bound.
@@ -84,6 +90,8 @@ pub struct Answer {
     pub reached: Vec<String>,
     /// How the bound comes about.
     pub report: Option<Report>,
+    /// What the longest path was sought in, if it was asked for.
+    pub graph: Option<Graph>,
 }
 
 /// Arguments at one call.
@@ -110,6 +118,8 @@ pub struct Response {
     pub jobs: Vec<Answer>,
     /// Calls that were searched.
     pub calls: Vec<Call>,
+    /// Bound of the last of the calls that nothing disturbs.
+    pub closed: Option<Answer>,
 }
 
 fn reach(bound: &FunctionBound, seen: &mut BTreeSet<u32>) {
@@ -215,12 +225,29 @@ impl Request {
         for symbol in &self.functions {
             let bound = program.bound_of(symbol);
             let found = bound.as_ref().map(|bound| (&**bound, bound.stack_bytes));
-            response.functions.push(answer(&program, symbol, found));
+            let graph = found.as_ref().ok().filter(|_| self.graphs);
+            let graph = graph.map(|(bound, _)| Graph::new(&program, bound));
+            let found = answer(&program, symbol, found);
+            response.functions.push(Answer { graph, ..found });
         }
         for task in &self.jobs {
             let job = bound_job(&program, &task.body, &task.waits);
             let found = job.as_ref().map(|job| (&job.bound, job.stack_bytes));
-            response.jobs.push(answer(&program, &task.body, found));
+            let graph = found.as_ref().ok().filter(|_| self.graphs);
+            let graph = graph.map(|(bound, _)| Graph::new(&program, bound));
+            let found = answer(&program, &task.body, found);
+            response.jobs.push(Answer { graph, ..found });
+        }
+        if let Some(closed) = &self.closed {
+            let symbol = closed.calls.last().cloned().unwrap_or_default();
+            let found = closed.bound(&image, map, &annotations);
+            response.closed = Some(Answer {
+                error: found.as_ref().err().map(Error::to_string),
+                missing: found.as_ref().err().map(missing).unwrap_or_default(),
+                cycles: found.unwrap_or_default(),
+                symbol,
+                ..Answer::default()
+            });
         }
         if let Some(root) = &self.root {
             response.calls = calls(&program, root, &self.callees)?;

@@ -3,6 +3,7 @@
 //! What is known at one point of a function: registers, words of the frame, flags.
 
 use crate::alu::difference_flags;
+use crate::contents::Contents;
 use crate::value::{Value, RUNNING};
 use arm7tdmi::condition_passes;
 use std::collections::BTreeMap;
@@ -21,6 +22,22 @@ pub struct Comparison {
     pub result: Option<u32>,
 }
 
+/// Cycles on the longest way to a point, counted where calls are followed; two states that differ
+/// in nothing else are equal.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Elapsed(pub u64);
+
+impl PartialEq for Elapsed {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for Elapsed {}
+
+/// Stands for a way without a bound.
+pub const ENDLESS: u64 = u64::MAX;
+
 /// Knowledge at one point. Stack offsets count from the stack pointer at the function's entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct State {
@@ -38,6 +55,12 @@ pub struct State {
     pub parked: Option<i32>,
     /// Urgencies of the protected actions that were entered and not left, outermost first.
     pub urgencies: Vec<u32>,
+    /// The lowest that the stack pointer can be.
+    pub lowest: Option<i32>,
+    /// The words of memory, where nothing else writes to them.
+    pub memory: Option<Contents>,
+    /// Longest way to here.
+    pub elapsed: Elapsed,
 }
 
 /// Most nested protected actions that are kept apart.
@@ -127,6 +150,42 @@ impl State {
             escaped: false,
             parked: None,
             urgencies: Vec::new(),
+            lowest: Some(0),
+            memory: None,
+            elapsed: Elapsed(0),
+        }
+    }
+
+    /// Adds to the cycles on the way.
+    pub fn spend(&mut self, cycles: u64) {
+        self.elapsed.0 = self.elapsed.0.saturating_add(cycles);
+    }
+
+    /// The same with stack offsets counted from a place that lies `by` higher.
+    pub fn shift(&mut self, by: i32) {
+        if by == 0 {
+            return;
+        }
+        let moved = |value: &mut Value| match value {
+            Value::Stack(offset) => *offset = offset.wrapping_sub(by),
+            Value::MinusStack(offset) => *offset = offset.wrapping_add(by),
+            _ => {}
+        };
+        self.registers.iter_mut().for_each(moved);
+        let slots = std::mem::take(&mut self.slots);
+        self.slots = slots
+            .into_iter()
+            .map(|(offset, mut value)| {
+                moved(&mut value);
+                (offset.wrapping_sub(by), value)
+            })
+            .collect();
+        if let Some(comparison) = &mut self.comparison {
+            moved(&mut comparison.left.1);
+            moved(&mut comparison.right.1);
+        }
+        for place in [&mut self.parked, &mut self.lowest].into_iter().flatten() {
+            *place = place.wrapping_sub(by);
         }
     }
 
@@ -173,6 +232,12 @@ impl State {
                 }
             }
         }
+        if number == 13 {
+            self.lowest = match value {
+                Value::Stack(offset) => Some(offset),
+                _ => None,
+            };
+        }
         if let Some(register) = self.registers.get_mut(number as usize) {
             *register = value;
         }
@@ -203,7 +268,7 @@ impl State {
 
     /// Like `join`, and growing ranges give up at once, so that repetition ends.
     pub fn widen(&self, new: &Self, pointer_region: impl Fn(&Value) -> Option<u8>) -> Self {
-        self.combine(new, |old, new| {
+        let mut wider = self.combine(new, |old, new| {
             if new.below(old) {
                 return old.clone();
             }
@@ -213,7 +278,9 @@ impl State {
                 return same.map_or(joined, Value::Region);
             }
             pointer_region(&joined).map_or(Value::Top, Value::Region)
-        })
+        });
+        wider.lowest = wider.lowest.filter(|_| wider.lowest == self.lowest);
+        wider
     }
 
     fn combine(&self, other: &Self, join: impl Fn(&Value, &Value) -> Value) -> Self {
@@ -248,6 +315,13 @@ impl State {
             escaped,
             parked: self.parked.filter(|_| self.parked == other.parked),
             urgencies: joined_urgencies(&self.urgencies, &other.urgencies),
+            lowest: self.lowest.zip(other.lowest).map(|(a, b)| a.min(b)),
+            memory: self
+                .memory
+                .as_ref()
+                .zip(other.memory.as_ref())
+                .map(|(a, b)| a.combine(b, &join)),
+            elapsed: Elapsed(self.elapsed.0.max(other.elapsed.0)),
         }
     }
 
@@ -374,6 +448,9 @@ impl State {
             self.forget_frame();
         }
         self.escaped |= passed;
+        if let Some(memory) = &mut self.memory {
+            memory.forget();
+        }
     }
 
     /// A store somewhere in the frame: every number in it is unknown. Saved registers and return

@@ -3,6 +3,7 @@
 //! The graph of one function for any arguments: exploration and value analysis by turns, until
 //! every branch is resolved.
 
+use crate::cost::{block_costs, BlockCost};
 use crate::error::Error;
 use crate::flow::{Block, Entry, Explorer, Flow, Node, Target, Transfer};
 use crate::loops::Forest;
@@ -34,6 +35,14 @@ pub struct Summary {
     pub numbers: Vec<usize>,
     /// What holds at each block, whatever the arguments; none where nothing leads.
     pub states: Vec<Option<State>>,
+    /// Costs of its blocks.
+    pub costs: Vec<BlockCost>,
+    /// Blocks that are not executed in what is bounded.
+    pub avoided: Vec<bool>,
+    /// Header executions of each loop, as the user says.
+    pub limits: Vec<Option<u64>>,
+    /// The same where some function is under way: loop, function, header executions.
+    pub limits_in: Vec<(usize, Entry, u64)>,
 }
 
 /// Registers that a function may change (procedure call standard, 6.1.1).
@@ -50,7 +59,23 @@ impl Summary {
             callees: BTreeMap::new(),
             numbers: Vec::new(),
             states: Vec::new(),
+            costs: Vec::new(),
+            avoided: Vec::new(),
+            limits: Vec::new(),
+            limits_in: Vec::new(),
         }
+    }
+
+    /// Header executions of each loop, as the user says, while these functions are under way.
+    pub fn limits_within(&self, open: &[Entry]) -> Vec<Option<u64>> {
+        let mut limits = self.limits.clone();
+        for (index, function, bound) in &self.limits_in {
+            if open.contains(function) {
+                let known = limits[*index].unwrap_or(u64::MAX);
+                limits[*index] = Some(known.min(*bound));
+            }
+        }
+        limits
     }
 }
 
@@ -112,8 +137,14 @@ pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> 
         if flow.blocks.len() > block_count {
             fixpoint = iterate(program, &flow, &changed, entry)?;
         }
+        let numbers = program.loop_numbers(&flow, &forest);
+        let (limits, limits_in) = program.given_bounds(&flow, &forest, &numbers);
         return Ok(Summary {
-            numbers: program.loop_numbers(&flow, &forest),
+            costs: block_costs(program.map, &flow)?,
+            avoided: program.avoided(&flow),
+            limits,
+            limits_in,
+            numbers,
             states: fixpoint.states,
             flow,
             forest,

@@ -57,9 +57,42 @@ pub fn execute(
         address,
         size: instruction.size,
     };
+    let before = step.state.lowest;
     let mut effects = step.run(&instruction.operation);
     step.follow_switch(&mut effects);
+    step.keep_lowest(before, &instruction.operation);
     effects
+}
+
+/// A part of a word with its sign.
+fn extended(value: &Value, sign_bits: u32) -> Value {
+    let signed = |part: u32| ((part << sign_bits) as i32 >> sign_bits) as u32;
+    match value.elements() {
+        Some(elements) => {
+            Value::of_elements(elements.into_iter().map(signed).collect()).unwrap_or(Value::Top)
+        }
+        None => match value.bounds() {
+            Some((_, high)) if high < 1 << (31 - sign_bits) => value.clone(),
+            _ => Value::Top,
+        },
+    }
+}
+
+/// Upper and lower half of a long product.
+fn long_product(product: &Multiply, a: u32, b: u32, added: Option<u64>) -> (Value, Value) {
+    let Some(added) = added.filter(|_| product.low.is_some()) else {
+        return (Value::Top, Value::Top);
+    };
+    let exact = if product.kind.signed {
+        (i64::from(a as i32) * i64::from(b as i32)) as u64
+    } else {
+        u64::from(a) * u64::from(b)
+    };
+    let sum = exact.wrapping_add(added);
+    (
+        Value::Constant((sum >> 32) as u32),
+        Value::Constant(sum as u32),
+    )
 }
 
 impl Step<'_> {
@@ -102,6 +135,32 @@ impl Step<'_> {
         }
     }
 
+    /// The stack pointer moved down by at most a known distance.
+    fn keep_lowest(&mut self, before: Option<i32>, operation: &Operation) {
+        if !matches!(self.state.registers[13], Value::StackAny) {
+            return;
+        }
+        let distance = match operation {
+            Operation::DataProcessing(DataProcessing {
+                operation: AluOperation::Sub,
+                destination: 13,
+                first: 13,
+                second: operand,
+                ..
+            }) => {
+                let moved = second(self.state, *operand, |n| self.read(n)).value;
+                moved.bounds().map(|(_, high)| high)
+            }
+            Operation::BlockTransfer(block) if block.base == 13 && !block.up => {
+                Some(block.size_bytes)
+            }
+            _ if self.state.lowest.is_some() => Some(0),
+            _ => None,
+        };
+        let lowest = before.zip(distance.and_then(|d| i32::try_from(d).ok()));
+        self.state.lowest = lowest.and_then(|(old, distance)| old.checked_sub(distance));
+    }
+
     fn unknown_flags(&mut self) {
         self.state.flags = ANY_FLAGS;
         self.state.comparison = None;
@@ -130,6 +189,9 @@ impl Step<'_> {
                 let address = self.read(*base);
                 let stored = self.read(*source);
                 self.store(&address, Width::Byte, stored);
+                if let Some(memory) = &mut self.state.memory {
+                    memory.forget();
+                }
                 effects.address = Some(address);
                 self.write(&mut effects, *destination, Value::Top);
             }
@@ -196,17 +258,31 @@ impl Step<'_> {
             Some(register) => self.read(register).constant(),
             None => Some(0),
         };
-        let value = match (a.constant(), b.constant(), addend, product.kind.long) {
-            (Some(a), Some(b), Some(c), false) => {
-                Value::Constant(a.wrapping_mul(b).wrapping_add(c))
+        let low = product.low.map(|register| (register, self.read(register)));
+        let (value, lower) = match (a.constant(), b.constant(), addend) {
+            (Some(a), Some(b), Some(c)) if low.is_none() => (
+                Value::Constant(a.wrapping_mul(b).wrapping_add(c)),
+                Value::Top,
+            ),
+            (Some(a), Some(b), _) => {
+                let added = match (product.kind.accumulate, &low) {
+                    (false, _) => Some(0),
+                    (true, Some((_, low))) => {
+                        let high = self.read(product.destination).constant();
+                        let pair = high.zip(low.constant());
+                        pair.map(|(high, low)| u64::from(high) << 32 | u64::from(low))
+                    }
+                    (true, None) => None,
+                };
+                long_product(product, a, b, added)
             }
-            _ => Value::Top,
+            _ => (Value::Top, Value::Top),
         };
         effects.multiplier = Some(b);
-        self.write(effects, product.destination, value);
-        if let Some(low) = product.low {
-            self.state.set(low, Value::Top);
+        if let Some((register, _)) = low {
+            self.state.set(register, lower);
         }
+        self.write(effects, product.destination, value);
         if product.sets_flags {
             self.unknown_flags();
         }
@@ -314,6 +390,15 @@ impl Step<'_> {
             Width::Halfword => (2, 16),
             Width::Word => (4, 0),
         };
+        if let Some(memory) = &self.state.memory {
+            if let Some(value) = memory.load(address, size).filter(|v| *v != Value::Top) {
+                return if signed {
+                    extended(&value, sign_bits)
+                } else {
+                    value
+                };
+            }
+        }
         let conventions = self.world.conventions;
         if address
             .constant()
@@ -345,6 +430,14 @@ impl Step<'_> {
     }
 
     fn store(&mut self, address: &Value, width: Width, value: Value) {
+        if let (Some(memory), false) = (&mut self.state.memory, address.in_stack()) {
+            let size = match width {
+                Width::Byte => 1,
+                Width::Halfword => 2,
+                Width::Word => 4,
+            };
+            memory.store(address, size, &value);
+        }
         match address {
             Value::Stack(offset) => {
                 let word = offset & !3;
@@ -366,6 +459,7 @@ impl Step<'_> {
             Value::Top | Value::Based(..) if self.state.escaped => self.state.forget_frame(),
             _ => {}
         }
-        self.state.escaped |= value.in_stack() && *address != Value::StackAny;
+        let of_stack = value.in_stack() || matches!(value, Value::MinusStack(_));
+        self.state.escaped |= of_stack && *address != Value::StackAny;
     }
 }

@@ -23,6 +23,8 @@ pub enum Value {
     Region(u8),
     /// The stack pointer at the function's entry plus this.
     Stack(i32),
+    /// This minus the stack pointer at the function's entry.
+    MinusStack(i32),
     /// An address in the function's own frame.
     StackAny,
     /// An address in the stack outside the function's frame.

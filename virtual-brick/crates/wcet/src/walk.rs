@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! A block executed on a state, and what is learned on the way.
 
+use crate::cost::BlockCost;
 use crate::flow::{Block, Entry, Flow, Target, Transfer};
-use crate::state::{State, ANY_URGENCY};
+use crate::state::{State, ANY_URGENCY, ENDLESS};
 use crate::transfer::{execute, Effects, World};
 use crate::value::Value;
 use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
@@ -42,6 +43,24 @@ pub struct BlockRecord {
     pub call_depth_bytes: Option<u32>,
     /// Highest urgency of a protected action that the block is in, at least in part.
     pub urgency: Option<u32>,
+    /// Longest call at its end, where calls are followed.
+    pub callee_cycles: Option<u64>,
+}
+
+/// What became of a call in one state.
+pub enum Called {
+    /// It returns, with this state and the cycles of the callee added.
+    Returned(State),
+    /// It does not return.
+    Never,
+    /// It was not followed: the state before it, and its cycles for any state with these arguments.
+    Apart(State, u64),
+}
+
+/// Executes calls in the states in which they are made.
+pub trait Calls {
+    /// The callee executed on its caller's state.
+    fn call(&self, callee: Entry, state: State) -> Called;
 }
 
 /// Executes blocks of one function.
@@ -54,7 +73,13 @@ pub struct Walker<'a> {
     pub changed: &'a BTreeMap<Entry, u16>,
     /// Region given by the user for accesses at a place.
     pub given_region: &'a dyn Fn(u32) -> Option<u8>,
-    /// What was learned, for each block.
+    /// Costs of the blocks, where cycles are counted.
+    pub costs: &'a [BlockCost],
+    /// Blocks that are not executed; those beyond the list are.
+    pub avoided: &'a [bool],
+    /// Follows calls.
+    pub calls: Option<&'a dyn Calls>,
+    /// What was learned, for each block; empty when nothing is to be learned.
     pub records: Vec<BlockRecord>,
     /// Instructions executed.
     pub step_count: u64,
@@ -95,7 +120,8 @@ fn depth(state: &State) -> Option<u32> {
     match state.registers[13] {
         Value::Stack(offset) => Some(u32::try_from(-i64::from(offset)).unwrap_or(0)),
         _ => state
-            .parked
+            .lowest
+            .or(state.parked)
             .and_then(|offset| u32::try_from(-i64::from(offset)).ok()),
     }
 }
@@ -115,13 +141,32 @@ impl<'a> Walker<'a> {
             depth_bytes: Some(0),
             call_depth_bytes: Some(0),
             urgency: None,
+            callee_cycles: None,
         };
+        Self {
+            records: flow.blocks.iter().map(record).collect(),
+            ..Self::counting(world, flow, changed, given_region, &[], None)
+        }
+    }
+
+    /// A walker that counts cycles and learns nothing.
+    pub fn counting(
+        world: World<'a>,
+        flow: &'a Flow,
+        changed: &'a BTreeMap<Entry, u16>,
+        given_region: &'a dyn Fn(u32) -> Option<u8>,
+        costs: &'a [BlockCost],
+        calls: Option<&'a dyn Calls>,
+    ) -> Self {
         Self {
             world,
             flow,
             changed,
             given_region,
-            records: flow.blocks.iter().map(record).collect(),
+            costs,
+            avoided: &[],
+            calls,
+            records: Vec::new(),
             step_count: 0,
         }
     }
@@ -164,12 +209,26 @@ impl<'a> Walker<'a> {
             match &block.transfer {
                 Some(transfer) => self.run_transfer(index, transfer, state, &mut outcome),
                 None => {
-                    self.records[index].feasible.fill(true);
-                    (0..block.edges.len()).for_each(|edge| outcome.leave(edge, state.clone()));
+                    let edges = 0..block.edges.len();
+                    let open: Vec<usize> = edges.filter(|e| self.is_open(index, *e)).collect();
+                    for edge in open {
+                        if let Some(record) = self.records.get_mut(index) {
+                            record.feasible[edge] = true;
+                        }
+                        outcome.leave(edge, state.clone());
+                    }
                 }
             }
         }
         outcome
+    }
+
+    /// May this way out be taken in what is bounded?
+    fn is_open(&self, index: usize, edge: usize) -> bool {
+        match self.flow.blocks[index].edges[edge].target {
+            Target::Block(next) => self.avoided.get(next) != Some(&true),
+            Target::Return => true,
+        }
     }
 
     fn run_straight(
@@ -180,16 +239,28 @@ impl<'a> Walker<'a> {
         after: &mut Vec<State>,
     ) {
         let (address, instruction) = self.flow.blocks[index].instructions[position];
-        self.records[index].instructions[position].flags |= state.flags;
+        self.pass(index, position, &mut state);
         if instruction.condition == ALWAYS {
             self.perform(index, position, &mut state, address, &instruction);
             after.push(state);
             return;
         }
         after.extend(state.assume(instruction.condition, false));
-        if let Some(mut state) = state.assume(instruction.condition, true) {
+        let passed = state.assume(instruction.condition, true);
+        drop(state);
+        if let Some(mut state) = passed {
             self.perform(index, position, &mut state, address, &instruction);
             after.push(state);
+        }
+    }
+
+    /// The instruction is fetched, whether or not its condition passes.
+    fn pass(&mut self, index: usize, position: usize, state: &mut State) {
+        if let Some(record) = self.records.get_mut(index) {
+            record.instructions[position].flags |= state.flags;
+        }
+        if let Some(cost) = self.costs.get(index) {
+            state.spend(cost.steps[position].fetch);
         }
     }
 
@@ -208,19 +279,22 @@ impl<'a> Walker<'a> {
             let found = self.world.map.of_value(value);
             found.or_else(|| (self.given_region)(address))
         });
-        let block = &mut self.records[index];
-        let record = &mut block.instructions[position];
-        if let Some(region) = region {
-            let read = self.world.map.data_cycles(region, false);
-            let write = self.world.map.data_cycles(region, true);
+        let cycles = internal_cycles(instruction, effects.multiplier.as_ref());
+        let access = |write| region.map_or(0, |r| self.world.map.data_cycles(r, write));
+        let (read, write) = (access(false), access(true));
+        if let Some(cost) = self.costs.get(index) {
+            let step = cost.steps[position];
+            state.spend(step.reads * read + step.writes * write + u64::from(cycles));
+        }
+        if let Some(block) = self.records.get_mut(index) {
+            let record = &mut block.instructions[position];
             record.read_cycles = record.read_cycles.max(read);
             record.write_cycles = record.write_cycles.max(write);
-            record.unknown_address |= region.is_none();
+            record.unknown_address |= region == Some(None);
+            record.internal_cycles = record.internal_cycles.max(cycles);
+            block.urgency = block.urgency.max(urgency);
+            block.depth_bytes = block.depth_bytes.zip(depth(state)).map(|(a, b)| a.max(b));
         }
-        let cycles = internal_cycles(instruction, effects.multiplier.as_ref());
-        record.internal_cycles = record.internal_cycles.max(cycles);
-        block.urgency = block.urgency.max(urgency);
-        block.depth_bytes = block.depth_bytes.zip(depth(state)).map(|(a, b)| a.max(b));
         effects
     }
 
@@ -234,58 +308,111 @@ impl<'a> Walker<'a> {
         let block = &self.flow.blocks[index];
         let position = block.instructions.len() - 1;
         let (address, instruction) = block.instructions[position];
-        self.records[index].instructions[position].flags |= state.flags;
+        let mut state = state;
+        self.pass(index, position, &mut state);
         let mut own_target = None;
         let failed = state.assume(instruction.condition, false);
         let passed = state.assume(instruction.condition, true);
-        let after = passed.map(|mut state| {
+        drop(state);
+        let after = passed.and_then(|mut state| {
             let link = state.registers[14].clone();
             let effects = self.perform(index, position, &mut state, address, &instruction);
             own_target.clone_from(&effects.target);
             outcome.reach(effects.target, link);
             if matches!(transfer, Transfer::Call(_) | Transfer::TailCall(_)) {
-                self.call(index, address, &mut state);
+                return self.call(index, address, state);
             }
-            state
+            Some(state)
         });
         let targets = own_target.as_ref().and_then(Value::elements);
-        let record = &mut self.records[index];
         for (number, edge) in self.flow.blocks[index].edges.iter().enumerate() {
-            let possible =
-                !edge.executed || self.flow.edge_fits(edge, transfer, targets.as_deref());
+            let possible = self.is_open(index, number)
+                && (!edge.executed || self.flow.edge_fits(edge, transfer, targets.as_deref()));
             let state = if edge.executed { &after } else { &failed };
             if let Some(state) = state.as_ref().filter(|_| possible) {
-                record.feasible[number] = true;
-                outcome.leave(number, state.clone());
+                if let Some(record) = self.records.get_mut(index) {
+                    record.feasible[number] = true;
+                }
+                let mut state = state.clone();
+                if let Some(cost) = self.costs.get(index).filter(|_| edge.executed) {
+                    state.spend(cost.refills[number] + cost.after_call);
+                }
+                outcome.leave(number, state);
             }
         }
     }
 
-    fn call(&mut self, index: usize, address: u32, state: &mut State) {
-        let arguments: [Value; 4] = std::array::from_fn(|n| state.registers[n].clone());
-        let record = &mut self.records[index];
-        let joined = match record.arguments.take() {
-            Some(known) => std::array::from_fn(|n| known[n].join(&arguments[n])),
-            None => arguments,
-        };
-        record.arguments = Some(joined);
-        record.call_depth_bytes = record
-            .call_depth_bytes
-            .zip(depth(state))
-            .map(|(a, b)| a.max(b));
+    /// The state after the call at the end of a block; none when it does not return.
+    fn call(&mut self, index: usize, address: u32, mut state: State) -> Option<State> {
+        let urgencies = self.note_call(index, &state);
         let calls = &self.flow.blocks[index].calls;
+        let Some(follower) = self.calls else {
+            state.urgencies = urgencies;
+            self.leave_out(index, address, &mut state);
+            return Some(state);
+        };
+        let before = state.elapsed.0;
+        let mut after: Option<State> = None;
+        let mut state = Some(state);
+        for (position, callee) in calls.iter().enumerate() {
+            let last = position + 1 == calls.len();
+            let own = if last { state.take() } else { state.clone() };
+            let found = match follower.call(*callee, own?) {
+                Called::Returned(found) => found,
+                Called::Never => continue,
+                Called::Apart(mut apart, cycles) => {
+                    self.leave_out(index, address, &mut apart);
+                    apart.spend(cycles);
+                    apart
+                }
+            };
+            after = Some(after.map_or(found.clone(), |known| known.join(&found)));
+        }
+        let mut after = after?;
+        after.urgencies = urgencies;
+        if let Some(record) = self.records.get_mut(index) {
+            let cycles = match after.elapsed.0 {
+                ENDLESS => ENDLESS,
+                cycles => cycles - before,
+            };
+            record.callee_cycles = record.callee_cycles.max(Some(cycles));
+        }
+        Some(after)
+    }
+
+    /// Records arguments, depth and protected actions of a call; the urgencies after it.
+    fn note_call(&mut self, index: usize, state: &State) -> Vec<u32> {
+        let arguments: [Value; 4] = std::array::from_fn(|n| state.registers[n].clone());
         let conventions = self.world.conventions;
-        for (callee, _) in calls {
+        let mut entered = None;
+        let mut after = state.clone();
+        for (callee, _) in &self.flow.blocks[index].calls {
             if conventions.locks.contains(callee) {
                 let object = state.registers[0].constant();
                 let urgency = object.and_then(|object| conventions.words.get(&object));
                 let urgency = urgency.copied().unwrap_or(ANY_URGENCY);
-                state.enter(urgency);
-                record.urgency = record.urgency.max(Some(urgency));
+                after.enter(urgency);
+                entered = Some(urgency);
             } else if conventions.unlocks.contains(callee) {
-                state.urgencies.pop();
+                after.urgencies.pop();
             }
         }
+        if let Some(record) = self.records.get_mut(index) {
+            let joined = match record.arguments.take() {
+                Some(known) => std::array::from_fn(|n| known[n].join(&arguments[n])),
+                None => arguments,
+            };
+            record.arguments = Some(joined);
+            let depths = record.call_depth_bytes.zip(depth(state));
+            record.call_depth_bytes = depths.map(|(a, b)| a.max(b));
+            record.urgency = record.urgency.max(entered);
+        }
+        after.urgencies
+    }
+
+    /// After a call that is not followed.
+    fn leave_out(&self, index: usize, address: u32, state: &mut State) {
+        let calls = &self.flow.blocks[index].calls;
         let known = calls.iter().filter_map(|callee| self.changed.get(callee));
         state.after_call(known.fold(0, |all, changed| all | changed));
         if state.registers[0] == Value::Top {
@@ -340,7 +467,7 @@ pub fn changed_registers(state: &State) -> u16 {
 /// Knowledge about arguments as the callee may use it.
 pub fn as_arguments(values: &[Value; 4]) -> [Value; 4] {
     std::array::from_fn(|n| match &values[n] {
-        Value::Based(..) => Value::Top,
+        Value::Based(..) | Value::MinusStack(_) => Value::Top,
         place if place.in_stack() => Value::OuterStack,
         value => value.clone(),
     })

@@ -33,7 +33,11 @@ pub fn build(name: &str, sources: &[PathBuf], flags: &[&str]) -> Option<Vec<u8>>
         .chars()
         .filter(char::is_ascii_alphanumeric)
         .collect();
-    let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{suffix}.elf"));
+    // Tests run side by side and build the same programs.
+    let thread: String = format!("{:?}", std::thread::current().id());
+    let thread = thread.replace(|c: char| !c.is_ascii_digit(), "");
+    let file = format!("{name}-{suffix}-{}-{thread}.elf", std::process::id());
+    let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join(file);
     let result = Command::new(COMPILER)
         .args([
             "-mcpu=arm7tdmi",
@@ -54,7 +58,9 @@ pub fn build(name: &str, sources: &[PathBuf], flags: &[&str]) -> Option<Vec<u8>>
         .output();
     match result {
         Ok(result) if result.status.success() => {
-            Some(std::fs::read(&output).expect("the compiler wrote the file"))
+            let content = std::fs::read(&output).expect("the compiler wrote the file");
+            let _ = std::fs::remove_file(&output);
+            Some(content)
         }
         Ok(result) => panic!("{name}: {}", String::from_utf8_lossy(&result.stderr)),
         Err(_) => {

@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Calls followed into the callee: frames, contexts, facts about calls, and memory.
+
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+mod support;
+
+use support::machine::Machine;
+use support::toolchain::{build, program};
+use wcet::closed::Closed;
+use wcet::report::Report;
+use wcet::{Annotations, Error, Image, MemoryMap, Program};
+
+const FLAGS: [[&str; 2]; 4] = [
+    ["-marm", "-O1"],
+    ["-marm", "-O2"],
+    ["-mthumb", "-O1"],
+    ["-mthumb", "-O2"],
+];
+
+fn elf(flags: &[&str]) -> Option<Vec<u8>> {
+    build("calls", &[program("calls.c")], flags)
+}
+
+fn bound(elf: &[u8], symbol: &str, facts: &str) -> Result<u64, Error> {
+    let image = Image::read(elf)?;
+    let map = MemoryMap::without_wait_states();
+    let annotations = Annotations::parse(facts, "facts.toml")?;
+    let program = Program::new(&image, &map, &annotations)?;
+    Ok(Report::new(&program, symbol)?.bound_cycles)
+}
+
+#[test]
+fn a_loop_is_bounded_by_what_its_caller_left_in_the_frame() {
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let seen = Machine::new(&elf).call("framed", [3, 0, 0, 0]);
+        assert_eq!(bound(&elf, "framed", "").unwrap(), seen.cycles, "{flags:?}");
+    }
+}
+
+#[test]
+fn each_call_costs_what_it_costs_and_not_what_the_longest_does() {
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let seen = Machine::new(&elf).call("rising", [0; 4]);
+        let most = bound(&elf, "rising", "").unwrap();
+        // The multiplier's size is known for each call, too.
+        assert_eq!(most, seen.cycles, "{flags:?}");
+    }
+}
+
+#[test]
+fn a_program_that_nothing_disturbs_is_bounded_as_it_is_recursion_included() {
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let mut machine = Machine::new(&elf);
+        machine.call("prepare", [0; 4]);
+        let seen = machine.call("stored", [0; 4]);
+        let closed = Closed {
+            calls: vec!["prepare".into(), "stored".into()],
+            stack_pointer: 0x3F_FFC0,
+        };
+        let (image, map) = (Image::read(&elf).unwrap(), MemoryMap::without_wait_states());
+        let cycles = closed.bound(&image, &map, &Annotations::default()).unwrap();
+        assert_eq!(cycles + 2, seen.cycles, "{flags:?}");
+    }
+}
+
+#[test]
+fn a_fact_within_a_function_holds_in_its_calls_only() {
+    let Some(elf) = elf(&["-marm", "-O1"]) else {
+        return;
+    };
+    let anywhere = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 15\n";
+    let within = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 2\nwithin = \"either\"\n";
+    let wide = bound(&elf, "either", anywhere).unwrap();
+    let narrow = bound(&elf, "either", &format!("{anywhere}{within}")).unwrap();
+    assert!(narrow < wide, "{narrow} < {wide}");
+    let facts = format!("{anywhere}{within}");
+    assert_eq!(
+        bound(&elf, "counted", anywhere).unwrap(),
+        bound(&elf, "counted", &facts).unwrap()
+    );
+}
+
+#[test]
+fn an_avoided_call_and_a_given_cost_shorten_the_way() {
+    let Some(elf) = elf(&["-marm", "-O1"]) else {
+        return;
+    };
+    let whole = bound(&elf, "either", "").unwrap();
+    let avoided = "[[avoided]]\nsymbol = \"counted\"\n";
+    let seen = Machine::new(&elf).call("either", [0, 0, 0, 0]).cycles;
+    assert_eq!(bound(&elf, "either", avoided).unwrap(), seen);
+    let cost = "[[cost]]\nsymbol = \"counted\"\ncycles = 20\n";
+    let cheap = bound(&elf, "either", cost).unwrap();
+    assert!(seen < cheap && cheap < whole, "{seen} < {cheap} < {whole}");
+}

@@ -1,0 +1,73 @@
+/* SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Functions whose time depends on what their callers leave in frames and in memory.
+ */
+
+struct span {
+    int first;
+    int last;
+};
+
+__attribute__((noinline)) int added(const int *items, const struct span *span)
+{
+    int sum = 0;
+    for (int place = span->first; place <= span->last; place++)
+        sum += items[place];
+    return sum;
+}
+
+/* Bounds of the loop lie in the caller's frame. */
+int framed(int item)
+{
+    int items[8] = { item, item, item, item, item, item, item, item };
+    struct span all = { 0, 7 }, some = { 2, 4 };
+    return added(items, &all) + added(items, &some);
+}
+
+__attribute__((noinline)) int counted(int count)
+{
+    int sum = 0;
+    for (int place = 0; place < count; place++)
+        sum += place * place;
+    return sum;
+}
+
+/* The callee's longest call is not its every call. */
+int rising(void)
+{
+    int sum = 0;
+    for (int count = 0; count < 10; count++)
+        sum += counted(count);
+    return sum;
+}
+
+static volatile unsigned char table[16];
+static int depth[4];
+
+void prepare(void)
+{
+    for (int place = 0; place < 16; place++)
+        table[place] = (unsigned char)(place * 7 % 16);
+    depth[2] = 6;
+}
+
+__attribute__((noinline)) int nested(int level)
+{
+    return level == 0 ? 1 : level + nested(level - 1);
+}
+
+/* How often depends on what `prepare` stored; one branch depends on nothing that is known. */
+int stored(void)
+{
+    int sum = 0;
+    for (int place = 0; table[place] != 9; place++)
+        for (int count = table[place]; count > 0; count--)
+            sum += count;
+    return sum + nested(depth[2]);
+}
+
+int either(int which, int count)
+{
+    return which ? counted(count & 15) : 3;
+}
