@@ -32,7 +32,7 @@ from ravenbrick.timing.figures import (
 )
 from ravenbrick.timing.hunt import hunt, largest
 from ravenbrick.timing.long_run import long_run
-from ravenbrick.timing.observed import check_bounds, check_interrupt_rates, observe
+from ravenbrick.timing.observed import Observed, check_bounds, check_interrupt_rates, observe
 from ravenbrick.timing.report import (
     INTERRUPT_HEAD,
     SHORT_HEAD,
@@ -114,6 +114,31 @@ def _chain_line(chain: ChainDelay) -> str:
     )
 
 
+def _search(
+    robot: Robot,
+    scenario: Scenario,
+    image: ElfImage,
+    recording: Recording,
+    attempts: int,
+    hours: float,
+    reporter: Reporter,
+) -> tuple[dict[str, Observed], dict[str, Any]]:
+    """The largest values of the run and of a hunt, and what hunt and long run showed."""
+    seen = observe(robot, recording)
+    more: dict[str, Any] = {}
+    if attempts:
+        with reporter.step(f"hunt in {attempts} variants of '{scenario.name}'") as step:
+            found = hunt(robot, scenario, image, attempts, step.progress)
+        seen = largest(seen, found)
+        more["hunt"] = found.plain()
+    if hours:
+        with reporter.step(f"observe '{scenario.name}' over and over") as step:
+            run = long_run(robot, scenario, image, 3600 * hours, step.progress)
+            step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
+        more["long_run"] = run.plain()
+    return seen, more
+
+
 @command("ravenbrick analyse examples/vehicle --scenario drive")
 def analyse_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
@@ -143,18 +168,7 @@ def analyse_command(
         analysis = _bounds(robot, chosen, elf, facts)
     recording = _recording(workspace, robot, chosen, elf, reporter)
     check_interrupt_rates(robot, facts, recording)
-    seen = observe(robot, recording)
-    more: dict[str, Any] = {}
-    if hunt_attempts:
-        with reporter.step(f"hunt in {hunt_attempts} variants of '{chosen.name}'") as step:
-            found = hunt(robot, chosen, elf, hunt_attempts, step.progress)
-        seen = largest(seen, found)
-        more["hunt"] = found.plain()
-    if hours:
-        with reporter.step(f"observe '{chosen.name}' over and over") as step:
-            run = long_run(robot, chosen, elf, 3600 * hours, step.progress)
-            step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
-        more["long_run"] = run.plain()
+    seen, more = _search(robot, chosen, elf, recording, hunt_attempts, hours, reporter)
     check_bounds(analysis, seen, more.get("long_run"))
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
