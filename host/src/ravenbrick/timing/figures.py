@@ -131,7 +131,7 @@ def spreads_figure(result: dict[str, Any]) -> Figure:
         axis.set_xscale("log")
         axis.set_yscale("log")
         axis.set_ylabel(f"{task['name']}\njobs per us")
-        legend(axis, "upper left")
+        legend(axis, "upper center")
     axes[-1].set_xlabel("time after the nominal release (us)")
     return figure
 
