@@ -213,12 +213,13 @@ def site_suite() -> Row:
     return suite_row("course", site.SUITE, *site.measure())
 
 
-def acats(suite: str, refused: bool) -> Callable[[], Row]:
-    """Tests of the Ada conformity suite: those that run, or those that must be refused."""
+def acats(suite: str, kind: str) -> Callable[[], Row]:
+    """Tests of the Ada conformity suite: programs that run, are adapted, or must be refused."""
+    kinds = dict.fromkeys(campaign.REJECTED, "refused") | dict.fromkeys(campaign.ADAPTED, "adapted")
 
     def run() -> Row:
         try:
-            outcomes = [o for o in campaign.whole() if (o.chapter in campaign.REJECTED) == refused]
+            outcomes = [o for o in campaign.whole() if kinds.get(o.chapter, "run") == kind]
         except campaign.SuiteMissingError as missing:
             return suite_row("runtime", suite, 0, 0, [{"count": 0, "reason": str(missing)}])
         passed = sum(o.status == "passed" for o in outcomes)
@@ -424,8 +425,13 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         pytest_suite("drivers", "brown-out and dead battery at each moment of a saving", BROWN_OUT),
     ),
     ("runtime", pytest_suite("runtime", "restriction programs are refused", RESTRICTIONS)),
-    ("runtime", acats("ACATS: programs that the profiles admit", refused=False)),
-    ("runtime", acats("ACATS: restriction programs are refused", refused=True)),
+    ("runtime", acats("ACATS: programs that the profiles admit", "run")),
+    ("runtime", acats("ACATS: tests adapted to library level", "adapted")),
+    ("runtime", acats("ACATS: restriction programs are refused", "refused")),
+    (
+        "runtime",
+        pytest_suite("runtime", "no drift in 24 h of virtual time", "conformance/test_drift.py"),
+    ),
     ("control", pytest_suite("control", "blocks: definition, simulation, C", *BLOCKS)),
     ("control", block_costs),
     ("control", identified_motors),

@@ -20,12 +20,14 @@ from runtime.tests.harness import BENCH, CYCLES_PER_SECOND, UNITS_PER_SECOND, Ru
 DAY_SECONDS = 86_400
 CYCLES_PER_UNIT = 16 / 7
 LATEST_CYCLES = 350
+SIGNAL_PERIOD_CYCLES = 480_000_000
 
 
 @pytest.fixture(scope="module")
 def day() -> Iterator[Run]:
     """The program after 24 hours."""
-    brick = virtual_brick.VirtualBrick(json.dumps(BENCH), build("drift").read_bytes())
+    configuration = json.dumps(BENCH | {"signal_period_cycles": SIGNAL_PERIOD_CYCLES})
+    brick = virtual_brick.VirtualBrick(configuration, build("drift").read_bytes())
     yield Run(brick, brick.run_until(round((DAY_SECONDS + 0.5) * CYCLES_PER_SECOND)))
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from conformance.acats.suite import AcatsTest, Suite
 
-__all__ = ["BuildError", "Builder", "Image"]
+__all__ = ["BuildError", "Builder", "Image", "Memory"]
 
 HERE = Path(__file__).resolve().parent
 PREFIX = "arm-linux-gnueabi-"
@@ -26,10 +26,6 @@ LINK = (
     *("-Wl,--gc-sections", "-Wl,--no-warn-mismatch", "-Wl,--build-id=none"),
     *("-Wl,-z,noexecstack", "-Wl,--no-warn-rwx-segments"),
 )
-STACK_BYTES = 30_720
-HEAP_BYTES = 12_288
-"""Of the environment task and of allocators: the suite was written for workstations."""
-SECONDARY_STACK_KIB = 8
 REMOVED = re.compile(r"this handler can never be entered, and has been removed")
 
 FOR_OTHER_TARGETS = (
@@ -39,6 +35,18 @@ FOR_OTHER_TARGETS = (
 )
 """In the suite's package of implementation-defined values, which is the implementer's to fill in:
 for programs with input-output and for objects of another language."""
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Of the environment task, of allocators, and of each task for results of unknown size.
+
+    The suite was written for workstations.
+    """
+
+    stack_bytes: int = 30_720
+    heap_bytes: int = 12_288
+    secondary_stack_kib: int = 8
 
 
 class BuildError(Exception):
@@ -91,7 +99,8 @@ def reasons_of(text: str) -> list[str]:
 class Builder:
     """Builds tests in a work folder with one run-time."""
 
-    def __init__(self, suite: Suite, rts: Path, work: Path) -> None:
+    def __init__(self, suite: Suite, rts: Path, work: Path, memory: Memory | None = None) -> None:
+        self.memory = memory or Memory()
         self.suite = suite
         self.rts = rts
         self.work = work
@@ -147,7 +156,11 @@ class Builder:
         if main is None:
             raise BuildError("chop", ["no main procedure"])
         messages = self._compile(main, folder, test.switches)
-        bind = [f"{PREFIX}gnatbind-12", f"--RTS={self.rts}", f"-D{SECONDARY_STACK_KIB}k"]
+        bind = [
+            f"{PREFIX}gnatbind-12",
+            f"--RTS={self.rts}",
+            f"-D{self.memory.secondary_stack_kib}k",
+        ]
         bind += ["-static", f"-aO{self.shared}", f"{main}.ali"]
         result = _run(bind, folder)
         if result.returncode != 0:
@@ -177,8 +190,8 @@ class Builder:
         own = [x for x in objects if not x.startswith(str(self.rts))]
         elf = folder / f"{main}.elf"
         command = [*LINK, f"-L{self.rts}/adalib", "-Tflash.ld", "-o", str(elf)]
-        command += [f"-Wl,--defsym=ravenbrick_environment_stack_size={STACK_BYTES}"]
-        command += [f"-Wl,--defsym=ravenbrick_heap_size={HEAP_BYTES}"]
+        command += [f"-Wl,--defsym=ravenbrick_environment_stack_size={self.memory.stack_bytes}"]
+        command += [f"-Wl,--defsym=ravenbrick_heap_size={self.memory.heap_bytes}"]
         command += [f"b~{main}.o", *own, *foreign, "-lgnat", "-lm", "-lgnat", "-lgcc"]
         result = _run(command, folder)
         if result.returncode == 0:

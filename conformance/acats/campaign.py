@@ -12,6 +12,7 @@ import argparse
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -20,19 +21,22 @@ from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 
+from conformance.acats.adaptation import MEMORY, Adaptation, AdaptationError, adaptations
 from conformance.acats.build import Builder, BuildError
 from conformance.acats.execution import Verdict, execute
 from conformance.acats.judgement import is_only_ravenscar, judge, judge_refused
 from conformance.acats.suite import EXECUTED, REJECTED, AcatsTest, Suite, SuiteMissingError
 from conformance.acats.table import table
 
-__all__ = ["REJECTED", "Outcome", "SuiteMissingError", "run", "whole"]
+__all__ = ["ADAPTED", "REJECTED", "Outcome", "SuiteMissingError", "adapted", "run", "whole"]
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 RESULTS = HERE / "results.json"
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 WORKERS = 2
+ADAPTED = ("adapted",)
+"""In place of a chapter: programs that `adaptations.toml` makes from tests."""
 WORK = PRODUCTS / "conformance" / "acats"
 
 
@@ -130,14 +134,48 @@ def run(names: list[str], workers: int) -> list[Outcome]:
     return sorted(outcomes, key=lambda o: o.test)
 
 
-@cache
-def whole() -> list[Outcome]:
-    """Run all tests and write the results and their table."""
-    outcomes = run([], WORKERS)
+def _adapted_one(suite: Suite, rule: Adaptation, test: AcatsTest) -> Outcome:
+    """Build and run one adapted program."""
+    if rule.excluded:
+        return Outcome(rule.name, *ADAPTED, rule.profile, "excluded", rule.excluded)
+    folder = WORK / "adapted" / rule.name
+    builder = Builder(suite, PRODUCTS / "runtime" / rule.profile, folder, MEMORY)
+    builder.shared = WORK / rule.profile / "shared"
+    try:
+        image = builder.build(rule.apply(suite, test, folder / "sources"))
+    except (BuildError, AdaptationError) as refusal:
+        return Outcome(rule.name, *ADAPTED, rule.profile, "failed", str(refusal))
+    found = execute(image.elf)
+    if rule.expected:
+        passed = found.word == "raised" and re.match(rule.expected, found.text)
+    else:
+        passed = found.word == "passed"
+    reason = rule.what if passed else f"{found.word}: {found.text}".replace("\n", " ")
+    return Outcome(rule.name, *ADAPTED, rule.profile, "passed" if passed else "failed", reason)
+
+
+def adapted() -> list[Outcome]:
+    """Outcomes of the adapted tests; their packages are prepared as for the others."""
+    suite = Suite.from_environment()
+    for name in ("ravenscar", "jorvik"):
+        Profile(suite, name)
+    tests = {test.name: test for test in suite.tests(EXECUTED)}
+    return [_adapted_one(suite, rule, tests[rule.test]) for rule in adaptations()]
+
+
+def write(outcomes: list[Outcome]) -> None:
+    """The results and their table."""
     rows = [asdict(o) for o in outcomes]
     lines = ",\n".join(json.dumps(row, sort_keys=True) for row in rows)
     RESULTS.write_text(f"[\n{lines}\n]\n")
     RESULTS.with_suffix(".md").write_text(table(rows))
+
+
+@cache
+def whole() -> list[Outcome]:
+    """Run all tests and write the results and their table."""
+    outcomes = [*run([], WORKERS), *adapted()]
+    write(outcomes)
     return outcomes
 
 

@@ -129,8 +129,9 @@ class Suite:
             for mark, text in target.items():
                 value = value.replace(mark, text)
             values[name.strip()] = value.strip()
-        blanks = values.get("MAX_IN_LEN", "200")
-        return values | {"BLANKS": " " * (int(blanks) - 20)}
+        longest = int(values.get("MAX_IN_LEN", "200"))
+        literal = '"' + "A" * (longest - 2) + '"'
+        return values | {"BLANKS": " " * (longest - 20), "MAX_STRING_LITERAL": literal}
 
     def text(self, path: Path) -> str:
         """A source file with its macros filled in."""
