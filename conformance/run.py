@@ -32,7 +32,7 @@ RESULTS = ROOT / "conformance" / "results.json"
 CARGO = "cargo"
 LOCKED = "--locked"
 CRATES = ROOT / "virtual-brick"
-CAMPAIGN_SECONDS = 120
+CAMPAIGN_SECONDS = 100
 PUBLIC_CASES = 38_000
 NXT_FIRMWARE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 
