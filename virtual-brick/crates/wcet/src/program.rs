@@ -24,6 +24,9 @@ const CONTEXTS: usize = 256;
 
 type Arguments = [Value; 4];
 
+/// A bound, or why there is none; looking for one that is not there takes longest.
+pub type Known = Result<Rc<FunctionBound>, Error>;
+
 /// A program under analysis.
 pub struct Program<'a> {
     /// Code and symbols.
@@ -36,7 +39,7 @@ pub struct Program<'a> {
     pub closed: bool,
     annotations: &'a Annotations,
     summaries: RefCell<BTreeMap<Entry, Rc<Summary>>>,
-    bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, Rc<FunctionBound>>>>,
+    bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, Known>>>,
     open: RefCell<Vec<(Entry, u32)>>,
     bounding: RefCell<Vec<Entry>>,
 }
@@ -238,55 +241,50 @@ impl<'a> Program<'a> {
 
     /// Bound of a function for what is known about its arguments, without the refill of its
     /// return.
-    pub fn bound(&self, entry: Entry, arguments: &Arguments) -> Result<Rc<FunctionBound>, Error> {
-        let arguments = {
-            let bounds = self.bounds.borrow();
-            let known = bounds.get(&entry);
-            if let Some(found) = known.and_then(|known| known.get(arguments)) {
-                return Ok(Rc::clone(found));
-            }
-            if known.is_some_and(|known| known.len() >= CONTEXTS) {
-                any_arguments()
-            } else {
-                arguments.clone()
-            }
-        };
-        if let Some(found) = self
-            .bounds
-            .borrow()
-            .get(&entry)
-            .and_then(|k| k.get(&arguments))
-        {
-            return Ok(Rc::clone(found));
+    pub fn bound(&self, entry: Entry, arguments: &Arguments) -> Known {
+        let recursive = self.given_recursion(entry).is_some();
+        if recursive && self.bounding.borrow().contains(&entry) {
+            return Ok(Rc::new(recursive_call(entry)));
         }
+        let any = any_arguments();
+        let arguments = if recursive { &any } else { arguments };
+        if let Some(found) = self.known(entry, arguments) {
+            return found;
+        }
+        let full = self.bounds.borrow().get(&entry).map_or(0, BTreeMap::len) >= CONTEXTS;
+        let arguments = if full { &any } else { arguments };
+        if let Some(found) = self.known(entry, arguments) {
+            return found;
+        }
+        let found = self.sought(entry, arguments);
+        let depends_on_callers = matches!(found, Err(Error::Recursion(_)));
+        if !depends_on_callers {
+            let mut bounds = self.bounds.borrow_mut();
+            let known = bounds.entry(entry).or_default();
+            known.insert(arguments.clone(), found.clone());
+        }
+        found
+    }
+
+    fn known(&self, entry: Entry, arguments: &Arguments) -> Option<Known> {
+        self.bounds.borrow().get(&entry)?.get(arguments).cloned()
+    }
+
+    fn sought(&self, entry: Entry, arguments: &Arguments) -> Known {
         let summary = self.summary(entry, entry.0)?;
         if summary.avoided.first() == Some(&true) {
             return Err(Error::NeverReturns(self.image.place(entry.0)));
         }
-        let recursion = self.given_recursion(entry);
-        let arguments = match recursion {
-            Some(_) => any_arguments(),
-            None => arguments,
-        };
-        if recursion.is_some() && self.bounding.borrow().contains(&entry) {
-            return Ok(Rc::new(recursive_call(entry)));
-        }
         self.bounding.borrow_mut().push(entry);
-        let bound = bound_summary(self, entry, &summary, self.entry_state(entry, &arguments));
+        let bound = bound_summary(self, entry, &summary, self.entry_state(entry, arguments));
         self.bounding.borrow_mut().pop();
-        let bound = match recursion {
+        let bound = match self.given_recursion(entry) {
             Some((calls, depth)) => bound_recursive(bound?, calls, depth),
             None => bound?,
         };
         let given = self.given_cycles(entry).unwrap_or(u64::MAX);
         let cycles = bound.cycles.min(given);
-        let bound = Rc::new(FunctionBound { cycles, ..bound });
-        let mut bounds = self.bounds.borrow_mut();
-        bounds
-            .entry(entry)
-            .or_default()
-            .insert(arguments, Rc::clone(&bound));
-        Ok(bound)
+        Ok(Rc::new(FunctionBound { cycles, ..bound }))
     }
 
     /// What holds at the entry. The callers of functions that leave a protected action are in one.
