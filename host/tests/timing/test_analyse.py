@@ -105,7 +105,17 @@ def test_ceilings_and_handlers_are_those_of_the_sources(analysis: Analysis) -> N
     assert priorities[9] == 38 and priorities[12] == 31
 
 
-def test_a_loop_without_a_bound_is_asked_for_by_file_and_line(image: ElfImage) -> None:
+def test_a_loop_without_a_bound_is_asked_for_by_file_and_line(
+    robot: Robot, scenario: Scenario, image: ElfImage
+) -> None:
+    with pytest.raises(ExecutionTimeError) as refused:
+        _analysed(robot, scenario, image, Facts(None, ""))
+    asked = re.search(r"nxt-avr_io\.adb:(\d+): how often at most", refused.value.detail)
+    assert asked is not None
+    assert f'file = "nxt-avr_io.adb", line = {asked[1]}' in refused.value.detail
+
+
+def test_a_loop_of_a_function_alone_is_asked_for_too(image: ElfImage) -> None:
     with pytest.raises(ExecutionTimeError) as refused:
         execution_times(image.content, functions=["memcpy"])
     asked = re.search(r"memory\.S:(\d+): how often at most", refused.value.detail)
