@@ -90,6 +90,18 @@ def test_asks_for_the_network_when_package_lists_fail(machine: Path) -> None:
     assert "build/setup/setup.log" in result.stderr
 
 
+def test_asks_for_the_security_suite_when_the_packaged_rust_is_too_old(machine: Path) -> None:
+    """An old cargo whose package is present is upgraded; if that gives no newer one, how to get it."""
+    write_command(machine / "bin", "id", "echo 0")
+    write_command(machine / "bin", "dpkg-query", "echo ii")
+    write_command(machine / "bin", "cargo", "echo 'cargo 1.85.0 (2025-02-20)'")
+    write_command(machine / "bin", "apt-get", f'echo "$@" >> {machine}/asked')
+    result = run_setup(machine)
+    assert result.returncode == 4
+    assert "install rustc-web cargo-web" in (machine / "asked").read_text()
+    assert "bookworm-security" in result.stderr
+
+
 def test_is_quick_and_silent_about_installing_when_all_is_there() -> None:
     """On a machine that is set up nothing is installed or built again."""
     result = subprocess.run(
