@@ -21,7 +21,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from conformance import blocks, identification
+from conformance import blocks, identification, plant_points
 from conformance.acats import campaign
 from conformance.timing import suites
 from tools import tables
@@ -110,6 +110,13 @@ def fuzz() -> Row:
     row = cargo_example("virtual-brick", "fuzz", str(CAMPAIGN_SECONDS))
     suite = f"fuzz for {CAMPAIGN_SECONDS} s: images, configurations, programs, registers, inputs"
     return suite_row(row["area"], suite, row["case_count"], row["passed"])
+
+
+def published_points() -> Row:
+    """Values of the plant with a published band; writes its page."""
+    count, good, excluded = plant_points.outcome(plant_points.measure())
+    suite = "published points within their bands, four parameter sets"
+    return suite_row("plant", suite, count, good, excluded)
 
 
 def cargo_suite(area: str, suite: str, package: str, *options: str) -> Callable[[], Row]:
@@ -360,6 +367,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         ),
     ),
     ("plant", cargo_suite("plant", "published motor points, body", "plant")),
+    ("plant", published_points),
     (
         "plant",
         pytest_suite("plant", "FMI 2 unit as the body", f"{HOST_TESTS}/target/test_fmu_body.py"),

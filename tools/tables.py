@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write the Markdown tables of `conformance/` and `benchmarks/` from their results files.
+"""Write the Markdown tables of `conformance/`, `benchmarks/` and some reference pages from results.
 
 `python -m tools.tables` writes them; `--check` fails when a table is not what its file says.
 """
@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from tools.result_pages import plant_page
 
 __all__ = ["AREAS", "benchmark_table", "conformance_table", "merge_rows"]
 
@@ -83,17 +86,20 @@ def merge_rows(path: Path, rows: list[Row], key: tuple[str, ...]) -> None:
     path.write_text(json.dumps(list(merged.values()), indent=1, sort_keys=True) + "\n")
 
 
-TABLES = (
-    (ROOT / "conformance" / "results.json", conformance_table),
-    (ROOT / "benchmarks" / "results.json", benchmark_table),
+CONFORMANCE, BENCHMARKS = ROOT / "conformance", ROOT / "benchmarks"
+REFERENCE = ROOT / "docs" / "reference"
+# Results, page, and what makes the one from the other.
+TABLES: tuple[tuple[Path, Path, Callable[[Any], str]], ...] = (
+    (CONFORMANCE / "results.json", CONFORMANCE / "results.md", conformance_table),
+    (BENCHMARKS / "results.json", BENCHMARKS / "results.md", benchmark_table),
+    (CONFORMANCE / "plant_points.json", REFERENCE / "plant-points.md", plant_page),
 )
 
 
 def main(arguments: list[str]) -> int:
     """Write the tables, or with `--check` compare them."""
     stale = 0
-    for source, render in TABLES:
-        target = source.with_suffix(".md")
+    for source, target, render in TABLES:
         if not source.exists() and "--check" not in arguments:
             continue
         text = render(json.loads(source.read_text()))
@@ -101,7 +107,7 @@ def main(arguments: list[str]) -> int:
             target.write_text(text)
         elif not target.exists() or target.read_text() != text:
             name = target.relative_to(ROOT)
-            print(f"{name}: differs from its results.json; run 'python -m tools.tables'")
+            print(f"{name}: differs from {source.name}; run 'python -m tools.tables'")
             stale = 1
     return stale
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tools.tables import benchmark_table, conformance_table, merge_rows
+from tools.result_pages import plant_page
+from tools.tables import CONFORMANCE, benchmark_table, conformance_table, merge_rows
 
 SUITE = {
     "area": "cpu",
@@ -58,3 +59,13 @@ def test_merging_replaces_rows_with_the_same_key(tmp_path: Path) -> None:
     merge_rows(path, [SUITE], ("area", "suite"))
     merge_rows(path, [{**SUITE, "passed": 10}], ("area", "suite"))
     assert [row["passed"] for row in json.loads(path.read_text())] == [10]
+
+
+def test_the_plants_page_judges_each_value_and_names_the_contradiction() -> None:
+    """A value with a band is in or out; without one it stands alone."""
+    data = json.loads((CONFORMANCE / "plant_points.json").read_text())
+    page = plant_page(data)
+    assert "| 9 V, no load | speed, rpm | 170 | 164.9 to 175.1 | 167.9, in |" in page
+    assert "| 9 V, no load | current, A | 0.060 |  | 0.055 |" in page
+    assert page.count("**out**") == len(data["missed"])
+    assert "contradict each other" in page

@@ -3,6 +3,8 @@
 //! Robots for the tests.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used)]
 
+pub mod points;
+
 use plant::{Decay, MotorDrive, MotorParameters, MotorPort, Robot, RobotParameters};
 
 /// Step in s: 4,800 cycles of the brick's clock.

@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Pages that say more than a table: the plant beside published points, and fuzzing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["plant_page"]
+
+Row = dict[str, Any]
+
+HEAD = """<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->
+<!-- SPDX-License-Identifier: Apache-2.0 -->
+"""
+PLANT_HEAD = """# The plant beside published measurements
+
+Generated from `conformance/plant_points.json` by `python -m conformance.plant_points`; do not edit.
+
+Each measurement of a real NXT motor that was found published, repeated on the virtual motor. A value
+is *in* or *out* where the publications agree well enough to give a band; the others are stated for
+comparison. All values are at the output shaft.
+
+Sets: **A** identified for the MinSeg robot (MATLAB parameter file); **B** Watanabe's, for NXTway-GS,
+with an inertia for a motor alone; **C** of the Pybricks firmware (`motor_data.py`, 2026), fitted to
+Philo's points; **A, real bridge** is A with 0.6 V lost in the bridge and 0.04 N m of friction at rest.
+Sources: *Philo*, P. Hurbain's pages on LEGO motors (2006); *students*, a project at Ryerson University
+with one motor on 8.16 V; *Muntoo*, a sweep of the power under NXC (2011).
+"""
+
+
+def _row(cells: list[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def _short(value: float) -> str:
+    return f"{value:.3f}" if abs(value) < 1 else f"{value:.4g}"
+
+
+def _judged(measured: Row) -> str:
+    words = {None: "", True: ", in", False: ", **out**"}
+    return _short(measured["value"]) + words[measured["passes"]]
+
+
+def _value(points: list[Row], condition: str, quantity: str, chosen: str) -> float:
+    for point in points:
+        if (point["condition"], point["quantity"]) == (condition, quantity):
+            return float(next(m["value"] for m in point["measured"] if m["set"] == chosen))
+    raise KeyError(f"{condition}: {quantity}")
+
+
+def _contradiction(data: Row) -> list[str]:
+    points, percent = data["points"], "turns from duty cycle, %"
+    loaded = "9 V, 0.115 N m, brake mode"
+    linear = [_value(points, loaded, percent, name) for name in "ABC"]
+    real = "A, real bridge"
+    free = _value(points, "8 V, no load, brake mode", percent, real)
+    speed = _value(points, "9 V, no load", "speed, rpm", real)
+    floating = _value(points, "9 V, 0.115 N m, float mode", percent, "A")
+    return [
+        "## Points that contradict each other",
+        "",
+        "Philo's motor with 0.115 N m on 9 V stood still below about 40 % of the duty cycle. The",
+        f"published sets turn it from {min(linear):.0f} to {max(linear):.0f} %. Friction at rest and the"
+        " bridge's drop raise that,",
+        "but they also hold back a motor without load, and Muntoo's turned from 5 %: whatever the",
+        f"share of the two, set A then turns from {data['stall_percent_at_most']:.0f} % at the latest."
+        " No constant friction and drop",
+        "meet both measurements.",
+        "",
+        f"`A, real bridge` meets Philo's point with {_value(points, loaded, percent, real):.0f} %, turns"
+        f" without load from {free:.0f} % only,",
+        f"and reaches {speed:.0f} rpm in place of 170, because Philo's other points were measured at the",
+        "motor's terminals. In float mode the current dies down in each period and A turns from"
+        f" {floating:.0f} %;",
+        "which mode the 40 % were measured in is not published. A robot's file therefore has",
+        "`driver_drop` and `static_friction` as parameters with tolerances.",
+        "",
+        "Not in the table: Philo's points under LEGO's power control, which are a property of that",
+        "firmware's regulation, and the drive of a Tribot over a floor, whose wheels are not published.",
+        "",
+    ]
+
+
+def plant_page(data: Row) -> str:
+    """The plant's points: published, band, value of each set, in or out; why one is out."""
+    names = [measured["set"] for measured in data["points"][0]["measured"]]
+    lines = [HEAD + PLANT_HEAD]
+    lines += [_row(["Condition", "Quantity", "Published", "Band", *names, "Source"])]
+    lines += ["|---|---|---:|---|" + "---:|" * len(names) + "---|"]
+    for point in data["points"]:
+        limits = point["limits"]
+        band = " to ".join(_short(limit) for limit in limits) if limits else ""
+        values = [_judged(measured) for measured in point["measured"]]
+        head = [point["condition"], point["quantity"], _short(point["published"]), band]
+        lines.append(_row([*head, *values, point["source"]]))
+    lines += ["", "## Values that are out", ""]
+    lines += [_row(["Set", "Condition", "Quantity", "Reason"]), "|---|---|---|---|"]
+    keys = ("set", "condition", "quantity", "reason")
+    lines += [_row([miss[key] for key in keys]) for miss in data["missed"]]
+    return "\n".join([*lines, "", *_contradiction(data)])
