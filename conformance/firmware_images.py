@@ -3,8 +3,9 @@
 """Images of other firmware families on the virtual brick: what the LCD shows.
 
 None of them may be kept in the repository: each is looked for where its environment variable
-says. `python -m conformance.firmware_images` writes the table `docs/reference/firmware-images.md`
-of those that are there; one that is absent keeps what was seen of it last.
+says. `python -m conformance.firmware_images` runs those that are there and writes
+`firmware_images.json`, in which one that is absent keeps what was seen of it last, and from it
+docs/reference/firmware-images.md with its pictures.
 """
 
 from __future__ import annotations
@@ -20,8 +21,11 @@ from typing import Any
 
 import virtual_brick
 
+from tools import tables
+from tools.lcd_picture import WIDTH
+
 ROOT = Path(__file__).resolve().parent.parent
-TABLE = ROOT / "docs" / "reference" / "firmware-images.md"
+RESULTS = ROOT / "conformance" / "firmware_images.json"
 FLASH = 0x0010_0000
 USER_RAM = 0x0020_2000
 FLASH_BYTES = 0x4_0000
@@ -35,53 +39,68 @@ CONFIGURATION: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Family:
-    """A kind of firmware; `variables` name the files it needs."""
+    """A kind of firmware; `variables` name the files it needs.
+
+    `shows` is in words what somebody found who looked at the picture. `picture` is its digest where
+    every image of the family shows the same.
+    """
 
     name: str
     variables: tuple[str, ...]
     source: str
+    shows: str
     run_ms: int
+    picture: str | None = None
     in_ram: bool = False
 
 
+MENU = "LEGO's menu: *My Files*, Bluetooth, the brick's name, USB, battery"
 FAMILIES = (
     Family(
         "LEGO 1.29.2",
         ("RAVENBRICK_NXT_FIRMWARE",),
         "Debian package nxt-firmware 1.29.2-1",
+        MENU,
         7_000,
     ),
     Family(
         "NBC/NXC enhanced firmware 1.32",
         ("RAVENBRICK_NBC_FIRMWARE",),
         "lms_arm_nbcnxc_132_20130303_2051.rfw of BricxCC, also in nxtOSEK's repository",
+        MENU,
         7_000,
     ),
     Family(
         "leJOS NXJ",
         ("RAVENBRICK_LEJOS_VM", "RAVENBRICK_LEJOS_MENU"),
         "lejos_nxt_rom.bin and StartUpText.bin of the leJOS repository (snapshot/bin)",
+        "its menu: battery, the brick's name from the Bluetooth module, *Run Default*, five icons",
         4_000,
     ),
     Family(
         "nxtOSEK",
         ("RAVENBRICK_NXTOSEK",),
         "helloworld_ram.bin of nxtOSEK's C++ samples",
+        "its splash screen, white on black",
         2_000,
         in_ram=True,
     ),
     Family(
         "NxOS base",
         ("RAVENBRICK_NXOS",),
-        "a ROM kernel of NxOS whose program shows the character set, built from its sources; with"
-        " GCC 12 the received frame, stack and cleared memory had to be aligned to words",
+        "danderson/nxos bbed11a, a ROM kernel whose program calls `tests_display` of its test"
+        " system, built from its sources; with GCC 12 the received frame, the stack and the end of"
+        " the cleared memory had to be aligned to words",
+        "*Display test* and the character set, after its tones",
         4_000,
+        picture="4de6c3dc48267423",
     ),
     Family(
         "Pybricks",
         ("RAVENBRICK_PYBRICKS",),
         "firmware-base.bin for the NXT of pybricks-micropython, built from its sources with"
         " upstream MicroPython 1.26.1 in place of its fork of that version",
+        "its mascot and *Ready.*",
         8_000,
     ),
 )
@@ -126,18 +145,11 @@ def boot(family: Family, image: bytes) -> tuple[Any, Any]:
     return brick, brick.run_until(family.run_ms * CYCLES_PER_MS)
 
 
-def picture(brick: Any) -> str:
-    """The LCD in Braille cells of 2 by 4 pixels."""
+def picture(brick: Any) -> list[str]:
+    """The LCD, line by line, `#` for a dark pixel."""
     pixels = brick.lcd()
-    dots = ((0, 0, 1), (0, 1, 2), (0, 2, 4), (1, 0, 8), (1, 1, 16), (1, 2, 32), (0, 3, 64))
-    dots += ((1, 3, 128),)
-
-    def cell(column: int, row: int) -> str:
-        bits = (bit for x, y, bit in dots if pixels[100 * (row + y) + column + x])
-        return chr(0x2800 + sum(bits))
-
-    rows = ("".join(cell(c, r) for c in range(0, 100, 2)) for r in range(0, 64, 4))
-    return "\n".join(rows)
+    lines = (pixels[at : at + WIDTH] for at in range(0, len(pixels), WIDTH))
+    return ["".join("#" if pixel else " " for pixel in line).rstrip() for line in lines]
 
 
 def digest(brick: Any) -> str:
@@ -145,48 +157,35 @@ def digest(brick: Any) -> str:
     return hashlib.sha256(brick.lcd()[1000:]).hexdigest()[:16]
 
 
-def _seen_before(family: Family) -> list[str]:
-    """The family's section of the present page, without its heading; empty when it was not run."""
-    page = TABLE.read_text(encoding="utf-8") if TABLE.exists() else ""
-    section = page.partition(f"## {family.name}\n")[2].partition("\n## ")[0].strip("\n")
-    return section.split("\n") if "```" in section else []
+def seen(family: Family) -> dict[str, Any]:
+    """What the image did and showed, or why it was not run."""
+    names = list(family.variables)
+    about = {"name": family.name, "source": family.source, "variables": names}
+    try:
+        image = image_of(family)
+    except ImageAbsentError as error:
+        return {**about, "absent": str(error)}
+    brick, stop = boot(family, image)
+    return {
+        **about,
+        "bytes": len(image),
+        "sha256": hashlib.sha256(image).hexdigest(),
+        "run_ms": family.run_ms,
+        "stop": stop.message or stop.reason,
+        "shows": family.shows,
+        "digest": digest(brick),
+        "picture": picture(brick),
+    }
 
 
-def table() -> str:
-    """The page; a family that was never run is named with the reason."""
-    lines = [
-        "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
-        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
-        "# Firmware images on the virtual brick",
-        "",
-        "Generated by `python -m conformance.firmware_images`. Pictures are the LCD, eight pixels",
-        "a character.",
-    ]
-    for family in FAMILIES:
-        names = ", ".join(f"`{variable}`" for variable in family.variables)
-        heading = ["", f"## {family.name}", ""]
-        source = f"{family.source} ({names})."
-        try:
-            image = image_of(family)
-        except ImageAbsentError as error:
-            lines += heading + (_seen_before(family) or [source, "", f"Not run: {error}."])
-            continue
-        lines += [*heading, source]
-        brick, stop = boot(family, image)
-        sha = hashlib.sha256(image).hexdigest()
-        lines += [
-            "",
-            f"{len(image):,} bytes, SHA-256 `{sha[:16]}…`; after {family.run_ms / 1000:g} s:"
-            f" {stop.reason}{', ' + stop.message if stop.message else ''}.",
-            f"Picture `{digest(brick)}`.",
-            "",
-            "```text",
-            picture(brick),
-            "```",
-        ]
-    return "\n".join(lines) + "\n"
+def main() -> int:
+    """Run what is there; results and page."""
+    before = {row["name"]: row for row in json.loads(RESULTS.read_text())}
+    rows = [seen(family) for family in FAMILIES]
+    kept = [before.get(row["name"], row) if "absent" in row else row for row in rows]
+    RESULTS.write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    return tables.main([])
 
 
 if __name__ == "__main__":
-    TABLE.write_text(table(), encoding="utf-8")
-    sys.exit(0)
+    sys.exit(main())

@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Pages that say more than a table: the plant beside published points, and fuzzing."""
+"""Pages that say more than a table: the plant beside published points, firmware, fuzzing."""
 
 from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["plant_page"]
+from tools.lcd_picture import lcd_svg
+
+__all__ = ["firmware_pages", "plant_page"]
 
 Row = dict[str, Any]
 
@@ -99,3 +101,35 @@ def plant_page(data: Row) -> str:
     keys = ("set", "condition", "quantity", "reason")
     lines += [_row([miss[key] for key in keys]) for miss in data["missed"]]
     return "\n".join([*lines, "", *_contradiction(data)])
+
+
+FIRMWARE_HEAD = """# Firmware images on the virtual brick
+
+Generated from `conformance/firmware_images.json` by `python -m conformance.firmware_images`; do not
+edit. Images that were not made for this brick, unchanged, from power-on (nxtOSEK's: from the boot
+monitor's RAM). None is part of this project: each is looked for where its variable says. A test
+compares the picture (`conformance/test_firmware_images.py`); menus, buttons, programs and hosts of
+LEGO's firmware have tests of their own in `host/tests/firmware` and
+`virtual-brick/crates/virtual-brick/tests/nxt_firmware.rs`.
+"""
+
+
+def firmware_pages(rows: list[Row]) -> dict[str, str]:
+    """The page and the pictures beside it, by path from docs/."""
+    lines = [HEAD + FIRMWARE_HEAD]
+    lines += [_row(["Image", "From", "What was seen", "LCD"]), "|---|---|---|---|"]
+    files = {}
+    for row in rows:
+        names = ", ".join(f"`{name}`" for name in row["variables"])
+        source = f"{row['source']} ({names})"
+        if "absent" in row:
+            lines.append(_row([row["name"], source, f"not run: {row['absent']}", ""]))
+            continue
+        file = row["name"].split(" ")[0].lower().replace("/", "-") + ".svg"
+        files[f"pictures/firmware/{file}"] = lcd_svg(row["picture"])
+        shown = row["shows"] if row["stop"] == "reached" else row["stop"]
+        ran = f"after {row['run_ms'] / 1000:g} s: {shown}"
+        image = f"![{row['name']}](../pictures/firmware/{file})<br>`{row['digest']}`"
+        known = f"{source}; {row['bytes']:,} bytes, SHA-256 `{row['sha256'][:16]}…`"
+        lines.append(_row([row["name"], known, ran, image]))
+    return {"reference/firmware-images.md": "\n".join([*lines, ""]), **files}

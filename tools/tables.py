@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tools.result_pages import plant_page
+from tools.result_pages import firmware_pages, plant_page
 
 __all__ = ["AREAS", "benchmark_table", "conformance_table", "merge_rows"]
 
@@ -86,29 +86,40 @@ def merge_rows(path: Path, rows: list[Row], key: tuple[str, ...]) -> None:
     path.write_text(json.dumps(list(merged.values()), indent=1, sort_keys=True) + "\n")
 
 
-CONFORMANCE, BENCHMARKS = ROOT / "conformance", ROOT / "benchmarks"
-REFERENCE = ROOT / "docs" / "reference"
-# Results, page, and what makes the one from the other.
-TABLES: tuple[tuple[Path, Path, Callable[[Any], str]], ...] = (
-    (CONFORMANCE / "results.json", CONFORMANCE / "results.md", conformance_table),
-    (BENCHMARKS / "results.json", BENCHMARKS / "results.md", benchmark_table),
-    (CONFORMANCE / "plant_points.json", REFERENCE / "plant-points.md", plant_page),
+CONFORMANCE, BENCHMARKS, DOCS = ROOT / "conformance", ROOT / "benchmarks", ROOT / "docs"
+
+
+def _firmware(rows: list[Row]) -> dict[Path, str]:
+    return {DOCS / name: text for name, text in firmware_pages(rows).items()}
+
+
+def _one(target: Path, render: Callable[[Any], str]) -> Callable[[Any], dict[Path, str]]:
+    return lambda data: {target: render(data)}
+
+
+# Results, and what makes the files from them.
+PAGES: tuple[tuple[Path, Callable[[Any], dict[Path, str]]], ...] = (
+    (CONFORMANCE / "results.json", _one(CONFORMANCE / "results.md", conformance_table)),
+    (BENCHMARKS / "results.json", _one(BENCHMARKS / "results.md", benchmark_table)),
+    (CONFORMANCE / "plant_points.json", _one(DOCS / "reference" / "plant-points.md", plant_page)),
+    (CONFORMANCE / "firmware_images.json", _firmware),
 )
 
 
 def main(arguments: list[str]) -> int:
-    """Write the tables, or with `--check` compare them."""
+    """Write the files, or with `--check` compare them."""
     stale = 0
-    for source, target, render in TABLES:
+    for source, render in PAGES:
         if not source.exists() and "--check" not in arguments:
             continue
-        text = render(json.loads(source.read_text()))
-        if "--check" not in arguments:
-            target.write_text(text)
-        elif not target.exists() or target.read_text() != text:
-            name = target.relative_to(ROOT)
-            print(f"{name}: differs from {source.name}; run 'python -m tools.tables'")
-            stale = 1
+        for target, text in render(json.loads(source.read_text())).items():
+            if "--check" not in arguments:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_text(text)
+            elif not target.exists() or target.read_text() != text:
+                name = target.relative_to(ROOT)
+                print(f"{name}: differs from {source.name}; run 'python -m tools.tables'")
+                stale = 1
     return stale
 
 

@@ -17,15 +17,14 @@ from typing import Any
 
 import virtual_brick
 
-from drivers.tests.observe import HEIGHT, WIDTH, Brick, bench
+from drivers.tests.observe import Brick, bench
+from tools.lcd_picture import lcd_svg
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 BUILD = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build"))
 PICTURES = ROOT / "docs" / "pictures" / "devices"
 GUIDE = ROOT / "docs" / "guides" / "devices.md"
-PIXEL = 2
-MARGIN = 4
 
 
 @dataclass(frozen=True)
@@ -170,28 +169,8 @@ def run(name: str) -> Brick:
 
 
 def picture(brick: Brick) -> str:
-    """The display as a drawing: one path of the dark pixels, line by line."""
-    strokes = []
-    for y, line in enumerate(brick.picture()):
-        x = 0
-        while x < WIDTH:
-            length = len(line[x:]) - len(line[x:].lstrip("#"))
-            if length:
-                strokes.append(f"M{x} {y}h{length}v1h-{length}z")
-            x += length or 1
-    width, height = WIDTH + 2 * MARGIN, HEIGHT + 2 * MARGIN
-    size = f'width="{PIXEL * width}" height="{PIXEL * height}"'
-    return "\n".join(
-        [
-            f'<svg xmlns="http://www.w3.org/2000/svg" {size} '
-            f'viewBox="-{MARGIN} -{MARGIN} {width} {height}">',
-            f'<rect x="-{MARGIN}" y="-{MARGIN}" width="{width}" height="{height}" rx="2" '
-            'fill="#b9c6a5"/>',
-            f'<path fill="#20261c" d="{"".join(strokes)}"/>',
-            "</svg>",
-            "",
-        ]
-    )
+    """The display as a drawing."""
+    return lcd_svg(brick.picture())
 
 
 def guide() -> str:

@@ -104,10 +104,8 @@ impl<B: Board> Chip<B> {
             return Err(self.outside(AbortedAccess::Fetch, width, address, 0));
         }
         self.wait_for_flash();
-        let cycles = match width {
-            Width::Word => self.flash.fetch_word_cycles(address & !3),
-            _ => self.flash.fetch_halfword_cycles(address & !1),
-        };
+        let cycles = self.flash.fetch_cycles(self.now, address, width);
+        self.flash.fetch_ends(self.now + cycles * self.ratio);
         self.spend(cycles);
         Ok(lane(self.flash.word(address), address, width))
     }
@@ -116,6 +114,7 @@ impl<B: Board> Chip<B> {
     fn read_elsewhere(&mut self, address: u32, width: Width) -> Result<u32, Abort> {
         if Self::is_flash(address) {
             self.wait_for_flash();
+            self.flash.data_was_read();
             self.spend(self.flash.data_cycles());
             return Ok(lane(self.flash.word(address), address, width));
         }

@@ -10,7 +10,7 @@ use arm7tdmi::bus::Width;
 
 use crate::board::Cycles;
 use crate::fault::{Access, FaultKind};
-use crate::timing::TimingProfile;
+use crate::timing::{CodeBufferLoss, TimingProfile};
 use crate::torn::Programming;
 use crate::{microseconds_cycles, NEVER};
 
@@ -49,6 +49,11 @@ pub(crate) struct Flash {
     programming: Option<Programming>,
     next_fetch: u32,
     odd_target: bool,
+    /// What empties the code buffer, and whether that happened since the last fetch, which ended at
+    /// `fetched_at`.
+    loss: CodeBufferLoss,
+    lost: bool,
+    fetched_at: Cycles,
     costs: Costs,
     odd_target_cycles: Cycles,
     /// Changes with the contents and the costs.
@@ -69,6 +74,9 @@ impl Flash {
             programming: None,
             next_fetch: 1,
             odd_target: false,
+            loss: timing.code_buffer_loss,
+            lost: false,
+            fetched_at: 0,
             costs: Costs {
                 first: 1,
                 arm: 1,
@@ -126,26 +134,43 @@ impl Flash {
         self.words.get(first..first + count as usize)
     }
 
-    /// Cycles of an ARM opcode fetch; a fetch is sequential when it continues the last one.
+    /// Cycles of an opcode fetch that begins at `now`.
     #[inline]
-    pub(crate) fn fetch_word_cycles(&mut self, address: u32) -> Cycles {
+    pub(crate) fn fetch_cycles(&mut self, now: Cycles, address: u32, width: Width) -> Cycles {
+        let gap = self.loss == CodeBufferLoss::Gap && now != self.fetched_at;
+        let empty = std::mem::take(&mut self.lost) || gap;
+        match width {
+            Width::Word => self.fetch_word_cycles(address & !3, empty),
+            _ => self.fetch_halfword_cycles(address & !1, empty),
+        }
+    }
+
+    /// When the fetch that began ends.
+    #[inline]
+    pub(crate) fn fetch_ends(&mut self, at: Cycles) {
+        self.fetched_at = at;
+    }
+
+    /// A fetch is sequential when it continues the last one; with an empty buffer it costs as
+    /// after a branch.
+    #[inline]
+    fn fetch_word_cycles(&mut self, address: u32, empty: bool) -> Cycles {
         let sequential = self.next_fetch == address;
         self.next_fetch = address.wrapping_add(4);
         self.odd_target = false;
-        if sequential {
+        if sequential && !empty {
             self.costs.arm
         } else {
             self.costs.first
         }
     }
 
-    /// Cycles of a Thumb opcode fetch.
     #[inline]
-    pub(crate) fn fetch_halfword_cycles(&mut self, address: u32) -> Cycles {
+    fn fetch_halfword_cycles(&mut self, address: u32, empty: bool) -> Cycles {
         let sequential = self.next_fetch == address;
         self.next_fetch = address.wrapping_add(2);
-        if !sequential {
-            self.odd_target = address & 2 != 0;
+        if !sequential || empty {
+            self.odd_target = !sequential && address & 2 != 0;
             return self.costs.first;
         }
         let late = if self.odd_target {
@@ -220,10 +245,16 @@ impl Flash {
         regular + self.odd_target_cycles
     }
 
-    /// Cycles of a data read; the code prefetch buffer keeps its content.
+    /// Cycles of a data access.
     #[inline]
     pub(crate) fn data_cycles(&self) -> Cycles {
         self.costs.data
+    }
+
+    /// Data is read through the bus.
+    #[inline]
+    pub(crate) fn data_was_read(&mut self) {
+        self.lost = self.loss == CodeBufferLoss::FlashData;
     }
 
     /// When the running command ends; an access before that waits.

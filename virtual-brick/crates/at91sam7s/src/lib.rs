@@ -47,7 +47,7 @@ pub use fault::{Fault, FaultKind};
 pub use pin_log::LoggedPins;
 pub use rstc::ResetCause;
 pub use sram::WatchHit;
-pub use timing::{ChipConfiguration, FlashCost, TimingProfile};
+pub use timing::{ChipConfiguration, CodeBufferLoss, FlashCost, TimingProfile};
 
 /// Numerator of the master clock in Hz: 18.432 MHz crystal, times 73, over 14 and 2.
 pub const MASTER_CLOCK_HZ_NUMERATOR: u64 = 336_384_000;

@@ -23,6 +23,19 @@ impl FlashCost {
     }
 }
 
+/// After what the flash's code buffer is empty, so that the next fetch costs as one after a branch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CodeBufferLoss {
+    /// A branch only.
+    #[default]
+    Branch,
+    /// A data read from flash too.
+    FlashData,
+    /// Any cycle in which the bus does something else than the next fetch: data accesses, internal
+    /// cycles.
+    Gap,
+}
+
 /// Costs in master clock cycles of what the processor and the interrupt path do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimingProfile {
@@ -39,6 +52,8 @@ pub struct TimingProfile {
     pub flash_data: FlashCost,
     /// Added to the fetch after a Thumb branch to the upper half of a word in flash.
     pub thumb_odd_target_cycles: Cycles,
+    /// What else than a branch empties the flash's code buffer.
+    pub code_buffer_loss: CodeBufferLoss,
     /// One access to a peripheral register.
     pub apb_cycles: Cycles,
     /// From an active internal level source to nIRQ.
@@ -77,6 +92,7 @@ impl TimingProfile {
                 per_wait_state_cycles: 1,
             },
             thumb_odd_target_cycles: 0,
+            code_buffer_loss: CodeBufferLoss::Branch,
             apb_cycles: 2,
             aic_level_cycles: 4,
             aic_edge_cycles: 5,
@@ -106,6 +122,7 @@ impl TimingProfile {
     pub const fn pessimistic() -> Self {
         Self {
             thumb_odd_target_cycles: 1,
+            code_buffer_loss: CodeBufferLoss::Gap,
             apb_cycles: 3,
             core_sync_cycles: 4,
             pdc_steal_cycles: 4,

@@ -7,7 +7,7 @@ mod common;
 
 use arm7tdmi::bus::{Bus, Cycle, Width};
 use at91sam7s::board::Cycles;
-use at91sam7s::{Chip, ChipConfiguration, FaultKind, TimingProfile, WatchHit};
+use at91sam7s::{Chip, ChipConfiguration, CodeBufferLoss, FaultKind, TimingProfile, WatchHit};
 use common::{read, running_chip, try_read, try_write, write, ScriptedBoard, TestChip, MC, SRAM};
 
 const FLASH: u32 = 0x0010_0000;
@@ -113,6 +113,54 @@ fn the_pessimistic_profile_charges_a_thumb_branch_to_an_upper_halfword() {
     assert_eq!(thumb(&mut chip, FLASH + 0x102), 2);
     assert_eq!(thumb(&mut chip, FLASH + 0x104), 2);
     assert_eq!(thumb(&mut chip, FLASH + 0x106), 1);
+}
+
+/// Cycles of the third of three Thumb fetches in sequence, after `between`.
+fn third_fetch(loss: CodeBufferLoss, between: impl FnOnce(&mut TestChip)) -> u64 {
+    let timing = TimingProfile {
+        code_buffer_loss: loss,
+        ..TimingProfile::nominal()
+    };
+    let configuration = ChipConfiguration {
+        timing,
+        ..ChipConfiguration::default()
+    };
+    let mut chip = Chip::new(ScriptedBoard::default(), configuration);
+    chip.enter_as_boot_monitor();
+    write(&mut chip, FMR, 0x0048_0100);
+    assert_eq!(thumb(&mut chip, FLASH + 0x100), 2);
+    assert_eq!(thumb(&mut chip, FLASH + 0x102), 1);
+    between(&mut chip);
+    let third = thumb(&mut chip, FLASH + 0x104);
+    assert_eq!(
+        thumb(&mut chip, FLASH + 0x106),
+        1,
+        "the buffer is full again"
+    );
+    third
+}
+
+#[test]
+fn what_empties_the_code_buffer_is_a_parameter() {
+    use CodeBufferLoss::{Branch, FlashData, Gap};
+    for loss in [Branch, FlashData, Gap] {
+        assert_eq!(third_fetch(loss, |_| {}), 1);
+    }
+    let flash_data = |chip: &mut TestChip| assert_eq!(read(chip, FLASH), 0xFFFF_FFFF);
+    let sram_data = |chip: &mut TestChip| assert_eq!(read(chip, SRAM), 0);
+    let internal = |chip: &mut TestChip| chip.internal(1);
+    for (loss, wanted) in [
+        (Branch, [1, 1, 1]),
+        (FlashData, [2, 1, 1]),
+        (Gap, [2, 2, 2]),
+    ] {
+        let seen = [
+            third_fetch(loss, flash_data),
+            third_fetch(loss, sram_data),
+            third_fetch(loss, internal),
+        ];
+        assert_eq!(seen, wanted, "{loss:?}");
+    }
 }
 
 #[test]

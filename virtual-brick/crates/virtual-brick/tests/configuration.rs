@@ -116,6 +116,10 @@ fn timing_is_a_profile_with_single_values_in_its_place() {
     assert_eq!(configuration.timing.chip.apb_cycles, 3);
     assert_eq!(configuration.timing.chip.core_sync_cycles, 0);
     assert_eq!(configuration.engine, virtual_brick::Engine::Reference);
+    // Whatever empties the code buffer besides branches is counted by the reference engine only.
+    let json = r#"{"timing": {"code_buffer_loss": "gap"}, "engine": "fast"}"#;
+    let configuration = Configuration::from_json(json).unwrap();
+    assert_eq!(configuration.engine, virtual_brick::Engine::Reference);
     let (path, problem) = problem(r#"{"timing": {"apb_cycles": 0}}"#);
     assert_eq!(path, "timing.apb_cycles");
     assert_eq!(problem, "must be 1 to 16 cycles");

@@ -19,6 +19,9 @@ pub struct FetchCost {
     pub word_boundary_cycles: u64,
     /// Added to the fetch after a branch to the upper half of a word.
     pub odd_target_cycles: u64,
+    /// Of a fetch at the address after the last one, when the bus did something else in between; at
+    /// least what the fetch costs without.
+    pub after_gap_cycles: u64,
 }
 
 /// One region of the memory map.
@@ -64,6 +67,7 @@ impl MemoryMap {
             sequential_cycles: 1,
             word_boundary_cycles: 1,
             odd_target_cycles: 0,
+            after_gap_cycles: 1,
         };
         Self {
             name: "no wait states".into(),
@@ -171,6 +175,19 @@ impl MemoryMap {
         } else {
             cost.sequential_cycles
         })
+    }
+
+    /// What such a fetch costs more when the bus did something else in between; nothing where the
+    /// map has no fetches.
+    pub fn after_gap(&self, address: u32, thumb: bool) -> u64 {
+        let cost = self
+            .fetch_cost(address, thumb)
+            .map(|cost| cost.after_gap_cycles);
+        let sequential = self.sequential_fetch(address, thumb);
+        match (cost, sequential) {
+            (Ok(gap), Ok(regular)) => gap.saturating_sub(regular),
+            _ => 0,
+        }
     }
 
     /// Cycles of the two fetches after a branch to `target`.

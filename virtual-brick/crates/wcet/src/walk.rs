@@ -22,7 +22,7 @@ pub struct InstructionRecord {
     pub read_cycles: u64,
     /// Dearest write.
     pub write_cycles: u64,
-    /// Most internal cycles.
+    /// Most internal cycles, with what they and the accesses add to the next fetch.
     pub internal_cycles: u32,
     /// Some address was not known to lie in one region.
     pub unknown_address: bool,
@@ -280,6 +280,7 @@ impl<'a> Walker<'a> {
             found.or_else(|| (self.given_region)(address))
         });
         let cycles = internal_cycles(instruction, effects.multiplier.as_ref());
+        let cycles = cycles + self.gap_cycles(index, address, instruction, cycles);
         let access = |write| region.map_or(0, |r| self.world.map.data_cycles(r, write));
         let (read, write) = (access(false), access(true));
         if let Some(cost) = self.costs.get(index) {
@@ -296,6 +297,19 @@ impl<'a> Walker<'a> {
             block.depth_bytes = block.depth_bytes.zip(depth(state)).map(|(a, b)| a.max(b));
         }
         effects
+    }
+
+    /// What the next fetch costs more because this instruction keeps the bus from it. After a
+    /// branch that fetch is not made.
+    fn gap_cycles(&self, index: usize, at: u32, instruction: &Instruction, internal: u32) -> u32 {
+        let cycles = instruction.cycles(Default::default());
+        let keeps_bus = internal > 0 || cycles.reads.count() + cycles.writes.count() > 0;
+        if !keeps_bus {
+            return 0;
+        }
+        let next = at.wrapping_add(3 * instruction.size);
+        let thumb = self.flow.blocks[index].node.thumb;
+        self.world.map.after_gap(next, thumb) as u32
     }
 
     fn run_transfer(

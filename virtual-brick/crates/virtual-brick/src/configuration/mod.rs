@@ -128,7 +128,7 @@ impl Fields {
                     .signal_values
                     .unwrap_or(defaults.signal_values),
             },
-            engine: self.engine,
+            engine: timing.engine(self.engine),
             timing,
         })
     }

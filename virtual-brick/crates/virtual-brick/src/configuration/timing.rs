@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Timing that no document fixes: a profile and single values in its place.
 
-use at91sam7s::TimingProfile;
+use at91sam7s::{CodeBufferLoss, TimingProfile};
 use serde::Deserialize;
 
 use super::error::ConfigurationError;
+use crate::engine::Engine;
 
 /// No doubtful value is as large.
 const MOST_CYCLES: u64 = 16;
@@ -17,6 +18,18 @@ pub struct Timing {
     pub core: arm7tdmi::TimingProfile,
     /// Of memory, interrupt path and data controller.
     pub chip: TimingProfile,
+}
+
+impl Timing {
+    /// What can execute instructions under this timing: blocks know no cost that depends on what the
+    /// bus did before a fetch.
+    pub(super) fn engine(&self, wanted: Engine) -> Engine {
+        if self.chip.code_buffer_loss == CodeBufferLoss::Branch {
+            wanted
+        } else {
+            Engine::Reference
+        }
+    }
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]
@@ -47,6 +60,26 @@ pub(super) struct TimingFields {
     pio_filter_cycles: Option<u64>,
     undefined_internal_cycles: Option<u64>,
     mask_change_delayed: Option<bool>,
+    code_buffer_loss: Option<Loss>,
+}
+
+/// What empties the flash's code buffer.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Loss {
+    Branch,
+    FlashData,
+    Gap,
+}
+
+impl From<Loss> for CodeBufferLoss {
+    fn from(loss: Loss) -> Self {
+        match loss {
+            Loss::Branch => Self::Branch,
+            Loss::FlashData => Self::FlashData,
+            Loss::Gap => Self::Gap,
+        }
+    }
 }
 
 impl Profile {
@@ -124,6 +157,9 @@ impl TimingFields {
         core.undefined_internal_cycles = undefined as u32;
         if let Some(delayed) = self.mask_change_delayed {
             core.mask_change_delayed = delayed;
+        }
+        if let Some(loss) = self.code_buffer_loss {
+            chip.code_buffer_loss = loss.into();
         }
         Ok(Timing { core, chip })
     }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The chip's timing profiles as memory maps. The numbers are the chip crate's.
 
-use at91sam7s::TimingProfile;
+use at91sam7s::{CodeBufferLoss, TimingProfile};
 use wcet::memory::{FetchCost, MemoryMap, Region};
 use wcet::Error;
 
@@ -35,6 +35,7 @@ fn plain_fetch(cycles: u64) -> FetchCost {
         sequential_cycles: cycles,
         word_boundary_cycles: cycles,
         odd_target_cycles: 0,
+        after_gap_cycles: cycles,
     }
 }
 
@@ -44,8 +45,11 @@ fn of_profile(name: &str, profile: &TimingProfile, wait_states: u64) -> MemoryMa
     let first_cycles = cycles(profile.flash_first);
     let arm = cycles(profile.flash_sequential_arm);
     let thumb = cycles(profile.flash_sequential_thumb);
+    let keeps_code = profile.code_buffer_loss == CodeBufferLoss::Branch;
+    let after_gap_cycles = if keeps_code { 0 } else { first_cycles };
     let flash_word = FetchCost {
         first_cycles,
+        after_gap_cycles,
         ..plain_fetch(arm)
     };
     let flash_halfword = FetchCost {
@@ -57,6 +61,7 @@ fn of_profile(name: &str, profile: &TimingProfile, wait_states: u64) -> MemoryMa
         } else {
             0
         },
+        after_gap_cycles,
     };
     let region = |name: &str, (start, last), fetch: Option<(FetchCost, FetchCost)>, data| Region {
         name: name.to_owned(),
