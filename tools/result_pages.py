@@ -17,17 +17,19 @@ HEAD = """<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->
 """
 PLANT_HEAD = """# The plant beside published measurements
 
-Generated from `conformance/plant_points.json` by `python -m conformance.plant_points`; do not edit.
+Generated from `conformance/plant_points.json` by `python -m conformance.plant_points`; do not
+edit.
 
-Each measurement of a real NXT motor that was found published, repeated on the virtual motor. A value
-is *in* or *out* where the publications agree well enough to give a band; the others are stated for
-comparison. All values are at the output shaft.
+Each measurement of a real NXT motor that was found published, repeated on the virtual motor. A
+value is *in* or *out* where the publications agree well enough to give a band; the others are
+stated for comparison. All values are at the output shaft.
 
-Sets: **A** identified for the MinSeg robot (MATLAB parameter file); **B** Watanabe's, for NXTway-GS,
-with an inertia for a motor alone; **C** of the Pybricks firmware (`motor_data.py`, 2026), fitted to
-Philo's points; **A, real bridge** is A with 0.6 V lost in the bridge and 0.04 N m of friction at rest.
-Sources: *Philo*, P. Hurbain's pages on LEGO motors (2006); *students*, a project at Ryerson University
-with one motor on 8.16 V; *Muntoo*, a sweep of the power under NXC (2011).
+Sets: **A** identified for the MinSeg robot (MATLAB parameter file); **B** Watanabe's, for
+NXTway-GS, with an inertia for a motor alone; **C** of the Pybricks firmware (`motor_data.py`,
+2026), fitted to Philo's points; **A, real bridge** is A with 0.6 V lost in the bridge and 0.04 N m
+of friction at rest. Sources: *Philo*, P. Hurbain's pages on LEGO motors (2006); *students*, a
+project at Ryerson University with one motor on 8.16 V; *Muntoo*, a sweep of the power under NXC
+(2011).
 """
 
 
@@ -59,29 +61,24 @@ def _contradiction(data: Row) -> list[str]:
     free = _value(points, "8 V, no load, brake mode", percent, real)
     speed = _value(points, "9 V, no load", "speed, rpm", real)
     floating = _value(points, "9 V, 0.115 N m, float mode", percent, "A")
-    return [
-        "## Points that contradict each other",
-        "",
-        "Philo's motor with 0.115 N m on 9 V stood still below about 40 % of the duty cycle. The",
-        f"published sets turn it from {min(linear):.0f} to {max(linear):.0f} %. Friction at rest and the"
-        " bridge's drop raise that,",
-        "but they also hold back a motor without load, and Muntoo's turned from 5 %: whatever the",
-        f"share of the two, set A then turns from {data['stall_percent_at_most']:.0f} % at the latest."
-        " No constant friction and drop",
-        "meet both measurements.",
-        "",
-        f"`A, real bridge` meets Philo's point with {_value(points, loaded, percent, real):.0f} %, turns"
-        f" without load from {free:.0f} % only,",
-        f"and reaches {speed:.0f} rpm in place of 170, because Philo's other points were measured at the",
-        "motor's terminals. In float mode the current dies down in each period and A turns from"
-        f" {floating:.0f} %;",
-        "which mode the 40 % were measured in is not published. A robot's file therefore has",
-        "`driver_drop` and `static_friction` as parameters with tolerances.",
-        "",
-        "Not in the table: Philo's points under LEGO's power control, which are a property of that",
-        "firmware's regulation, and the drive of a Tribot over a floor, whose wheels are not published.",
-        "",
-    ]
+    text = f"""## Points that contradict each other
+
+Philo's motor with 0.115 N m on 9 V stood still below about 40 % of the duty cycle. The published
+sets turn it from {min(linear):.0f} to {max(linear):.0f} %. Friction at rest and the bridge's drop
+raise that, but they also hold back a motor without load, and Muntoo's turned from 5 %: whatever
+the share of the two, set A then turns from {data["stall_percent_at_most"]:.0f} % at the latest. No
+constant friction and drop meet both measurements.
+
+`A, real bridge` meets Philo's point with {_value(points, loaded, percent, real):.0f} %, turns
+without load from {free:.0f} % only, and reaches {speed:.0f} rpm in place of 170, because Philo's
+other points were measured at the motor's terminals. In float mode the current dies down in each
+period and A turns from {floating:.0f} %; which mode the 40 % were measured in is not published. A
+robot's file therefore has `driver_drop` and `static_friction` as parameters with tolerances.
+
+Not in the table: Philo's points under LEGO's power control, which are a property of that
+firmware's regulation, and the drive of a Tribot over a floor, whose wheels are not published.
+"""
+    return text.split("\n")
 
 
 def plant_page(data: Row) -> str:

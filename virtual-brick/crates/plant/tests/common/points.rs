@@ -221,8 +221,8 @@ pub const POINTS: &[Point] = &[
     },
 ];
 
-/// Highest duty cycle in % at which a motor of these parameters can stall with 0.115 N m on 9 V when
-/// it turns without load at 5 % of 8 V: friction at rest and bridge take these 0.4 V at most.
+/// Highest duty cycle in % at which a motor of these parameters can stall with 0.115 N m on 9 V
+/// when it turns without load at 5 % of 8 V: friction at rest and bridge take 0.4 V at most.
 pub fn stall_percent_at_most(set: &str) -> f64 {
     let motor = super::motor(set);
     let volts = 0.05 * 8.0 + motor.resistance / motor.torque_constant * 0.115;

@@ -21,8 +21,8 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// What can execute instructions under this timing: blocks know no cost that depends on what the
-    /// bus did before a fetch.
+    /// What can execute instructions under this timing: blocks know no cost that depends on what
+    /// the bus did before a fetch.
     pub(super) fn engine(&self, wanted: Engine) -> Engine {
         if self.chip.code_buffer_loss == CodeBufferLoss::Branch {
             wanted
