@@ -253,8 +253,7 @@ SLX = (f"{HOST_TESTS}/model/test_simulink.py", f"{HOST_TESTS}/cli/test_import.py
 NXTWAY = (f"{HOST_TESTS}/control/test_nxtway.py",)
 DIGEST = (
     f"{HOST_TESTS}/page/test_digest.py",
-    f"{HOST_TESTS}/page/test_page.py"
-    "::test_a_drive_in_the_browser_is_the_drive_of_the_command_line",
+    f"{HOST_TESTS}/page/test_page.py::test_a_drive_in_the_browser_is_the_drive_of_the_command_line",
 )
 GDB = (f"{HOST_TESTS}/cli/test_debug.py", f"{HOST_TESTS}/cli/test_debug_programs.py")
 IDE = f"{HOST_TESTS}/cli/test_ide.py"

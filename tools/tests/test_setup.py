@@ -91,7 +91,7 @@ def test_asks_for_the_network_when_package_lists_fail(machine: Path) -> None:
 
 
 def test_asks_for_the_security_suite_when_the_packaged_rust_is_too_old(machine: Path) -> None:
-    """An old cargo whose package is present is upgraded; if that gives no newer one, how to get it."""
+    """An old cargo whose package is present is upgraded; else it says how to get a newer one."""
     write_command(machine / "bin", "id", "echo 0")
     write_command(machine / "bin", "dpkg-query", "echo ii")
     write_command(machine / "bin", "cargo", "echo 'cargo 1.85.0 (2025-02-20)'")
