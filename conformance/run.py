@@ -204,13 +204,13 @@ def identified_motors() -> Row:
 
 def grade_campaign() -> Row:
     """200 submissions: two workers and a Dask cluster give the results of one worker."""
-    from conformance.course.grade_campaign import NO_DASK, measure
+    from conformance.course import grade_campaign as campaign
 
-    answer = measure()
-    passed = answer["two_workers_same"] + answer.get("dask_same", 0)
-    excluded = [] if "dask_same" in answer else [{"count": answer["count"], "reason": NO_DASK}]
+    answer = campaign.main()
+    count, same = answer["count"], answer["same"]
+    excluded = [] if len(same) == 2 else [{"count": count, "reason": campaign.NO_DASK}]
     suite = "grade: 200 submissions on 2 workers and Dask as on 1"
-    return suite_row("course", suite, 2 * answer["count"], passed, excluded)
+    return suite_row("course", suite, 2 * count, sum(same.values()), excluded)
 
 
 def site_suite() -> Row:
@@ -472,7 +472,15 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("timing", suites.program_campaign),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
     ("course", pytest_suite("course", "bench, line, balancer", "examples/test_examples.py")),
-    ("course", pytest_suite("course", "template: from new to a run", "host/tests/cli/test_new.py")),
+    (
+        "course",
+        pytest_suite(
+            "course",
+            "template: from new to a run, files by their schemas",
+            "host/tests/cli/test_new.py",
+            "host/tests/cli/test_template_files.py",
+        ),
+    ),
     ("course", pytest_suite("course", "lab sheets executed, solutions graded", LAB_SHEETS)),
     ("course", pytest_suite("course", "grade: rubrics, sandbox, reports", "host/tests/grading")),
     ("course", grade_campaign),
@@ -490,7 +498,10 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     (
         "course",
         pytest_suite(
-            "course", "upload: bus, loaders, failures in words", "host/tests/target/test_upload.py"
+            "course",
+            "upload: bus, failures in words, libnxt on the virtual brick",
+            "host/tests/target/test_upload.py",
+            "host/tests/target/test_upload_replay.py",
         ),
     ),
 ]

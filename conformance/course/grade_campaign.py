@@ -2,70 +2,160 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many generated submissions on one worker, two workers and a local Dask cluster.
 
-`python -m conformance.course.grade_campaign [COUNT]` prints one JSON object: how many results of
-each way equal those of one worker, and seconds. Images are built before and kept for all ways,
-so `build_seconds` has the builds in it and the others only runs and judgement.
+`python -m conformance.course.grade_campaign [COUNT]` writes docs/reference/grading-throughput.md
+and prints one JSON object. Each way builds, runs and judges all submissions, with objects and
+images of its own. The submissions come in slices, and the ways take turns with each slice, so that
+what else the machine does meets all of them: the ratios are those of neighbours in time.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import json
-import shutil
+import resource
+import statistics
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ravenbrick.grading.campaign import run_campaign
-from ravenbrick.grading.rubric import read_rubric
-from ravenbrick.grading.submission import find_submissions
+from ravenbrick.grading.rubric import Rubric, read_rubric
+from ravenbrick.grading.submission import Submission, find_submissions
 
 from host.tests.grading.submissions import RUBRIC, variant, write_submission
 
-COUNT = 200
-WORKERS = 2
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "reference" / "grading-throughput.md"
+COUNT, SLICE, WORKERS = 200, 20, 2
 NO_DASK = "the package distributed is not installed: pip install -r tools/requirements-cluster.txt"
 
 
-def _local_cluster(use: Callable[[str], Any]) -> Any:
-    import distributed
+@dataclass
+class Way:
+    """How submissions are graded, what came out, and what each slice took."""
 
-    with distributed.LocalCluster(
-        n_workers=WORKERS, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
-    ) as cluster:
-        return use(cluster.scheduler_address)
+    name: str
+    folder: Path
+    options: dict[str, Any]
+    results: list[dict[str, Any]] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    processor_seconds: float = 0.0
+
+    def grade(self, rubric: Rubric, submissions: list[Submission], counted: bool = True) -> None:
+        """One slice; what is not counted only fills caches and starts workers."""
+        start, used = time.monotonic(), _processor_seconds()
+        results = run_campaign(rubric, submissions, self.folder, **self.options)
+        if counted:
+            self.seconds.append(time.monotonic() - start)
+            self.processor_seconds += _processor_seconds() - used
+            self.results += results
 
 
-def measure(count: int = COUNT) -> dict[str, Any]:
-    """Grade `count` different submissions in each way."""
+def _processor_seconds() -> float:
+    """Of this process and of its children that have ended."""
+    usages = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+
+
+def _ways(folder: Path, stack: ExitStack) -> list[Way]:
+    ways = [
+        Way("1 worker", folder / "one", {"workers": 1}),
+        Way(f"{WORKERS} workers", folder / "two", {"workers": WORKERS}),
+    ]
+    if importlib.util.find_spec("distributed") is not None:
+        import distributed
+
+        cluster = stack.enter_context(
+            distributed.LocalCluster(
+                n_workers=WORKERS, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+            )
+        )
+        options = {"workers": 1, "dask": cluster.scheduler_address}
+        ways.append(Way(f"Dask cluster of {WORKERS} workers", folder / "dask", options))
+    return ways
+
+
+def measure(count: int = COUNT) -> list[Way]:
+    """Grade `count` different submissions in each way; the first way is the one to compare with."""
     rubric = read_rubric(RUBRIC)
-    answer: dict[str, Any] = {"count": count}
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         for number in range(count):
             write_submission(folder / "all" / f"student-{number:03}", variant(number))
+        write_submission(folder / "first")
         submissions = find_submissions([folder / "all"])
+        ways = _ways(folder, stack)
+        for way in ways:
+            way.grade(rubric, [Submission("first", folder / "first")], counted=False)
+        for turn, begin in enumerate(range(0, count, SLICE)):
+            for place in range(len(ways)):
+                way = ways[(turn + place) % len(ways)]
+                way.grade(rubric, submissions[begin : begin + SLICE])
+            done = min(begin + SLICE, count)
+            told = ", ".join(f"{way.name} {way.seconds[-1]:.0f} s" for way in ways)
+            print(f"{done} of {count}: {told}", file=sys.stderr, flush=True)
+    return ways
 
-        def graded(label: str, **options: Any) -> list[dict[str, Any]]:
-            shutil.rmtree(folder / "out" / "results", ignore_errors=True)
-            start = time.monotonic()
-            results = run_campaign(rubric, submissions, folder / "out", **options)
-            answer[f"{label}_seconds"] = time.monotonic() - start
-            return results
 
-        graded("build", workers=WORKERS)
-        single = graded("one_worker", workers=1)
-        answer["points"] = sorted({result["points"] for result in single})
-        ways = {"two_workers": graded("two_workers", workers=WORKERS)}
-        if importlib.util.find_spec("distributed") is not None:
-            ways["dask"] = _local_cluster(lambda address: graded("dask", workers=1, dask=address))
-        for label, results in ways.items():
-            answer[f"{label}_same"] = sum(a == b for a, b in zip(single, results, strict=True))
-    return answer
+def same_results(way: Way, single: Way) -> int:
+    """How many results are those of the other way, to the last field."""
+    return sum(a == b for a, b in zip(way.results, single.results, strict=True))
+
+
+def _spread(values: list[float]) -> str:
+    if len(values) < 2:
+        return f"{values[0]:.3g}"
+    low, middle, high = statistics.quantiles(values, n=4, method="inclusive")
+    return f"{middle:.3g} ({low:.3g} to {high:.3g})"
+
+
+def page(ways: list[Way], count: int) -> str:
+    """The reference page."""
+    single = ways[0]
+    lines = [
+        "# Throughput of grading",
+        "",
+        "Generated by `python -m conformance.course.grade_campaign`; do not edit. "
+        f"{count} different submissions to",
+        f"lab sheet 1 by its rubric, in slices of {SLICE} with the ways in turn: each is built, "
+        "run with two seeds and",
+        "judged. Medians of the slices, quartiles in brackets; the speed is beside the slice of "
+        "one worker next to it,",
+        "on a machine with two processors that did other work, too. Processor time is that of "
+        "grader, compiler and",
+        "runs together, over all slices.",
+        "",
+        "| Way | Submissions per minute | Speed | Processor time of one, s | Results as with one |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    for way in ways:
+        sizes = [min(SLICE, count - begin) for begin in range(0, count, SLICE)]
+        rates = [60 * n / s for n, s in zip(sizes, way.seconds, strict=True)]
+        ratios = [a / b for a, b in zip(single.seconds, way.seconds, strict=True)]
+        used = "" if "dask" in way.options else f"{way.processor_seconds / count:.2f}"
+        same = f"{same_results(way, single)} of {count}"
+        lines.append(f"| {way.name} | {_spread(rates)} | {_spread(ratios)} | {used} | {same} |")
+    return "\n".join([*lines, ""])
+
+
+def main(count: int = COUNT) -> dict[str, Any]:
+    """Measure; write the page when all submissions and ways are there."""
+    ways = measure(count)
+    if count == COUNT and len(ways) == 3:
+        PAGE.write_text(page(ways, count), encoding="utf-8")
+    return {
+        "count": count,
+        "points": sorted({result["points"] for result in ways[0].results}),
+        "seconds": {way.name: [round(s, 2) for s in way.seconds] for way in ways},
+        "processor_seconds": {way.name: round(way.processor_seconds, 1) for way in ways},
+        "same": {way.name: same_results(way, ways[0]) for way in ways[1:]},
+        "page": page(ways, count),
+    }
 
 
 if __name__ == "__main__":
-    print(json.dumps(measure(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT)))
+    print(json.dumps(main(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT)))

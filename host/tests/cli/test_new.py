@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -81,16 +82,56 @@ def run(folder: Path, *command: str) -> str:
     return done.stdout
 
 
+def vs_code(project: Path, name: str) -> Any:
+    """A file of the folder for VS Code."""
+    text = (project / ".vscode" / name).read_text()
+    return json.loads(text.replace("${workspaceFolder}", str(project)))
+
+
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=() if n == "blank" else SLOW) for n in sorted(TEMPLATES)]
 )
 def test_from_new_to_a_run(name: str, tmp_path: Path) -> None:
-    """`new`, `make`, `run`: the criteria are met, and nothing is written outside the folder."""
+    """`new`, then VS Code's tasks: the criteria are met, all is written inside the folder, and the
+    image is where the debugger looks for it."""
     run(tmp_path, *RAVENBRICK, "new", "my-robot", "--template", name)
     project = tmp_path / "my-robot"
-    run(project, "make")
-    assert (project / "build" / "my-robot" / "ram" / "my-robot.elf").is_file()
-    scenario = TEMPLATES[name].scenario
-    answer: dict[str, Any] = json.loads(run(project, *RAVENBRICK, "run", ".", scenario, "--json"))
+    tasks = {task["label"]: task for task in vs_code(project, "tasks.json")["tasks"]}
+    assert tasks["run"]["dependsOn"] == "build"
+    run(project, "bash", "-c", tasks["build"]["command"])
+    (launch,) = vs_code(project, "launch.json")["configurations"]
+    assert Path(launch["program"]).is_file()
+    answer: dict[str, Any] = json.loads(
+        run(project, "bash", "-c", f"{tasks['run']['command']} --json")
+    )
+    assert answer["scenario"] == TEMPLATES[name].scenario
     assert answer["criteria"] and all(criterion["met"] for criterion in answer["criteria"])
     assert Path(answer["recording"]).is_relative_to(project)
+    if name == "blank":
+        debugger_reaches_main(project, tasks[launch["preLaunchTask"]], launch)
+
+
+def debugger_reaches_main(project: Path, task: dict[str, Any], launch: dict[str, Any]) -> None:
+    """The task before the launch serves the brick, and GDB stops in the program on it."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = str(free.getsockname()[1])
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    command = f"exec {task['command'].replace('3333', port)}"
+    server = subprocess.Popen(
+        ["bash", "-c", command],
+        cwd=project,
+        env={**os.environ, "PATH": path, "PYTHONUNBUFFERED": "1"},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert server.stdout is not None
+        ends = task["problemMatcher"]["background"]["endsPattern"].replace("3333", port)
+        assert any(re.search(ends, line) for line in server.stdout)
+        gdb = [launch["miDebuggerPath"], "-batch", launch["program"]]
+        for order in (f"target remote 127.0.0.1:{port}", "break _ada_main", "continue", "where"):
+            gdb += ["-ex", order]
+        assert "src/main.adb:" in run(project, *gdb)
+    finally:
+        server.terminate()
+        server.wait()

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import itertools
+import random
+from collections import Counter
 from fractions import Fraction
 
 import numpy as np
@@ -12,7 +14,15 @@ import pytest
 from ravenbrick.target.clock import Clock
 from ravenbrick.target.robot import Task
 from ravenbrick.trace.recording import EVENT_TYPE, IDLE, EventKind, Recording, Stop, Thread
-from ravenbrick.trace.schedule import jobs_of, measure_task, segments, utilization
+from ravenbrick.trace.schedule import (
+    IDLE_OWNER,
+    INTERRUPT_OWNER,
+    KERNEL_OWNER,
+    jobs_of,
+    measure_task,
+    segments,
+    utilization,
+)
 
 K = EventKind
 Event = tuple[int, int, int, int]
@@ -129,6 +139,23 @@ def test_the_processors_shares_are_exact() -> None:
     assert shares.interrupts == pytest.approx(1 / 200)
     assert shares.kernel == pytest.approx(12 / 200)
     assert shares.busy == pytest.approx(69 / 200)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_shares_are_the_sums_of_the_segments(seed: int) -> None:
+    """Whatever the events are, also handlers that are left and were never entered."""
+    rng = random.Random(seed)
+    kinds = [K.THREAD_RUNNING, K.INTERRUPT_ENTERED, K.INTERRUPT_LEFT, K.RELEASE]
+    kinds += [K.PROCESSOR_STOPPED, K.PROCESSOR_RESUMED] if seed % 2 else []
+    instants = sorted(rng.choices(range(1000), k=200))
+    events: list[Event] = [(at, rng.choice(kinds), rng.choice([0, 1, IDLE]), 0) for at in instants]
+    run = recording(events, 1000)
+    shares, cycles = utilization(run), Counter[int]()
+    for segment in segments(run):
+        cycles[segment.owner] += segment.end_cycles - segment.begin_cycles
+    named = {0: shares.threads[0], 1: shares.threads[1], IDLE_OWNER: shares.idle}
+    named |= {KERNEL_OWNER: shares.kernel, INTERRUPT_OWNER: shares.interrupts}
+    assert named == {owner: cycles[owner] / 1000 for owner in named}
 
 
 def test_without_sleep_events_the_idle_thread_is_idle() -> None:

@@ -5,24 +5,85 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import json
 import os
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any, NoReturn, ParamSpec
 
 import typer
+from typer.models import CommandInfo
 
 from ravenbrick import __version__
 from ravenbrick.errors import ExitCode, RavenbrickError, UsageError
 
-__all__ = ["JsonOption", "app", "command"]
+__all__ = ["COMMANDS", "JsonOption", "app", "command"]
 
 Arguments = ParamSpec("Arguments")
 Result = dict[str, Any]
 
-app = typer.Typer(
+# Commands whose module has another name.
+ELSEWHERE = {"import": "import_model", "home": "new"}
+COMMANDS = (
+    "analyse",
+    "bind",
+    "build",
+    "debug",
+    "demo",
+    "design",
+    "doctor",
+    "export",
+    "grade",
+    "home",
+    "identify",
+    "import",
+    "live",
+    "monitor",
+    "new",
+    "report",
+    "run",
+    "schedule",
+    "sweep",
+    "upload",
+    "view",
+    "wcet",
+)
+
+
+class Program(typer.Typer):
+    """The commands, whose modules are loaded when they are asked for: some load slowly."""
+
+    _loaded = False
+    _registered: list[CommandInfo]
+
+    def load(self, names: Sequence[str] = COMMANDS) -> None:
+        """Load the named commands; all, unless each name is a command. Only the first call does."""
+        if self._loaded:
+            return
+        self._loaded = True
+        for name in names if names and set(names) <= set(COMMANDS) else COMMANDS:
+            importlib.import_module(f"ravenbrick.cli.{ELSEWHERE.get(name, name)}")
+
+    def register(self, name: str, example: str, function: Callable[..., None]) -> None:
+        """Add a command; nothing else is loaded for it."""
+        loaded, self._loaded = self._loaded, True
+        self.command(name, epilog=f"Example: {example}")(function)
+        self._loaded = loaded
+
+    @property
+    def registered_commands(self) -> list[CommandInfo]:
+        """Of Typer, which asks when it runs or describes the program."""
+        self.load()
+        return self._registered
+
+    @registered_commands.setter
+    def registered_commands(self, commands: list[CommandInfo]) -> None:
+        self._registered = commands
+
+
+app = Program(
     name="ravenbrick",
     no_args_is_help=True,
     add_completion=False,
@@ -106,7 +167,7 @@ def command(example: str) -> Callable[[Callable[Arguments, Result]], Callable[Ar
 
         name = function.__name__.removesuffix("_command")
         run.__annotations__["return"] = None
-        app.command(name, epilog=f"Example: {example}")(run)
+        app.register(name, example, run)
         return run
 
     return register

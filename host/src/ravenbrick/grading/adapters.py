@@ -13,6 +13,21 @@ __all__ = ["ADAPTERS", "github_actions", "gradescope", "nbgrader", "readable"]
 
 Result = dict[str, Any]
 
+# Columns of nbgrader's CSV exporter, in its order.
+NBGRADER = (
+    "assignment",
+    "duedate",
+    "timestamp",
+    "student_id",
+    "last_name",
+    "first_name",
+    "email",
+    "raw_score",
+    "late_submission_penalty",
+    "score",
+    "max_score",
+)
+
 
 def _told(row: Result) -> str:
     return "(hidden check)" if row["hidden"] and row["points"] < row["of"] else str(row["found"])
@@ -26,10 +41,14 @@ def readable(results: list[Result]) -> str:
         lines += [f"## {result['submission']}: {total}", ""]
         lines += ["| Check | Points | Found |", "|---|---|---|"]
         for row in result["checks"]:
-            found = _told(row).replace("|", "/").replace("\n", "<br>")
-            lines.append(f"| {row['name']} | {row['points']:g} of {row['of']:g} | {found} |")
+            name, found = _cell(row["name"]), _cell(_told(row))
+            lines.append(f"| {name} | {row['points']:g} of {row['of']:g} | {found} |")
         lines.append("")
     return "\n".join(lines)
+
+
+def _cell(text: str) -> str:
+    return "<br>".join(text.replace("|", "/").splitlines())
 
 
 def gradescope(results: list[Result]) -> str:
@@ -40,6 +59,7 @@ def gradescope(results: list[Result]) -> str:
             "name": row["name"],
             "score": row["points"],
             "max_score": row["of"],
+            "status": "passed" if row["points"] >= row["of"] else "failed",
             "output": _told(row),
             "visibility": "after_due_date" if row["hidden"] else "visible",
         }
@@ -49,16 +69,21 @@ def gradescope(results: list[Result]) -> str:
 
 
 def nbgrader(results: list[Result]) -> str:
-    """CSV with the columns of nbgrader's export plug-in that a grade book needs."""
+    """CSV as nbgrader exports its grade book; what a grader does not know is empty."""
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(
-        ["assignment", "student_id", "raw_score", "late_submission_penalty", "score", "max_score"]
-    )
+    writer = csv.DictWriter(text, NBGRADER, restval="", lineterminator="\n")
+    writer.writeheader()
     for result in results:
         points = f"{result['points']:g}"
         writer.writerow(
-            [result["rubric"], result["submission"], points, "0", points, f"{result['of']:g}"]
+            {
+                "assignment": result["rubric"],
+                "student_id": result["submission"],
+                "raw_score": points,
+                "late_submission_penalty": "0",
+                "score": points,
+                "max_score": f"{result['of']:g}",
+            }
         )
     return text.getvalue()
 

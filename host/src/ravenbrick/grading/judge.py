@@ -31,7 +31,7 @@ class _Runs:
 
     def __init__(self, rubric: Rubric, image: ElfImage) -> None:
         self._rubric, self._image = rubric, image
-        self._played: dict[tuple[Path, int | None], Played] = {}
+        self._played: dict[tuple[Path, int], Played] = {}
 
     def scenario(self, check: Check, seed: int | None) -> Scenario:
         """The check's scenario with the seed and, of the check, the expectation."""
@@ -48,8 +48,8 @@ class _Runs:
     def play(self, check: Check, seed: int | None) -> Played:
         """The recording and its measures; raises `RavenbrickError`."""
         assert check.scenario is not None
-        key = (check.scenario, seed)
         scenario = self.scenario(check, seed)
+        key = (check.scenario, scenario.seed)
         if key not in self._played:
             recording = VirtualTarget().run(self._rubric.robot, scenario, self._image)
             self._played[key] = recording, measure_run(self._rubric.robot, scenario, recording)

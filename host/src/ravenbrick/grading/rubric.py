@@ -23,8 +23,9 @@ __all__ = ["Check", "Limits", "Rubric", "digest_of", "read_rubric"]
 
 KINDS = ("expect", "criteria", "stack_share_at_most", "memory_at_most", "builds", "answer")
 RUNS = ("expect", "criteria", "stack_share_at_most")
+PROJECT_FILES = ("application.gpr", "ravenbrick.cgpr", "run_time.gpr")
 # What a result depends on besides submission and rubric.
-TOOLS = ("drivers/src", "runtime", "tools/application.gpr", "tools/ravenbrick.cgpr")
+TOOLS = ("drivers/src", "runtime", *(f"tools/{name}" for name in PROJECT_FILES))
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,13 @@ from ravenbrick.grading.sandbox import Outcome, run_limited
 from ravenbrick.grading.submission import Submission, read_sources, refusal
 from ravenbrick.target.workspace import tree
 
-__all__ = ["Job", "grade_one", "prepare_base"]
+__all__ = ["Job", "build", "grade_one", "prepare_base"]
 
 ELF = "image.elf"
 MAP = "image.map"
+# Sources that differ from the reference project's get an instant that none of those has, so that
+# gprbuild, which compares instants, compiles just them and what depends on them.
+CHANGED_S = 1_000_000_000
 
 
 @dataclass(frozen=True)
@@ -38,39 +41,41 @@ class Job:
     design: bool = False
 
 
-def _gprbuild(project: Path, build: Path, robot: str, rubric: Rubric) -> Outcome:
-    root = tree()
-    command = [
-        "gprbuild",
-        "-q",
-        f"--config={root / 'tools' / 'ravenbrick.cgpr'}",
-        "-P",
-        "robot.gpr",
-    ]
-    command += ["-XIMAGE=ram", "-XPROJECT=project", f"-XROBOT={robot}"]
-    limits = rubric.limits
+def _gprbuild(project: Path, build: Path, rubric: Rubric) -> Outcome:
+    root, robot, limits = tree(), rubric.robot, rubric.limits
+    timed = "-timed" if robot.execution_time else ""
+    values = {
+        "IMAGE": "ram",
+        "PROJECT": "project",
+        "ROBOT": robot.name,
+        "PROFILE": robot.profile,
+        "EXECUTION_TIME": "yes" if robot.execution_time else "no",
+        "STACK_CHECK": "yes" if robot.stack_check else "no",
+        "RUN_TIME": f"{root}/build/runtime/{robot.profile}{timed}",
+    }
+    tools = root / "tools"
+    command = ["gprbuild", "-q", f"--config={tools / 'ravenbrick.cgpr'}", "-P", "robot.gpr"]
+    command += [f"--implicit-with={tools / 'run_time.gpr'}"]
+    command += [f"-X{name}={value}" for name, value in values.items()]
     return run_limited(
         command,
         project,
         limits.build_seconds,
         limits.memory_mb,
         limits.file_mb,
-        {
-            "RAVENBRICK_BUILD": str(build),
-            "GPR_PROJECT_PATH": f"{root / 'tools'}:{root / 'drivers'}",
-        },
+        {"RAVENBRICK_BUILD": str(build), "GPR_PROJECT_PATH": f"{tools}:{root / 'drivers'}"},
     )
 
 
 def prepare_base(rubric: Rubric, cache: Path) -> Path:
-    """Objects of the drivers that the reference project uses, built once; raises `UsageError`."""
+    """Objects of the reference project and its drivers, built once; raises `UsageError`."""
     base = cache / "base" / rubric.digest[:24]
     if (base / "drivers").is_dir():
         return base
     with tempfile.TemporaryDirectory(dir=_made(cache)) as folder:
         project, build = Path(folder) / "project", Path(folder) / "build"
-        shutil.copytree(rubric.project, project, ignore=shutil.ignore_patterns("tests", "build"))
-        outcome = _gprbuild(project, build, rubric.robot.name, rubric)
+        _copy_reference(rubric, project)
+        outcome = _gprbuild(project, build, rubric)
         if outcome.code != 0:
             raise UsageError(
                 f"the reference project {rubric.project} does not build: "
@@ -83,6 +88,33 @@ def prepare_base(rubric: Rubric, cache: Path) -> Path:
             if not (base / "drivers").is_dir():
                 raise
     return base
+
+
+def _copy_reference(rubric: Rubric, project: Path) -> None:
+    shutil.copytree(rubric.project, project, ignore=shutil.ignore_patterns("tests", "build"))
+
+
+def _lay_out(
+    rubric: Rubric, sources: dict[str, bytes], project: Path, build: Path, base: Path
+) -> None:
+    """The reference project with the submission's sources, and the objects that still fit."""
+    _copy_reference(rubric, project)
+    complete = True
+    for folder in rubric.folders:
+        for file in (project / folder).glob("*"):
+            if file.name not in rubric.keep and f"{folder}/{file.name}" not in sources:
+                file.unlink()
+                complete = False
+    for name, text in sources.items():
+        file = project / name
+        if file.name in rubric.keep or (file.is_file() and file.read_bytes() == text):
+            continue
+        file.parent.mkdir(exist_ok=True)
+        file.write_bytes(text)
+        os.utime(file, (CHANGED_S, CHANGED_S))
+    shutil.copytree(base / "drivers", build / "drivers")
+    if complete:
+        shutil.copytree(base / "project" / "objects", build / "project" / "objects")
 
 
 def _made(folder: Path) -> Path:
@@ -106,7 +138,7 @@ def _design(project: Path, rubric: Rubric, submission: Submission) -> Outcome | 
     )
 
 
-def _build(
+def build(
     rubric: Rubric, submission: Submission, sources: dict[str, bytes], cache: Path, design: bool
 ) -> tuple[Path | None, str]:
     """The image's folder in the cache, or why there is none."""
@@ -125,25 +157,13 @@ def _build(
     base = prepare_base(rubric, cache)
     with tempfile.TemporaryDirectory(dir=cache) as folder:
         project, build = Path(folder) / "project", Path(folder) / "build"
-        shutil.copytree(rubric.project, project, ignore=shutil.ignore_patterns("tests", "build"))
-        for folder_name in rubric.folders:
-            for file in (project / folder_name).glob("*"):
-                if file.name not in rubric.keep:
-                    file.unlink()
-        for name, text in sources.items():
-            file = project / name
-            if file.name not in rubric.keep:
-                file.parent.mkdir(exist_ok=True)
-                file.write_bytes(text)
-        shutil.copytree(base / "drivers", build / "drivers")
+        _lay_out(rubric, sources, project, build, base)
         if design:
             outcome = _design(project, rubric, submission)
             if outcome is not None and outcome.code != 0:
                 return None, f"design.py failed: {outcome.output.strip()[-400:]}"
-        outcome = _gprbuild(project, build, rubric.robot.name, rubric)
-        result = Path(_made(cache / "images")) / f".{key}.{os.getpid()}"
-        shutil.rmtree(result, ignore_errors=True)
-        result.mkdir()
+        outcome = _gprbuild(project, build, rubric)
+        result = Path(tempfile.mkdtemp(prefix=".", dir=_made(cache / "images")))
         elf = build / "project" / "ram" / f"{rubric.robot.name}.elf"
         reason = ""
         if outcome.code == 0 and elf.is_file():
@@ -220,7 +240,7 @@ def _program_rows(
     refused = refusal(program)
     if refused:
         return _failed(rubric, refused), ""
-    image, reason = _build(rubric, submission, program, cache, design)
+    image, reason = build(rubric, submission, program, cache, design)
     if image is None:
         return _failed(rubric, reason), ""
     return _judged(rubric, image)

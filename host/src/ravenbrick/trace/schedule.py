@@ -9,11 +9,11 @@ The release jitter of a task is the spread (largest less smallest) of its releas
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ravenbrick.target.robot import Task
 from ravenbrick.trace.recording import IDLE, EventKind, Recording
@@ -34,6 +34,15 @@ __all__ = [
 ]
 
 IDLE_OWNER, KERNEL_OWNER, INTERRUPT_OWNER = -1, -2, -3
+OWNING = (
+    EventKind.THREAD_RUNNING,
+    EventKind.INTERRUPT_ENTERED,
+    EventKind.INTERRUPT_LEFT,
+    EventKind.PROCESSOR_STOPPED,
+    EventKind.PROCESSOR_RESUMED,
+)
+Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -228,13 +237,7 @@ class _Processor:
 @lru_cache(maxsize=8)
 def segments(recording: Recording) -> list[Segment]:
     """The run cut into intervals with one owner each, without gaps, from cycle 0 to the stop."""
-    events = recording.of_kind(
-        EventKind.THREAD_RUNNING,
-        EventKind.INTERRUPT_ENTERED,
-        EventKind.INTERRUPT_LEFT,
-        EventKind.PROCESSOR_STOPPED,
-        EventKind.PROCESSOR_RESUMED,
-    )
+    events = recording.of_kind(*OWNING)
     processor = _Processor(bool(np.any(events["kind"] == EventKind.PROCESSOR_STOPPED)))
     result: list[Segment] = []
     begin, owner = 0, processor.owner()
@@ -251,15 +254,42 @@ def segments(recording: Recording) -> list[Segment]:
     return result
 
 
+def _latest(where: Mask, values: Integers, before: int) -> Integers:
+    """At each place the value at the last place of the mask, `before` where there is none yet."""
+    last = np.maximum.accumulate(np.where(where, np.arange(where.size), -1))
+    return np.where(last < 0, before, values[last])
+
+
+def _owners(kinds: Integers, subjects: Integers, stops: bool) -> Integers:
+    """Whose the processor is after each event, as `_Processor` says it, of all at once."""
+    entered, left = kinds == EventKind.INTERRUPT_ENTERED, kinds == EventKind.INTERRUPT_LEFT
+    depth = np.cumsum(entered.astype(np.int64) - left)
+    depth -= np.minimum.accumulate(np.minimum(depth, 0))
+    runs = kinds == EventKind.THREAD_RUNNING
+    running = _latest(runs, subjects, IDLE)
+    sleep = kinds == EventKind.PROCESSOR_STOPPED
+    stopped = _latest(sleep | (kinds == EventKind.PROCESSOR_RESUMED), sleep.astype(np.int64), 0)
+    running = np.where(running == IDLE, KERNEL_OWNER if stops else IDLE_OWNER, running)
+    return np.where(stopped, IDLE_OWNER, np.where(depth > 0, INTERRUPT_OWNER, running))
+
+
 def utilization(recording: Recording) -> Utilization:
-    """Shares of the processor over the whole run."""
-    cycles: defaultdict[int, int] = defaultdict(int)
-    for segment in segments(recording):
-        cycles[segment.owner] += segment.end_cycles - segment.begin_cycles
-    total = max(sum(cycles.values()), 1)
+    """Shares of the processor over the whole run; the sums of `segments`, without their list."""
+    events = recording.of_kind(*OWNING)
+    kinds, subjects = (events[name].astype(np.int64) for name in ("kind", "subject"))
+    stops = bool(np.any(kinds == EventKind.PROCESSOR_STOPPED))
+    begins = np.maximum.accumulate(np.append(0, events["at_cycles"].astype(np.int64)))
+    lengths = np.diff(np.append(begins, max(recording.stop.at_cycles, int(begins[-1]))))
+    first = KERNEL_OWNER if stops else IDLE_OWNER
+    owners = np.append(first, _owners(kinds, subjects, stops))
+    total = max(int(lengths.sum()), 1)
+
+    def share(owner: int) -> float:
+        return int(lengths[owners == owner].sum()) / total
+
     return Utilization(
-        threads=tuple(cycles[index] / total for index in range(len(recording.threads))),
-        interrupts=cycles[INTERRUPT_OWNER] / total,
-        kernel=cycles[KERNEL_OWNER] / total,
-        idle=cycles[IDLE_OWNER] / total,
+        threads=tuple(share(index) for index in range(len(recording.threads))),
+        interrupts=share(INTERRUPT_OWNER),
+        kernel=share(KERNEL_OWNER),
+        idle=share(IDLE_OWNER),
     )

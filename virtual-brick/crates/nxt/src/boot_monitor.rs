@@ -14,8 +14,9 @@ use at91sam7s::board::{UsbAnswer, UsbPacket, UsbSignal, UsbTransaction};
 const CONTROL_PACKET: usize = 8;
 const OUT_ENDPOINT: u8 = 1;
 const IN_ENDPOINT: u8 = 2;
-/// Bytes from the host that may wait.
-const RECEIVED_LIMIT: usize = 1 << 17;
+/// Bytes from the host that may wait: what the endpoint's two banks hold. While a routine runs,
+/// nobody takes them, and the host has to try again.
+const RECEIVED_LIMIT: usize = 2 * UsbPacket::CAPACITY;
 const DEVICE: [u8; 18] = [
     18, 1, 0x10, 0x01, 2, 0, 0, 8, 0xEB, 0x03, 0x24, 0x61, 0x10, 0x01, 0, 0, 0, 1,
 ];
@@ -90,7 +91,7 @@ impl BootMonitor {
     }
 
     fn take(&mut self, packet: UsbPacket) -> UsbAnswer {
-        if self.received.len() > RECEIVED_LIMIT {
+        if self.received.len() + packet.data().len() > RECEIVED_LIMIT {
             return UsbAnswer::NotReady;
         }
         self.received.extend(packet.data());

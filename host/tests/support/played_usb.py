@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""libnxt's own programs against a virtual brick: their libusb is `played_usb.c`."""
+
+from __future__ import annotations
+
+import os
+import socket
+import struct
+import subprocess
+import threading
+from pathlib import Path
+
+from ravenbrick.errors import PeerError
+from ravenbrick.target.peers import DEVICE_DESCRIPTOR, UsbComputer
+
+SOURCE = Path(__file__).with_suffix(".c")
+HEAD = struct.Struct("<iI")
+INTO_HOST = 0x80
+ERROR_TIMEOUT = -7
+
+
+def build_library(folder: Path) -> Path:
+    """The library that takes the place of libusb; needs the host's C compiler."""
+    library = folder / "played_usb.so"
+    command = ["cc", "-shared", "-fPIC", "-O1", "-Wall", "-Wextra", "-Werror", "-o", str(library)]
+    subprocess.run([*command, str(SOURCE)], check=True)
+    return library
+
+
+def _answer(computer: UsbComputer, endpoint: int, length: int, data: bytes) -> bytes:
+    """What the device does with a request; a transfer that fails is a time-out of libusb."""
+    try:
+        if endpoint == 0:
+            received = computer.control(DEVICE_DESCRIPTOR)
+        elif endpoint & INTO_HOST:
+            received = computer.read(endpoint & ~INTO_HOST, length)
+        else:
+            computer.write(endpoint, data)
+            return HEAD.pack(0, length)
+    except PeerError:
+        return HEAD.pack(ERROR_TIMEOUT, 0)
+    return HEAD.pack(0, len(received)) + received
+
+
+def _serve(line: socket.socket, computer: UsbComputer) -> None:
+    stream = line.makefile("rwb")
+    while len(head := stream.read(HEAD.size)) == HEAD.size:
+        endpoint, length = HEAD.unpack(head)
+        out = endpoint != 0 and not endpoint & INTO_HOST
+        stream.write(_answer(computer, endpoint, length, stream.read(length) if out else b""))
+        stream.flush()
+
+
+def run_with_device(
+    command: list[str], computer: UsbComputer, folder: Path, library: Path
+) -> subprocess.CompletedProcess[str]:
+    """Run a command whose libusb sees the brick of `computer`, which runs meanwhile."""
+    path = folder / "usb"
+    environment = {**os.environ, "LD_PRELOAD": str(library), "RAVENBRICK_PLAYED_USB": str(path)}
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(str(path))
+        server.listen()
+        server.settimeout(0.2)
+        process = subprocess.Popen(
+            command,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        told: list[str] = []
+        reader = threading.Thread(target=lambda: told.append(process.communicate()[0]))
+        reader.start()
+        while reader.is_alive():
+            try:
+                line, _ = server.accept()
+            except TimeoutError:
+                continue
+            with line:
+                line.settimeout(None)
+                _serve(line, computer)
+        reader.join()
+    path.unlink()
+    return subprocess.CompletedProcess(command, process.returncode, told[0])
