@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 import tomllib
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from conformance.acats.build import Memory
@@ -39,9 +39,10 @@ class AdaptationError(Exception):
 class Adaptation:
     """One program made from a test.
 
-    `without`: tasks that are left out; `substitutions`: pattern and text; `expected`: pattern of
-    the failure with which the program must end, empty when it must report a pass. `excluded`: why
-    the test is not adapted.
+    `profile`: the run-time, "ravenscar", "jorvik" or "jorvik-priority"; `without`: tasks that are
+    left out; `substitutions`: pattern and text; `expected`: pattern of the failure with which the
+    program must end, empty when it must report a pass; `hoisted`: whether the declarations of the
+    main procedure move to library level.
     """
 
     test: str
@@ -51,7 +52,9 @@ class Adaptation:
     without: tuple[str, ...] = ()
     substitutions: tuple[tuple[str, str], ...] = field(default=())
     expected: str = ""
-    excluded: str = ""
+    hoisted: bool = True
+    stack_bytes: int = STACK_BYTES
+    settling_seconds: int = SETTLING_SECONDS
 
     @property
     def name(self) -> str:
@@ -74,19 +77,20 @@ class Adaptation:
                 text, count = re.subn(pattern, by, text, flags=re.M)
                 if count == 0:
                     raise AdaptationError(f"{self.name}: no '{pattern}' in {path.name}")
-            if re.search(rf"(?im)^procedure\s+{self.test}\b", text):
-                text = hoisted(TASK.sub(_with_stack, text), self.test)
+            if self.hoisted and re.search(rf"(?im)^procedure\s+{self.test}\b", text):
+                text = TASK.sub(partial(_with_stack, self.stack_bytes), text)
+                text = hoisted(text, self.test, self.settling_seconds)
             changed = folder / path.name
             changed.write_text(text, encoding="latin-1")
             paths.append(changed)
         return replace(test, files=tuple(paths))
 
 
-def _with_stack(match: re.Match[str]) -> str:
+def _with_stack(size_bytes: int, match: re.Match[str]) -> str:
     """A task's declaration with a static stack."""
     indent, of_type, name, discriminants, rest = match.groups()
     head = f"{indent}task{of_type or ''} {name}{discriminants or ''} is "
-    head += f"pragma Storage_Size ({STACK_BYTES});"
+    head += f"pragma Storage_Size ({size_bytes});"
     return head if rest.lower() == "is" else f"{head} end {name};"
 
 
@@ -99,7 +103,7 @@ def _without(text: str, task: str) -> str:
     return text
 
 
-def hoisted(text: str, name: str) -> str:
+def hoisted(text: str, name: str, settling_seconds: int) -> str:
     """The main procedure `name` as a package whose operation `Run` has its statements.
 
     The main procedure's `begin` stands at the beginning of a line, its outer block's `declare`,
@@ -134,7 +138,7 @@ package body {package} is
    procedure Run is
    begin
       delay until Ada.Real_Time."+"
-        (Ada.Real_Time.Clock, Ada.Real_Time.Seconds ({SETTLING_SECONDS}));
+        (Ada.Real_Time.Clock, Ada.Real_Time.Seconds ({settling_seconds}));
       begin
 {part["middle"]}
       end;
@@ -172,7 +176,9 @@ def adaptations() -> tuple[Adaptation, ...]:
                     without=tuple(variant.get("without", ())),
                     substitutions=tuple((pattern, by) for pattern, by in changes),
                     expected=variant.get("expected", ""),
-                    excluded=rule.get("excluded", ""),
+                    hoisted=rule.get("hoisted", True),
+                    stack_bytes=rule.get("stack_bytes", STACK_BYTES),
+                    settling_seconds=rule.get("settling_seconds", SETTLING_SECONDS),
                 )
             )
     return tuple(found)

@@ -29,12 +29,14 @@ LINK = (
 REMOVED = re.compile(r"this handler can never be entered, and has been removed")
 
 FOR_OTHER_TARGETS = (
-    r"(?im)^with Ada\.Text_IO;",
-    r"(?is)package \w+ is\s+new Ada\.Text_IO\.\w+ ?\([^;]*;",
-    r"(?is)pragma Linker_Options[^;]*;",
+    (r"(?im)^with Ada\.Text_IO;", ""),
+    (r"(?is)package \w+ is\s+new Ada\.Text_IO\.\w+ ?\([^;]*;", ""),
+    (r"(?is)pragma Linker_Options[^;]*;", ""),
+    (r"(?i)pragma Unreserve_All_Interrupts;", ""),
+    (r"(?i)Names\.SIGINT", "Names.TC1"),
 )
-"""In the suite's package of implementation-defined values, which is the implementer's to fill in:
-for programs with input-output and for objects of another language."""
+"""In the suite's packages of implementation-defined values, which are the implementer's to fill in:
+programs with input-output, objects of another language, an interrupt that a program can request."""
 
 
 @dataclass(frozen=True)
@@ -116,11 +118,11 @@ class Builder:
             stray.unlink()
         for own in (HERE / "support").glob("*.adb"):
             shutil.copy(own, self.shared)
-        implementation = self.shared / "impdef.ads"
-        text = implementation.read_text(encoding="latin-1")
-        for pattern in FOR_OTHER_TARGETS:
-            text = re.sub(pattern, "", text)
-        implementation.write_text(text, encoding="latin-1")
+        for name in ("impdef.ads", "impdef-annex_c.ads"):
+            text = (self.shared / name).read_text(encoding="latin-1")
+            for pattern, by in FOR_OTHER_TARGETS:
+                text = re.sub(pattern, by, text)
+            (self.shared / name).write_text(text, encoding="latin-1")
         for unit in ("report", "impdef", "tctouch"):
             self._compile(unit, self.shared, ())
 

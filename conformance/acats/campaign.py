@@ -35,6 +35,11 @@ ROOT = HERE.parents[1]
 RESULTS = HERE / "results.json"
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 WORKERS = 2
+MAKE_VARIABLES = {
+    "ravenscar": ("PROFILE=ravenscar",),
+    "jorvik": ("PROFILE=jorvik",),
+    "jorvik-priority": ("PROFILE=jorvik", "QUEUING=priority"),
+}
 ADAPTED = ("adapted",)
 """In place of a chapter: programs that `adaptations.toml` makes from tests."""
 WORK = PRODUCTS / "conformance" / "acats"
@@ -57,7 +62,7 @@ class Profile:
     def __init__(self, suite: Suite, name: str) -> None:
         self.name = name
         products = f"BUILD={PRODUCTS / 'runtime'}"
-        make = ["make", "-s", "-C", str(ROOT / "runtime"), products, f"PROFILE={name}"]
+        make = ["make", "-s", "-C", str(ROOT / "runtime"), products, *MAKE_VARIABLES[name]]
         subprocess.run(make, check=True, stdout=sys.stderr)
         self.rts = PRODUCTS / "runtime" / name
         self.builder = Builder(suite, self.rts, WORK / name)
@@ -136,8 +141,6 @@ def run(names: list[str], workers: int) -> list[Outcome]:
 
 def _adapted_one(suite: Suite, rule: Adaptation, test: AcatsTest) -> Outcome:
     """Build and run one adapted program."""
-    if rule.excluded:
-        return Outcome(rule.name, *ADAPTED, rule.profile, "excluded", rule.excluded)
     folder = WORK / "adapted" / rule.name
     builder = Builder(suite, PRODUCTS / "runtime" / rule.profile, folder, MEMORY)
     builder.shared = WORK / rule.profile / "shared"
@@ -157,7 +160,7 @@ def _adapted_one(suite: Suite, rule: Adaptation, test: AcatsTest) -> Outcome:
 def adapted() -> list[Outcome]:
     """Outcomes of the adapted tests; their packages are prepared as for the others."""
     suite = Suite.from_environment()
-    for name in ("ravenscar", "jorvik"):
+    for name in MAKE_VARIABLES:
         Profile(suite, name)
     tests = {test.name: test for test in suite.tests(EXECUTED)}
     return [_adapted_one(suite, rule, tests[rule.test]) for rule in adaptations()]

@@ -15,9 +15,11 @@ package Ravenbrick.Alarm is
 
    subtype Fine_Count is Positive range 1 .. 100;
 
-   procedure Set (Remaining : Threads.Units; Spent : Fine_Count) with Inline;
-   --  Ring after Remaining or some time before; interrupts are masked. Spent times 2 cycles have
-   --  surely passed since the reading of the clock that Remaining was computed from.
+   procedure Set (Remaining : Threads.Units; Spent : Fine_Count)
+     with Inline,
+          Pre => Threads.Interrupts_Masked;
+   --  Ring after Remaining or some time before. Spent times 2 cycles have surely passed since the
+   --  reading of the clock that Remaining was computed from.
 
    procedure Acknowledge with Inline;
    --  Withdraw the request

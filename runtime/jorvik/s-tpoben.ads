@@ -2,9 +2,9 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Protected objects with any number of entries on whose queues any number of tasks wait, as the
---  Jorvik profile has them. Entries are served in the order of their declaration, the tasks of one
---  entry in the order of their calls (RM D.4: FIFO_Queuing).
+--  Jorvik profile has them. Ravenbrick.Entry_Queues says in which order they are served.
 
+with Ravenbrick.Entry_Queues;
 with Ravenbrick.Threads;
 
 package System.Tasking.Protected_Objects.Entries is
@@ -26,15 +26,8 @@ package System.Tasking.Protected_Objects.Entries is
    type Protected_Entry_Queue_Max_Access is access constant Protected_Entry_Queue_Max_Array;
    --  Max_Queue_Length of each entry; 0: none
 
-   type Entry_Queue is record
-      First  : Ravenbrick.Threads.Thread_Id;
-      Last   : Ravenbrick.Threads.Thread_Id;
-      Length : Natural;
-   end record
-     with Suppress_Initialization;
-   --  Waiting threads, linked by their Next; First and Last are meaningless when Length is 0
-
-   type Entry_Queue_Array is array (Positive_Protected_Entry_Index range <>) of Entry_Queue
+   type Entry_Queue_Array is array (Positive_Protected_Entry_Index range <>)
+     of Ravenbrick.Entry_Queues.Queue
      with Suppress_Initialization;
 
    type Protection_Entries (Num_Entries : Protected_Entry_Index) is limited record

@@ -5,8 +5,6 @@ with System;
 
 with Ravenbrick.Alarm;
 with Ravenbrick.Clock;
-with Ravenbrick.Interrupts;
-with Ravenbrick.Registers;
 
 package body Ravenbrick.Delays.Events is
 

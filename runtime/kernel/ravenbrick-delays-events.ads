@@ -5,7 +5,9 @@
 --  threads in the shape of a thread that is never created or dispatched. Programs without such
 --  actions have neither this code nor its test in the alarm's handler.
 
+with Ravenbrick.Interrupts;
 with Ravenbrick.Processor;
+with Ravenbrick.Registers;
 
 package Ravenbrick.Delays.Events is
    pragma Preelaborate;
@@ -15,15 +17,17 @@ package Ravenbrick.Delays.Events is
      with Convention => C;
    --  Called with interrupts masked when Event has left the queue; restores Previous
 
-   procedure Initialize (Expiry : not null Action);
+   procedure Initialize (Expiry : not null Action)
+     with Post => Interrupts.Is_Attached (Registers.TC0_Id);
    --  Let the alarm call Expiry, in its handler, for each event whose time has come
 
    procedure Set (Event : not null Threads.Thread_Id; Wake : Threads.Units)
-     with Post => Threads."<=" (Event.Wake, Wake);
-   --  Expire at Wake, at once when it has passed; Event is not in the queue. Interrupts are
-   --  masked.
+     with Pre  => Threads.Interrupts_Masked,
+          Post => Threads."<=" (Event.Wake, Wake);
+   --  Expire at Wake, at once when it has passed; Event is not in the queue
 
-   procedure Cancel (Event : not null Threads.Thread_Id);
-   --  Take Event, which is in the queue, out of it. Interrupts are masked.
+   procedure Cancel (Event : not null Threads.Thread_Id)
+     with Pre => Threads.Interrupts_Masked;
+   --  Take Event, which is in the queue, out of it
 
 end Ravenbrick.Delays.Events;

@@ -6,9 +6,7 @@ with System;
 with Ravenbrick.Alarm;
 with Ravenbrick.Clock;
 with Ravenbrick.Failures;
-with Ravenbrick.Interrupts;
 with Ravenbrick.Processor;
-with Ravenbrick.Registers;
 
 package body Ravenbrick.Delays is
 

@@ -15,7 +15,8 @@ package Ravenbrick.Failures.Context is
       Text   : String (1 .. Longest) := (others => ' ');
    end record;
 
-   function Describe (Number : Line_Number) return Line;
+   function Describe (Number : Line_Number) return Line
+     with Pre => System."/=" (Latest.Text, System.Null_Address);
    --  Of Failures.Latest: 1 "task NAME", or "task 00203A40" with the address of its control block
    --  when it has no name, "interrupt 12" in a handler; 2 "priority 12", the task's base priority.
    --  Of a ceiling violation, also 3 "ceiling 10" and 4 "object 00204B58", an address in

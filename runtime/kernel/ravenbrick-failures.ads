@@ -28,7 +28,9 @@ package Ravenbrick.Failures is
    Longest_Text : constant := 63;
 
    procedure Stop_With (Text : String; Line : Natural)
-     with No_Return, Pre => Text'First >= 1;
+     with No_Return,
+          Global => (Output => Latest),
+          Pre    => Text'First >= 1;
    --  The same with a text of the program, cut to Longest_Text
 
    Ceiling_Violated : constant String := "Program_Error: ceiling violated" & ASCII.NUL;

@@ -13,7 +13,9 @@ package Ravenbrick.Interrupts is
    pragma Preelaborate;
 
    procedure Initialize
-     with Export, Convention => C, External_Name => "ravenbrick_initialize_interrupts";
+     with Export, Convention => C, External_Name => "ravenbrick_initialize_interrupts",
+          Pre  => Threads.Interrupts_Masked,
+          Post => (for all Source in Registers.Source_Id => not Is_Attached (Source));
    --  No source enabled, every vector harmless, protect mode on
 
    procedure Attach

@@ -17,12 +17,17 @@ package body Ravenbrick.Threads is
    type First_Context is array (1 .. 3) of System.Address;
    --  What Processor.Thread_Start finds on the stack: its own address, argument and code
 
-   procedure Record_Created (Created : not null Thread_Id);
+   procedure Record_Created (Created : not null Thread_Id)
+     with Post => Kernel.First_Created = Created;
 
-   procedure Switch (Self, To : not null Thread_Id) with Inline_Always;
+   procedure Switch (Self, To : not null Thread_Id)
+     with Inline_Always;
    --  Give the processor to To
 
-   procedure Insert_First (Preempted : not null Thread_Id; Rank : Urgency) with Inline;
+   procedure Insert_First (Preempted : not null Thread_Id; Rank : Urgency)
+     with Inline,
+          Pre  => Interrupts_Masked and then Preempted.State = Ready,
+          Post => Kernel.Ready_Head.Active >= Rank;
    --  Put a thread whose urgency is Rank before its equals (RM D.2.3 (10))
 
    procedure Record_Created (Created : not null Thread_Id) is
@@ -80,6 +85,7 @@ package body Ravenbrick.Threads is
 
    procedure Switch (Self, To : not null Thread_Id) is
    begin
+      pragma Assert (Interrupts_Masked and then Self /= To and then To.State = Ready);
       Accounting.Charge;
       Processor.Switch (Self, To);
    end Switch;

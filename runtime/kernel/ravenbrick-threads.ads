@@ -151,41 +151,54 @@ package Ravenbrick.Threads is
    --  Prepare a thread that will call Code (Argument) on the stack of Stack_Size bytes. It is
    --  recorded as created, but is not ready.
 
+   function Interrupts_Masked return Boolean
+     with Import, External_Name => "ravenbrick_interrupts_masked";
+   --  For contracts; what is not checked does not call it
+
    --  The operations below are called with interrupts masked. Self is Kernel.Current.
 
    procedure Make_Ready (Woken : not null Thread_Id)
      with Inline,
-          Pre  => Woken.State /= Terminated,
-          Post => Woken.State = Ready and then Kernel.Ready_Head.Active >= Woken.Active;
+          Global => (In_Out => Kernel),
+          Pre    => Interrupts_Masked and then Woken.State /= Terminated,
+          Post   => Woken.State = Ready and then Kernel.Ready_Head.Active >= Woken.Active;
    --  Append to the ready queue of its priority; does not dispatch
 
    --  Those that follow are called by threads only, and return with interrupts unmasked
 
    procedure Release (Self, Woken : not null Thread_Id)
      with Inline,
-          Pre  => Self = Kernel.Current and then Woken /= Self and then Woken.State /= Terminated,
-          Post => Kernel.Current.State = Ready;
+          Global => (In_Out => Kernel),
+          Pre    => Interrupts_Masked and then Self = Kernel.Current and then Woken /= Self
+                    and then Woken.State /= Terminated,
+          Post   => Kernel.Current.State = Ready and then not Interrupts_Masked;
    --  Make Woken ready and let it run before the caller if it is more urgent
 
    procedure Block (Self : not null Thread_Id)
      with Inline,
-          Pre  => Self = Kernel.Current and then Self.State /= Ready
-                  and then not In_Protected_Action (Self.Active),
-          Post => Kernel.Current.State = Ready;
+          Global => (In_Out => Kernel),
+          Pre    => Interrupts_Masked and then Self = Kernel.Current and then Self.State /= Ready
+                    and then not In_Protected_Action (Self.Active),
+          Post   => Kernel.Current.State = Ready and then not Interrupts_Masked;
    --  Leave the processor to the most urgent ready thread, or to none. Returns when another
    --  has made the caller ready and it is dispatched again. The caller has set its own State.
 
    procedure Preempt
-     with Post => Kernel.Current.State = Ready;
+     with Global => (In_Out => Kernel),
+          Pre    => Interrupts_Masked,
+          Post   => Kernel.Current.State = Ready and then not Interrupts_Masked;
    --  Let a more urgent ready thread run before the caller
 
    procedure Yield (Self : not null Thread_Id)
-     with Pre  => Self = Kernel.Current and then not In_Protected_Action (Self.Active),
-          Post => Kernel.Current.State = Ready;
+     with Global => (In_Out => Kernel),
+          Pre    => Interrupts_Masked and then Self = Kernel.Current
+                    and then not In_Protected_Action (Self.Active),
+          Post   => Kernel.Current.State = Ready and then not Interrupts_Masked;
    --  Put the caller at the tail of the queue of its priority (RM D.2.3 (8))
 
    procedure Terminate_Current
-     with Export, Convention => C, External_Name => "ravenbrick_terminate", No_Return;
+     with Export, Convention => C, External_Name => "ravenbrick_terminate", No_Return,
+          Global => (In_Out => Kernel);
    --  The running thread never runs again
 
 end Ravenbrick.Threads;

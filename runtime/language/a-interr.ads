@@ -2,8 +2,10 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Identification of interrupts (Ada RM C.3.2). Handlers are attached by pragma Attach_Handler
---  only: the profile forbids dynamic attachment, whose operations are absent.
+--  only: the profiles forbid every operation of this package (No_Dynamic_Attachment, RM D.7 (10)).
+--  They are declared so that the compiler can say so; there is nothing behind them.
 
+with System;
 with System.Interrupts;
 
 package Ada.Interrupts is
@@ -12,11 +14,22 @@ package Ada.Interrupts is
 
    type Parameterless_Handler is access protected procedure;
 
-   function Is_Reserved (Interrupt : Interrupt_ID) return Boolean is
-     (System.Interrupts.Is_Reserved (System.Interrupts.Interrupt_ID (Interrupt)));
-   --  Whether the run-time keeps the interrupt for itself
+   function Is_Reserved (Interrupt : Interrupt_ID) return Boolean with Import;
 
-   function Is_Attached (Interrupt : Interrupt_ID) return Boolean is
-     (System.Interrupts.Is_Handler_Attached (System.Interrupts.Interrupt_ID (Interrupt)));
+   function Is_Attached (Interrupt : Interrupt_ID) return Boolean with Import;
+
+   function Current_Handler (Interrupt : Interrupt_ID) return Parameterless_Handler with Import;
+
+   procedure Attach_Handler
+     (New_Handler : Parameterless_Handler; Interrupt : Interrupt_ID) with Import;
+
+   procedure Exchange_Handler
+     (Old_Handler : out Parameterless_Handler;
+      New_Handler : Parameterless_Handler;
+      Interrupt   : Interrupt_ID) with Import;
+
+   procedure Detach_Handler (Interrupt : Interrupt_ID) with Import;
+
+   function Reference (Interrupt : Interrupt_ID) return System.Address with Import;
 
 end Ada.Interrupts;

@@ -2,8 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Termination of tasks (Ada RM C.7.3) as the profile has it: one fall-back handler for all tasks.
---  There are no specific handlers (No_Specific_Termination_Handlers). A task terminates only at
---  the end of its body; one that fails stops the program.
+--  A task terminates only at the end of its body; one that fails stops the program.
 
 with Ada.Exceptions;
 with Ada.Task_Identification;
@@ -22,5 +21,13 @@ package Ada.Task_Termination is
    --  null: none
 
    function Current_Task_Fallback_Handler return Termination_Handler;
+
+   --  Forbidden (No_Specific_Termination_Handlers); declared so that the compiler can say so
+
+   procedure Set_Specific_Handler
+     (T : Ada.Task_Identification.Task_Id; Handler : Termination_Handler) with Import;
+
+   function Specific_Handler
+     (T : Ada.Task_Identification.Task_Id) return Termination_Handler with Import;
 
 end Ada.Task_Termination;

@@ -7,6 +7,8 @@ with Ada.Unchecked_Conversion;
 
 with Interfaces;
 
+with System.Parameters;
+
 with Ravenbrick.Threads;
 
 package System.Tasking is
@@ -53,6 +55,10 @@ package System.Tasking is
    function Self return Task_Id is (To_Task (Ravenbrick.Threads.Kernel.Current))
      with Volatile_Function;
    --  The running task
+
+   function Storage_Size (T : Task_Id) return System.Parameters.Size_Type is
+     (System.Parameters.Size_Type (To_Thread (T).Stack_Size));
+   --  What the attribute of a task gives
 
    type Termination_Hook is access procedure;
 

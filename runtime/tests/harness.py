@@ -36,6 +36,7 @@ RUNTIMES = {
     "arm": PRODUCTS / "runtime" / "ravenscar",
     "thumb": PRODUCTS / "runtime" / "ravenscar-thumb",
     "jorvik": PRODUCTS / "runtime" / "jorvik",
+    "jorvik-priority": PRODUCTS / "runtime" / "jorvik-priority",
     "timed": PRODUCTS / "runtime" / "ravenscar-timed",
     "contracts": PRODUCTS / "runtime" / "ravenscar-contracts",
 }
@@ -43,6 +44,7 @@ MAKE_VARIABLES = {
     "arm": (),
     "thumb": ("CODE=thumb",),
     "jorvik": ("PROFILE=jorvik",),
+    "jorvik-priority": ("PROFILE=jorvik", "QUEUING=priority"),
     "timed": ("EXECUTION_TIME=yes",),
     "contracts": ("CONTRACTS=yes",),
 }
@@ -83,7 +85,8 @@ def build(
     """Path of the program `name` of this folder, built with one call of gprbuild.
 
     `code`: "arm" or "thumb", the state of the program. `runtime`: the same for the run-time of the
-    Ravenscar profile, "jorvik" for the other one, "timed" for the one with execution times.
+    Ravenscar profile, "jorvik" for the other one, "jorvik-priority" for its queues by priority,
+    "timed" for the one with execution times.
     `options`: of gprbuild. The linker's map stands beside the image.
     """
     make_runtime(runtime)

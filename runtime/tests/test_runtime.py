@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 import struct
 from collections.abc import Callable
@@ -481,6 +482,27 @@ def test_jorvik_queues(run: Runner) -> None:
     result = run("jorvik_queues", runtime="jorvik")
     assert result.failure() is None
     assert result.journal() == "a1b23ldce"
+
+
+by_priority = pytest.param(
+    "jorvik-priority",
+    "hmlw",
+    marks=pytest.mark.skipif(
+        not os.environ.get("RAVENBRICK_LONG"),
+        reason="builds a library of its own: RAVENBRICK_LONG=1 runs it",
+    ),
+)
+
+
+@pytest.mark.parametrize(("runtime", "order"), [("jorvik", "mwlh"), by_priority])
+def test_entries_are_served_by_the_policy(run: Runner, runtime: str, order: str) -> None:
+    """By the order of declarations and calls, or by the callers' priorities (RM D.4).
+
+    Then a call opens the entry whose barrier asks how many wait on its own (RM 9.5.3).
+    """
+    result = run("entry_order", runtime=runtime)
+    assert result.failure() is None
+    assert result.journal() == order + "sp"
 
 
 def test_library_units_without_a_heap(run: Runner) -> None:

@@ -5,8 +5,8 @@
 
 with Ada.Calendar;
 
-procedure Calendar is
+procedure Dates is
    Now : Ada.Calendar.Time := Ada.Calendar.Clock;
 begin
    null;
-end Calendar;
+end Dates;

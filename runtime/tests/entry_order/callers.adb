@@ -1,0 +1,67 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Journal;
+
+package body Callers is
+
+   protected body Gate is
+
+      procedure Open is
+      begin
+         Is_Open := True;
+      end Open;
+
+      entry Main_Road (Mark : Character) when Is_Open is
+      begin
+         Journal.Note (Mark);
+      end Main_Road;
+
+      entry Side_Road (Mark : Character) when Is_Open is
+      begin
+         Journal.Note (Mark);
+      end Side_Road;
+
+   end Gate;
+
+   protected body Meeting is
+
+      entry Start when Pass'Count > 0 is
+      begin
+         Has_Started := True;
+      end Start;
+
+      entry Pass when Has_Started is
+      begin
+         Has_Started := False;
+      end Pass;
+
+   end Meeting;
+
+   task body Low is
+   begin
+      delay 0.001;
+      Gate.Side_Road ('l');
+   end Low;
+
+   task body Middle is
+   begin
+      delay 0.002;
+      Gate.Main_Road ('m');
+   end Middle;
+
+   task body High is
+   begin
+      delay 0.003;
+      Gate.Side_Road ('h');
+      Meeting.Start;
+      Journal.Note ('s');
+   end High;
+
+   task body Lowest is
+   begin
+      delay 0.004;
+      Gate.Main_Road ('w');
+   end Lowest;
+
+end Callers;
