@@ -481,6 +481,15 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
             "host/tests/cli/test_template_files.py",
         ),
     ),
+    (
+        "course",
+        pytest_suite(
+            "course",
+            "nxtway: published gains on the run-time, a minute under pushes",
+            "examples/test_nxtway.py",
+            *NXTWAY,
+        ),
+    ),
     ("course", pytest_suite("course", "lab sheets executed, solutions graded", LAB_SHEETS)),
     ("course", pytest_suite("course", "grade: rubrics, sandbox, reports", "host/tests/grading")),
     ("course", grade_campaign),

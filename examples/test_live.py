@@ -7,17 +7,16 @@ from __future__ import annotations
 import json
 import os
 import threading
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from ravenbrick.cli import app
 from ravenbrick.target.byte_ports import open_port
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
-from ravenbrick.target.peers import BluetoothComputer
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
@@ -25,9 +24,12 @@ from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.steps import live_steps
 from typer.testing import CliRunner
 
+from tools.live_steps import monitored_steps, steps_and_design
+
 BENCH = Path(__file__).resolve().parent / "motor-bench"
 LONGEST_S = 60.0
 SETTLED_S = 1.5
+WINDOW_S, QUANTUM_V = 0.032, 0.269
 
 
 @pytest.fixture(scope="module")
@@ -91,33 +93,18 @@ def test_a_monitored_run_plays_again(image: Any, tmp_path: Path, kind: str) -> N
     assert replay_live(prepared(image), LiveRecord.load(tmp_path / "run.json"))
 
 
-def monitored_steps(image: Any, steps: list[float]) -> Session:
-    """The bench at rest, a computer that listens, a start, and set-points (V) each 0.4 s."""
-    robot = read_robot(BENCH)
-    scenario = replace(read_scenario(scenario_path(BENCH, "step"), robot), inputs=())
-    brick = VirtualTarget().prepare(robot, scenario, image)
-    brick.run_until(MASTER_CLOCK.cycles_of_ms(1500))
-    computer, session = BluetoothComputer(brick, pin="1234"), Session()
-    computer.connect(timeout_ms=1000)
-
-    def now_s() -> float:
-        return MASTER_CLOCK.seconds(brick.cycles)
-
-    def talk(ms: int) -> None:
-        for _ in range(ms // 10):
-            computer.write(session.pending(now_s()))
-            brick.run_until(brick.cycles + MASTER_CLOCK.cycles_of_ms(10))
-            session.receive(computer.take())
-
-    computer.write(session.connected(now_s()))
-    session.set_parameter("setpoint", steps[0])
-    talk(500)
-    brick.schedule_input(brick.cycles, "touch.1", 1)
-    for volts in steps[1:]:
-        talk(400)
-        session.set_parameter("setpoint", volts)
-    talk(400)
-    return session
+def test_live_steps_lie_on_the_design() -> None:
+    """Four steps up and down on the axes of the design: late by the speed's window, then on it,
+    but for the counts of which the program makes the speed."""
+    steps, design = steps_and_design(each_ms=600)
+    assert [round(step.height, 3) for step in steps] == [4.0, -2.0, 3.0, -2.0]
+    for step in steps:
+        designed = np.interp(step.times, design.sampled.times, design.sampled.values)
+        off = step.values - designed
+        assert abs(np.mean(off[step.times > 0.3])) < 0.02
+        assert np.mean(np.abs(off)) < QUANTUM_V / abs(step.height)
+        delayed = np.interp(step.times - WINDOW_S / 2, design.sampled.times, design.sampled.values)
+        assert np.mean(np.abs(step.values - delayed)) < np.mean(np.abs(off))
 
 
 @pytest.mark.skipif(
@@ -129,7 +116,7 @@ def test_a_live_record_feeds_identification(image: Any, tmp_path: Path) -> None:
         ("fit", [4.0, 2.0, -3.0, 1.0, 5.0, -1.5, 3.0, -4.5, 2.5]),
         ("check", [2.0, 4.5, -2.0, 3.0, -4.0, 1.0, 3.5]),
     ):
-        run = monitored_steps(image, steps).run
+        run = monitored_steps(image, steps, 400).run
         assert run is not None and run.missing == 0
         run.recording().save(tmp_path / f"{name}.npz")
     command = ["identify", str(BENCH), str(tmp_path / "fit.npz"), str(tmp_path / "check.npz")]

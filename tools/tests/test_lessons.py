@@ -9,12 +9,12 @@ import re
 from pathlib import Path
 
 import pytest
-from ravenbrick.grading.answers import parse_wanted
+from ravenbrick.grading.answers import Answers, parse_wanted
 from ravenbrick.grading.rubric import read_rubric
 
 from tools.lessons import SHEETS, SheetError, find, run_sheet, run_solution, solution_of, steps
 
-QUICK = ("08-fixed-point.md",)
+QUICK = ("03-identification.md", "06-inversion.md", "08-fixed-point.md")
 LONG = "RAVENBRICK_LONG" in os.environ
 ALL = find([])
 
@@ -67,6 +67,20 @@ def test_a_rubric_asks_for_what_the_sheet_names(sheet: Path) -> None:
     assert wanted == set(re.findall(r"^\| `(\w+)` \|", sheet.read_text(), re.MULTILINE))
     solution = solution_of(sheet)
     assert all(f"{name} = " in solution for name in wanted)
+
+
+@pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)
+def test_a_wrong_solution_gets_fewer_points(sheet: Path) -> None:
+    """The rubric refuses the folder before its solution, and each number that is a third off."""
+    grades = [step for step in steps(solution_of(sheet)) if "ravenbrick grade" in step.content]
+    assert [step.argument for step in grades] == ["8", "0"]
+    values = dict(re.findall(r"^(\w+) = ([-\d.]+)$", solution_of(sheet), re.MULTILINE))
+    for check in read_rubric(SHEETS / "rubrics" / f"lab-{sheet.name[:2]}.toml").checks:
+        if check.kind == "answer":
+            wanted = parse_wanted(check.value)
+            right = float(values[wanted.name])
+            for value, met in ((right, True), (0.67 * right - 0.1, False)):
+                assert wanted.judge(Answers({wanted.name: value}))[0] is met, wanted.name
 
 
 WRONG = [

@@ -83,15 +83,16 @@ def steps_figure(steps: Sequence[LiveStep], design: Design, setpoint: str, outpu
             response.values,
             color=COLOURS["design" if name == "continuous" else "sampled"],
             linestyle="--" if name == "continuous" else "-.",
-            linewidth=1.2,
+            linewidth=2.0,
+            zorder=3,
             label=label,
         )
-    for step in steps:
+    for index, step in enumerate(steps):
         axis.plot(
             step.times,
             step.values,
-            color=COLOURS["left"],
-            linewidth=1.6,
+            color=task_colour(index),
+            linewidth=0.9,
             alpha=0.8,
             label=f"live, step of {step.height:.3g} at {step.at_s:.2f} s",
         )
