@@ -132,3 +132,4 @@ resume: mov     r0, sp
         ldr     lr, [r0, #20]
         ldmia   r0, {r0-r3, r12}
         movs    pc, lr
+        .size   resume, . - resume

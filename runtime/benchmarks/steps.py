@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -14,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import virtual_brick
 
-__all__ = ["BENCH", "Steps", "steps_of"]
+__all__ = ["BENCH", "Steps", "steps_in", "steps_of"]
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCH = {
@@ -22,7 +23,9 @@ BENCH = {
     "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
     "body": {"kind": "bench"},
 }
-RECORD = np.dtype([("at", "<u8"), ("address", "<u4"), ("status", "<u4")])
+RECORD = np.dtype(
+    [("at", "<u8"), ("address", "<u4"), ("status", "<u4"), ("stack", "<u4"), ("link", "<u4")]
+)
 VECTORS_SIZE = 512
 IRQ_VECTOR = 0x18
 EXCEPTION_CYCLES = 3
@@ -31,7 +34,7 @@ MASKED_BIT = 0x80
 
 @dataclass(frozen=True)
 class Steps:
-    """Records before each step: cycles, address of the instruction, program status."""
+    """Records before each step: cycles, address of the instruction, status, r13 and r14."""
 
     brick: virtual_brick.VirtualBrick
     records: np.ndarray
@@ -71,11 +74,22 @@ def steps_of(elf: Path, first_cycle: int, last_cycle: int) -> Steps:
     Raises:
         subprocess.CalledProcessError: The recorder could not be built or failed.
     """
+    return steps_in(elf, [(first_cycle, last_cycle)])[0]
+
+
+def steps_in(elf: Path, windows: Sequence[tuple[int, int]]) -> list[Steps]:
+    """Run an image once and record its steps in each of some windows, earlier ones first.
+
+    Raises:
+        subprocess.CalledProcessError: The recorder could not be built or failed.
+    """
     command = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "virtual-brick"]
     command += ["--example", "steps", "--", json.dumps(BENCH), str(elf)]
-    command += [str(first_cycle), str(last_cycle)]
+    command += [str(cycle) for window in windows for cycle in window]
     done = subprocess.run(
         command, cwd=ROOT / "virtual-brick", stdout=subprocess.PIPE, check=True
     ).stdout
     brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf.read_bytes())
-    return Steps(brick, np.frombuffer(done, RECORD))
+    records = np.frombuffer(done, RECORD)
+    begins = np.searchsorted(records["at"], [first for first, _ in windows])
+    return [Steps(brick, part) for part in np.split(records, begins)[1:]]

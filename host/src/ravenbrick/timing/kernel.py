@@ -132,7 +132,12 @@ def interrupt_costs(
     """Cost of each handler, the alarm's first."""
     found = []
     for handler in sorted(handlers, key=lambda each: each.source != ALARM_SOURCE):
-        target = annotations_of({"call": [{"symbol": INTERRUPT, "targets": [handler.symbol]}]})
+        target = annotations_of(
+            {
+                "call": [{"symbol": INTERRUPT, "targets": [handler.symbol]}],
+                "word": [{"address": address, "value": value} for address, value in handler.words],
+            }
+        )
         times = execution_times(
             image.content,
             functions=[INTERRUPT, handler.symbol],

@@ -31,6 +31,8 @@ __all__ = [
 HANDLERS = "ravenbrick__interrupts__handlers"
 HANDLER = struct.Struct("<IIiI")
 SOURCE_COUNT = 32
+# The controller's vector register, and what it reads as: the third word of the handler's record.
+VECTOR = 0xFFFF_F100
 ALARM_SOURCE = 12
 FIRST_INTERRUPT_PRIORITY = 31
 PRIORITY_LAST = 30
@@ -43,11 +45,12 @@ CODE_OFFSET = 20
 
 @dataclass(frozen=True)
 class Handler:
-    """An attached interrupt handler."""
+    """An attached interrupt handler; `words` are those of its record, which stay as they are."""
 
     source: int
     priority: int
     symbol: str
+    words: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -77,9 +80,16 @@ def attached_handlers(brick: Any, image: ElfImage) -> tuple[Handler, ...]:
         raise ImageFileError(f"{image.path}: has no '{HANDLERS}'; link it with the run-time")
     content = brick.read_memory(table.address, SOURCE_COUNT * HANDLER.size)
     found = []
-    for source, (_, code, urgency, _) in enumerate(HANDLER.iter_unpack(content)):
+    for source, (item, code, urgency, _) in enumerate(HANDLER.iter_unpack(content)):
         if code:
-            found.append(Handler(source, urgency // 2, _code_name(brick, code)))
+            record = table.address + source * HANDLER.size
+            words = (
+                (VECTOR, record + 8),
+                (record, item),
+                (record + 4, code),
+                (record + 8, urgency),
+            )
+            found.append(Handler(source, urgency // 2, _code_name(brick, code), words))
     return tuple(found)
 
 

@@ -25,6 +25,15 @@ const KNOWN: [(&str, &str); 3] = [
     ),
 ];
 
+/// The map without regions.
+const PLAIN: &str = "plain";
+
+/// Facts that need the chip's regions.
+const PLACEMENT: (&str, &str) = (
+    "placement.toml",
+    include_str!("../../../crates/wcet/annotations/placement.toml"),
+);
+
 /// Bounds of the functions and jobs of a request, from an ELF file.
 #[pyfunction]
 #[pyo3(signature = (elf, request, timing = "nominal", wait_states = 1))]
@@ -37,7 +46,9 @@ pub(crate) fn bound_execution_times(
 ) -> PyResult<String> {
     let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
     let mut request: Request = serde_json::from_str(request).map_err(|e| wrong(&e))?;
-    request.annotations.extend(KNOWN.map(|(name, text)| Source {
+    let placement = (timing != PLAIN).then_some(PLACEMENT);
+    let known = KNOWN.into_iter().chain(placement);
+    request.annotations.extend(known.map(|(name, text)| Source {
         name: name.to_owned(),
         text: text.to_owned(),
     }));

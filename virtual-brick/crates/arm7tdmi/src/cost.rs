@@ -123,10 +123,12 @@ impl Instruction {
                 ..BusCycles::load(DataCycles::ONE, *destination == 15)
             },
             Operation::BlockTransfer(block) => block_transfer(block),
-            Operation::ReadStatus { destination } => BusCycles::new((*destination == 15) as u32, 0),
+            Operation::ReadStatus { destination, .. } => {
+                BusCycles::new((*destination == 15) as u32, 0)
+            }
             Operation::LoadAddress { .. }
             | Operation::LongBranchPrefix { .. }
-            | Operation::WriteStatus => BusCycles::SKIPPED,
+            | Operation::WriteStatus { .. } => BusCycles::SKIPPED,
             Operation::Branch { .. }
             | Operation::BranchExchange { .. }
             | Operation::LongBranchSuffix { .. }

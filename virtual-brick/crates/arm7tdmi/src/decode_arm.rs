@@ -36,8 +36,10 @@ pub(crate) fn arm_operation(opcode: u32) -> Operation {
         ArmFormat::HalfwordTransfer(kind) => halfword_transfer(opcode, kind),
         ArmFormat::Mrs => Operation::ReadStatus {
             destination: field(opcode, 12),
+            saved: flag(opcode, 22),
         },
-        ArmFormat::MsrRegister | ArmFormat::MsrConstant => Operation::WriteStatus,
+        ArmFormat::MsrRegister => write_status(opcode, false),
+        ArmFormat::MsrConstant => write_status(opcode, true),
         ArmFormat::DataProcessing(kind) => data_processing(opcode, kind),
         ArmFormat::SingleTransfer { register_offset } => single_transfer(opcode, register_offset),
         ArmFormat::BlockTransfer { load } => block_transfer(opcode, load),
@@ -47,6 +49,25 @@ pub(crate) fn arm_operation(opcode: u32) -> Operation {
         },
         ArmFormat::SoftwareInterrupt => Operation::SoftwareInterrupt,
         ArmFormat::Undefined => Operation::Undefined,
+    }
+}
+
+fn write_status(opcode: u32, constant: bool) -> Operation {
+    let operand = if constant {
+        let rotated = rotated_constant(opcode & 0xFF, field(opcode, 8), false);
+        Operand::constant(rotated.value)
+    } else {
+        Operand::Shifted {
+            register: field(opcode, 0),
+            kind: 0,
+            amount: 0,
+        }
+    };
+    Operation::WriteStatus {
+        saved: flag(opcode, 22),
+        control: flag(opcode, 16),
+        flags: flag(opcode, 19),
+        operand,
     }
 }
 

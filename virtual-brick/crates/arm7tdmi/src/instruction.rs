@@ -78,9 +78,20 @@ pub enum Operation {
     ReadStatus {
         /// Register written.
         destination: u32,
+        /// The saved status, not the current one.
+        saved: bool,
     },
     /// MSR.
-    WriteStatus,
+    WriteStatus {
+        /// The saved status, not the current one.
+        saved: bool,
+        /// Bits 7 to 0 are written.
+        control: bool,
+        /// Bits 31 to 28 are written.
+        flags: bool,
+        /// What is written.
+        operand: Operand,
+    },
     /// SWI.
     SoftwareInterrupt,
     /// No meaning, or for a coprocessor.
@@ -296,7 +307,7 @@ impl Instruction {
         match &self.operation {
             Operation::DataProcessing(processing) => processing.sets_flags,
             Operation::Multiply(product) => product.sets_flags,
-            Operation::WriteStatus => true,
+            Operation::WriteStatus { saved, flags, .. } => *flags && !*saved,
             _ => false,
         }
     }

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! `steps CONFIGURATION ELF FROM UNTIL`: every step of the processor between two cycles, as binary
-//! records on standard output: cycles (u64), address of the instruction that comes next (u32) and
-//! program status (u32), little endian, each before the step.
+//! `steps CONFIGURATION ELF FROM UNTIL [FROM UNTIL]...`: every step of the processor between two
+//! cycles, then between two later ones, as binary records on standard output: cycles (u64), address
+//! of the instruction that comes next, program status, r13 and r14 (u32 each), little endian, each
+//! before the step.
 
 use std::error::Error;
 use std::io::{BufWriter, Write};
@@ -21,10 +22,19 @@ impl<W: Write> StepObserver for Writer<W> {
     fn before_step(&mut self, brick: &VirtualBrick) -> bool {
         if brick.cycles() >= self.from_cycles {
             let cpu = brick.processor();
-            let mut record = [0; 16];
-            record[..8].copy_from_slice(&brick.cycles().to_le_bytes());
-            record[8..12].copy_from_slice(&cpu.next_instruction_address().to_le_bytes());
-            record[12..].copy_from_slice(&cpu.cpsr().to_le_bytes());
+            let words = [
+                cpu.next_instruction_address(),
+                cpu.cpsr(),
+                cpu.register(13),
+                cpu.register(14),
+            ];
+            let words = words.into_iter().flat_map(u32::to_le_bytes);
+            let record: Vec<u8> = brick
+                .cycles()
+                .to_le_bytes()
+                .into_iter()
+                .chain(words)
+                .collect();
             self.failure = self.to.write_all(&record).err();
         }
         self.failure.is_some()
@@ -39,17 +49,23 @@ impl<W: Write> StepObserver for Writer<W> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [configuration, elf, from, until] = arguments.as_slice() else {
-        return Err("expected a configuration (JSON), an image, a first and a last cycle".into());
+    let [configuration, elf, windows @ ..] = arguments.as_slice() else {
+        return Err("expected a configuration (JSON), an image, first and last cycles".into());
     };
     let configuration = Configuration::from_json(configuration)?;
     let mut brick = VirtualBrick::new(&configuration, &std::fs::read(elf)?)?;
     let mut writer = Writer {
         to: BufWriter::new(std::io::stdout().lock()),
-        from_cycles: from.parse()?,
+        from_cycles: 0,
         failure: None,
     };
-    brick.run_observed(until.parse()?, &mut writer);
+    for window in windows.chunks(2) {
+        let [from, until] = window else {
+            return Err("a first cycle without a last one".into());
+        };
+        writer.from_cycles = from.parse()?;
+        brick.run_observed(until.parse()?, &mut writer);
+    }
     writer.to.flush()?;
     writer.failure.map_or(Ok(()), |failure| Err(failure.into()))
 }

@@ -5,11 +5,15 @@
 //! Usage: `cargo run --release -p wcet --example bound -- ELF SYMBOL [--annotations FILE]...
 //! [--timing plain|optimistic|nominal|pessimistic] [--wait-states N] [--json]`.
 //! `plain` (the default) charges one cycle for each access; the others are the chip's profiles.
+//! With `--own-data STACK_POINTER [--after SYMBOL]...` the function is bounded as it is, with the
+//! memory that the image and the functions named before it leave; variables named by `--input`
+//! may have any content.
 
 #[path = "support/chip.rs"]
 mod chip;
 
 use std::process::ExitCode;
+use wcet::closed::{Closed, Input};
 use wcet::report::Report;
 use wcet::{Annotations, Error, Image, MemoryMap, Program};
 
@@ -19,11 +23,15 @@ struct Arguments {
     annotations: Annotations,
     map: MemoryMap,
     json: bool,
+    own_data: Option<u32>,
+    before: Vec<String>,
+    inputs: Vec<Input>,
 }
 
 fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, Error> {
     let mut plain = Vec::new();
     let (mut annotations, mut json) = (Annotations::default(), false);
+    let (mut own_data, mut before, mut inputs) = (None, Vec::new(), Vec::new());
     let (mut timing, mut wait_states) = ("plain".to_owned(), 1);
     while let Some(word) = words.next() {
         let mut value = || {
@@ -39,6 +47,17 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, Error> {
                     .parse()
                     .map_err(|_| Error::Input(format!("--wait-states {text}: not a number")))?;
             }
+            "--input" => inputs.push(Input {
+                symbol: value()?,
+                range: None,
+            }),
+            "--after" => before.push(value()?),
+            "--own-data" => {
+                let text = value()?;
+                let number = u32::from_str_radix(text.trim_start_matches("0x"), 16);
+                own_data =
+                    Some(number.map_err(|_| Error::Input(format!("{text}: no stack pointer")))?);
+            }
             "--json" => json = true,
             _ => plain.push(word),
         }
@@ -51,6 +70,9 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, Error> {
         annotations,
         map: chip::memory_map(&timing, wait_states)?,
         json,
+        own_data,
+        before,
+        inputs,
     })
 }
 
@@ -65,6 +87,17 @@ fn run() -> Result<String, Error> {
     let bytes = std::fs::read(&arguments.elf)
         .map_err(|error| Error::Input(format!("{}: {error}", arguments.elf)))?;
     let image = Image::read(&bytes)?;
+    if let Some(stack_pointer) = arguments.own_data {
+        let mut calls = arguments.before;
+        calls.push(arguments.symbol);
+        let closed = Closed {
+            calls,
+            stack_pointer,
+            inputs: arguments.inputs,
+        };
+        let found = closed.bound(&image, &arguments.map, &arguments.annotations)?;
+        return Ok(format!("{} cycles", found.cycles));
+    }
     let program = Program::new(&image, &arguments.map, &arguments.annotations)?;
     let report = Report::new(&program, &arguments.symbol)?;
     if arguments.json {

@@ -12,6 +12,9 @@ use arm7tdmi::instruction::{AluOperation, DataProcessing, Operand};
 /// Most pairs of elements that are computed one by one.
 const PAIRS: usize = 1024;
 
+/// Combinations of flags in which C is set.
+const WITH_CARRY: u16 = 0b1100_1100_1100_1100;
+
 /// A second operand: its value, and the carry out of the shifter if it is known.
 pub struct Shifted {
     /// What is known about the value.
@@ -23,8 +26,8 @@ pub struct Shifted {
 }
 
 fn carry_in(state: &State) -> Option<bool> {
-    let set = (0..16).any(|f| state.flags >> f & 1 != 0 && f & 2 != 0);
-    let clear = (0..16).any(|f| state.flags >> f & 1 != 0 && f & 2 == 0);
+    let set = state.flags & WITH_CARRY != 0;
+    let clear = state.flags & !WITH_CARRY != 0;
     (set != clear).then_some(set)
 }
 
@@ -77,6 +80,14 @@ fn each(
     carry: Option<bool>,
     shift: impl Fn(u32, bool) -> arm7tdmi::alu::Shifted,
 ) -> Shifted {
+    if let (Value::Constant(value), Some(carry)) = (value, carry) {
+        let result = shift(*value, carry);
+        return Shifted {
+            value: Value::Constant(result.value),
+            carry: Some(result.carry),
+            register: None,
+        };
+    }
     let Some(elements) = value.elements() else {
         return unknown();
     };
@@ -173,6 +184,13 @@ const fn is_logical(operation: AluOperation) -> bool {
     )
 }
 
+const fn uses_carry(operation: AluOperation) -> bool {
+    matches!(
+        operation,
+        AluOperation::Adc | AluOperation::Sbc | AluOperation::Rsc
+    )
+}
+
 fn elementwise(
     state: &State,
     operation: AluOperation,
@@ -181,6 +199,25 @@ fn elementwise(
     carry: Option<bool>,
 ) -> Option<(Value, u16)> {
     let moves = matches!(operation, AluOperation::Mov | AluOperation::Mvn);
+    let carry = if uses_carry(operation) {
+        carry
+    } else {
+        Some(false)
+    };
+    let one = |a: u32, b: u32, carry: bool| {
+        let (value, sum_flags) = scalar(operation, a, b, carry);
+        let flags = if is_logical(operation) {
+            logical_flags(state, value, second.carry)
+        } else {
+            1 << sum_flags
+        };
+        (value, flags)
+    };
+    let known = if moves { Some(0) } else { first.constant() };
+    if let (Some(a), Some(b), Some(carry)) = (known, second.value.constant(), carry) {
+        let (value, flags) = one(a, b, carry);
+        return Some((Value::Constant(value), flags));
+    }
     let left = if moves { vec![0] } else { first.elements()? };
     let right = second.value.elements()?;
     if left.len() * right.len() > PAIRS {
@@ -191,13 +228,9 @@ fn elementwise(
     for a in &left {
         for b in &right {
             for carry in &carries {
-                let (value, sum_flags) = scalar(operation, *a, *b, *carry);
+                let (value, more) = one(*a, *b, *carry);
                 values.push(value);
-                flags |= if is_logical(operation) {
-                    logical_flags(state, value, second.carry)
-                } else {
-                    1 << sum_flags
-                };
+                flags |= more;
             }
         }
     }
@@ -235,11 +268,14 @@ fn scalar(operation: AluOperation, a: u32, b: u32, carry: bool) -> (u32, u32) {
 /// N and Z of a value, C from the shifter, V as before.
 fn logical_flags(state: &State, value: u32, carry: Option<bool>) -> u16 {
     let nz = value >> 31 << 3 | u32::from(value == 0) << 2;
-    (0..16).fold(0, |mask, flags: u32| {
-        let fits = flags & 0b1100 == nz && carry.is_none_or(|c| (flags & 2 != 0) == c);
-        let v_possible = state.flags & (0x5555 << (flags & 1)) != 0;
-        mask | u16::from(fits && v_possible) << flags
-    })
+    let carries = match carry {
+        None => u16::MAX,
+        Some(true) => WITH_CARRY,
+        Some(false) => !WITH_CARRY,
+    };
+    let without_overflow = if state.flags & 0x5555 != 0 { 0x5555 } else { 0 };
+    let with_overflow = if state.flags & 0xAAAA != 0 { 0xAAAA } else { 0 };
+    (0b1111 << nz) & carries & (without_overflow | with_overflow)
 }
 
 /// Flags that a - b can give.

@@ -62,6 +62,7 @@ impl<'p, 'a> Follower<'p, 'a> {
         let limits = summary.limits_within(&self.open.borrow());
         let mut execution = Execution::new(walker, forest, limits);
         if self.closed {
+            execution.walker.visits = Some(&summary.visits);
             execution.patience = CLOSED_PATIENCE;
             execution.rarely_repeats = true;
         }
@@ -85,7 +86,9 @@ impl<'p, 'a> Follower<'p, 'a> {
         };
         let recursive =
             self.open.borrow().contains(&callee) || self.program.given_recursion(callee).is_some();
-        let tired = self.left.get() == 0 || self.open.borrow().len() >= DEPTH;
+        // A way that has no bound gets none by being followed.
+        let endless = state.elapsed.0 == ENDLESS && !self.closed;
+        let tired = endless || self.left.get() == 0 || self.open.borrow().len() >= DEPTH;
         if tired || (recursive && !self.closed) {
             return None;
         }

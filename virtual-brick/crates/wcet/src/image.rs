@@ -40,6 +40,7 @@ struct Function {
 pub struct Image {
     sections: Vec<Section>,
     functions: BTreeMap<u32, Function>,
+    objects: BTreeMap<String, (u32, u32)>,
     mapping: BTreeMap<u32, Content>,
     lines: Lines,
 }
@@ -73,6 +74,7 @@ impl Image {
         let mut image = Self {
             sections: file.sections().filter_map(|s| loaded(&s)).collect(),
             functions: BTreeMap::new(),
+            objects: BTreeMap::new(),
             mapping: BTreeMap::new(),
             lines: Lines::read(&file)?,
         };
@@ -84,6 +86,9 @@ impl Image {
                 image.mapping.insert(address, content);
             } else if symbol.kind() == SymbolKind::Text {
                 image.add_function(name, address, symbol.size() as u32);
+            } else if symbol.kind() == SymbolKind::Data {
+                let place = (address, symbol.size() as u32);
+                image.objects.entry(name.to_owned()).or_insert(place);
             }
         }
         Ok(image)
@@ -152,6 +157,11 @@ impl Image {
         let found = self.functions.iter();
         let mut named = found.filter(|(_, f)| f.names.iter().any(|known| known == name));
         named.next().map(|(address, f)| (*address, f.thumb))
+    }
+
+    /// Address and size of a variable.
+    pub fn object(&self, name: &str) -> Option<(u32, u32)> {
+        self.objects.get(name).copied()
     }
 
     /// Is this the first instruction of a function?

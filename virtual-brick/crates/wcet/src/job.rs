@@ -13,6 +13,7 @@ use crate::state::State;
 use crate::subgraph::Subgraph;
 use crate::summary::Summary;
 use crate::walk::Walker;
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 /// Bounds of a task.
@@ -122,6 +123,7 @@ fn one_job(
         changed: whole.changed,
         callees: whole.callees.clone(),
         states: Vec::new(),
+        visits: RefCell::default(),
     };
     bound_summary(program, entry, &summary, state)
 }

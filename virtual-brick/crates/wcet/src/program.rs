@@ -40,6 +40,7 @@ pub struct Program<'a> {
     annotations: &'a Annotations,
     summaries: RefCell<BTreeMap<Entry, Rc<Summary>>>,
     bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, Known>>>,
+    regions: RefCell<BTreeMap<u32, Option<u8>>>,
     open: RefCell<Vec<(Entry, u32)>>,
     bounding: RefCell<Vec<Entry>>,
 }
@@ -75,6 +76,7 @@ impl<'a> Program<'a> {
             annotations,
             summaries: RefCell::default(),
             bounds: RefCell::default(),
+            regions: RefCell::default(),
             open: RefCell::default(),
             bounding: RefCell::default(),
         })
@@ -146,10 +148,19 @@ impl<'a> Program<'a> {
 
     /// Region of an access, as the user says.
     pub fn given_region(&self, address: u32) -> Option<u8> {
-        let accesses = &self.annotations.accesses;
-        if accesses.is_empty() {
+        if self.annotations.accesses.is_empty() {
             return None;
         }
+        let known = self.regions.borrow().get(&address).copied();
+        known.unwrap_or_else(|| {
+            let region = self.sought_region(address);
+            self.regions.borrow_mut().insert(address, region);
+            region
+        })
+    }
+
+    fn sought_region(&self, address: u32) -> Option<u8> {
+        let accesses = &self.annotations.accesses;
         let fact = self
             .fact(accesses, address, None)
             .or_else(|| accesses.iter().find(|fact| fact.is_general()))?;
@@ -237,6 +248,13 @@ impl<'a> Program<'a> {
             .borrow_mut()
             .insert(entry, Rc::clone(&summary));
         Ok(summary)
+    }
+
+    /// Calls `see` for each function whose summary is known.
+    pub fn summaries(&self, mut see: impl FnMut(Entry, &Summary)) {
+        for (entry, summary) in self.summaries.borrow().iter() {
+            see(*entry, summary);
+        }
     }
 
     /// Bound of a function for what is known about its arguments, without the refill of its

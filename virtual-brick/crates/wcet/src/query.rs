@@ -4,7 +4,7 @@
 
 use crate::annotations::Annotations;
 use crate::bound::FunctionBound;
-use crate::closed::Closed;
+use crate::closed::{Closed, LineCount};
 use crate::error::Error;
 use crate::flow::Entry;
 use crate::graph::Graph;
@@ -92,6 +92,8 @@ pub struct Answer {
     pub report: Option<Report>,
     /// What the longest path was sought in, if it was asked for.
     pub graph: Option<Graph>,
+    /// Source lines executed by a call that nothing disturbs.
+    pub lines: Vec<LineCount>,
 }
 
 /// Arguments at one call.
@@ -244,7 +246,8 @@ impl Request {
             response.closed = Some(Answer {
                 error: found.as_ref().err().map(Error::to_string),
                 missing: found.as_ref().err().map(missing).unwrap_or_default(),
-                cycles: found.unwrap_or_default(),
+                cycles: found.as_ref().map_or(0, |found| found.cycles),
+                lines: found.map(|found| found.lines).unwrap_or_default(),
                 symbol,
                 ..Answer::default()
             });

@@ -6,6 +6,7 @@ use crate::alu::difference_flags;
 use crate::contents::Contents;
 use crate::value::{Value, RUNNING};
 use arm7tdmi::condition_passes;
+use arm7tdmi::instruction::ALWAYS;
 use std::collections::BTreeMap;
 
 /// Every combination of N, Z, C and V.
@@ -42,7 +43,7 @@ pub const ENDLESS: u64 = u64::MAX;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct State {
     /// r0 to r14; r15 is not kept.
-    pub registers: [Value; 15],
+    pub registers: Box<[Value; 15]>,
     /// Known words of the stack.
     pub slots: BTreeMap<i32, Value>,
     /// Bit n is set when the flags may be n (NZCV as a number).
@@ -57,14 +58,28 @@ pub struct State {
     pub urgencies: Vec<u32>,
     /// The lowest that the stack pointer can be.
     pub lowest: Option<i32>,
+    /// Urgency of the running thread or handler, where it is known.
+    pub urgency: Option<u32>,
+    /// Bits 7 to 0 of the program status in ARM state: mode and masks.
+    pub control: Option<u32>,
     /// The words of memory, where nothing else writes to them.
     pub memory: Option<Contents>,
     /// Longest way to here.
     pub elapsed: Elapsed,
 }
 
+/// Mode and masks of interrupts.
+const CONTROL_BITS: u32 = 0xDF;
+
 /// Most nested protected actions that are kept apart.
 const NESTING: usize = 8;
+
+/// A protected action of this urgency is entered.
+pub fn enter(urgencies: &mut Vec<u32>, urgency: u32) {
+    if urgencies.len() < NESTING {
+        urgencies.push(urgency);
+    }
+}
 
 /// Stands for an urgency that is not known: none is higher.
 pub const ANY_URGENCY: u32 = u32::MAX;
@@ -125,17 +140,30 @@ fn joined_urgencies(a: &[u32], b: &[u32]) -> Vec<u32> {
         .collect()
 }
 
+/// Combinations of flags for which each condition passes.
+const PASSING: [u16; 16] = {
+    let mut table = [0; 16];
+    let mut index = 0;
+    while index < 256 {
+        let (condition, flags) = (index / 16, index % 16);
+        if condition_passes(condition as u32, flags as u32) {
+            table[condition] |= 1 << flags;
+        }
+        index += 1;
+    }
+    table
+};
+
 /// Combinations of flags for which a condition passes.
 pub fn passing(condition: u32) -> u16 {
-    (0..16).fold(0, |mask, flags| {
-        mask | u16::from(condition_passes(condition, flags)) << flags
-    })
+    PASSING.get(condition as usize).copied().unwrap_or(0)
 }
 
 impl State {
     /// At the entry of a function, with what is known about r0 to r3.
     pub fn entry(arguments: &[Value; 4]) -> Self {
-        let mut registers = std::array::from_fn(|number| Value::entry(number as u32));
+        let mut registers: Box<[Value; 15]> =
+            Box::new(std::array::from_fn(|number| Value::entry(number as u32)));
         for (register, argument) in registers.iter_mut().zip(arguments) {
             if !argument.is_unknown() {
                 register.clone_from(argument);
@@ -151,8 +179,37 @@ impl State {
             parked: None,
             urgencies: Vec::new(),
             lowest: Some(0),
+            urgency: None,
+            control: None,
             memory: None,
             elapsed: Elapsed(0),
+        }
+    }
+
+    /// The program status, where its lower bits are known.
+    pub fn status(&self) -> Value {
+        let Some(control) = self.control else {
+            return Value::Top;
+        };
+        let flags = (0..16).filter(|flags| self.flags >> flags & 1 != 0);
+        let words = flags.map(|flags| flags << 28 | control);
+        Value::of_elements(words.collect()).unwrap_or(Value::Top)
+    }
+
+    /// Writes fields of the program status.
+    pub fn set_status(&mut self, status: &Value, control: bool, flags: bool) {
+        let elements = status.elements();
+        if control {
+            let lower = elements.iter().flatten().map(|word| word & CONTROL_BITS);
+            let same = lower.clone().min() == lower.clone().max();
+            self.control = lower.max().filter(|_| same);
+        }
+        if flags {
+            let each = elements.iter().flatten().map(|word| 1 << (word >> 28));
+            self.flags = elements
+                .as_ref()
+                .map_or(ANY_FLAGS, |_| each.fold(0, |a, b| a | b));
+            self.comparison = None;
         }
     }
 
@@ -191,14 +248,13 @@ impl State {
 
     /// The thread enters a protected action of this urgency.
     pub fn enter(&mut self, urgency: u32) {
-        if self.urgencies.len() < NESTING {
-            self.urgencies.push(urgency);
-        }
+        enter(&mut self.urgencies, urgency);
     }
 
     /// The thread gets a new urgency: an odd one is that of a protected action, any other one
     /// that from before the last was entered.
     pub fn set_urgency(&mut self, urgency: Option<u32>) {
+        self.urgency = urgency;
         match urgency {
             Some(known) if known % 2 == 1 => self.enter(known),
             _ if self.urgencies.is_empty() => self.enter(ANY_URGENCY),
@@ -218,6 +274,8 @@ impl State {
         self.set(13, Value::Stack(pointer.wrapping_add(4)));
         self.flags = ANY_FLAGS;
         self.comparison = None;
+        self.control = None;
+        self.urgency = None;
         self.parked = None;
         Some(place)
     }
@@ -291,7 +349,9 @@ impl State {
             escaped |= !value.in_stack() && (a.in_stack() || b.in_stack());
             value
         };
-        let registers = std::array::from_fn(|n| joined(&self.registers[n], &other.registers[n]));
+        let registers = Box::new(std::array::from_fn(|n| {
+            joined(&self.registers[n], &other.registers[n])
+        }));
         let mut slots = BTreeMap::new();
         for (offset, value) in &self.slots {
             if let Some(theirs) = other.slots.get(offset) {
@@ -315,6 +375,8 @@ impl State {
             escaped,
             parked: self.parked.filter(|_| self.parked == other.parked),
             urgencies: joined_urgencies(&self.urgencies, &other.urgencies),
+            urgency: self.urgency.filter(|_| self.urgency == other.urgency),
+            control: self.control.filter(|_| self.control == other.control),
             lowest: self.lowest.zip(other.lowest).map(|(a, b)| a.min(b)),
             memory: self
                 .memory
@@ -322,6 +384,24 @@ impl State {
                 .zip(other.memory.as_ref())
                 .map(|(a, b)| a.combine(b, &join)),
             elapsed: Elapsed(self.elapsed.0.max(other.elapsed.0)),
+        }
+    }
+
+    /// Whether a condition passes, where the flags are known.
+    pub fn decides(&self, condition: u32) -> Option<bool> {
+        let known = self.flags.is_power_of_two();
+        known.then(|| self.flags & passing(condition) != 0)
+    }
+
+    /// The states where a condition fails and where it passes; none where it cannot.
+    pub fn divide(self, condition: u32) -> (Option<Self>, Option<Self>) {
+        if condition == ALWAYS {
+            return (None, Some(self));
+        }
+        match self.decides(condition) {
+            Some(true) => (None, Some(self)),
+            Some(false) => (Some(self), None),
+            None => (self.assume(condition, false), self.assume(condition, true)),
         }
     }
 
@@ -444,6 +524,8 @@ impl State {
         }
         self.flags = ANY_FLAGS;
         self.comparison = None;
+        self.control = None;
+        self.urgency = None;
         if self.escaped || passed {
             self.forget_frame();
         }

@@ -13,6 +13,7 @@ use crate::state::State;
 use crate::value::Value;
 use crate::walk::{any_arguments, changed_registers, Outcome, Walker};
 use arm7tdmi::instruction::Operation;
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Visits of a block after which growing values give up.
@@ -43,6 +44,8 @@ pub struct Summary {
     pub limits: Vec<Option<u64>>,
     /// The same where some function is under way: loop, function, header executions.
     pub limits_in: Vec<(usize, Entry, u64)>,
+    /// How often its blocks were executed in a closed program; empty before.
+    pub visits: RefCell<Vec<u64>>,
 }
 
 /// Registers that a function may change (procedure call standard, 6.1.1).
@@ -63,6 +66,7 @@ impl Summary {
             avoided: Vec::new(),
             limits: Vec::new(),
             limits_in: Vec::new(),
+            visits: RefCell::default(),
         }
     }
 
@@ -144,6 +148,7 @@ pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> 
             avoided: program.avoided(&flow),
             limits,
             limits_in,
+            visits: RefCell::default(),
             numbers,
             states: fixpoint.states,
             flow,

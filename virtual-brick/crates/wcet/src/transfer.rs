@@ -218,13 +218,36 @@ impl Step<'_> {
                 let link = self.address.wrapping_add(2) | 1;
                 self.state.set(14, Value::Constant(link));
             }
-            Operation::ReadStatus { destination } => {
-                self.write(&mut effects, *destination, Value::Top);
+            Operation::ReadStatus { .. } | Operation::WriteStatus { .. } => {
+                self.status(&mut effects, operation);
             }
-            Operation::WriteStatus => self.unknown_flags(),
             Operation::SoftwareInterrupt | Operation::Undefined => {}
         }
         effects
+    }
+
+    /// MRS and MSR; the saved status says nothing about the current one.
+    fn status(&mut self, effects: &mut Effects, operation: &Operation) {
+        match operation {
+            Operation::ReadStatus { destination, saved } => {
+                let status = if *saved {
+                    Value::Top
+                } else {
+                    self.state.status()
+                };
+                self.write(effects, *destination, status);
+            }
+            Operation::WriteStatus {
+                saved: false,
+                control,
+                flags,
+                operand,
+            } => {
+                let status = second(self.state, *operand, |n| self.read(n)).value;
+                self.state.set_status(&status, *control, *flags);
+            }
+            _ => {}
+        }
     }
 
     fn process(&mut self, effects: &mut Effects, processing: &DataProcessing) {
@@ -406,6 +429,11 @@ impl Step<'_> {
         {
             return Value::Based(RUNNING, 0);
         }
+        if let (Value::Based(RUNNING, 0), Width::Word, Some(urgency)) =
+            (address, width, self.state.urgency)
+        {
+            return Value::Constant(urgency);
+        }
         let constants = address.elements().and_then(|addresses| {
             let found = addresses.iter().map(|address| {
                 let aligned = address % size == 0;
@@ -437,6 +465,15 @@ impl Step<'_> {
                 Width::Word => 4,
             };
             memory.store(address, size, &value);
+        }
+        let conventions = self.world.conventions;
+        if address
+            .constant()
+            .is_some_and(|a| conventions.running == Some(a))
+        {
+            let named = value.constant();
+            let urgency = named.and_then(|named| conventions.words.get(&named));
+            self.state.urgency = urgency.copied();
         }
         match address {
             Value::Stack(offset) => {

@@ -4,10 +4,11 @@
 
 use crate::cost::BlockCost;
 use crate::flow::{Block, Entry, Flow, Target, Transfer};
-use crate::state::{State, ANY_URGENCY, ENDLESS};
+use crate::state::{enter, State, ANY_URGENCY, ENDLESS};
 use crate::transfer::{execute, Effects, World};
 use crate::value::Value;
 use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// Most states that are followed side by side within a block.
@@ -83,6 +84,8 @@ pub struct Walker<'a> {
     pub records: Vec<BlockRecord>,
     /// Instructions executed.
     pub step_count: u64,
+    /// Where executions of blocks are counted.
+    pub visits: Option<&'a RefCell<Vec<u64>>>,
 }
 
 /// Ways out of a block with their states, and the target of its last instruction.
@@ -168,6 +171,7 @@ impl<'a> Walker<'a> {
             calls,
             records: Vec::new(),
             step_count: 0,
+            visits: None,
         }
     }
 
@@ -182,8 +186,14 @@ impl<'a> Walker<'a> {
             last + 1
         };
         self.step_count += block.instructions.len() as u64;
+        self.note_visit(index);
         let mut states = vec![state];
         for position in 0..straight {
+            if let [state] = states.as_mut_slice() {
+                if self.run_single(index, position, state) {
+                    continue;
+                }
+            }
             let merges = {
                 let instruction = &block.instructions[position].1;
                 instruction.condition == ALWAYS && instruction.sets_flags()
@@ -208,19 +218,38 @@ impl<'a> Walker<'a> {
         for state in states {
             match &block.transfer {
                 Some(transfer) => self.run_transfer(index, transfer, state, &mut outcome),
-                None => {
-                    let edges = 0..block.edges.len();
-                    let open: Vec<usize> = edges.filter(|e| self.is_open(index, *e)).collect();
-                    for edge in open {
-                        if let Some(record) = self.records.get_mut(index) {
-                            record.feasible[edge] = true;
-                        }
-                        outcome.leave(edge, state.clone());
-                    }
-                }
+                None => self.fall_through(index, state, &mut outcome),
             }
         }
         outcome
+    }
+
+    fn note_visit(&self, index: usize) {
+        if let Some(visits) = self.visits {
+            let mut visits = visits.borrow_mut();
+            if visits.is_empty() {
+                visits.resize(self.flow.blocks.len(), 0);
+            }
+            visits[index] += 1;
+        }
+    }
+
+    /// Out of a block that ends without a branch.
+    fn fall_through(&mut self, index: usize, state: State, outcome: &mut Outcome) {
+        let edges = 0..self.flow.blocks[index].edges.len();
+        let open: Vec<usize> = edges.filter(|e| self.is_open(index, *e)).collect();
+        let Some((last, others)) = open.split_last() else {
+            return;
+        };
+        for edge in &open {
+            if let Some(record) = self.records.get_mut(index) {
+                record.feasible[*edge] = true;
+            }
+        }
+        for edge in others {
+            outcome.leave(*edge, state.clone());
+        }
+        outcome.leave(*last, state);
     }
 
     /// May this way out be taken in what is bounded?
@@ -229,6 +258,23 @@ impl<'a> Walker<'a> {
             Target::Block(next) => self.avoided.get(next) != Some(&true),
             Target::Return => true,
         }
+    }
+
+    /// An instruction on the only state, when it is known whether it is executed.
+    fn run_single(&mut self, index: usize, position: usize, state: &mut State) -> bool {
+        let (address, instruction) = self.flow.blocks[index].instructions[position];
+        let passes = match instruction.condition {
+            ALWAYS => Some(true),
+            condition => state.decides(condition),
+        };
+        let Some(passes) = passes else {
+            return false;
+        };
+        self.pass(index, position, state);
+        if passes {
+            self.perform(index, position, state, address, &instruction);
+        }
+        true
     }
 
     fn run_straight(
@@ -245,9 +291,8 @@ impl<'a> Walker<'a> {
             after.push(state);
             return;
         }
-        after.extend(state.assume(instruction.condition, false));
-        let passed = state.assume(instruction.condition, true);
-        drop(state);
+        let (failed, passed) = state.divide(instruction.condition);
+        after.extend(failed);
         if let Some(mut state) = passed {
             self.perform(index, position, &mut state, address, &instruction);
             after.push(state);
@@ -325,10 +370,8 @@ impl<'a> Walker<'a> {
         let mut state = state;
         self.pass(index, position, &mut state);
         let mut own_target = None;
-        let failed = state.assume(instruction.condition, false);
-        let passed = state.assume(instruction.condition, true);
-        drop(state);
-        let after = passed.and_then(|mut state| {
+        let (mut failed, passed) = state.divide(instruction.condition);
+        let mut after = passed.and_then(|mut state| {
             let link = state.registers[14].clone();
             let effects = self.perform(index, position, &mut state, address, &instruction);
             own_target.clone_from(&effects.target);
@@ -339,15 +382,30 @@ impl<'a> Walker<'a> {
             Some(state)
         });
         let targets = own_target.as_ref().and_then(Value::elements);
-        for (number, edge) in self.flow.blocks[index].edges.iter().enumerate() {
-            let possible = self.is_open(index, number)
-                && (!edge.executed || self.flow.edge_fits(edge, transfer, targets.as_deref()));
-            let state = if edge.executed { &after } else { &failed };
-            if let Some(state) = state.as_ref().filter(|_| possible) {
+        let flow = self.flow;
+        let edges = &flow.blocks[index].edges;
+        let possible = |number: &usize| {
+            let edge = &edges[*number];
+            self.is_open(index, *number)
+                && (!edge.executed || flow.edge_fits(edge, transfer, targets.as_deref()))
+        };
+        let open: Vec<usize> = (0..edges.len()).filter(possible).collect();
+        for (position, number) in open.iter().copied().enumerate() {
+            let edge = &edges[number];
+            let again = open[position + 1..].iter();
+            let last = again
+                .clone()
+                .all(|other| edges[*other].executed != edge.executed);
+            let state = if edge.executed {
+                &mut after
+            } else {
+                &mut failed
+            };
+            let state = if last { state.take() } else { state.clone() };
+            if let Some(mut state) = state {
                 if let Some(record) = self.records.get_mut(index) {
                     record.feasible[number] = true;
                 }
-                let mut state = state.clone();
                 if let Some(cost) = self.costs.get(index).filter(|_| edge.executed) {
                     state.spend(cost.refills[number] + cost.after_call);
                 }
@@ -396,22 +454,22 @@ impl<'a> Walker<'a> {
 
     /// Records arguments, depth and protected actions of a call; the urgencies after it.
     fn note_call(&mut self, index: usize, state: &State) -> Vec<u32> {
-        let arguments: [Value; 4] = std::array::from_fn(|n| state.registers[n].clone());
         let conventions = self.world.conventions;
         let mut entered = None;
-        let mut after = state.clone();
+        let mut after = state.urgencies.clone();
         for (callee, _) in &self.flow.blocks[index].calls {
             if conventions.locks.contains(callee) {
                 let object = state.registers[0].constant();
                 let urgency = object.and_then(|object| conventions.words.get(&object));
                 let urgency = urgency.copied().unwrap_or(ANY_URGENCY);
-                after.enter(urgency);
+                enter(&mut after, urgency);
                 entered = Some(urgency);
             } else if conventions.unlocks.contains(callee) {
-                after.urgencies.pop();
+                after.pop();
             }
         }
         if let Some(record) = self.records.get_mut(index) {
+            let arguments: [Value; 4] = std::array::from_fn(|n| state.registers[n].clone());
             let joined = match record.arguments.take() {
                 Some(known) => std::array::from_fn(|n| known[n].join(&arguments[n])),
                 None => arguments,
@@ -421,7 +479,7 @@ impl<'a> Walker<'a> {
             record.call_depth_bytes = depths.map(|(a, b)| a.max(b));
             record.urgency = record.urgency.max(entered);
         }
-        after.urgencies
+        after
     }
 
     /// After a call that is not followed.
