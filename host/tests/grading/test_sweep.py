@@ -4,18 +4,26 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import json
 import os
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from host.tests.grading.submissions import BLANK
 from typer.testing import CliRunner
 
 from ravenbrick.cli import app
-from ravenbrick.grading.sweep import draw
+from ravenbrick.errors import ExitCode
+from ravenbrick.grading.sweep import draw, run_sweep
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.workspace import Workspace
+
+LONG = pytest.mark.skipif("RAVENBRICK_LONG" not in os.environ, reason="workers: make conformance")
 
 
 def drawn_from() -> tuple[Robot, Scenario]:
@@ -37,23 +45,59 @@ def test_parameters_lie_within_their_tolerances_and_come_again() -> None:
             assert robot.motors["nxt"][name].allows(value), name
 
 
-@pytest.mark.skipif("RAVENBRICK_LONG" not in os.environ, reason="many runs: make conformance")
-def test_the_number_of_workers_does_not_matter(tmp_path: Path) -> None:
-    """One or two workers, or a sweep that goes on where it was: the same results."""
-    runner = CliRunner()
-    assert runner.invoke(app, ["build", str(BLANK)]).exit_code == 0
+@pytest.fixture(scope="module")
+def built() -> None:
+    """The bench's image."""
+    assert CliRunner().invoke(app, ["build", str(BLANK)]).exit_code == 0
 
-    def sweep(count: int, workers: int, folder: str) -> list[object]:
-        command = ["sweep", str(BLANK), "press", "--count", str(count), "--json"]
-        command += ["--workers", str(workers), "--output", str(tmp_path / folder)]
-        answer = json.loads(runner.invoke(app, command).output)
-        assert answer["count"] == count
-        return list(answer["results"])
 
-    single = sweep(6, 1, "one")
-    assert sweep(6, 2, "two") == single
-    assert sweep(3, 1, "resumed") == single[:3]
-    before = {f.name: f.stat().st_mtime_ns for f in (tmp_path / "resumed").iterdir()}
-    assert sweep(6, 2, "resumed") == single
-    after = {f.name: f.stat().st_mtime_ns for f in (tmp_path / "resumed").iterdir()}
-    assert len(before) == 3 and before.items() <= after.items() and len(after) == 6
+def sweep(count: int, folder: Path, *options: str) -> list[dict[str, Any]]:
+    """Results of the command."""
+    command = ["sweep", str(BLANK), "press", "--count", str(count), "--json"]
+    command += ["--output", str(folder), *options]
+    answer = json.loads(CliRunner().invoke(app, command).output)
+    assert answer["count"] == count
+    return list(answer["results"])
+
+
+def test_an_interrupted_sweep_goes_on(built: None, tmp_path: Path) -> None:
+    """What was kept is not run again, a damaged file is; the progress never goes back."""
+    robot, scenario = drawn_from()
+    image = Workspace.of(BLANK).image("ram", robot.name)
+    first = run_sweep(robot, scenario, image, 3, tmp_path, 1)
+    before = {file: file.stat().st_mtime_ns for file in tmp_path.iterdir()}
+    damaged = min(before)
+    damaged.write_text('{"number": ')
+    shares: list[float] = []
+    whole = run_sweep(robot, scenario, image, 5, tmp_path, 2, progress=shares.append)
+    assert whole[:3] == first and [result["number"] for result in whole] == list(range(5))
+    assert shares == [0.6, 0.8, 1.0]
+    after = {file: file.stat().st_mtime_ns for file in before}
+    assert {file for file in before if before[file] == after[file]} == set(before) - {damaged}
+
+
+@LONG
+@pytest.mark.skipif(
+    importlib.util.find_spec("distributed") is None,
+    reason="distributed is not installed: pip install -r tools/requirements-cluster.txt",
+)
+def test_a_cluster_gives_the_results_of_one_worker(built: None, tmp_path: Path) -> None:
+    """By one option, on two workers of a scheduler; two processes of this machine do, too."""
+    single = sweep(6, tmp_path / "one", "--workers", "1")
+    assert sweep(6, tmp_path / "two", "--workers", "2") == single
+    distributed = importlib.import_module("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+    ) as cluster:
+        assert sweep(6, tmp_path / "dask", "--dask", cluster.scheduler_address) == single
+
+
+def test_a_missing_package_is_named(
+    built: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the command that installs it."""
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    command = ["sweep", str(BLANK), "press", "--count", "1", "--dask", "tcp://127.0.0.1:1"]
+    result = CliRunner().invoke(app, [*command, "--output", str(tmp_path)])
+    assert result.exit_code == ExitCode.TOOL_MISSING
+    assert "pip install -r tools/requirements-cluster.txt" in result.output

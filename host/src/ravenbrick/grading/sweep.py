@@ -103,6 +103,15 @@ def _keep(file: Path, result: Result) -> None:
     os.replace(partial, file)
 
 
+def _kept(file: Path) -> Result | None:
+    """A result of an interrupted sweep; none when it cannot be read."""
+    try:
+        kept: Result = json.loads(file.read_text("utf-8"))
+    except (OSError, ValueError):
+        return None
+    return kept
+
+
 def run_sweep(
     robot: Robot,
     scenario: Scenario,
@@ -126,7 +135,7 @@ def run_sweep(
         variants[_key(variant, content)] = variant
     folder.mkdir(parents=True, exist_ok=True)
     kept = {key: folder / f"{key}.json" for key in variants}
-    done = {key: json.loads(f.read_text("utf-8")) for key, f in kept.items() if f.is_file()}
+    done = {key: result for key, file in kept.items() if (result := _kept(file)) is not None}
     waiting = {key: variant for key, variant in variants.items() if key not in done}
     if dask and waiting:
         plain = {key: asdict(variant) for key, variant in waiting.items()}

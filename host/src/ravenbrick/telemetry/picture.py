@@ -20,6 +20,7 @@ __all__ = ["draw_signals", "signals_figure", "steps_figure", "units_of"]
 
 _US = 1_000_000
 _HEIGHT_PER_AXIS = 2.2
+_LEGEND_SHARE = 0.2
 
 
 def units_of(run: RunLog) -> list[str]:
@@ -60,7 +61,9 @@ def draw_signals(axes: Sequence[Axes], run: RunLog, last_s: float | None = None)
             _plot_signal(axis, run, signal, task_colour(index), last_s)
         axis.set_ylabel(f"({unit})" if unit else "value")
         if axis.get_legend_handles_labels()[1]:
-            legend(axis, "upper left", 2)
+            low, high = axis.get_ylim()
+            axis.set_ylim(low, high + _LEGEND_SHARE * (high - low))
+            legend(axis, "upper left", 4)
     axes[-1].set_xlabel("time since power-on (s)")
 
 
