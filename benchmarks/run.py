@@ -38,6 +38,7 @@ PUBLISHED = {
     "run-time text": (7292, "FreeRTOS 11.1 kernel with mutex, ARM -Os, compiled 2026"),
     "context switch, voluntary": (95.3, "ChibiOS/RT 3.1.0 on LPC2148, project's reports"),
     "protected procedure": (149, "ChibiOS/RT 2.4.0 mutex lock and unlock, AT91SAM7X256"),
+    "suspension object to task": (535, "FreeRTOS ARM7 port, semaphore, textbook cycle model"),
     "entry opened to task": (439, "FreeRTOS ARM7 port, notification, textbook cycle model"),
     "interrupt to handler": (89, "FreeRTOS ARM7 port, textbook cycle model"),
     "interrupt to task": (512, "FreeRTOS ARM7 port, textbook cycle model"),
@@ -49,6 +50,14 @@ PUBLISHED = {
     "timing event to handler": (917, "FreeRTOS ARM7 port, timer callback, textbook cycle model"),
     "work while idle, per second": (195_000, "FreeRTOS ARM7 port, ticks of 1 ms"),
     "control block": (72, "FreeRTOS 11.1 task control block"),
+    "kernel and Ada layer with all its services, arm text": (
+        7292,
+        "FreeRTOS 11.1 with mutex, ARM -Os",
+    ),
+    "kernel and Ada layer with all its services, thumb text": (
+        5324,
+        "FreeRTOS 11.1 with mutex, Thumb -Os",
+    ),
     "two tasks, thumb text": (5196, "FreeRTOS 11.1, two tasks, delay, semaphore, Thumb -Os"),
     "two tasks, arm text": (7104, "FreeRTOS 11.1, two tasks, delay, semaphore, ARM -Os"),
 }

@@ -80,7 +80,9 @@ class Profile:
     def _digest(self) -> str:
         digest = hashlib.sha256()
         own = [HERE / f"{name}.py" for name in ("suite", "build", "execution")]
-        paths = [*self.rts.rglob("*.a"), *self.rts.rglob("*.ads"), *(HERE / "support").iterdir()]
+        kinds = ("*.a", "*.ads", "*.ld")
+        paths = [path for kind in kinds for path in self.rts.rglob(kind)]
+        paths += (HERE / "support").iterdir()
         for path in [*sorted(paths), *own]:
             digest.update(path.read_bytes())
         return digest.hexdigest()

@@ -62,7 +62,6 @@ ABSENT = (
     (r"ada\.numerics\.(float|discrete)_random", "no random numbers in this run-time"),
     (r"ada\.(locales|strings\.utf_encoding)", "no locales and transformation formats"),
     (r"interfaces\.(cobol|fortran)", "optional interface to another language"),
-    (r"gnat\.os_lib|impdef\.annex_c", "interrupts by signals of an operating system"),
     (r"system\.rpc", "no distribution"),
 )  # fmt: skip
 """Units and entities that the run-time lacks, as the tools name them, and the reason."""

@@ -95,7 +95,10 @@ def _row(figure: str, best: float, mean: float, worst: float, samples: int) -> F
 
 
 def image_of(program: str, image: str, code: str) -> Path:
-    """The image of a program of this folder, built with the run-time in the same state."""
+    """The image of a program of this folder, built with the run-time in the same state.
+
+    The linker's map stands beside it.
+    """
     products = PRODUCTS / "runtime"
     library = products / ("ravenscar-thumb" if code == "thumb" else "ravenscar")
     subprocess.run(
@@ -104,14 +107,15 @@ def image_of(program: str, image: str, code: str) -> Path:
         stdout=subprocess.DEVNULL,
     )
     folder = products / "benchmarks" / code
+    elf = folder / program / image / f"{program}.elf"
     subprocess.run(
         ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
          "-P", str(HERE / "benchmarks.gpr"), f"-XPROGRAM={program}", f"-XIMAGE={image}",
-         f"-XCODE={code}", f"-XBUILD={folder}"],
+         f"-XCODE={code}", f"-XBUILD={folder}", f"--create-map-file={elf.with_suffix('.map')}"],
         check=True,
         env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(library)},
     )  # fmt: skip
-    return folder / program / image / f"{program}.elf"
+    return elf
 
 
 def _run(program: str, image: str, code: str) -> virtual_brick.VirtualBrick:

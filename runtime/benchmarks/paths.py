@@ -20,7 +20,7 @@ import numpy as np
 from runtime.benchmarks import measure
 from runtime.benchmarks.steps import IRQ_VECTOR, VECTORS_SIZE, Steps, steps_of
 
-__all__ = ["Stretch", "paths"]
+__all__ = ["PAGE", "Stretch", "page", "paths"]
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "internals" / "run-time-paths.md"
@@ -109,7 +109,8 @@ def _server_wait(steps: Steps, entry: int) -> int:
     return int(next(i for i in _indices(steps, SUSPEND) if i < entry))
 
 
-def _page() -> str:
+def page() -> str:
+    """The page's text."""
     lines = [
         "# Three ways through the run-time",
         "",
@@ -130,7 +131,7 @@ def _page() -> str:
 
 def main() -> int:
     """Write the page."""
-    PAGE.write_text(_page())
+    PAGE.write_text(page())
     return 0
 
 

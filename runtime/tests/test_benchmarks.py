@@ -1,9 +1,18 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The benchmark's figures: complete, well formed, and within the limits of the README."""
+"""The benchmark's figures: complete, well formed, and within the limits of the README.
+
+RAVENBRICK_LONG=1 measures the generated pages again, too.
+"""
 
 from __future__ import annotations
 
+import os
+from types import ModuleType
+
+import pytest
+
+from runtime.benchmarks import footprints, paths, sections
 from runtime.benchmarks.measure import figures
 
 # Limit of the worst sample in cycles
@@ -36,3 +45,13 @@ def test_every_figure_is_within_its_limit_at_random_phases() -> None:
     from_tick = rows["delay until, idle processor, from the clock's tick"]
     assert from_tick["worst"] - from_tick["best"] <= SPREAD_CYCLES
     assert 0 < rows["work while idle, per second"]["mean"] <= 400
+
+
+@pytest.mark.skipif(
+    not os.environ.get("RAVENBRICK_LONG"),
+    reason="records each step of ten programs: RAVENBRICK_LONG=1 runs it",
+)
+@pytest.mark.parametrize("measured", [paths, sections, footprints])
+def test_a_generated_page_is_what_is_measured_now(measured: ModuleType) -> None:
+    """The chapter's walk through the code, the critical sections, the footprint of each feature."""
+    assert measured.PAGE.read_text() == measured.page()

@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import re
 import struct
 from collections.abc import Callable
 from itertools import pairwise
@@ -16,7 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import virtual_brick
+from elftools.elf.elffile import ELFFile
 
+from runtime.benchmarks.footprints import linked_bytes
 from runtime.tests.harness import (
     BENCH,
     CYCLES_PER_MS,
@@ -31,6 +32,7 @@ from runtime.tests.harness import (
 
 # A halted program is one that the last-chance handler stopped
 RUNNING = "reached"
+RAM = 0x0020_0000
 
 
 FIGURES = (
@@ -66,6 +68,17 @@ def stress() -> Callable[[int], Run]:
         return Run(brick, brick.run_until(4_000 * CYCLES_PER_MS))
 
     return run_seeded
+
+
+def states_of(elf: Path) -> dict[str, str]:
+    """State of each function: bit 0 of a symbol tells Thumb code (ARM IHI 0044F 5.5.3)."""
+    with elf.open("rb") as file:
+        symbols = list(ELFFile(file).get_section_by_name(".symtab").iter_symbols())
+    return {
+        symbol.name: "thumb" if symbol["st_value"] & 1 else "arm"
+        for symbol in symbols
+        if symbol["st_info"]["type"] == "STT_FUNC"
+    }
 
 
 def line_of(program: str, mark: str) -> int:
@@ -418,6 +431,26 @@ class TestImages:
         journal = run(program, code="thumb", runtime="thumb").journal()
         assert_repeats(journal, pattern, at_least)
 
+    def test_the_flash_image_has_time_critical_code_in_ram(self, run: Runner) -> None:
+        """Dispatching, delays, locks and entries; what is the program's own stays in flash."""
+        brick = run("entries", image="flash").brick
+        for symbol in (
+            "ravenbrick__threads__block",
+            "ravenbrick__delays__delay_until",
+            "system__tasking__protected_objects__single_entry__service_entry",
+        ):
+            assert brick.symbol(symbol)[0] >= RAM
+        assert brick.symbol("rendezvous_free__consumerTKB")[0] < RAM
+
+    def test_a_unit_may_be_in_the_other_state(self, run: Runner) -> None:
+        """One unit of an ARM program compiled with -mthumb: the program behaves alike."""
+        options = ("-XMIXED=yes",)
+        journal = run("entries", code="arm", image="flash", options=options).journal()
+        assert_repeats(journal, "wpg1lpgh2", 5)
+        states = states_of(build("entries", "flash", "arm", options=options))
+        assert states["rendezvous_free__consumerTKB"] == "thumb"
+        assert states["main"] == "arm"
+
     def test_a_failure_is_told_by_the_run_time_in_thumb_state(self, run: Runner) -> None:
         """Down to the hook of the program, which is Thumb code, too."""
         result = run("range_check", code="thumb", runtime="thumb")
@@ -431,18 +464,6 @@ class TestImages:
         assert all(a != b for a, b in pairwise(running.tolist()))
 
 
-def linked_bytes(map_file: Path) -> int:
-    """Bytes of code and constants that the image has of the run-time and the compiler's library.
-
-    The linker's map lists each section that is kept with its address, its size and its file.
-    """
-    kept = map_file.read_text().split("Linker script and memory map", 1)[1]
-    section = r"^ \.(?:text|rodata|data|vectors)\S*\s+0x[0-9a-f]+\s+0x([0-9a-f]+) "
-    library = r"\S+(?:/adalib/|/libgcc\.a\()"
-    sizes = re.findall(section + library, kept, re.MULTILINE)
-    return sum(int(size, 16) for size in sizes)
-
-
 class TestFootprint:
     """Tasks, delay until, protected entry, suspension object and interrupts in one program."""
 
@@ -450,7 +471,7 @@ class TestFootprint:
     def test_kernel_and_language_layer_fit(self, state: str, limit_bytes: int) -> None:
         """Linked code and constants of the run-time, the compiler's helpers included."""
         elf = build("footprint", code=state, runtime=state)
-        assert 2_000 < linked_bytes(elf.with_suffix(".map")) <= limit_bytes
+        assert 2_000 < linked_bytes(elf) <= limit_bytes
 
     @pytest.mark.parametrize("state", ["arm", "thumb"])
     def test_the_weighed_program_works(self, run: Runner, state: str) -> None:
@@ -506,10 +527,10 @@ def test_entries_are_served_by_the_policy(run: Runner, runtime: str, order: str)
 
 
 def test_library_units_without_a_heap(run: Runner) -> None:
-    """Storage pools, elementary functions, images and packed arrays."""
+    """Storage pools, elementary functions, images, packed arrays, atomics and strings of C."""
     result = run("library_units")
     assert result.failure() is None
-    assert result.journal() == "abcdefg"
+    assert result.journal() == "abcdefghij"
     angle = 0.5
     expected = (math.sin(angle), math.exp(angle), math.atan2(angle, 2.0), angle**1.5)
     *values, cycles, _ = result.words("results", 6)

@@ -1,11 +1,14 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Units of the language's library that need no heap: pools, functions, images, packed arrays
+--  Units of the language's library that need no heap: pools, functions, images, packed arrays,
+--  strings of C; atomic objects
 
 with Ada.Numerics.Elementary_Functions; use Ada.Numerics.Elementary_Functions;
 with Ada.Real_Time;                     use Ada.Real_Time;
 with Ada.Unchecked_Deallocation;
+
+with Interfaces.C; use Interfaces.C;
 
 with Arenas;
 use type Arenas.Bytes;
@@ -26,6 +29,7 @@ procedure Library_Units is
    procedure Pools;
    procedure Functions;
    procedure Images;
+   procedure Shared;
 
    procedure Pools is
       type Node is record
@@ -78,16 +82,32 @@ procedure Library_Units is
       Number : Integer := 42 with Volatile;
       Hue    : Colour := Green with Volatile;
       Volt   : Centivolts := 7.25 with Volatile;
+      Volts  : Float := -7.25 with Volatile;
    begin
       Check (Number'Image = " 42" and then Integer'Value ("16#2A#") = Number, 'd');
       Check (Hue'Image = "GREEN" and then Colour'Value ("blue") = Blue, 'e');
       Check (Volt'Image = " 7.25" and then Centivolts'Value ("-0.50") = -0.5, 'f');
       Packed (3) := Packed (2) + 1;
       Check (Packed (3) = 6 and then Packed (4) = 5 and then Packed'Size <= 32, 'g');
+      Check (Volts'Image = "-7.25000E+00" and then Float'Value ("1.5E1") = 15.0, 'h');
    end Images;
+
+   type Cells is array (1 .. 4) of Short_Short_Integer with Atomic_Components;
+   Neighbours : Cells := (others => -1);
+   Whole      : Integer := 0 with Atomic;
+
+   procedure Shared is
+      Name : constant char_array := To_C ("brick");
+   begin
+      Neighbours (2) := 5;
+      Whole := Whole + 1;
+      Check (Neighbours = (-1, 5, -1, -1) and then Whole = 1, 'i');
+      Check (Name'Length = 6 and then Name (Name'Last) = nul and then To_Ada (Name) = "brick", 'j');
+   end Shared;
 
 begin
    Pools;
    Functions;
    Images;
+   Shared;
 end Library_Units;
