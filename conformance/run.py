@@ -369,7 +369,11 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("plant", published_points),
     (
         "plant",
-        pytest_suite("plant", "FMI 2 unit as the body", f"{HOST_TESTS}/target/test_fmu_body.py"),
+        pytest_suite(
+            "plant",
+            "FMI 2 and FMI 3 units as the body",
+            f"{HOST_TESTS}/target/test_fmu_body.py",
+        ),
     ),
     (
         "peripherals",

@@ -111,10 +111,15 @@ class FmuBody:
         )
         try:
             write(self._inputs, voltages)
-            self._unit.doStep(**step)
-            return [float(angle) for angle in read(self._outputs)]
+            answer = self._unit.doStep(**step)
+            angles = [float(angle) for angle in read(self._outputs)]
         except Exception as error:
             raise RunFaultError(f"{self.path}: failed in step {number}: {error}") from None
+        if self._third and (answer[1] or answer[2]):
+            # FMI 3.0, 4.2.1: terminateSimulation, earlyReturn; events are not asked for.
+            at_s = step["currentCommunicationPoint"]
+            raise RunFaultError(f"{self.path}: ended itself at {at_s:.4f} s of its time")
+        return angles
 
     def close(self) -> None:
         """End the unit."""
