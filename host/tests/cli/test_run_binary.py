@@ -8,6 +8,7 @@ import json
 import shutil
 import subprocess
 import sys
+import wave
 from pathlib import Path
 from typing import Any
 
@@ -41,10 +42,13 @@ def run(*arguments: str) -> dict[str, Any]:
 
 def test_firmware_in_flash_runs_and_both_engines_make_the_same_run(project: Path) -> None:
     binary = (str(project), "press", "--bin", str(IMAGE), "--at", "flash")
-    answer = run(*binary)
+    answer = run(*binary, "--sound", str(project / "heard.wav"))
     assert answer["ok"], answer
     assert answer["stop"] == "reached"
     assert Path(answer["recording"]).is_file()
+    with wave.open(str(project / "heard.wav")) as file:
+        length_s = file.getnframes() / file.getframerate()
+    assert length_s == pytest.approx(answer["duration"], abs=0.001)
     assert run(*binary, "--engine", "reference")["trace_digest"] == answer["trace_digest"]
 
 

@@ -14,11 +14,12 @@ from pathlib import Path
 import pytest
 from host.tests.support.nxt_firmware import CONFIGURATION, encoder, firmware_brick, run_ms
 from host.tests.support.nxt_sockets import UsbSocket
+from typer.testing import CliRunner
+
 from ravenbrick.cli import app
 from ravenbrick.errors import RunFaultError, UsageError
 from ravenbrick.target.fmu_body import CoSimulation, FmuBody
 from ravenbrick.target.peers import UsbComputer
-from typer.testing import CliRunner
 
 SOURCES = Path(__file__).parent / "fmu"
 BENCH = Path(__file__).resolve().parents[3] / "examples" / "motor-bench"

@@ -58,6 +58,12 @@ class Engine(StrEnum):
     REFERENCE = "reference"
 
 
+SaveSnapshotOption = Annotated[Path | None, typer.Option(help="Save a snapshot in this file.")]
+SoundOption = Annotated[
+    Path | None, typer.Option(help="Save what the loudspeaker plays as a WAV file.")
+]
+
+
 def _with_options(
     scenario: Scenario, robot: Robot, expect: list[str], stimulus: list[Path]
 ) -> Scenario:
@@ -210,13 +216,12 @@ def run_command(
         Engine, typer.Option(help="What executes instructions; the run is the same.")
     ] = Engine.FAST,
     body: Annotated[Path | None, typer.Option(help="FMU in place of the robot's body.")] = None,
-    save_snapshot: Annotated[
-        Path | None, typer.Option(help="Save a snapshot in this file.")
-    ] = None,
+    save_snapshot: SaveSnapshotOption = None,
     snapshot_at: Annotated[float, typer.Option(min=0.005, help="When to save it, in s.")] = 1.0,
     from_snapshot: Annotated[
         Path | None, typer.Option(help="Begin with a snapshot of the same image.")
     ] = None,
+    sound: SoundOption = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Run a scenario on the virtual brick, keep the recording, check the pass criteria."""
@@ -229,6 +234,7 @@ def run_command(
         settings={"engine": engine.value, "timing": {"profile": timing_profile.value}},
         body=FmuBody(body) if body else None,
         snapshots=_wishes(chosen, body, save_snapshot, snapshot_at, from_snapshot),
+        sound=sound,
     )
     own = workspace.image(image.kind, robot.name)
     loaded = read_binary(binary, at.kind) if binary else read_image(elf or own)

@@ -32,6 +32,7 @@ from ravenbrick.target.protocol import Progress, no_progress
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.snapshot import Snapshot, SnapshotWishes
+from ravenbrick.target.sound_file import save_sound
 from ravenbrick.target.stimulus import TimedInput
 from ravenbrick.target.stimulus_callback import Callback
 from ravenbrick.target.workspace import Workspace
@@ -78,7 +79,8 @@ class VirtualTarget:
 
     `callback` gives further inputs while the scenario runs. `settings` are fields of the brick's
     configuration that concern the simulation: `engine`, `timing` (docs/reference/timing.md).
-    `body` is an FMU in place of the robot's body, `snapshots` what to begin with and to save.
+    `body` is an FMU in place of the robot's body, `snapshots` what to begin with and to save,
+    `sound` where to save what the loudspeaker plays.
     """
 
     def __init__(
@@ -88,12 +90,14 @@ class VirtualTarget:
         settings: Mapping[str, Any] | None = None,
         body: FmuBody | None = None,
         snapshots: SnapshotWishes | None = None,
+        sound: Path | None = None,
     ) -> None:
         self._module = module if module is not None else _module()
         self._callback = callback
         self._settings = dict(settings or {})
         self._body = body
         self._snapshots = snapshots or SnapshotWishes()
+        self._sound = sound
 
     @property
     def name(self) -> str:
@@ -127,6 +131,8 @@ class VirtualTarget:
             other = self._play(station.robot, station.scenario, station.image, None, address)
             play.run(progress, other)
             station = replace(station, recording=other.recording())
+        if self._sound is not None:
+            play.save_sound(self._sound)
         return play.recording(), station
 
     def _station(self, scenario: Scenario) -> Station | None:
@@ -343,6 +349,10 @@ class _Play:
             self._save_snapshot(at_ms)
             if self._callback is not None and at_ms % self._callback.period_ms == 0:
                 self._ask(self._callback)
+
+    def save_sound(self, path: Path) -> None:
+        """What was played so far."""
+        save_sound(self._brick, path)
 
     def _visit(self, at_ms: int, stop: Any) -> None:
         self._stop = stop
