@@ -8,7 +8,7 @@ from typing import Any
 
 from tools.lcd_picture import lcd_svg
 
-__all__ = ["firmware_pages", "plant_page"]
+__all__ = ["firmware_pages", "fuzz_page", "plant_page"]
 
 Row = dict[str, Any]
 
@@ -130,3 +130,52 @@ def firmware_pages(rows: list[Row]) -> dict[str, str]:
         known = f"{source}; {row['bytes']:,} bytes, SHA-256 `{row['sha256'][:16]}…`"
         lines.append(_row([row["name"], known, ran, image]))
     return {"reference/firmware-images.md": "\n".join([*lines, ""]), **files}
+
+
+FUZZ_HEAD = """# Fuzzing
+
+Generated from `conformance/fuzz.json` by `python -m conformance.fuzz.campaign`; do not edit.
+
+What no honest user gives the virtual brick, each for the same time in every `make conformance`:
+first the target's corpus of right content as it is, then content damaged at random. A *finding* is
+a panic, an exception without words, a peer that is no longer served, a record that does not play
+again, or memory beyond its bound (512 MB of growth a target, 1 GB in the native targets). The peers
+talk to a brick that runs LEGO's firmware; after each hostile session an honest host must be served.
+"""
+FUZZ_TAIL = """A content that is not borne is kept in `build/fuzz/findings`, and `python -m
+conformance.fuzz.campaign --give FILE` gives it again; a native target names its seed, and `fuzz 1
+SEED` runs it first. Corpora: `conformance/fuzz/corpus`, a compiled C program with debug
+information, random programs, and snapshots that are saved when the campaign begins.
+
+## Found and mended
+
+| Target | What was found | Now |
+|---|---|---|
+"""
+FOUND = (
+    (
+        "malformed snapshot",
+        "a header that is no JSON object, infinite or negative numbers, text without an encoding:"
+        " an exception in place of a refusal",
+        "whole numbers up to a day and encodable text only",
+    ),
+    (
+        "malformed snapshot",
+        "found by reading: a cycle in the far future, to which the brick was run",
+        "a day at most, in steps that Ctrl-C can end",
+    ),
+)
+
+
+def fuzz_page(rows: list[Row]) -> str:
+    """Targets with corpus, time, cases and findings."""
+    lines = [HEAD + FUZZ_HEAD]
+    lines += [_row(["Target", "Given", "Corpus", "Time, s", "Cases", "Findings"])]
+    lines += ["|---|---|---:|---:|---:|---:|"]
+    for row in rows:
+        counts = [str(row[key]) for key in ("corpus", "seconds", "case_count", "findings")]
+        lines.append(_row([row["target"], row["given"], *counts]))
+    total = [str(sum(row[key] for row in rows)) for key in ("seconds", "case_count", "findings")]
+    lines.append(_row(["**all**", "", "", *total]))
+    found = [_row(list(cells)) for cells in FOUND]
+    return "\n".join([*lines, "", FUZZ_TAIL.rstrip("\n"), *found, ""])

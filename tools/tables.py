@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tools.result_pages import firmware_pages, plant_page
+from tools.result_pages import firmware_pages, fuzz_page, plant_page
 
 __all__ = ["AREAS", "benchmark_table", "conformance_table", "merge_rows"]
 
@@ -103,6 +103,7 @@ PAGES: tuple[tuple[Path, Callable[[Any], dict[Path, str]]], ...] = (
     (BENCHMARKS / "results.json", _one(BENCHMARKS / "results.md", benchmark_table)),
     (CONFORMANCE / "plant_points.json", _one(DOCS / "reference" / "plant-points.md", plant_page)),
     (CONFORMANCE / "firmware_images.json", _firmware),
+    (CONFORMANCE / "fuzz.json", _one(DOCS / "reference" / "fuzzing.md", fuzz_page)),
 )
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tools.result_pages import plant_page
+from tools.result_pages import fuzz_page, plant_page
 from tools.tables import CONFORMANCE, benchmark_table, conformance_table, merge_rows
 
 SUITE = {
@@ -69,3 +69,11 @@ def test_the_plants_page_judges_each_value_and_names_the_contradiction() -> None
     assert "| 9 V, no load | current, A | 0.060 |  | 0.055 |" in page
     assert page.count("**out**") == len(data["missed"])
     assert "contradict each other" in page
+
+
+def test_the_page_of_fuzzing_adds_up_time_cases_and_findings() -> None:
+    """A finding is seen in the last row."""
+    row = {"target": "t", "given": "g", "corpus": 2, "seconds": 3, "case_count": 5, "findings": 1}
+    page = fuzz_page([row, {**row, "target": "u", "findings": 0}])
+    assert "| t | g | 2 | 3 | 5 | 1 |" in page
+    assert "| **all** |  |  | 6 | 10 | 1 |" in page

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import random
+import struct
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,38 @@ def test_another_image_and_another_state_are_refused(saved: tuple[Path, str]) ->
     unknown = Snapshot(**{**vars(snapshot), "inputs": (TimedInput(1, "horn", 1.0),)})
     with pytest.raises(SnapshotError, match="horn"):
         unknown.restore(virtual_brick, loaded)
+
+
+ODD = (
+    "null",
+    "-1",
+    "1e999",
+    "NaN",
+    "1" + 60 * "0",
+    '"\\ud800"',
+    "[[1]]",
+    '[[-5,"touch.1",1]]',
+    "{}",
+)
+
+
+@pytest.mark.parametrize("odd", ODD)
+def test_fields_that_are_wrong_under_a_right_sum_are_refused(
+    saved: tuple[Path, str], tmp_path: Path, odd: str
+) -> None:
+    content = saved[0].read_bytes()[:-32]
+    begin = content.index(b"{")
+    (length,) = struct.unpack_from("<I", content, begin - 4)
+    fields = json.loads(content[begin : begin + length])
+    made_up = tmp_path / "made-up.rbs"
+    for name in fields:
+        parts = [f"{json.dumps(k)}:{odd if k == name else json.dumps(fields[k])}" for k in fields]
+        header = ("{" + ",".join(parts) + "}").encode()
+        bad = content[: begin - 4] + struct.pack("<I", len(header)) + header
+        bad += content[begin + length :]
+        made_up.write_bytes(bad + hashlib.sha256(bad).digest())
+        with pytest.raises(SnapshotError, match="made-up"):
+            Snapshot.load(made_up)
 
 
 def test_damaged_files_and_other_versions_are_refused(

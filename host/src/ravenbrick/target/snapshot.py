@@ -27,6 +27,9 @@ _MAGIC = b"RAVENBRICK SNAPSHOT\n"
 _VERSION = 1
 _HEAD = struct.Struct("<II")
 _LARGEST_FILE = 1 << 28
+# A day.
+_LONGEST_CYCLES = 24 * 3600 * 48_054_858
+_SLICE_CYCLES = 48_054_858
 _MEMORIES = ((0x0020_0000, 0x1_0000), (0x0010_0000, 0x4_0000))
 _MEMORY_BYTES = sum(length for _, length in _MEMORIES)
 
@@ -93,7 +96,9 @@ class Snapshot:
                 brick.add_probe(symbol, scalar)
         except (module.ConfigurationError, module.InputError, module.ImageError) as error:
             raise SnapshotError(f"the snapshot is refused: {error}") from None
-        brick.run_until(self.cycles)
+        stop = None
+        while brick.cycles < self.cycles and (stop is None or stop.reason == "reached"):
+            stop = brick.run_until(min(self.cycles, brick.cycles + _SLICE_CYCLES))
         found = (brick.cycles, brick.program_counter, brick.trace_digest(), _memory(brick))
         if found != (self.cycles, self.program_counter, self.trace_digest, self.memory):
             raise SnapshotError(
@@ -123,7 +128,7 @@ class Snapshot:
             if path.stat().st_size > _LARGEST_FILE:
                 raise ValueError("it is larger than any snapshot")
             return cls._read(path.read_bytes(), str(path))
-        except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+        except (OSError, ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
             raise SnapshotError(
                 f"{path}: is no snapshot ({error}); 'ravenbrick run --save-snapshot' writes one"
             ) from None
@@ -140,6 +145,8 @@ class Snapshot:
         if hashlib.sha256(body).digest() != digest:
             raise ValueError("it is damaged or cut off")
         fields = json.loads(body[start : start + length])
+        if not isinstance(fields, dict):
+            raise ValueError("its header is no JSON object")
         unpacked = zlib.decompressobj()
         try:
             memory = unpacked.decompress(body[start + length :], _MEMORY_BYTES)
@@ -147,18 +154,42 @@ class Snapshot:
             raise ValueError(error) from None
         if len(memory) != _MEMORY_BYTES or fields.pop("memory") != _MEMORY_BYTES:
             raise ValueError("its memory has another size")
-        inputs = [TimedInput(int(at), str(n), float(v), place) for at, n, v in fields["inputs"]]
-        probes = [(str(symbol), str(scalar)) for symbol, scalar in fields["probes"]]
+        inputs = [
+            TimedInput(_whole(at, _LONGEST_CYCLES), _text(name), float(value), place)
+            for at, name, value in _list(fields["inputs"])
+        ]
+        probes = [(_text(symbol), _text(scalar)) for symbol, scalar in _list(fields["probes"])]
         return cls(
-            str(fields["configuration"]),
-            str(fields["image_digest"]),
+            _text(fields["configuration"]),
+            _text(fields["image_digest"]),
             tuple(inputs),
             tuple(probes),
-            int(fields["cycles"]),
-            int(fields["program_counter"]),
-            str(fields["trace_digest"]),
+            _whole(fields["cycles"], _LONGEST_CYCLES),
+            _whole(fields["program_counter"], 0xFFFF_FFFF),
+            _text(fields["trace_digest"]),
             memory,
         )
+
+
+def _whole(value: Any, most: int) -> int:
+    """A whole number from 0 to `most`; raises ValueError."""
+    if type(value) is not int or not 0 <= value <= most:
+        raise ValueError(f"{str(value)[:20]} is no whole number from 0 to {most}")
+    return value
+
+
+def _list(value: Any) -> list[Any]:
+    if not isinstance(value, list):
+        raise ValueError(f"{str(value)[:20]} is no list")
+    return value
+
+
+def _text(value: Any) -> str:
+    """Text that has an encoding; raises ValueError."""
+    if not isinstance(value, str):
+        raise ValueError(f"{str(value)[:20]} is no text")
+    value.encode()
+    return value
 
 
 @dataclass(frozen=True)

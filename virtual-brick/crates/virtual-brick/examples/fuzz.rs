@@ -4,13 +4,15 @@
 //! random programs, random writes of registers, random inputs. Nothing may panic, and memory stays
 //! bounded. Every case is a function of its seed, which is printed when it fails.
 //!
-//! Usage: `cargo run --release -p virtual-brick --example fuzz -- [SECONDS [SEED]]`. Prints a
-//! conformance summary as JSON; the exit code is 1 if a case failed.
+//! Usage: `cargo run --release -p virtual-brick --example fuzz -- [SECONDS [SEED [CORPUS]]]`. Files
+//! in `CORPUS/image` and `CORPUS/configuration` are given as they are, then damaged. Prints cases
+//! and failures of each target as JSON; the exit code is 1 if a case failed.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
 
 use std::panic::catch_unwind;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -25,8 +27,12 @@ const CYCLES: u64 = 60_000;
 /// The process keeps below this.
 const RESIDENT_BYTES_MAX: u64 = 1 << 30;
 const PAGE_BYTES: u64 = 4096;
+/// Random programs among the images.
+const RANDOM_IMAGES: u64 = 64;
 
-const TARGETS: [(&str, fn(&mut Numbers)); 5] = [
+type Target = fn(&Corpus, &mut Numbers);
+
+const TARGETS: [(&str, Target); 5] = [
     ("damaged image", damaged_image),
     ("damaged configuration", damaged_configuration),
     ("random program", random_program),
@@ -34,37 +40,115 @@ const TARGETS: [(&str, fn(&mut Numbers)); 5] = [
     ("random inputs", random_inputs),
 ];
 
+/// What is right, to be damaged.
+struct Corpus {
+    images: Vec<Vec<u8>>,
+    configurations: Vec<Vec<u8>>,
+}
+
+impl Corpus {
+    fn read(folder: Option<&str>) -> Self {
+        let files = |kind: &str| {
+            let folder = folder.map(|folder| Path::new(folder).join(kind));
+            let listed = folder.and_then(|folder| std::fs::read_dir(folder).ok());
+            let mut paths: Vec<_> = listed
+                .into_iter()
+                .flatten()
+                .filter_map(|entry| Some(entry.ok()?.path()))
+                .collect();
+            paths.sort();
+            let contents = paths.iter().filter_map(|path| std::fs::read(path).ok());
+            contents.collect::<Vec<_>>()
+        };
+        let mut images = files("image");
+        images.extend((0..RANDOM_IMAGES).map(|seed| {
+            let kind = [Kind::Ram, Kind::Flash, Kind::SlowFlash][seed as usize % 3];
+            random::image(seed, kind)
+        }));
+        let mut configurations = files("configuration");
+        configurations.push(VEHICLE.as_bytes().to_vec());
+        Self {
+            images,
+            configurations,
+        }
+    }
+
+    /// How many entries a target starts from.
+    fn size(&self, target: &str) -> usize {
+        match target {
+            "damaged image" | "random inputs" => self.images.len(),
+            "damaged configuration" => self.configurations.len(),
+            _ => 0,
+        }
+    }
+
+    /// Everything undamaged: whether it passes.
+    fn passes(&self) -> bool {
+        let calm = catch_unwind(|| {
+            self.images.iter().for_each(|elf| try_image(elf));
+            let texts = self.configurations.iter();
+            texts.for_each(|json| try_configuration(json));
+        });
+        calm.is_ok()
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    cases: u64,
+    passed: u64,
+}
+
 fn main() -> ExitCode {
-    let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let (Some(Ok(seconds)), Some(Ok(first))) = (
-        arguments.next().or(Some(Ok(60))),
-        arguments.next().or(Some(Ok(1))),
-    ) else {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |index: usize, otherwise: u64| match arguments.get(index) {
+        Some(text) => text.parse::<u64>().ok(),
+        None => Some(otherwise),
+    };
+    let (Some(seconds), Some(first)) = (number(0, 60), number(1, 1)) else {
         eprintln!("expected a number of seconds and a first seed");
         return ExitCode::from(2);
     };
-    let end = Instant::now() + Duration::from_secs(seconds);
-    let (mut cases, mut passed) = (0, 0);
-    for seed in first.. {
-        if Instant::now() >= end {
-            break;
-        }
-        for (number, (name, target)) in TARGETS.into_iter().enumerate() {
-            cases += 1;
-            let own = seed * TARGETS.len() as u64 + number as u64;
-            let calm = catch_unwind(|| target(&mut Numbers::new(own))).is_ok();
-            let bounded = resident_bytes() < RESIDENT_BYTES_MAX;
-            if calm && bounded {
-                passed += 1;
-            } else {
-                let what = if calm { "memory" } else { "panic" };
-                eprintln!("{name}, seed {seed}: {what}");
+    let corpus = Corpus::read(arguments.get(2).map(String::as_str));
+    if !corpus.passes() {
+        eprintln!("the corpus itself: panic");
+        return ExitCode::FAILURE;
+    }
+    let mut counts = [Counts::default(); TARGETS.len()];
+    let share = Duration::from_secs(seconds) / TARGETS.len() as u32;
+    for (number, (name, target)) in TARGETS.into_iter().enumerate() {
+        let end = Instant::now() + share;
+        for seed in first.. {
+            if Instant::now() >= end {
+                break;
             }
+            let passed = case(name, seed, || target(&corpus, &mut Numbers::new(seed)));
+            counts[number].cases += 1;
+            counts[number].passed += u64::from(passed);
         }
     }
-    let counts = format!(r#""case_count":{cases},"passed":{passed}"#);
-    println!(r#"{{"area":"peripherals","suite":"fuzz","seconds":{seconds},{counts}}}"#);
-    ExitCode::from(u8::from(cases != passed))
+    let rows: Vec<String> = TARGETS
+        .iter()
+        .zip(counts)
+        .map(|((name, _), Counts { cases, passed })| {
+            let corpus = corpus.size(name);
+            format!(
+                r#"{{"target":"{name}","corpus":{corpus},"case_count":{cases},"passed":{passed}}}"#
+            )
+        })
+        .collect();
+    println!("[{}]", rows.join(","));
+    ExitCode::from(u8::from(counts.iter().any(|c| c.cases != c.passed)))
+}
+
+fn case(name: &str, seed: u64, run: impl FnOnce() + std::panic::UnwindSafe) -> bool {
+    let calm = catch_unwind(run).is_ok();
+    let bounded = resident_bytes() < RESIDENT_BYTES_MAX;
+    if !calm || !bounded {
+        let what = if calm { "memory" } else { "panic" };
+        eprintln!("{name}, seed {seed}: {what}");
+    }
+    calm && bounded
 }
 
 /// Resident memory of the process where the system tells it, else 0.
@@ -102,9 +186,20 @@ fn damage(numbers: &mut Numbers, content: &mut Vec<u8>) {
     }
 }
 
-fn damaged_image(numbers: &mut Numbers) {
-    let seed = u64::from(numbers.below(64));
-    let mut elf = random::image(seed, Kind::Ram);
+fn chosen<'a>(numbers: &mut Numbers, among: &'a [Vec<u8>]) -> &'a [u8] {
+    &among[numbers.below(among.len() as u32) as usize]
+}
+
+fn try_image(elf: &[u8]) {
+    if let Ok(image) = Image::parse(elf) {
+        let _ = image.variable("start.part");
+        let _ = image.symbols().nearest_code(RAM);
+        run(elf);
+    }
+}
+
+fn damaged_image(corpus: &Corpus, numbers: &mut Numbers) {
+    let mut elf = chosen(numbers, &corpus.images).to_vec();
     // The headers and the symbols behind the contents matter most.
     let middle = elf.split_off(elf.len().min(100));
     damage(numbers, &mut elf);
@@ -112,17 +207,11 @@ fn damaged_image(numbers: &mut Numbers) {
     if numbers.below(2) == 0 {
         damage(numbers, &mut elf);
     }
-    if let Ok(image) = Image::parse(&elf) {
-        let _ = image.variable("start.part");
-        let _ = image.symbols().nearest_code(RAM);
-        run(&elf);
-    }
+    try_image(&elf);
 }
 
-fn damaged_configuration(numbers: &mut Numbers) {
-    let mut json = VEHICLE.as_bytes().to_vec();
-    damage(numbers, &mut json);
-    let text = String::from_utf8_lossy(&json);
+fn try_configuration(json: &[u8]) {
+    let text = String::from_utf8_lossy(json);
     match Configuration::from_json(&text) {
         Ok(configuration) => {
             let elf = random::image(1, Kind::Ram);
@@ -134,7 +223,13 @@ fn damaged_configuration(numbers: &mut Numbers) {
     }
 }
 
-fn random_program(numbers: &mut Numbers) {
+fn damaged_configuration(corpus: &Corpus, numbers: &mut Numbers) {
+    let mut json = chosen(numbers, &corpus.configurations).to_vec();
+    damage(numbers, &mut json);
+    try_configuration(&json);
+}
+
+fn random_program(_: &Corpus, numbers: &mut Numbers) {
     let words: Vec<u32> = (0..16 + numbers.below(240))
         .map(|_| numbers.below(u32::MAX))
         .collect();
@@ -142,7 +237,7 @@ fn random_program(numbers: &mut Numbers) {
     run(&ElfBuilder::new(RAM | thumb).words(RAM, &words).build());
 }
 
-fn register_writes(numbers: &mut Numbers) {
+fn register_writes(_: &Corpus, numbers: &mut Numbers) {
     let mut program = Program::new();
     for _ in 0..1 + numbers.below(60) {
         let address = 0xFFFA_0000 | numbers.below(0x6_0000) & !3;
@@ -162,9 +257,9 @@ fn register_writes(numbers: &mut Numbers) {
     run(&image(&program).build());
 }
 
-fn random_inputs(numbers: &mut Numbers) {
-    let elf = random::image(u64::from(numbers.below(64)), Kind::Ram);
-    let Ok(mut brick) = VirtualBrick::new(&vehicle(), &elf) else {
+fn random_inputs(corpus: &Corpus, numbers: &mut Numbers) {
+    let elf = chosen(numbers, &corpus.images);
+    let Ok(mut brick) = VirtualBrick::new(&vehicle(), elf) else {
         return;
     };
     let names = [
