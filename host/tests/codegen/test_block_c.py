@@ -27,7 +27,17 @@ DIAGRAMS = {
 }
 INTEGRATORS = ("forward_euler", "tustin", "backward_euler", "pid")
 # A function of the user's has no integer twin; these two multiply signals or need many bits.
-NOT_FIXED = ("custom", "sine", "ramp")
+NOT_FIXED = (
+    "custom",
+    "sine",
+    "ramp",
+    "product",
+    "quotient",
+    "sine_of",
+    "cosine_of",
+    "arc_tangent",
+    "square_root",
+)
 FIXED = tuple(name for name in TABLE if name not in NOT_FIXED)
 # States that nothing else bounds.
 STATE_RANGES = {**dict.fromkeys(INTEGRATORS, 30.0), "rate_limit": 12.0}

@@ -15,6 +15,8 @@ from scipy.linalg import solve_discrete_are
 
 from ravenbrick.control import kalman, observer_system
 from ravenbrick.model import (
+    Abs,
+    ArcTangent,
     Backlash,
     Block,
     ComplementaryFilter,
@@ -31,23 +33,32 @@ from ravenbrick.model import (
     Gain,
     Inport,
     IntegrationMethod,
+    LogicalOperator,
     LookupTable,
     MachineState,
+    Merge,
+    MinMax,
     MovingAverage,
     Outport,
     PidController,
+    Product,
     Pulse,
     Quantiser,
     Ramp,
     RateLimit,
+    RelationalOperator,
     Relay,
+    RoundingFunction,
     Saturation,
+    Sign,
     Sine,
+    SquareRoot,
     StateMachine,
     Step,
     Sum,
     Switch,
     Transition,
+    Trigonometry,
     UnitDelay,
     ZeroOrderHold,
     state_space_block,
@@ -101,6 +112,17 @@ def _pid(u: np.ndarray) -> np.ndarray:
     integral += signal.lfilter([0.0, 1.0], [1.0, -1.0], u[:, 1])
     derivative = 0.7 * signal.lfilter([1.0, -1.0], [1.0, -1.0 + 0.4], error)
     return 1.5 * error + integral + derivative
+
+
+def _divided(u: np.ndarray) -> np.ndarray:
+    with np.errstate(all="ignore"):
+        return u[:, 0] / u[:, 1]
+
+
+def _merged(last: float, row: np.ndarray) -> float:
+    if row[0] >= 0.5:
+        return row[1]
+    return row[3] if row[2] >= 0.5 else last
 
 
 def _quantised(u: np.ndarray) -> np.ndarray:
@@ -212,6 +234,47 @@ TABLE: dict[str, tuple[Block, Reference]] = {
     "switch": (
         Switch("B", threshold=1.0),
         lambda u: np.where(u[:, 1] >= 1.0, u[:, 0], u[:, 2]),
+    ),
+    "equal": (RelationalOperator("B", operator="=="), lambda u: (u[:, 0] == u[:, 1]) * 1.0),
+    "below": (RelationalOperator("B", operator="<"), lambda u: (u[:, 0] < u[:, 1]) * 1.0),
+    "logic": (
+        LogicalOperator("B", operator="NXOR", ports=3),
+        lambda u: 1.0 - np.count_nonzero(u, axis=1) % 2,
+    ),
+    "all_true": (
+        LogicalOperator("B", operator="NAND", ports=2),
+        lambda u: 1.0 * np.any(u == 0, axis=1),
+    ),
+    "smallest": (MinMax("B", ports=3), lambda u: u.min(axis=1)),
+    "largest": (MinMax("B", function="max"), lambda u: u.max(axis=1)),
+    "size": (Abs("B"), lambda u: np.abs(u[:, 0])),
+    "sign": (Sign("B"), lambda u: np.sign(u[:, 0])),
+    "floor": (RoundingFunction("B"), lambda u: np.floor(u[:, 0])),
+    "ceil": (RoundingFunction("B", function="ceil"), lambda u: np.ceil(u[:, 0])),
+    "fix": (RoundingFunction("B", function="fix"), lambda u: np.fix(u[:, 0])),
+    "product": (Product("B", operators="***"), lambda u: u.prod(axis=1)),
+    "quotient": (Product("B", operators="*/"), _divided),
+    "merge": (Merge("B", ports=4, initial=0.25), _recurrence(_merged, 0.25)),
+    "switch_above": (
+        Switch("B", threshold=1.0, criterion=">"),
+        lambda u: np.where(u[:, 1] > 1.0, u[:, 0], u[:, 2]),
+    ),
+    "switch_unless": (
+        Switch("B", threshold=0.0, criterion="~="),
+        lambda u: np.where(u[:, 1] != 0.0, u[:, 0], u[:, 2]),
+    ),
+    "limits": (Saturation("B", limit=3.0, lower=-1.5), lambda u: np.clip(u[:, 0], -1.5, 3.0)),
+    "staircase": (
+        LookupTable("B", breakpoints=(-5.0, 0.0, 1.0), table=(2.0, -1.0, 4.0), interpolate=False),
+        lambda u: np.array([2.0, -1.0, 4.0])[np.searchsorted([0.0, 1.0], u[:, 0], side="right")],
+    ),
+    "sine_of": (Trigonometry("B"), lambda u: np.sin(u[:, 0])),
+    "cosine_of": (Trigonometry("B", function="cos"), lambda u: np.cos(u[:, 0])),
+    "arc_tangent": (ArcTangent("B"), lambda u: np.arctan2(u[:, 0], u[:, 1] + 0.0)),
+    "square_root": (SquareRoot("B"), lambda u: np.sqrt(np.maximum(u[:, 0], 0.0))),
+    "ended_ramp": (
+        Ramp("B", slope=0.5, at_sample=4, initial=1.0, last_sample=12),
+        lambda u: 1.0 + 0.5 * np.clip(_rows(len(u)) - 4, 0, 8),
     ),
     "look_up": (
         LookupTable("B", breakpoints=(-5.0, 0.0, 1.0, 6.0), table=(2.0, -1.0, 4.0, 3.0)),

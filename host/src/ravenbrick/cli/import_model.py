@@ -7,19 +7,25 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.codegen import generate_c
 from ravenbrick.errors import UsageError
-from ravenbrick.simulink import import_simulink
+from ravenbrick.simulink import import_simulink, read_workspace
+from ravenbrick.simulink.numbers import Variables
 
 __all__ = ["import_command"]
 
 
-def _variables(given: list[str]) -> dict[str, float]:
-    found = {}
+def _variables(given: list[str], files: list[Path]) -> Variables:
+    found: dict[str, float | np.ndarray] = {}
+    for path in files:
+        if not path.is_file():
+            raise UsageError(f"{path}: there is no such file")
+        found |= read_workspace(path)
     for text in given:
         name, sign, value = text.partition("=")
         try:
@@ -39,6 +45,13 @@ def import_command(
     variables: Annotated[
         list[str] | None, typer.Option("--set", help="Workspace variable, name=number.")
     ] = None,
+    workspace: Annotated[
+        list[Path] | None, typer.Option(help="Variables: assignments of an .m file, or a .mat.")
+    ] = None,
+    library: Annotated[
+        list[Path] | None, typer.Option(help="Folder with libraries and referenced models.")
+    ] = None,
+    subsystem: Annotated[str, typer.Option(help="Path of a subsystem: only that.")] = "",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Read a Simulink model, and generate C from it; lists every block that it cannot."""
@@ -48,7 +61,8 @@ def import_command(
         raise UsageError(f"--sample-time must be > 0 s, not {sample_time}")
     reporter = Reporter(json_output, total=2)
     with reporter.step("read the model") as step:
-        diagram = import_simulink(model, sample_time, _variables(variables or []))
+        given = _variables(variables or [], workspace or [])
+        diagram = import_simulink(model, sample_time, given, library or [], subsystem)
         step.note = f"{len(diagram.blocks)} blocks"
     with reporter.step("generate C"):
         paths = generate_c(diagram).write(output)

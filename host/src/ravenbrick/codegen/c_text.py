@@ -102,6 +102,8 @@ def _c_expression(program: Program, expression: Expression, *, nested: bool = Fa
             return f"({text})" if text.startswith("-") else text
         case Cast(value=value, data_type=data_type):
             return f"({data_type.value})({_c_expression(program, value)})"
+        case Binary(operator="-", left=Literal(value=0, data_type=FixedFormat()), right=right):
+            text = f"-{_c_expression(program, right, nested=True)}"
         case Binary(operator=operator, left=left, right=right):
             text = _c_infix(program, operator, left, right)
         case Select(condition=condition, chosen=chosen, otherwise=otherwise):

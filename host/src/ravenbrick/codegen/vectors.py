@@ -88,7 +88,8 @@ def check_program(vectors: StepVectors) -> str:
     """C with `void <model>_check(void)`, which runs the vectors on a new instance.
 
     Afterwards `<model>_check_steps` holds the number of steps done and `<model>_check_failures`
-    that of the steps with any other bit in an output. Without C library, for host and brick.
+    that of the steps with any other bit in an output. Sign and payload of a NaN may differ, as
+    IEEE 754, 6.2, leaves them to the machine. Without C library, for host and brick.
     """
     if vectors.integer_ports:
         return _integer_check_program(vectors)
@@ -136,7 +137,12 @@ void {name}_check(void)
     uint32_t differs = 0U;
     {name}_step_instance(&work, &check_steps[step].inputs, &result.outputs);
     for (port = 0U; port < {width}U; port++) {{
-      differs |= result.bits[port] ^ check_steps[step].outputs[port];
+      const uint32_t found = result.bits[port];
+      const uint32_t expected = check_steps[step].outputs[port];
+      const uint32_t infinite = 0x7F800000U;
+      if (((found & 0x7FFFFFFFU) <= infinite) || ((expected & 0x7FFFFFFFU) <= infinite)) {{
+        differs |= found ^ expected;
+      }}
     }}
     if (differs != 0U) {{
       {name}_check_failures = {name}_check_failures + 1U;

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -12,11 +13,13 @@ from ravenbrick.model.program import (
     Binary,
     Cast,
     Clamp,
+    Comparison,
     DataType,
     Expression,
     Kind,
     Literal,
     Read,
+    Select,
     Slot,
 )
 
@@ -259,23 +262,42 @@ class Sum(Block):
 
 @dataclass(frozen=True)
 class Saturation(Block):
-    """`u` limited to [-limit, limit]; the limit must not be negative."""
+    """`u` limited to [-limit, limit]; the limit must not be negative.
+
+    With `lower` it is limited to [lower, limit], and either may be infinite.
+    """
 
     limit: Value = 1.0
+    lower: Value | None = None
 
     def __post_init__(self) -> None:
+        if self.lower is not None:
+            if not number(self.lower) <= number(self.limit):
+                raise ValueError(
+                    f"block '{self.name}': the lower limit {number(self.lower)} must not be above "
+                    f"the upper one, {number(self.limit)}"
+                )
+            return
         if not number(self.limit) >= 0:
             raise ValueError(
                 f"block '{self.name}': the limit must be >= 0, not {number(self.limit)}"
             )
 
     def values(self) -> tuple[Value, ...]:
-        """The limit."""
-        return (self.limit,)
+        """The limits that are finite."""
+        limits = (self.limit,) if self.lower is None else (self.limit, self.lower)
+        return tuple(value for value in limits if math.isfinite(number(value)))
 
     def output(self, inputs: Sequence[Expression]) -> Expression:
         """The limited value."""
-        return Clamp(inputs[0], self._value(self.limit))
+        if self.lower is None:
+            return Clamp(inputs[0], self._value(self.limit))
+        found = inputs[0]
+        for limit, operator in ((self.lower, "<"), (self.limit, ">")):
+            if math.isfinite(number(limit)):
+                bound = self._value(limit)
+                found = Select(Comparison(operator, inputs[0], bound), bound, found)
+        return found
 
 
 @dataclass(frozen=True)

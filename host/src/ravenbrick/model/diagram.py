@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeVar
 
@@ -39,6 +40,14 @@ class DiagramError(DesignError):
     """A diagram without a meaning: the sentence names the blocks."""
 
 
+@dataclass(frozen=True)
+class _Enabled:
+    """By which block, and whether states begin anew."""
+
+    by: str
+    reset: bool
+
+
 class Diagram:
     """Blocks joined by lines, stepped every `sample_time` (s).
 
@@ -56,6 +65,7 @@ class Diagram:
         self.sample_time = sample_time
         self._blocks: dict[str, Block] = {}
         self._sources: dict[tuple[str, int], str] = {}
+        self._enabled: dict[str, _Enabled] = {}
 
     @property
     def blocks(self) -> tuple[Block, ...]:
@@ -128,6 +138,24 @@ class Diagram:
         for source, target in pairwise(blocks):
             self.connect(source, target)
 
+    def enable(self, block: Block, by: Block, *, reset: bool = False) -> None:
+        """Let the states of `block` change only in steps in which the output of `by` is 1, not 0.
+
+        With `reset` they begin anew whenever that output becomes 1. The output of `block` is not
+        held: what leaves the enabled part goes through a Merge.
+        """
+        for one in (block, by):
+            if self._blocks.get(one.name) is not one:
+                raise DiagramError(f"block '{one.name}' is not in diagram '{self.name}'; add it")
+        if by.output_type is None:
+            raise DiagramError(f"block '{by.name}' has no output port to enable others by")
+        self._enabled[block.name] = _Enabled(by.name, reset)
+
+    def enabled_by(self, block: Block) -> tuple[Block, bool] | None:
+        """The block that enables `block`, and whether it resets the states; None if always."""
+        found = self._enabled.get(block.name)
+        return None if found is None else (self._blocks[found.by], found.reset)
+
     def source(self, block: Block, port: int) -> Block:
         """The block whose output feeds input `port` of `block`."""
         return self._blocks[self._sources[block.name, port]]
@@ -138,14 +166,7 @@ class Diagram:
         Raises `DiagramError` that names open inputs, unused outputs or the algebraic loop.
         """
         self._check_connected()
-        waiting = {
-            block.name: {
-                self._sources[block.name, port]
-                for port in range(len(block.input_types))
-                if block.feedthrough(port)
-            }
-            for block in self.blocks
-        }
+        waiting = {block.name: self._needs(block) for block in self.blocks}
         ordered: list[Block] = []
         while waiting:
             ready = next((name for name, needs in waiting.items() if not needs), None)
@@ -157,6 +178,18 @@ class Diagram:
             ordered.append(self._blocks[ready])
         return tuple(ordered)
 
+    def _needs(self, block: Block) -> set[str]:
+        """The blocks whose outputs the block's output needs in the same step."""
+        needs = {
+            self._sources[block.name, port]
+            for port in range(len(block.input_types))
+            if block.feedthrough(port)
+        }
+        enabled = self._enabled.get(block.name)
+        if enabled is not None and (enabled.reset or self.divisor(block) != 1):
+            needs.add(enabled.by)
+        return needs
+
     def _check_connected(self) -> None:
         for block in self.blocks:
             for port in range(len(block.input_types)):
@@ -165,7 +198,7 @@ class Diagram:
                         f"input {port} of block '{block.name}' is not connected; draw a line to it "
                         "or remove the block"
                     )
-        used = set(self._sources.values())
+        used = {*self._sources.values(), *(enabled.by for enabled in self._enabled.values())}
         for block in self.blocks:
             if block.output_type is not None and block.name not in used:
                 raise DiagramError(
@@ -241,6 +274,7 @@ class _Lowering:
         self._diagram = diagram
         self._values: dict[str, Expression] = {}
         self._counters: dict[int, Slot] = {}
+        self._begun: dict[str, Slot] = {}
         self.signals: list[Slot] = []
         self.held: list[Slot] = []
         self.statements: list[Statement] = []
@@ -251,12 +285,15 @@ class _Lowering:
             self._updates(block)
         for divisor, counter in sorted(self._counters.items()):
             self._count(divisor, counter)
+        for name, was in self._begun.items():
+            self.statements.append(Statement(was, self._values[name], name, "Enable"))
 
     def _outputs(self, block: Block) -> None:
         inputs = self._inputs(block)
         if isinstance(block, Inport):
             self._values[block.name] = block.output(inputs)
             return
+        self._reset(block)
         for target, expression in block.intermediates(inputs):
             self._signal(block, target, expression)
         if isinstance(block, Outport):
@@ -280,10 +317,41 @@ class _Lowering:
         for target, expression in block.updates(inputs, output):
             if target.kind is Kind.SIGNAL:
                 self._signal(block, target, expression)
-            elif self._diagram.divisor(block) == 1:
-                self.statements.append(_of(block, target, expression))
-            else:
+            elif self._conditions(block):
                 self._assign_in_turn(block, target, expression)
+            else:
+                self.statements.append(_of(block, target, expression))
+
+    def _conditions(self, block: Block) -> list[Comparison]:
+        """What must hold for the block's states to change."""
+        found = []
+        if self._diagram.divisor(block) != 1:
+            count = Read(self._counter(self._diagram.divisor(block)))
+            found.append(Comparison("<=", count, _count_of(0)))
+        enabled = self._diagram.enabled_by(block)
+        if enabled is not None:
+            half = Literal(0.5, enabled[0].data_type)
+            found.append(Comparison(">=", self._values[enabled[0].name], half))
+        return found
+
+    def _reset(self, block: Block) -> None:
+        """States begin anew in the step in which the block is enabled again."""
+        enabled = self._diagram.enabled_by(block)
+        if enabled is None or not enabled[1] or not block.states():
+            return
+        by = enabled[0]
+        half, zero = Literal(0.5, by.data_type), Literal(0.0, by.data_type)
+        begun = Slot(Kind.SIGNAL, f"{by.name}_begins", by.data_type, by.name)
+        if by.name not in self._begun:
+            was = Slot(Kind.STATE, f"{by.name}_was", by.data_type, by.name)
+            self._begun[by.name] = was
+            self.held.append(was)
+            test = Comparison(">=", Read(was), half)
+            self._signal(by, begun, Select(test, zero, self._values[by.name]))
+        for state in block.states():
+            first = Literal(state.initial, state.data_type)
+            chosen = Select(Comparison(">=", Read(begun), half), first, Read(state))
+            self.statements.append(_of(block, state, chosen))
 
     def _signal(self, block: Block, target: Slot, expression: Expression) -> None:
         self.signals.append(target)
@@ -294,8 +362,9 @@ class _Lowering:
             limited = Slot(Kind.SIGNAL, f"{block.name}_limited", target.data_type, block.name)
             self._signal(block, limited, expression)
             expression = Read(limited)
-        turn = Comparison("<=", Read(self._counter(self._diagram.divisor(block))), _count_of(0))
-        self.statements.append(_of(block, target, Select(turn, expression, Read(target))))
+        for condition in self._conditions(block):
+            expression = Select(condition, expression, Read(target))
+        self.statements.append(_of(block, target, expression))
 
     def _counter(self, divisor: int) -> Slot:
         if divisor not in self._counters:

@@ -194,9 +194,16 @@ class Backlash(_WithMemory):
 
 @dataclass(frozen=True)
 class Switch(Block):
-    """Input 0 while input 1 is >= `threshold`, else input 2."""
+    """Input 0 while input 1 is >= `threshold`, else input 2; the `criterion` may be > or ~=."""
 
     threshold: Value = 0.0
+    criterion: str = ">="
+
+    def __post_init__(self) -> None:
+        if self.criterion not in (">=", ">", "~="):
+            raise ValueError(
+                f"block '{self.name}': the criterion must be one of >= > ~=, not '{self.criterion}'"
+            )
 
     @property
     def input_types(self) -> tuple[DataType, ...]:
@@ -208,8 +215,12 @@ class Switch(Block):
         return (self.threshold,)
 
     def output(self, inputs: Sequence[Expression]) -> Expression:
-        """One test."""
-        return _if(inputs[1], ">=", self._value(self.threshold), inputs[0], inputs[2])
+        """One test, two for ~=."""
+        control, threshold = inputs[1], self._value(self.threshold)
+        if self.criterion != "~=":
+            return _if(control, self.criterion, threshold, inputs[0], inputs[2])
+        below = _if(control, "<", threshold, inputs[0], inputs[2])
+        return _if(control, ">", threshold, inputs[0], below)
 
 
 @dataclass(frozen=True)
@@ -217,11 +228,13 @@ class LookupTable(Block):
     """Straight lines through the points (`breakpoints`, `table`).
 
     Outside the outer points the outer values hold, or with `extrapolate` the outer lines go on.
+    Without `interpolate` it is a staircase: the value of the last breakpoint reached.
     """
 
     breakpoints: tuple[float, ...] = (0.0, 1.0)
     table: tuple[float, ...] = (0.0, 1.0)
     extrapolate: bool = False
+    interpolate: bool = True
 
     def __post_init__(self) -> None:
         if len(self.breakpoints) != len(self.table) or len(self.table) < 2:
@@ -243,8 +256,10 @@ class LookupTable(Block):
             (high - low) / (right - left)
             for (left, right), (low, high) in zip(pairwise(points), pairwise(table), strict=True)
         ]
+        if not self.interpolate:
+            slopes = [0.0] * len(slopes)
         lines = Table(inputs[0], self.name, points, table, (*slopes, slopes[-1]))
-        if self.extrapolate:
+        if self.extrapolate and self.interpolate:
             return lines
         first, last = self._literal(points[0]), self._literal(points[-1])
         upper = _if(inputs[0], ">=", last, self._literal(table[-1]), lines)

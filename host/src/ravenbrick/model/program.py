@@ -284,6 +284,8 @@ def as_choices(table: Table) -> Expression:
 
     def line(index: int) -> Expression:
         point, level = table.breakpoints[index], Literal(table.values[index], form)
+        if not table.slopes[index]:
+            return level
         run = Binary("-", table.value, Literal(point, form)) if point else table.value
         return Binary("+", Binary("*", Literal(table.slopes[index], form), run), level)
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,11 +17,11 @@ from ravenbrick.model.program import (
     Select,
     Slot,
 )
+from ravenbrick.model.trigonometry import sine_of_turns
 
 __all__ = ["Pulse", "Ramp", "Sine", "Step"]
 
 _MOST_SAMPLES = 1 << 22
-_DEGREES = {DataType.REAL32: 11, DataType.REAL64: 21}
 
 
 class _Counter(Block):
@@ -95,22 +94,24 @@ class Step(_Counter):
 class Ramp(_Counter):
     """`initial` until step `at_sample`, from then on rising by `slope` per step.
 
-    It ends after 4,194,304 steps.
+    It ends after `last_sample` steps, at most 4,194,304. In fixed point it needs an end early
+    enough that the height keeps the accuracy wanted.
     """
 
     slope: Value = 1.0
     at_sample: int = 0
     initial: Value = 0.0
+    last_sample: int = _MOST_SAMPLES
 
     def __post_init__(self) -> None:
-        self._check_samples(0, at_sample=self.at_sample)
+        self._check_samples(0, at_sample=self.at_sample, last_sample=self.last_sample)
 
     def values(self) -> tuple[Value, ...]:
         """Slope and initial value."""
         return self.slope, self.initial
 
     def _last(self) -> int:
-        return _MOST_SAMPLES
+        return self.last_sample
 
     def _repeats(self) -> bool:
         return False
@@ -191,15 +192,6 @@ class Sine(_Counter):
 
     def output(self, inputs: Sequence[Expression]) -> Expression:
         """Minus the sine of the folded angle, by Horner's rule."""
-        square = Read(self._local("square"))
-        degree = _DEGREES[self.data_type]
-        total: Expression = self._literal(self._coefficient(degree))
-        for power in range(degree - 2, 0, -2):
-            product = Binary("*", square, total)
-            total = Binary("+", self._literal(self._coefficient(power)), product)
-        wave = Binary("*", Read(self._local("angle")), total)
+        angle, square = Read(self._local("angle")), Read(self._local("square"))
+        wave = sine_of_turns(self, angle, square, sign=-1.0)
         return Binary("*", self._value(self.amplitude), wave)
-
-    def _coefficient(self, power: int) -> float:
-        sign = 1.0 if power % 4 == 3 else -1.0
-        return sign * math.tau**power / math.factorial(power)

@@ -6,5 +6,13 @@ from __future__ import annotations
 
 from ravenbrick.simulink.file import read_simulink
 from ravenbrick.simulink.importer import Refusal, Survey, import_simulink, survey_simulink
+from ravenbrick.simulink.workspace import read_workspace
 
-__all__ = ["Refusal", "Survey", "import_simulink", "read_simulink", "survey_simulink"]
+__all__ = [
+    "Refusal",
+    "Survey",
+    "import_simulink",
+    "read_simulink",
+    "read_workspace",
+    "survey_simulink",
+]

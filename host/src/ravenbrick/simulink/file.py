@@ -24,12 +24,17 @@ _DEFAULTS = ("simulink/bddefaults.xml", "simulink/blockdiagram.xml")
 
 @dataclass
 class SimulinkBlock:
-    """A block with its parameters as text, defaults included; `system` of a subsystem."""
+    """A block with its parameters as text, defaults included; `system` of a subsystem.
+
+    `mask` are the parameters of the block's mask, `instance` what a link to a library changes.
+    """
 
     name: str
     kind: str
     parameters: dict[str, str]
     system: SimulinkSystem | None = None
+    mask: dict[str, str] = field(default_factory=dict)
+    instance: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,7 @@ class SimulinkLine:
 
     source: tuple[str, int | str]
     targets: tuple[tuple[str, int | str], ...]
+    name: str = ""
 
 
 @dataclass
@@ -185,8 +191,11 @@ def _system_of(
         kind = block.attributes.get("BlockType") or own.get("BlockType", "")
         name = block.attributes.get("Name") or own.get("Name", "")
         key = block.attributes.get("SID") or name
-        parameters = {**defaults.get(kind, {}), **own}
+        instance = {key: text for data in block.all("InstanceData")
+                    for key, text in data.values().items()}  # fmt: skip
+        parameters = {**defaults.get(kind, {}), **own, **instance}
         found = SimulinkBlock(" ".join(name.split()), kind, parameters)
+        found.mask, found.instance = _mask_of(block, own), instance
         for child in block.all("System"):
             found.system = inner(child)
         system.blocks[key] = found
@@ -195,8 +204,25 @@ def _system_of(
         source = _end(line.values(), "Src")
         targets = tuple(end for end in _targets(line) if end is not None)
         if source is not None and targets:
-            system.lines.append(SimulinkLine(source, targets))
+            name = " ".join(line.values().get("Name", "").split())
+            system.lines.append(SimulinkLine(source, targets, name))
     return system
+
+
+def _mask_of(block: _Node, own: Mapping[str, str]) -> dict[str, str]:
+    """Names and values of a mask's parameters, in either way of writing them."""
+    found = {}
+    for mask in block.all("Mask"):
+        for parameter in mask.all("MaskParameter"):
+            name = parameter.attributes.get("Name") or parameter.values().get("Name", "")
+            texts = [child.text for child in parameter.all("Value")]
+            found[name] = texts[0] if texts else parameter.values().get("Value", "")
+    names = re.findall(r"(\w+)=[@&](\d+)", own.get("MaskVariables", ""))
+    values = own.get("MaskValueString", "").split("|")
+    for name, place in names:
+        if int(place) <= len(values):
+            found[name] = values[int(place) - 1]
+    return found
 
 
 def _targets(line: _Node) -> Iterator[tuple[str, int | str] | None]:

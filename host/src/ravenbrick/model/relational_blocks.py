@@ -1,0 +1,282 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Comparisons, logic, minima, signs, rounding, products, and the merging of branches.
+
+Truth is the number 1, falsehood 0; at an input everything but 0 is true.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ravenbrick.model.blocks import Block
+from ravenbrick.model.program import (
+    Binary,
+    Call,
+    Comparison,
+    DataType,
+    Expression,
+    Read,
+    Rounded,
+    Select,
+    Slot,
+)
+
+__all__ = [
+    "Abs",
+    "LogicalOperator",
+    "Merge",
+    "MinMax",
+    "Product",
+    "RelationalOperator",
+    "RoundingFunction",
+    "Sign",
+]
+
+_OPPOSITE = {"NAND": "AND", "NOR": "OR", "NXOR": "XOR", "NOT": "OR"}
+
+
+def _choose(
+    left: Expression, operator: str, right: Expression, chosen: Expression, otherwise: Expression
+) -> Select:
+    return Select(Comparison(operator, left, right), chosen, otherwise)
+
+
+def _check_choice(block: Block, what: str, given: str, allowed: Sequence[str]) -> None:
+    if given not in allowed:
+        raise ValueError(
+            f"block '{block.name}': {what} must be one of {' '.join(allowed)}, not '{given}'"
+        )
+
+
+class _ManyPorts(Block):
+    """A block with `ports` inputs."""
+
+    ports: int
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """All alike."""
+        return (self.data_type,) * self.ports
+
+    def _check_ports(self, least: int) -> None:
+        if self.ports < least:
+            raise ValueError(f"block '{self.name}': at least {least} input ports, not {self.ports}")
+
+
+@dataclass(frozen=True)
+class RelationalOperator(Block):
+    """1 where input 0 `operator` input 1 holds, else 0; operators are == ~= < <= > >=."""
+
+    operator: str = ">="
+
+    def __post_init__(self) -> None:
+        _check_choice(self, "the operator", self.operator, ("==", "~=", "<", "<=", ">", ">="))
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """Both sides."""
+        return (self.data_type,) * 2
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """One test, two for (in)equality."""
+        left, right = inputs
+        yes, no = self._literal(1.0), self._literal(0.0)
+        if self.operator == "==":
+            return _choose(left, "<", right, no, _choose(left, ">", right, no, yes))
+        if self.operator == "~=":
+            return _choose(left, "<", right, yes, _choose(left, ">", right, yes, no))
+        return _choose(left, self.operator, right, yes, no)
+
+
+@dataclass(frozen=True)
+class LogicalOperator(_ManyPorts):
+    """AND, OR, NAND, NOR, XOR, NXOR of all inputs, or NOT of the only one."""
+
+    operator: str = "AND"
+    ports: int = 2
+
+    def __post_init__(self) -> None:
+        _check_choice(self, "the operator", self.operator, ("AND", "OR", "XOR", *_OPPOSITE))
+        self._check_ports(1)
+        if self.operator == "NOT" and self.ports != 1:
+            raise ValueError(f"block '{self.name}': NOT has one input, not {self.ports}")
+
+    def _is_true(self, value: Expression, yes: Expression, no: Expression) -> Expression:
+        zero = self._literal(0.0)
+        return _choose(value, ">", zero, yes, _choose(value, "<", zero, yes, no))
+
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """Whether the inputs so far make it true, input by input."""
+        kind = _OPPOSITE.get(self.operator, self.operator)
+        one, zero = self._literal(1.0), self._literal(0.0)
+        found: list[tuple[Slot, Expression]] = []
+        for port, value in enumerate(inputs):
+            if not found:
+                held = self._is_true(value, one, zero)
+            else:
+                last = Read(found[-1][0])
+                yes, no = {
+                    "AND": (last, zero),
+                    "OR": (one, last),
+                    "XOR": (Binary("-", one, last), last),
+                }[kind]
+                held = self._is_true(value, yes, no)
+            found.append((self._local(f"to_{port}"), held))
+        return tuple(found)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """What is found, or its opposite."""
+        last = Read(self._local(f"to_{self.ports - 1}"))
+        return Binary("-", self._literal(1.0), last) if self.operator in _OPPOSITE else last
+
+
+@dataclass(frozen=True)
+class MinMax(_ManyPorts):
+    """The smallest ("min") or largest ("max") of the inputs."""
+
+    function: str = "min"
+    ports: int = 2
+
+    def __post_init__(self) -> None:
+        _check_choice(self, "the function", self.function, ("min", "max"))
+        self._check_ports(2)
+
+    def _better(self, one: Expression, other: Expression) -> Expression:
+        return _choose(one, "<" if self.function == "min" else ">", other, one, other)
+
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """The result for the inputs so far; the last one is the output's."""
+        found: list[tuple[Slot, Expression]] = []
+        best = inputs[0]
+        for port, value in enumerate(inputs[1:-1], 1):
+            found.append((self._local(f"to_{port}"), self._better(best, value)))
+            best = Read(found[-1][0])
+        return tuple(found)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The last test."""
+        before = self._local(f"to_{self.ports - 2}")
+        best = inputs[0] if self.ports == 2 else Read(before)
+        return self._better(best, inputs[-1])
+
+
+@dataclass(frozen=True)
+class Abs(Block):
+    """The input's size."""
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """One test."""
+        zero = self._literal(0.0)
+        return _choose(inputs[0], "<", zero, Binary("-", zero, inputs[0]), inputs[0])
+
+
+@dataclass(frozen=True)
+class Sign(Block):
+    """1, 0 or -1."""
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """Two tests."""
+        zero, one = self._literal(0.0), self._literal(1.0)
+        below = _choose(inputs[0], "<", zero, self._literal(-1.0), zero)
+        return _choose(inputs[0], ">", zero, one, below)
+
+
+@dataclass(frozen=True)
+class RoundingFunction(Block):
+    """A whole number near the input: "floor", "ceil", "round" (halves away from 0) or "fix"."""
+
+    function: str = "floor"
+
+    def __post_init__(self) -> None:
+        _check_choice(self, "the function", self.function, ("floor", "ceil", "round", "fix"))
+
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """The nearest whole number."""
+        return ((self._local("nearest"), Rounded(inputs[0])),)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The nearest whole number or its neighbour."""
+        value, near = inputs[0], Read(self._local("nearest"))
+        one, zero = self._literal(1.0), self._literal(0.0)
+        floor = _choose(near, ">", value, Binary("-", near, one), near)
+        ceil = _choose(near, "<", value, Binary("+", near, one), near)
+        fix = _choose(value, "<", zero, ceil, floor)
+        found: dict[str, Expression] = {"floor": floor, "ceil": ceil, "round": near, "fix": fix}
+        return found[self.function]
+
+
+@dataclass(frozen=True)
+class Product(Block):
+    """Inputs multiplied or divided from left to right; `operators` such as '**/', first a '*'."""
+
+    operators: str = "**"
+
+    def __post_init__(self) -> None:
+        if len(self.operators) < 2 or set(self.operators) - set("*/") or self.operators[0] == "/":
+            raise ValueError(
+                f"block '{self.name}': the operators must be two or more of * and /, the first "
+                f"a *, not '{self.operators}'; divide a Constant for a reciprocal"
+            )
+
+    @property
+    def input_types(self) -> tuple[DataType, ...]:
+        """One per operator."""
+        return (self.data_type,) * len(self.operators)
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """Each operation rounded."""
+        total = inputs[0]
+        for operator, value in zip(self.operators[1:], inputs[1:], strict=True):
+            if operator == "*":
+                total = Binary("*", total, value)
+            else:
+                name = f"quotient_{self.data_type.value.removesuffix('_T')}"
+                total = Call(name, ("a", "b"), (total, value), self.data_type,
+                             "return a / b;", "return A / B;", lambda a, b: a / b)  # fmt: skip
+        return total
+
+
+@dataclass(frozen=True)
+class Merge(_ManyPorts):
+    """The value whose condition is true, else the last output; inputs are pairs.
+
+    Inputs 0, 2, 4, ... are conditions (1 or 0), 1, 3, 5, ... their values; the first true one
+    counts. With one pair it is the output of a subsystem that holds it while it rests.
+    """
+
+    ports: int = 2
+    initial: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._check_ports(2)
+        if self.ports % 2:
+            raise ValueError(f"block '{self.name}': inputs are pairs of condition and value")
+
+    def states(self) -> tuple[Slot, ...]:
+        """The last output."""
+        return (self._state("DSTATE", self.initial),)
+
+    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+        """From the last pair to the second."""
+        found: list[tuple[Slot, Expression]] = []
+        for port in range(self.ports - 2, 0, -2):
+            found.append((self._local(f"from_{port}"), self._pair(inputs, port)))
+        return tuple(found)
+
+    def _pair(self, inputs: Sequence[Expression], port: int) -> Expression:
+        last = port + 2 == self.ports
+        rest = self.states()[0] if last else self._local(f"from_{port + 2}")
+        half = self._literal(0.5)
+        return _choose(inputs[port], ">=", half, inputs[port + 1], Read(rest))
+
+    def output(self, inputs: Sequence[Expression]) -> Expression:
+        """The first pair."""
+        return self._pair(inputs, 0)
+
+    def updates(
+        self, inputs: Sequence[Expression], output: Expression
+    ) -> tuple[tuple[Slot, Expression], ...]:
+        """Store the output."""
+        return ((self.states()[0], output),)

@@ -1,0 +1,243 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What makes blocks of a diagram from one block of a model: its dialog, its inputs, new nodes."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS
+from ravenbrick.model import (
+    Block,
+    Constant,
+    Gain,
+    LogicalOperator,
+    Product,
+    RelationalOperator,
+    Sum,
+    Switch,
+    UnitDelay,
+)
+from ravenbrick.simulink.file import SimulinkBlock
+from ravenbrick.simulink.network import Network, Site
+from ravenbrick.simulink.numbers import Workspace, value_of
+from ravenbrick.simulink.signals import Node, Ref, Shape, Wire, plain, size_of
+
+__all__ = ["Builder", "Dialog", "Names", "identifier"]
+
+LONGEST_NAME = 31
+
+
+def identifier(path: str) -> str:
+    """The last characters of a path as a name for a diagram."""
+    words = re.sub(r"[^A-Za-z0-9]+", "_", path).strip("_") or "Block"
+    words = words if words[0].isalpha() else f"B_{words}"
+    return words[-LONGEST_NAME:].lstrip("_0123456789").rstrip("_") or "Block"
+
+
+class Names:
+    """Names that are not taken yet."""
+
+    def __init__(self) -> None:
+        self._taken = {word.lower() for word in (*C_KEYWORDS, ACCUMULATOR)}
+        self._next: dict[tuple[str, str], int] = {}
+
+    def new(self, path: str, ending: str = "") -> str:
+        """A name for the block at `path`, with an ending for a part of it.
+
+        The ending is set apart by `_i`, so that no value of another block has the same name.
+        """
+        ending = ending and f"_i{ending}"
+        last = identifier(path.rpartition("/")[2])
+        base = last if ending or last.lower() not in self._taken else identifier(path)
+        number = self._next.get((base, ending), 1)
+        name = self._cut(base, ending if number == 1 else f"{ending}_{number}")
+        while name.lower() in self._taken:
+            number += 1
+            name = self._cut(base, f"{ending}_{number}")
+        self._next[base, ending] = number
+        self._taken.add(name.lower())
+        return name
+
+    def _cut(self, base: str, ending: str) -> str:
+        return f"{base[: LONGEST_NAME - len(ending)].rstrip('_')}{ending}"
+
+
+@dataclass(frozen=True)
+class Dialog:
+    """A block's parameters as numbers; `sample_time` (s) is the rate that the block runs at.
+
+    Of a parameter with several elements `element` (from 0) is taken. With `held` a continuous
+    block takes its input as constant between two samples.
+    """
+
+    block: SimulinkBlock
+    name: str
+    variables: Workspace
+    sample_time: float
+    element: int = 0
+    held: bool = False
+
+    def text(self, name: str, default: str = "") -> str:
+        """A parameter as it stands in the file."""
+        return self.block.parameters.get(name, default).strip()
+
+    def number(self, name: str, default: str) -> float:
+        """A scalar parameter, or the element of a vector."""
+        value = value_of(self.text(name, default) or default, self.variables)
+        flat = value.T.ravel()
+        if flat.size == 0:
+            return self.number_of(default)
+        return float(flat[0] if flat.size == 1 else flat[min(self.element, flat.size - 1)])
+
+    def number_of(self, text: str) -> float:
+        """A number from text."""
+        return float(value_of(text, self.variables).T.ravel()[0])
+
+    def numbers(self, name: str, default: str) -> tuple[float, ...]:
+        """A vector parameter; where variables are guessed one that may be any is the default."""
+        value = value_of(self.text(name, default) or default, self.variables)
+        if min(value.shape) > 1:
+            raise ValueError(f"{name} is a matrix, not a vector")
+        if self.variables.guess and value.size == 1 and re.search("[A-Za-z]", self.text(name)):
+            return self.numbers("", default)
+        return tuple(float(one) for one in value.ravel())
+
+    def samples(self, seconds: float) -> int:
+        """A time as a whole number of samples."""
+        if self.variables.guess:
+            return max(round(seconds / self.sample_time), 2)
+        count = round(seconds / self.sample_time)
+        if not math.isclose(count * self.sample_time, seconds, rel_tol=1e-6, abs_tol=1e-12):
+            raise ValueError(f"{seconds} s is no whole number of samples")
+        return count
+
+    def refuse(self, name: str, allowed: tuple[str, ...]) -> None:
+        """Raise unless a parameter has one of these values or is not there."""
+        if self.text(name) and self.text(name) not in allowed:
+            raise ValueError(f"{name} '{self.text(name)}' is not supported")
+
+
+@dataclass
+class Builder:
+    """One block of the model, and what it becomes: nodes, and the wires of its outputs."""
+
+    site: Site
+    network: Network
+    shapes: dict[tuple[str, int], Shape]
+    names: Names
+    sample_time: float
+    condition: Callable[[str], Wire]
+    held: bool = False
+    nodes: list[Node] = field(default_factory=list)
+    outputs: dict[int, list[Wire]] = field(default_factory=dict)
+    open_inputs: list[int | str] = field(default_factory=list)
+
+    def dialog(self, name: str = "", element: int = 0) -> Dialog:
+        """The block's parameters."""
+        site, rate = self.site, self.sample_time
+        return Dialog(site.block, name, site.variables, rate, element, self.held)
+
+    def input_shape(self, port: int | str = 1) -> Shape:
+        """The shape of the signal at an input; of an open one a number."""
+        end = self.network.source(self.site.path, port)
+        return (1,) if end is None else self.shapes.get(end, (1,))
+
+    def inputs(self, port: int | str = 1, width: int | None = None, least: int = 1) -> list[Wire]:
+        """The wires of the signal at an input; a single one is spread over `width`.
+
+        An open input is 0, in at least `least` elements.
+        """
+        end = self.network.source(self.site.path, port)
+        if end is None:
+            self.open_inputs.append(port)
+            return [self.constant(0.0)] * (width or least)
+        count = size_of(self.shapes.get(end, (1,)))
+        wires: list[Wire] = [Ref(*end, element) for element in range(count)]
+        if width is None or count == width:
+            return wires
+        if count != 1:
+            raise ValueError(f"input {port} has {count} elements where {width} are expected")
+        return wires * width
+
+    def ports(self) -> int:
+        """The number of inputs."""
+        return self.network.inputs(self.site.path)
+
+    def width(self, *names: str) -> int:
+        """The number of elements of all inputs and of the parameters that are named."""
+        sizes = [1]
+        for port in range(1, self.ports() + 1):
+            sizes.append(size_of(plain(self.input_shape(port))))
+        for name in names:
+            text = self.dialog().text(name)
+            if text:
+                sizes.append(value_of(text, self.site.variables).size)
+        return max(sizes)
+
+    def add(self, block: Block, *inputs: Wire, ending: str = "") -> Node:
+        """A new node; the block gets a name that is free, and the rate of this one."""
+        named = replace(block, name=self.names.new(self.site.path, ending))
+        node = Node(named, self.site.path, list(inputs))
+        self.nodes.append(node)
+        return node
+
+    def constant(self, value: float) -> Node:
+        """A number as a wire."""
+        return self.add(Constant("B", value=float(value)), ending="_number")
+
+    def constant_block(self, value: float) -> Node:
+        """A number under the block's own name."""
+        return self.add(Constant("B", value=value))
+
+    def scaled_block(self, factor: float, wire: Wire) -> Node:
+        """A product with a number under the block's own name."""
+        return self.add(Gain("B", gain=factor), wire)
+
+    def sum(self, *wires: Wire, signs: str = "") -> Wire:
+        """A sum; signs such as `+-`."""
+        pairs = list(zip(signs or "+" * len(wires), wires, strict=True))
+        pairs.sort(key=lambda pair: pair[0])  # the pluses first
+        if pairs[0][0] == "-":
+            total = self.sum(*(wire for _, wire in pairs)) if len(pairs) > 1 else pairs[0][1]
+            return self.add(Gain("B", gain=-1.0), total, ending="_minus")
+        if len(pairs) == 1:
+            return pairs[0][1]
+        ordered = "".join(sign for sign, _ in pairs)
+        return self.add(Sum("B", signs=ordered), *(wire for _, wire in pairs), ending="_sum")
+
+    def scaled(self, factor: float, wire: Wire) -> Wire:
+        """A product with a number."""
+        return wire if factor == 1.0 else self.add(Gain("B", gain=factor), wire, ending="_gain")
+
+    def product(self, *wires: Wire, operators: str = "") -> Wire:
+        """Products and quotients."""
+        if len(wires) == 1:
+            return wires[0]
+        block = Product("B", operators=operators or "*" * len(wires))
+        return self.add(block, *wires, ending="_product")
+
+    def compare(self, left: Wire, operator: str, right: Wire | float) -> Wire:
+        """1 or 0."""
+        other = self.constant(right) if isinstance(right, float | int) else right
+        return self.add(RelationalOperator("B", operator=operator), left, other, ending="_test")
+
+    def logic(self, operator: str, *wires: Wire) -> Wire:
+        """1 or 0."""
+        block = LogicalOperator("B", operator=operator, ports=len(wires))
+        return self.add(block, *wires, ending=f"_{operator.lower()}")
+
+    def choose(self, condition: Wire, yes: Wire, no: Wire) -> Wire:
+        """`yes` where the condition is 1, `no` where it is 0."""
+        return self.add(Switch("B", threshold=0.5), yes, condition, no, ending="_choice")
+
+    def last(self, wire: Wire, initial: float = 0.0) -> Wire:
+        """The value of the step before."""
+        return self.add(UnitDelay("B", initial=initial), wire, ending="_last")
+
+    def out(self, wires: Sequence[Wire], port: int = 1) -> None:
+        """What an output gives."""
+        self.outputs[port] = list(wires)

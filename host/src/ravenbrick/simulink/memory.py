@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Integrators and delays with resets, limits and initial values from outside; PID controllers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+from ravenbrick.model import Delay, DiscreteIntegrator, IntegrationMethod, Saturation, UnitDelay
+from ravenbrick.simulink.builder import Builder
+from ravenbrick.simulink.conditions import triggered
+from ravenbrick.simulink.signals import Wire
+
+__all__ = ["MEMORY"]
+
+_METHODS = {
+    "ForwardEuler": IntegrationMethod.FORWARD_EULER,
+    "Forward Euler": IntegrationMethod.FORWARD_EULER,
+    "BackwardEuler": IntegrationMethod.BACKWARD_EULER,
+    "Backward Euler": IntegrationMethod.BACKWARD_EULER,
+    "Trapezoidal": IntegrationMethod.TUSTIN,
+}
+_CONTINUOUS = {False: IntegrationMethod.TUSTIN, True: IntegrationMethod.FORWARD_EULER}
+_EDGES = ("rising", "falling", "either")
+
+
+def _reset(b: Builder, kind: str, port: int) -> Wire:
+    """1 in the steps that begin anew."""
+    if kind in _EDGES:
+        return triggered(b, b.inputs(port)[:1], kind)
+    return b.compare(b.inputs(port)[0], "~=", 0.0)
+
+
+def _first_step(b: Builder, count: int = 1) -> Wire:
+    """1 in the first steps."""
+    return b.add(Delay("B", length=count, initial=1.0), b.constant(0.0), ending="_first")
+
+
+def _integrator(b: Builder) -> None:
+    d = b.dialog()
+    way, _, method = d.text("IntegratorMethod", "Integration: Forward Euler").partition(": ")
+    continuous = b.site.kind == "Integrator"
+    step = 1.0 if way == "Accumulation" else b.sample_time
+    wires = b.inputs(1, b.width("InitialCondition"))
+    reset, outside = d.text("ExternalReset", "none"), d.text("InitialConditionSource", "internal")
+    limited = d.text("LimitOutput", "off") == "on"
+    found: list[Wire] = []
+    for element, wire in enumerate(wires):
+        d = b.dialog(element=element)
+        gain = step * (1.0 if continuous else d.number("gainval", "1.0"))
+        rule = _CONTINUOUS[b.held] if continuous else _METHODS[method]
+        initial = d.number("InitialCondition", "0") if outside == "internal" else 0.0
+        if (reset, outside, limited) == ("none", "internal", False):
+            block = DiscreteIntegrator("B", gain=gain, method=rule, initial=initial)
+            found.append(b.add(block, wire))
+        else:
+            found.append(_steered_integrator(b, element, b.scaled(gain, wire), rule, initial))
+    b.out(found)
+
+
+def _steered_integrator(
+    b: Builder, element: int, step: Wire, rule: IntegrationMethod, initial: float
+) -> Wire:
+    """A sum with reset, initial value from outside, and limits; `step` is what a sample adds."""
+    d = b.dialog(element=element)
+    kind, port = d.text("ExternalReset", "none").lower().replace("sampled ", ""), 2
+    anew: list[Wire] = []
+    if kind != "none":
+        anew.append(_reset(b, kind, port))
+        port += 1
+    start: Wire = b.constant(initial)
+    if d.text("InitialConditionSource", "internal") == "external":
+        start = b.inputs(port)[min(element, len(b.inputs(port)) - 1)]
+        anew.append(_first_step(b))
+    limits = None
+    if d.text("LimitOutput", "off") == "on":
+        low = d.number("LowerSaturationLimit", "-inf")
+        limits = Saturation("B", limit=d.number("UpperSaturationLimit", "inf"), lower=low)
+
+    def kept(wire: Wire) -> Wire:
+        return wire if limits is None else b.add(limits, wire, ending="_limit")
+
+    state = b.add(UnitDelay("B", initial=initial))
+    begun = state if not anew else b.choose(_any(b, anew), start, state)
+    half = b.scaled(0.5, step) if rule is IntegrationMethod.TUSTIN else step
+    if rule is IntegrationMethod.FORWARD_EULER:
+        output, following = kept(begun), None
+    else:
+        moved = b.sum(begun, half)
+        output = kept(moved if not anew else b.choose(_any(b, anew), start, moved))
+        following = output if rule is IntegrationMethod.BACKWARD_EULER else None
+    state.inputs = [kept(b.sum(output, half)) if following is None else following]
+    return output
+
+
+def _any(b: Builder, tests: list[Wire]) -> Wire:
+    return tests[0] if len(tests) == 1 else b.logic("OR", *tests)
+
+
+def _delay(b: Builder) -> None:
+    d = b.dialog()
+    d.refuse("DelayLengthSource", ("Dialog",))
+    d.refuse("ShowEnablePort", ("off",))
+    name = "DelayLength" if b.site.kind == "Delay" else "NumDelays"
+    length = int(d.number(name, "2" if name == "DelayLength" else "4"))
+    if d.variables.guess:
+        length = min(max(length, 1), 10)
+    reset = d.text("ExternalReset", "None").lower()
+    outside = d.text("InitialConditionSource", "Dialog") != "Dialog"
+    wires = b.inputs(1, b.width() if outside else b.width("InitialCondition"))
+    if length == 0:
+        b.out(wires)
+        return
+    anew, port = [], 2
+    if reset != "none":
+        anew.append(_reset(b, reset.replace(" hold", ""), port))
+        port += 1
+    if (anew or outside) and length > 1 and reset != "none":
+        raise ValueError("a delay of several samples with a reset")
+    if outside:
+        anew.append(_first_step(b, length))
+    found: list[Wire] = []
+    for element, wire in enumerate(wires):
+        one = b.dialog(element=element)
+        initial = one.number("InitialCondition", "0.0") if not outside else 0.0
+        block = UnitDelay("B", initial=initial)
+        last = b.add(block if length == 1 else Delay("B", length=length, initial=initial), wire)
+        start: Wire = b.inputs(port, len(wires))[element] if outside else b.constant(initial)
+        found.append(b.choose(_any(b, anew), start, last) if anew else last)
+    b.out(found)
+
+
+def _derivative(b: Builder) -> None:
+    """The difference from the step before over the sample time."""
+    d = b.dialog()
+    gain = d.number("gainval", "1.0") / b.sample_time
+    found: list[Wire] = []
+    for wire in b.inputs():
+        scaled = b.scaled(gain, wire)
+        found.append(b.sum(scaled, b.last(scaled), signs="+-"))
+    b.out(found)
+
+
+def _pid(b: Builder) -> None:
+    """Parallel or ideal form, filtered derivative, limits, clamping or back-calculation."""
+    d = b.dialog()
+    kind, form = d.text("Controller", "PID"), d.text("Form", "Parallel")
+    if b.ports() > 1:
+        raise ValueError("a PID controller with a reset, tracking or gains from outside")
+    step, error = b.sample_time, b.inputs()[0]
+    p = d.number("P", "1") if "P" in kind or form == "Ideal" else 1.0
+    outer = p if form == "Ideal" else 1.0
+    terms: list[Wire] = [b.scaled(p, error)] if "P" in kind else []
+    if "D" in kind:
+        terms.append(_filtered(b, outer * d.number("D", "0"), d.number("N", "100"), error))
+    high, low = math.inf, -math.inf
+    if d.text("LimitOutput", "off") == "on" or d.text("SatLimitsSource") == "on":
+        high = d.number("UpperSaturationLimit", "inf")
+        low = d.number("LowerSaturationLimit", "-inf")
+    limits = Saturation("B", limit=high, lower=low)
+    if "I" not in kind:
+        total = b.sum(*terms)
+        b.out([total if high == math.inf else b.add(limits, total)])
+        return
+    drive = b.scaled(outer * d.number("I", "1") * step, error)
+    state = b.add(UnitDelay("B", initial=d.number("InitialConditionForIntegrator", "0")))
+    total = b.sum(*terms, state)
+    output: Wire = total if high == math.inf and low == -math.inf else b.add(limits, total)
+    mode = d.text("AntiWindupMode", "none")
+    if output is not total and mode == "back-calculation":
+        back = b.scaled(d.number("Kb", "1") * step, b.sum(output, total, signs="+-"))
+        drive = b.sum(drive, back)
+    elif output is not total and mode == "clamping":
+        beyond = b.sum(total, output, signs="+-")
+        wound = b.compare(b.product(beyond, drive), ">", 0.0)
+        drive = b.choose(wound, b.constant(0.0), drive)
+    state.inputs = [b.sum(state, drive)]
+    b.out([output])
+
+
+def _filtered(b: Builder, gain: float, pole: float, error: Wire) -> Wire:
+    """`gain` N s / (s + N) by forward Euler in discrete time, by Tustin in continuous time."""
+    step = b.sample_time
+    state = b.add(UnitDelay("B"), ending="_filter")
+    if b.dialog().text("TimeDomain", "Continuous-time").startswith("Discrete"):
+        output = b.scaled(pole, b.sum(b.scaled(gain, error), state, signs="+-"))
+        state.inputs = [b.sum(state, b.scaled(step, output))]
+        return output
+    share = pole / (1 + pole * step / 2)
+    output = b.scaled(share, b.sum(b.scaled(gain, error), state, signs="+-"))
+    state.inputs = [b.sum(state, b.scaled(step, output))]
+    return output
+
+
+MEMORY: Mapping[str, Callable[[Builder], None]] = {
+    "Delay": _delay,
+    "DiscreteIntegrator": _integrator,
+    "Integrator": _integrator,
+    "IntegerDelay": _delay,
+    "simulink/Discrete Derivative": _derivative,
+    "simulink/PID Controller": _pid,
+    "simulink/Discrete PID Controller": _pid,
+}

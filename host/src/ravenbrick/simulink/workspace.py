@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Variables of a workspace: assignments of an .m file, which is not run, or a .mat file."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from scipy.io import loadmat
+
+from ravenbrick.errors import DesignError
+from ravenbrick.simulink.numbers import Workspace, value_of
+
+__all__ = ["read_workspace"]
+
+_LARGEST_BYTES = 4 << 20
+_ASSIGNMENT = re.compile(r"\s*([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)\s*=(?!=)\s*(.+)\Z", re.DOTALL)
+_LOAD = re.compile(r"\s*load\s*\(?\s*'?([\w./-]+?)'?\s*\)?\s*\Z")
+
+
+def read_workspace(path: Path) -> Workspace:
+    """The variables that a file of either kind gives.
+
+    Of an .m file assignments of numbers, vectors and matrices are taken, with arithmetic and
+    mathematical functions, from top to bottom, and .mat files that it loads from its own folder.
+    Everything else in it is left out; a variable that is missed is named when a block wants it.
+    Raises `DesignError` for a file that is neither.
+    """
+    found = Workspace({})
+    _read(path, found)
+    return found
+
+
+def _read(path: Path, found: Workspace) -> None:
+    if path.suffix == ".mat":
+        _read_mat(path, found)
+        return
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise DesignError(f"{path}: cannot be read: {error.strerror}") from error
+    if path.suffix != ".m" or len(data) > _LARGEST_BYTES:
+        raise DesignError(f"{path}: expected an .m or .mat file below {_LARGEST_BYTES >> 20} MB")
+    for statement in _statements(data.decode("utf-8", errors="replace")):
+        load = _LOAD.match(statement)
+        if load:
+            other = path.parent / load[1]
+            other = other if other.suffix else other.with_suffix(".mat")
+            if other.suffix == ".mat" and other.is_file():
+                _read_mat(other, found)
+            continue
+        match = _ASSIGNMENT.match(statement)
+        if match is None:
+            continue
+        try:
+            found[match[1]] = value_of(_without_object(match[2]), found)
+        except ValueError:
+            found.pop(match[1], None)
+
+
+def _without_object(text: str) -> str:
+    """The number in `Simulink.Parameter(5)`."""
+    match = re.fullmatch(r"\s*Simulink\.Parameter\((.*)\)\s*", text, re.DOTALL)
+    return match[1] if match else text
+
+
+def _statements(text: str) -> list[str]:
+    """Statements without comments; brackets may go over several lines."""
+    text = re.sub(r"(?ms)^\s*%\{\s*$.*?^\s*%\}\s*$", "", text)
+    statements, current, depth = [], "", 0
+    for line in text.splitlines():
+        bare = re.sub(r"('[^']*')|%.*", lambda m: m[1] or "", line)
+        for part in re.split(r"(;|\n)", bare + "\n"):
+            depth += part.count("[") + part.count("{") - part.count("]") - part.count("}")
+            if part in (";", "\n") and depth <= 0:
+                statements.append(current)
+                current, depth = "", 0
+            else:
+                current += ";" if part == "\n" and not current.rstrip().endswith("...") else part
+    return [one for one in statements if one.strip()]
+
+
+def _read_mat(path: Path, found: Workspace) -> None:
+    try:
+        values = loadmat(path, simplify_cells=True)
+    except (OSError, ValueError, NotImplementedError, TypeError, KeyError) as error:
+        raise DesignError(f"{path}: is no .mat file up to version 7: {error}") from error
+    for name, value in values.items():
+        if not name.startswith("__"):
+            _take(name, value, found)
+
+
+def _take(name: str, value: object, found: Workspace) -> None:
+    if isinstance(value, dict):
+        for inner, one in value.items():
+            _take(f"{name}.{inner}", one, found)
+        return
+    array = np.asarray(value)
+    if array.dtype.kind in "biuf" and array.ndim <= 2:
+        found[name] = array.astype(float)
