@@ -360,3 +360,45 @@ fn the_boot_monitor_leaves_the_watchdog_mode_used_up_and_full_speed() {
     assert_eq!(read(&mut chip, PMC_SR) & 0xD, 0xD);
     assert_eq!(chip.now(), 8, "full speed: four accesses of two cycles");
 }
+
+const RTT: u32 = 0xFFFF_FD20;
+
+/// Cycles of so many periods of the slow clock.
+fn slow(periods: u64) -> u64 {
+    periods * 336_384_000 / (7 * 32_768)
+}
+
+fn system_pending(chip: &mut TestChip) -> bool {
+    read(chip, AIC + 0x10C) & 1 << 1 != 0
+}
+
+#[test]
+fn the_real_time_timer_counts_periods_of_its_divider_and_interrupts_at_each() {
+    let mut chip = running_chip();
+    write(&mut chip, RTT, 1 << 18 | 1 << 17 | 0x20);
+    let start = chip.now();
+    for step in 1..4 {
+        run_to(&mut chip, start + slow(32 * step) - 10);
+        assert!(!system_pending(&mut chip), "step {step}");
+        run_to(&mut chip, start + slow(32 * step) + 10);
+        assert!(system_pending(&mut chip), "step {step}");
+        assert_eq!(read(&mut chip, RTT + 8), step as u32);
+        assert_eq!(read(&mut chip, RTT + 12), 2, "an increment");
+        assert!(!system_pending(&mut chip), "reading the status clears it");
+    }
+}
+
+#[test]
+fn the_real_time_timers_alarm_interrupts_and_a_restart_begins_at_nought() {
+    let mut chip = running_chip();
+    write(&mut chip, RTT + 4, 4);
+    write(&mut chip, RTT, 1 << 18 | 1 << 16 | 0x10);
+    let start = chip.now();
+    run_to(&mut chip, start + slow(16 * 5) - 10);
+    assert!(!system_pending(&mut chip));
+    run_to(&mut chip, start + slow(16 * 5) + 10);
+    assert!(system_pending(&mut chip));
+    assert_eq!(read(&mut chip, RTT + 12), 3, "increment and alarm");
+    write(&mut chip, RTT, 1 << 18 | 0x10);
+    assert_eq!(read(&mut chip, RTT + 8), 0);
+}

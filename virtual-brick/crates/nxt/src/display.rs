@@ -24,8 +24,22 @@ const PAGE_DOWN: u8 = 4;
 const MIRROR_X: u8 = 1;
 const MIRROR_Y: u8 = 2;
 
+/// Lines of the glass that the controller drives, from its first.
+const LAST_LINE: u8 = 63;
+
 const FNV_OFFSET: u64 = 0xCBF2_9CE4_8422_2325;
 const FNV_PRIME: u64 = 0x0000_0100_0000_01B3;
+
+/// A command whose value is the next byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Awaited {
+    Contrast,
+    /// Advanced program control: without effect on the picture.
+    Advanced,
+    LineEnd,
+    PartStart,
+    PartEnd,
+}
 
 /// What the glass shows: bit `c` of a row is column `c` from the left, set when dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +92,11 @@ pub struct Display {
     version: u64,
     /// Column to which the end of the cursor-update mode returns.
     cursor: Option<usize>,
-    contrast_follows: bool,
+    awaited: Option<Awaited>,
+    /// Last line that is driven, and the first and last of a part, if only a part is.
+    line_end: u8,
+    part: (u8, u8),
+    in_part: bool,
 }
 
 impl Default for Display {
@@ -104,7 +122,10 @@ impl Display {
             all_on: false,
             version: 0,
             cursor: None,
-            contrast_follows: false,
+            awaited: None,
+            line_end: LAST_LINE,
+            part: (0, LAST_LINE),
+            in_part: false,
         }
     }
 
@@ -128,14 +149,17 @@ impl Display {
 
     /// A row of the glass. It is upright when the row order is mirrored: the glass is mounted so.
     fn row(&self, row: usize) -> u128 {
-        if self.all_on {
-            return (1 << COLUMNS) - 1;
-        }
         let common = if self.mapping & MIRROR_Y == 0 {
             LINES - 1 - row
         } else {
             row
         };
+        if !self.drives(common) {
+            return 0;
+        }
+        if self.all_on {
+            return (1 << COLUMNS) - 1;
+        }
         let line = (common + self.start_line) % LINES;
         let page = &self.ram[line / 8];
         let bits = page[..COLUMNS].iter().rev().fold(0_u128, |bits, byte| {
@@ -146,6 +170,13 @@ impl Display {
         } else {
             bits
         }
+    }
+
+    /// A line that is not driven stays clear.
+    fn drives(&self, common: usize) -> bool {
+        let (first, last) = self.part;
+        let in_part = !self.in_part || (usize::from(first)..=usize::from(last)).contains(&common);
+        common <= usize::from(self.line_end) && in_part
     }
 
     /// Grows with each byte that the controller gets: while it stays, so does the picture.
@@ -204,20 +235,21 @@ impl Display {
         }
     }
 
-    /// A command byte, or the second byte of the contrast command.
+    /// A command byte, or the value of the command before it.
     pub(crate) fn write_command(&mut self, byte: u8) -> Result<(), BoardFault> {
         self.version += 1;
-        if self.contrast_follows {
-            self.contrast_follows = false;
-            self.contrast = byte;
+        if let Some(awaited) = self.awaited.take() {
+            self.set(awaited, byte);
             return Ok(());
         }
         let low = usize::from(byte & 0x0F);
         match byte {
             0x00..=0x0F => self.column = self.column & 0xF0 | low,
             0x10..=0x1F => self.column = self.column & 0x0F | low << 4,
+            0x30 | 0x31 => self.awaited = Some(Awaited::Advanced),
             0x40..=0x7F => self.start_line = usize::from(byte & 0x3F),
-            0x81 => self.contrast_follows = true,
+            0x81 => self.awaited = Some(Awaited::Contrast),
+            0x84 | 0x85 => self.in_part = byte & 1 != 0,
             0x88..=0x8F => self.address_control = byte & 7,
             0xA4 | 0xA5 => self.all_on = byte & 1 != 0,
             0xA6 | 0xA7 => self.inverse = byte & 1 != 0,
@@ -227,10 +259,23 @@ impl Display {
             0xE2 => self.reset(),
             0xEE => self.end_cursor_update(),
             0xEF => self.cursor = Some(self.column),
+            0xF1 => self.awaited = Some(Awaited::LineEnd),
+            0xF2 => self.awaited = Some(Awaited::PartStart),
+            0xF3 => self.awaited = Some(Awaited::PartEnd),
             _ if is_electrical(byte) => {}
             _ => return Err(BoardFault::DisplayCommand { byte }),
         }
         Ok(())
+    }
+
+    fn set(&mut self, awaited: Awaited, value: u8) {
+        match awaited {
+            Awaited::Contrast => self.contrast = value,
+            Awaited::Advanced => {}
+            Awaited::LineEnd => self.line_end = value & 0x7F,
+            Awaited::PartStart => self.part.0 = value & 0x7F,
+            Awaited::PartEnd => self.part.1 = value & 0x7F,
+        }
     }
 
     fn end_cursor_update(&mut self) {
@@ -249,7 +294,8 @@ impl Display {
 }
 
 /// Commands without effect on the picture: multiplex rate, temperature compensation, panel
-/// loading, pump (2x), reserved 84 to 87 that programs send, frame rate, no operation, bias.
+/// loading, pump (2x), reserved 86 and 87, frame rate, no operation, bias. The controller's test
+/// commands (E4 to E7) are not among them: what they do is not published.
 const fn is_electrical(byte: u8) -> bool {
-    matches!(byte, 0x20..=0x2F | 0x84..=0x87 | 0xA0..=0xA3 | 0xE3 | 0xE8..=0xEB)
+    matches!(byte, 0x20..=0x2F | 0x86..=0x87 | 0xA0..=0xA3 | 0xE3 | 0xE8..=0xEB)
 }

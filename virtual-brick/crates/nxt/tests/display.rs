@@ -290,6 +290,33 @@ fn every_command_is_taken_and_the_electrical_ones_change_no_pixel() {
 }
 
 #[test]
+fn lines_beyond_the_end_or_outside_a_part_stay_clear_whatever_is_shown() {
+    let mut lcd = shown();
+    let upright = lcd.picture();
+    let driven = |lcd: &Lcd, first: usize, last: usize| {
+        for (row, bits) in lcd.picture().rows.into_iter().enumerate() {
+            let wanted = if (first..=last).contains(&row) {
+                upright.rows[row]
+            } else {
+                0
+            };
+            assert_eq!(bits, wanted, "row {row}");
+        }
+    };
+    lcd.command(&[0xF1, 39]);
+    driven(&lcd, 0, 39);
+    lcd.command(&[0xF2, 8, 0xF3, 15]);
+    driven(&lcd, 0, 39);
+    lcd.command(&[0x85]);
+    driven(&lcd, 8, 15);
+    lcd.command(&[0xA5]);
+    let dark = lcd.picture().rows.into_iter().filter(|bits| *bits != 0);
+    assert_eq!(dark.count(), 8);
+    lcd.command(&[0xA4, 0x84, 0xF1, 63, 0x30, 0xAE, 0x31, 0xE2]);
+    driven(&lcd, 0, 63);
+}
+
+#[test]
 fn cursor_update_mode_returns_to_the_column_where_it_began() {
     let mut lcd = shown();
     lcd.command(&[0xB0, 0x10, 0x07, 0xEF]);
