@@ -16,7 +16,9 @@ from tools.lessons import find
 STYLE = """
 @page { size: A4; margin: 22mm 20mm; @bottom-center { content: counter(page); font-size: 9pt } }
 body { font: 10.5pt/1.45 "DejaVu Serif", serif }
-h1 { break-before: page; font: bold 17pt sans-serif } h2 { font: bold 12pt sans-serif }
+h1 { break-before: page; font: bold 17pt sans-serif }
+h2 { font: bold 12pt sans-serif; break-after: avoid }
+table { break-inside: avoid; break-before: avoid }
 pre { font: 8pt/1.35 "DejaVu Sans Mono", monospace; background: #f3f3f1; padding: 6pt;
       white-space: pre-wrap; overflow-wrap: anywhere }
 code { font-family: "DejaVu Sans Mono", monospace; font-size: 88% }
