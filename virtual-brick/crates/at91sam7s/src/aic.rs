@@ -40,6 +40,9 @@ pub(crate) struct Aic {
     mask: u32,
     lines: u32,
     latched: u32,
+    /// Sources that react to an edge, and sources whose active level is low.
+    edges: u32,
+    inverted: u32,
     ready_at: [Cycles; 32],
     spurious_vector: u32,
     debug_control: u32,
@@ -64,6 +67,8 @@ impl Aic {
             mask: 0,
             lines: 0,
             latched: 0,
+            edges: 0,
+            inverted: EXTERNAL,
             ready_at: [0; 32],
             spurious_vector: 0,
             debug_control: 0,
@@ -128,22 +133,22 @@ impl Aic {
     }
 
     fn is_edge(&self, source: u8) -> bool {
-        self.mode[usize::from(source)] & 1 << 5 != 0
+        self.edges >> source & 1 != 0
     }
 
     /// The line is at its active level (external sources choose their polarity).
     fn active(&self, source: u8) -> bool {
-        let high = self.lines >> source & 1 != 0;
-        let positive = EXTERNAL >> source & 1 == 0 || self.mode[usize::from(source)] & 1 << 6 != 0;
-        high == positive
+        (self.lines ^ self.inverted) >> source & 1 != 0
     }
 
     fn pending(&self, source: u8) -> bool {
-        if self.is_edge(source) {
-            self.latched >> source & 1 != 0
-        } else {
-            self.active(source)
-        }
+        self.all_pending() >> source & 1 != 0
+    }
+
+    /// Latched edges and active levels.
+    fn all_pending(&self) -> u32 {
+        let levels = self.lines ^ self.inverted;
+        self.latched & self.edges | levels & !self.edges
     }
 
     fn current_priority(&self) -> i8 {
@@ -169,9 +174,8 @@ impl Aic {
     /// Highest-priority source that the controller sees at `now` above the current level.
     fn winner(&self, now: Cycles) -> Option<u8> {
         let mut best: Option<u8> = None;
-        for source in bits(self.normal_sources()) {
-            let ready = self.pending(source) && self.ready_at[usize::from(source)] <= now;
-            if ready
+        for source in bits(self.normal_sources() & self.all_pending()) {
+            if self.ready_at[usize::from(source)] <= now
                 && self.priority(source)
                     > best.map_or(self.current_priority(), |b| self.priority(b))
             {
@@ -185,16 +189,15 @@ impl Aic {
     fn update(&mut self, now: Cycles) {
         let current = self.current_priority();
         let mut irq = NEVER;
-        for source in bits(self.normal_sources()) {
-            if self.pending(source) && self.priority(source) > current {
+        let pending = self.all_pending();
+        for source in bits(self.normal_sources() & pending) {
+            if self.priority(source) > current {
                 irq = irq.min(self.ready_at[usize::from(source)]);
             }
         }
         let mut fiq = NEVER;
-        for source in bits(self.fast_sources()) {
-            if self.pending(source) {
-                fiq = fiq.min(self.ready_at[usize::from(source)]);
-            }
+        for source in bits(self.fast_sources() & pending) {
+            fiq = fiq.min(self.ready_at[usize::from(source)]);
         }
         self.irq_at = assertion(self.irq_at, irq, now);
         self.fiq_at = assertion(self.fiq_at, fiq, now);
@@ -270,6 +273,10 @@ impl Aic {
     fn set_mode(&mut self, source: u8, value: u32, now: Cycles) {
         let before = self.pending(source);
         self.mode[usize::from(source)] = value & 0x67;
+        let bit = 1 << source;
+        self.edges = self.edges & !bit | if value & 1 << 5 != 0 { bit } else { 0 };
+        let inverts = EXTERNAL & bit != 0 && value & 1 << 6 == 0;
+        self.inverted = self.inverted & !bit | if inverts { bit } else { 0 };
         if self.pending(source) && !before {
             self.activate(source, now);
         }

@@ -94,8 +94,8 @@ impl Schedule {
     #[inline]
     pub(crate) fn first(&self) -> (EventKind, Cycles) {
         let at = self.earliest;
-        let first = EventKind::ALL.into_iter().zip(self.due);
-        let kind = first.into_iter().find(|&(_, due)| due == at);
-        (kind.map_or(EventKind::Board, |(kind, _)| kind), at)
+        let first = self.due.iter().position(|due| *due == at);
+        let kind = first.and_then(|index| EventKind::ALL.get(index));
+        (kind.copied().unwrap_or(EventKind::Board), at)
     }
 }

@@ -70,7 +70,7 @@ impl Physics {
         if self.resting == Some((*drives, supply)) {
             return true;
         }
-        self.behind.clone_from(&self.ahead);
+        self.behind.take_state(&self.ahead);
         self.ahead.step(seconds(PLANT_STEP_CYCLES), drives, supply);
         let rests = self.ahead.same_state(&self.behind);
         self.resting = rests.then_some((*drives, supply));

@@ -160,6 +160,33 @@ impl Motor {
         ((-half - lead) / dt, (half - lead) / dt)
     }
 
+    /// Becomes as another motor with the same parameters is.
+    pub(crate) fn take_state(&mut self, other: &Self) {
+        let Self {
+            parameters: _,
+            hand,
+            angle,
+            angular_velocity,
+            load_angle,
+            load_velocity,
+            load_torque,
+            current,
+            voltage,
+            supply_current,
+            heat,
+        } = *other;
+        self.hand = hand;
+        self.angle = angle;
+        self.angular_velocity = angular_velocity;
+        self.load_angle = load_angle;
+        self.load_velocity = load_velocity;
+        self.load_torque = load_torque;
+        self.current = current;
+        self.voltage = voltage;
+        self.supply_current = supply_current;
+        self.heat = heat;
+    }
+
     /// Everything that a step changes.
     pub(crate) fn state(&self) -> [f64; 9] {
         [

@@ -118,6 +118,19 @@ impl Robot {
         }
     }
 
+    /// Becomes as another robot with the same parameters is.
+    pub fn take_state(&mut self, other: &Self) {
+        for (motor, other) in self.motors.iter_mut().zip(&other.motors) {
+            if let (Some(motor), Some(other)) = (motor, other) {
+                motor.take_state(other);
+            }
+        }
+        match (&mut self.body, &other.body) {
+            (Body::Vehicle(vehicle), Body::Vehicle(other)) => vehicle.pose = other.pose,
+            (body, other) => body.clone_from(other),
+        }
+    }
+
     /// Motion, currents and heat are the same, bit for bit; asked of two states of one robot.
     #[must_use]
     pub fn same_state(&self, other: &Self) -> bool {

@@ -45,6 +45,12 @@ impl MassMatrix {
         for (index, value) in product.iter_mut().enumerate() {
             *value = self.diagonal[index] * vector[index];
         }
+        self.add_coupled(vector, &mut product);
+        product
+    }
+
+    #[inline(always)]
+    fn add_coupled(&self, vector: &Vector, product: &mut Vector) {
         let mut couple = |first: usize, second: usize, element: f64| {
             product[first] += element * vector[second];
             product[second] += element * vector[first];
@@ -61,6 +67,19 @@ impl MassMatrix {
                 couple(second, third, off_diagonal[2]);
             }
         }
+    }
+
+    /// Product with the vector that has these elements and no others.
+    fn along(&self, elements: [(usize, f64); 2]) -> Vector {
+        let mut vector = [0.0; COORDINATES];
+        for (index, factor) in elements {
+            vector[index] += factor;
+        }
+        let mut product = [0.0; COORDINATES];
+        for (index, _) in elements {
+            product[index] = self.diagonal[index] * vector[index];
+        }
+        self.add_coupled(&vector, &mut product);
         product
     }
 
@@ -131,11 +150,7 @@ impl Constraint {
         target: f64,
         bounds: (f64, f64),
     ) -> Self {
-        let mut unit = [0.0; COORDINATES];
-        for (index, factor) in direction {
-            unit[index] += factor;
-        }
-        let response = inverse.multiply(&unit);
+        let response = inverse.along(direction);
         let [(one, k), (other, l)] = direction;
         let mobility = k * response[one] + l * response[other];
         let (lowest, highest) = bounds;
@@ -169,7 +184,16 @@ impl Constraint {
             .map(|&(index, k)| k * velocity[index])
             .sum();
         let wanted = self.impulse + (self.target - along) * self.stiffness;
-        let impulse = libm::fmin(libm::fmax(wanted, self.lowest), self.highest);
+        let bounded = if wanted >= self.lowest {
+            wanted
+        } else {
+            self.lowest
+        };
+        let impulse = if bounded < self.highest {
+            bounded
+        } else {
+            self.highest
+        };
         let change = impulse - self.impulse;
         self.impulse = impulse;
         for (value, response) in velocity.iter_mut().zip(self.response) {
@@ -184,7 +208,10 @@ pub(crate) fn solve(velocity: &mut Vector, constraints: &mut [Option<Constraint>
     for _ in 0..ITERATIONS {
         let mut largest = 0.0;
         for constraint in constraints.iter_mut().flatten() {
-            largest = libm::fmax(largest, constraint.relax(velocity));
+            let change = constraint.relax(velocity);
+            if change > largest {
+                largest = change;
+            }
         }
         if largest < SMALL_IMPULSE {
             return;

@@ -68,6 +68,8 @@ pub struct Coprocessor {
     on_at: Cycles,
     started: bool,
     tick: u64,
+    /// When the sampling of this tick begins.
+    tick_at: Cycles,
     /// Index into [`STORED`] of the next result of this tick.
     stage: usize,
     readings: [u16; 6],
@@ -75,6 +77,8 @@ pub struct Coprocessor {
     outgoing: Outgoing,
     handshake: bool,
     in_force: Command,
+    /// States of the bridges by that command.
+    drives: [MotorDrive; 3],
     /// A command accepted but not yet in force, and when it will be.
     accepted: Option<(Cycles, Command)>,
     last_frame_at: Cycles,
@@ -90,16 +94,19 @@ impl Coprocessor {
     /// The chip's supply comes on at cycle 0; sampling begins after the start-up time and
     /// `phase` cycles.
     pub fn new(phase: Cycles) -> Self {
+        let in_force = Command::at_reset();
         Self {
             on_at: START_UP + phase,
             started: false,
             tick: 0,
+            tick_at: START_UP + phase,
             stage: 0,
             readings: [0; 6],
             incoming: Incoming::default(),
             outgoing: Outgoing::default(),
             handshake: false,
-            in_force: Command::at_reset(),
+            in_force,
+            drives: drives(&in_force),
             accepted: None,
             last_frame_at: 0,
             next_click_at: NEVER,
@@ -137,6 +144,7 @@ impl Coprocessor {
     /// `phase` cycles away.
     pub fn skip_start_up(&mut self, now: Cycles, phase: Cycles, measurable: Measurable) {
         self.on_at = now + phase;
+        self.begin_tick(0);
         self.started = true;
         self.readings = readings(measurable);
     }
@@ -145,6 +153,7 @@ impl Coprocessor {
     pub fn restart(&mut self, now: Cycles, phase: Cycles) {
         *self = Self {
             on_at: now + START_UP + phase,
+            tick_at: now + START_UP + phase,
             last_frame_at: now,
             wrong_sums: self.wrong_sums,
             holds_bus: self.holds_bus,
@@ -186,10 +195,8 @@ impl Coprocessor {
     }
 
     /// States of the bridges.
-    pub fn drives(&self) -> [MotorDrive; 3] {
-        self.in_force
-            .motors
-            .map(|motor| pwm::drive(motor, self.in_force.frequency_khz))
+    pub const fn drives(&self) -> &[MotorDrive; 3] {
+        &self.drives
     }
 
     /// The chip addresses the co-processor. A read takes the frame to be sent now.
@@ -274,9 +281,8 @@ impl Coprocessor {
         if !self.started && now < self.on_at {
             return self.on_at + STORED[5];
         }
-        let sampling = self.tick_at() <= now;
-        if sampling {
-            self.tick_at() + STORED[5]
+        if self.tick_at <= now {
+            self.tick_at + STORED[5]
         } else {
             now + LOOP_PASS
         }
@@ -300,6 +306,7 @@ impl Coprocessor {
             }
         }
         self.in_force = command;
+        self.drives = drives(&command);
     }
 
     fn switch_off(&mut self, at: Cycles, reason: PowerOffReason) {
@@ -308,12 +315,13 @@ impl Coprocessor {
         }
     }
 
-    fn tick_at(&self) -> Cycles {
-        self.on_at + self.tick * TICK_NUMERATOR / TICK_DENOMINATOR
+    fn begin_tick(&mut self, tick: u64) {
+        self.tick = tick;
+        self.tick_at = self.on_at + tick * TICK_NUMERATOR / TICK_DENOMINATOR;
     }
 
     fn stage_at(&self) -> Cycles {
-        self.tick_at() + STORED[self.stage]
+        self.tick_at + STORED[self.stage]
     }
 
     fn store(&mut self, now: Cycles, measurable: Measurable) {
@@ -323,7 +331,7 @@ impl Coprocessor {
             return;
         }
         self.stage = 0;
-        self.tick += 1;
+        self.begin_tick(self.tick + 1);
         self.check_start(now, measurable);
         self.check_silence(now);
     }
@@ -343,6 +351,12 @@ impl Coprocessor {
             self.next_click_at = now + CLICK_PERIOD;
         }
     }
+}
+
+fn drives(command: &Command) -> [MotorDrive; 3] {
+    command
+        .motors
+        .map(|motor| pwm::drive(motor, command.frequency_khz))
 }
 
 const fn readings(measurable: Measurable) -> [u16; 6] {
