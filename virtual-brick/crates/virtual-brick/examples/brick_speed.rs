@@ -10,7 +10,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use arm7tdmi::Step;
-use virtual_brick::{Access, Configuration, Engine, StepObserver, VirtualBrick, CLOCK_HZ};
+use virtual_brick::{
+    Access, Configuration, Engine, ScalarKind, StepObserver, VirtualBrick, CLOCK_HZ,
+};
 
 /// Counts instructions.
 struct Counter(u64);
@@ -84,11 +86,15 @@ fn measure() -> Result<String, String> {
     let mut counter = Counter(0);
     let mut counted = brick(Engine::Reference, &elf)?;
     let _ = counted.run_observed(cycles, &mut counter);
+    let virtual_seconds = counted.cycles() as f64 * CLOCK_HZ.1 as f64 / CLOCK_HZ.0 as f64;
     let mut answer = format!(
-        r#"{{"instructions":{},"cycles":{}"#,
+        r#"{{"instructions":{},"cycles":{},"virtual_seconds":{virtual_seconds}"#,
         counter.0,
         counted.cycles()
     );
+    if let Ok(result) = counted.read_scalar("result", Some(ScalarKind::U32)) {
+        answer += &format!(r#","result":{}"#, result.as_float());
+    }
     for (name, engine) in [("fast", Engine::Fast), ("reference", Engine::Reference)] {
         let mut seconds = Vec::new();
         for _ in 0..runs.max(1) {
@@ -103,14 +109,14 @@ fn measure() -> Result<String, String> {
         }
         seconds.sort_by(f64::total_cmp);
         let least = seconds[0];
-        let virtual_seconds = counted.cycles() as f64 * CLOCK_HZ.1 as f64 / CLOCK_HZ.0 as f64;
         let median = seconds[seconds.len() / 2];
+        let rate = |seconds: f64| counter.0 as f64 / seconds / 1e6;
         answer += &format!(
-            r#","{name}":{{"mips":{:.1},"mips_best":{:.1},"times_real_time":{:.2}}}"#,
-            counter.0 as f64 / median / 1e6,
-            counter.0 as f64 / least / 1e6,
-            virtual_seconds / median
+            r#","{name}":{{"seconds":{median:.6},"mips":{:.1},"mips_best":{:.1},"#,
+            rate(median),
+            rate(least),
         );
+        answer += &format!(r#""times_real_time":{:.2}}}"#, virtual_seconds / median);
     }
     Ok(answer + "}")
 }

@@ -1,18 +1,9 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors
    SPDX-License-Identifier: Apache-2.0 */
-/* Busy program for comparisons of speed: integer work without any input or output. It ends with
-   the exit call of Linux on ARM, which emulators of processes know; a brick without a handler
-   stops there. */
-
-typedef unsigned int word;
+/* Integer work in loops: a shift register, a checksum bit by bit, a filter, an insertion sort. */
+#include "program.h"
 
 #define TABLE_WORDS 256
-
-#ifdef PACKED
-#define PLACE __attribute__((section(".text.table")))
-#else
-#define PLACE
-#endif
 
 static word table[TABLE_WORDS] PLACE = {1};
 static unsigned char bytes[TABLE_WORDS] PLACE = {1};
