@@ -173,7 +173,8 @@ impl VirtualBrick {
             let text = format!("pin {pin}: expected 0 to 31");
             return Err(raise::<AddressError>(text));
         }
-        self.0.log_pins(pins.iter().fold(0, |mask, pin| mask | 1 << pin));
+        self.0
+            .log_pins(pins.iter().fold(0, |mask, pin| mask | 1 << pin));
         Ok(())
     }
 

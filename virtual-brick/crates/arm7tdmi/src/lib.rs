@@ -33,7 +33,7 @@ mod thumb;
 mod thumb_transfer;
 mod timing;
 
-pub use blocks::{BlockBus, Blocks, BlocksRun, CodePlace, PlainRead, PlainWords};
+pub use blocks::{BlockBus, Blocks, BlocksRun, BusAccess, CodePlace, PlainRead, PlainWords};
 pub use bus::{Abort, Bus, Cycle, Width};
 pub use cpu::{Cpu, Step};
 pub use exceptions::Exception;

@@ -68,6 +68,19 @@ impl Mode {
     }
 }
 
+/// Bytes of the status register that the four field bits of MSR select.
+const fn field_mask(fields: u32) -> u32 {
+    let mut mask = 0;
+    let mut field = 0;
+    while field < 4 {
+        if fields & (1 << field) != 0 {
+            mask |= 0xFF << (8 * field);
+        }
+        field += 1;
+    }
+    mask
+}
+
 /// Index of the bank of r13 and r14; undefined mode numbers use the user bank.
 #[inline]
 const fn bank_of(status: u32) -> usize {
@@ -159,6 +172,13 @@ impl RegisterFile {
 
     /// Writes the whole CPSR and brings the bank of the new mode into view.
     pub(crate) fn set_status(&mut self, value: u32) {
+        let mut visible = self.visible;
+        self.switch(value, &mut visible);
+        self.visible = visible;
+    }
+
+    /// Writes the whole CPSR; the registers in view are kept in `visible`.
+    pub(crate) fn switch(&mut self, value: u32, visible: &mut [u32; 16]) {
         let value = value | psr::M4;
         let (old, new) = (bank_of(self.status), bank_of(value));
         self.status = value;
@@ -166,12 +186,31 @@ impl RegisterFile {
             return;
         }
         if old == FIQ_BANK || new == FIQ_BANK {
-            for (visible, other) in self.visible[8..13].iter_mut().zip(&mut self.other_high) {
+            for (visible, other) in visible[8..13].iter_mut().zip(&mut self.other_high) {
                 std::mem::swap(visible, other);
             }
         }
-        self.stack_and_link[old] = [self.visible[13], self.visible[14]];
-        [self.visible[13], self.visible[14]] = std::mem::take(&mut self.stack_and_link[new]);
+        self.stack_and_link[old] = [visible[13], visible[14]];
+        [visible[13], visible[14]] = std::mem::take(&mut self.stack_and_link[new]);
+    }
+
+    /// CPSR with the fields that MSR selects replaced (DDI 0029E, section 4.6). User mode writes
+    /// the flags only.
+    #[inline]
+    pub(crate) fn status_written(&self, fields: u32, value: u32) -> u32 {
+        let mut mask = psr::IMPLEMENTED & field_mask(fields);
+        if Mode::from_psr(self.status) == Some(Mode::User) {
+            mask &= 0xF000_0000;
+        }
+        self.status & !mask | value & mask
+    }
+
+    /// Writes the fields of the current mode's SPSR that MSR selects; no effect without one.
+    pub(crate) fn write_saved_status(&mut self, fields: u32, value: u32) {
+        let mask = psr::IMPLEMENTED & field_mask(fields);
+        if let Some(saved) = self.saved_status() {
+            self.set_saved_status(saved & !mask | value & mask);
+        }
     }
 
     /// SPSR of the current mode; `None` in user and system mode.

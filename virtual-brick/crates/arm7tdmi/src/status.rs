@@ -5,7 +5,7 @@
 use crate::bus::Bus;
 use crate::cpu::{Cpu, Step};
 use crate::pipeline::MASKS_DELAYED;
-use crate::registers::{psr, Mode};
+use crate::registers::psr;
 
 /// Bit `flags` (NZCV as a number) of entry `condition` tells whether the condition passes.
 const CONDITIONS: [u16; 16] = condition_table();
@@ -99,19 +99,13 @@ impl Cpu {
     /// Writes the fields of CPSR or SPSR that `opcode` selects (DDI 0029E, section 4.6). A write
     /// to the T bit of CPSR, which programs must not do, leaves the pipeline as it is.
     fn write_status(&mut self, opcode: u32, value: u32) {
-        let mut mask = psr::IMPLEMENTED & field_mask((opcode >> 16) & 15);
+        let fields = (opcode >> 16) & 15;
         if opcode & (1 << 22) != 0 {
-            if let Some(saved) = self.registers.saved_status() {
-                let written = (saved & !mask) | (value & mask);
-                self.registers.set_saved_status(written);
-            }
+            self.registers.write_saved_status(fields, value);
             return;
         }
         let old = self.registers.status();
-        if self.mode() == Some(Mode::User) {
-            mask &= 0xF000_0000;
-        }
-        let new = (old & !mask) | (value & mask);
+        let new = self.registers.status_written(fields, value);
         self.registers.set_status(new);
         if self.profile.mask_change_delayed && (old ^ new) & (psr::I | psr::F) != 0 {
             self.pipeline.attention |= MASKS_DELAYED;
@@ -123,19 +117,6 @@ impl Cpu {
 #[inline(always)]
 const fn nz(result: u32) -> u32 {
     (result & psr::N) | (((result == 0) as u32) << 30)
-}
-
-/// Bytes of the status register that the four mask bits of MSR select.
-const fn field_mask(fields: u32) -> u32 {
-    let mut mask = 0;
-    let mut field = 0;
-    while field < 4 {
-        if fields & (1 << field) != 0 {
-            mask |= 0xFF << (8 * field);
-        }
-        field += 1;
-    }
-    mask
 }
 
 /// MRS Rd, CPSR or SPSR. Without an SPSR the CPSR is read.

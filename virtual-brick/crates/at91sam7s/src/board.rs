@@ -221,6 +221,10 @@ pub trait Board {
     fn supply_is_low(&self) -> bool {
         false
     }
+    /// Something has happened that may end the run.
+    fn wants_attention(&self) -> bool {
+        false
+    }
     /// Something an observer may want to record.
     fn observe(&mut self, now: Cycles, event: ChipEvent);
 

@@ -14,9 +14,9 @@ use crate::chip::Chip;
 use crate::fault::FaultKind;
 use crate::mc::{AbortCause, AbortedAccess};
 
-const SRAM_WINDOW: u32 = 2;
+pub(crate) const SRAM_WINDOW: u32 = 2;
 const BOOT_ROM_WINDOW: u32 = 3;
-const PERIPHERALS: u32 = 0xF000_0000;
+pub(crate) const PERIPHERALS: u32 = 0xF000_0000;
 
 #[inline(always)]
 pub(crate) fn misaligned(address: u32, width: Width) -> bool {

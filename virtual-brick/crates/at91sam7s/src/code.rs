@@ -3,10 +3,10 @@
 //! The chip as the bus of decoded blocks: code in SRAM and flash, plain accesses to them.
 
 use arm7tdmi::bus::Width;
-use arm7tdmi::{BlockBus, CodePlace, PlainRead, PlainWords};
+use arm7tdmi::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords};
 
 use crate::board::{Board, Cycles};
-use crate::bus::{lane, misaligned};
+use crate::bus::{lane, misaligned, PERIPHERALS, SRAM_WINDOW};
 use crate::chip::Chip;
 use crate::flash::FLASH_BYTES;
 
@@ -14,38 +14,35 @@ const SRAM: u8 = 0;
 const FLASH: u8 = 1;
 const SRAM_HALFWORDS: u32 = 0x8000;
 const FLASH_HALFWORDS: u32 = FLASH_BYTES as u32 / 2;
-/// Steps in the exception vectors are looked at one by one.
+/// Arrivals at the exception vectors below this address are looked at.
 const VECTORS_END: u32 = 0x20;
+/// Contents of memory that was never written: RAM and erased flash.
+const UNSET: [u32; 2] = [0, u32::MAX];
+/// Bits of an address within one window of the memory map.
+const WINDOW_BITS: u32 = 20;
+/// Registers of reset controller, timers of the system, watchdog and memory controller begin here.
+const RESET_CONTROLLER: u32 = 0xFFFF_FD00;
+/// Registers of the data controller in each peripheral that has them.
+const PDC_FIRST: u32 = 0x100;
+const PDC_LAST: u32 = 0x124;
 /// Longest stretch asked for at once.
 const QUIET_CYCLES_MAX: Cycles = 1 << 30;
 
 impl<B: Board> Chip<B> {
-    /// Processor cycles in which nothing can act on the processor and `limit` is not reached,
-    /// unless it accesses something else than memory.
-    #[inline]
-    #[must_use]
-    pub fn quiet_cycles(&self, limit: Cycles, irq: bool, fiq: bool) -> u32 {
-        let mut horizon = self.schedule.earliest().min(limit);
-        if irq {
-            horizon = horizon.min(self.aic.irq_seen_at());
-        }
-        if fiq {
-            horizon = horizon.min(self.aic.fiq_seen_at());
-        }
-        if horizon <= self.now {
-            return 0;
-        }
-        let quiet = horizon - self.now - 1;
-        let cycles = if self.ratio == 1 {
-            quiet
-        } else {
-            quiet / self.ratio
-        };
-        cycles.min(QUIET_CYCLES_MAX) as u32
-    }
-
     fn flash_ready(&self) -> bool {
         self.flash.ready_at() <= self.now
+    }
+
+    /// In one of the SRAM's windows, in one comparison each.
+    #[inline(always)]
+    fn is_aligned_sram(&self, address: u32, width: Width) -> bool {
+        let offset = match width {
+            Width::Byte => 0,
+            Width::Halfword => 1,
+            Width::Word => 3,
+        };
+        let window = address & (!0 << WINDOW_BITS | offset);
+        window == SRAM_WINDOW << WINDOW_BITS || window == self.sram_alias << WINDOW_BITS
     }
 
     #[inline(always)]
@@ -54,14 +51,18 @@ impl<B: Board> Chip<B> {
     }
 }
 
+/// A write there can change the memory map or flash, reset the chip or start a transfer to memory.
+const fn changes_memory(address: u32) -> bool {
+    let offset = address & 0x3FFF;
+    address >= RESET_CONTROLLER || (offset >= PDC_FIRST && offset <= PDC_LAST)
+}
+
 impl<B: Board> BlockBus for Chip<B> {
     const CODE_HALFWORDS: u32 = SRAM_HALFWORDS + FLASH_HALFWORDS;
 
     #[inline(always)]
     fn code_place(&self, address: u32) -> Option<CodePlace> {
-        if address < VECTORS_END {
-            None
-        } else if self.is_sram(address) {
+        if self.is_sram(address) {
             Some(CodePlace {
                 halfword: address / 2 % SRAM_HALFWORDS,
                 region: SRAM,
@@ -74,6 +75,21 @@ impl<B: Board> BlockBus for Chip<B> {
         } else {
             None
         }
+    }
+
+    #[inline(always)]
+    fn target_place(&self, address: u32) -> Option<CodePlace> {
+        if address < VECTORS_END {
+            None
+        } else {
+            self.code_place(address)
+        }
+    }
+
+    /// What happens at a vector that was never set is looked at step by step.
+    #[inline(always)]
+    fn enters(&self, address: u32) -> bool {
+        address >= VECTORS_END || !UNSET.contains(&self.code_word(address & !3))
     }
 
     #[inline(always)]
@@ -134,29 +150,34 @@ impl<B: Board> BlockBus for Chip<B> {
         self.sram_cycles().max(self.flash.most_cycles() as u32)
     }
 
-    #[inline(always)]
-    fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead> {
-        if misaligned(address, width) {
-            return None;
-        }
-        if self.is_sram(address) {
-            return Some(PlainRead {
-                value: lane(self.sram.word(address), address, width),
-                cycles: self.sram_cycles(),
-            });
-        }
-        (Self::is_flash(address) && self.flash_ready()).then(|| PlainRead {
-            value: lane(self.flash.word(address), address, width),
-            cycles: self.flash.data_cycles() as u32,
-        })
+    fn ram_cycles(&self) -> u32 {
+        self.sram_cycles()
     }
 
     #[inline(always)]
-    fn plain_write(&mut self, address: u32, width: Width, value: u32) -> Option<u32> {
+    fn ram_read(&self, address: u32, width: Width) -> Option<u32> {
+        self.is_aligned_sram(address, width)
+            .then(|| lane(self.sram.word(address), address, width))
+    }
+
+    #[inline(always)]
+    fn ram_write(&mut self, address: u32, width: Width, value: u32) -> bool {
+        self.is_aligned_sram(address, width) && self.sram.write_unmarked(address, width, value)
+    }
+
+    fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead> {
+        if let Some(value) = self.ram_read(address, width) {
+            let cycles = self.sram_cycles();
+            return Some(PlainRead { value, cycles });
+        }
         let plain = !misaligned(address, width)
-            && self.is_sram(address)
-            && self.sram.write_unmarked(address, width, value);
-        plain.then_some(self.sram_cycles())
+            && !self.is_sram(address)
+            && Self::is_flash(address)
+            && self.flash_ready();
+        plain.then(|| PlainRead {
+            value: lane(self.flash.word(address), address, width),
+            cycles: self.flash.data_cycles() as u32,
+        })
     }
 
     #[inline]
@@ -185,6 +206,64 @@ impl<B: Board> BlockBus for Chip<B> {
         let cycles = self.sram_cycles();
         let words = self.sram.unmarked_words(address, count)?;
         Some(PlainWords { words, cycles })
+    }
+
+    #[inline(always)]
+    fn access_between(
+        &self,
+        address: u32,
+        width: Width,
+        write: bool,
+        after_cycles: u32,
+    ) -> BusAccess {
+        let calm = if misaligned(address, width) {
+            return BusAccess::Refused;
+        } else if self.is_sram(address) {
+            if self.sram.is_code(address) {
+                return BusAccess::Refused;
+            }
+            true
+        } else if address >= PERIPHERALS {
+            !(write && changes_memory(address))
+        } else {
+            return BusAccess::Refused;
+        };
+        let ends = Cycles::from(after_cycles) + self.configuration.timing.apb_cycles + 1;
+        let uneventful = self.now + ends * self.ratio < self.schedule.earliest();
+        if calm && uneventful && !self.memory_is_written_besides() {
+            BusAccess::Calm
+        } else {
+            BusAccess::Unsettling
+        }
+    }
+
+    fn attention(&self) -> bool {
+        self.stopped
+            || self.reset.is_some()
+            || self.fault.is_some()
+            || self.sram.has_hits()
+            || self.board.wants_attention()
+    }
+
+    #[inline]
+    fn quiet_cycles(&self, limit: Cycles, irq: bool, fiq: bool) -> u32 {
+        let mut horizon = self.schedule.earliest().min(limit);
+        if irq {
+            horizon = horizon.min(self.aic.irq_seen_at());
+        }
+        if fiq {
+            horizon = horizon.min(self.aic.fiq_seen_at());
+        }
+        if horizon <= self.now {
+            return 0;
+        }
+        let quiet = horizon - self.now - 1;
+        let cycles = if self.ratio == 1 {
+            quiet
+        } else {
+            quiet / self.ratio
+        };
+        cycles.min(QUIET_CYCLES_MAX) as u32
     }
 
     #[inline]

@@ -8,6 +8,8 @@ use arm7tdmi::bus::Width;
 use crate::board::Cycles;
 
 const WORDS: usize = 0x4000;
+/// More than one multiple transfer reaches.
+const LINE_WORDS: usize = 16;
 const WATCHED: u8 = 1 << 0;
 const CODE: u8 = 1 << 1;
 
@@ -28,6 +30,8 @@ pub(crate) struct Sram {
     words: Box<[u32; WORDS]>,
     /// Per word: the bits below.
     marks: Box<[u8; WORDS]>,
+    /// Per line of words: one of them has or had a mark.
+    lines: Box<[bool; WORDS / LINE_WORDS]>,
     hits: Vec<WatchHit>,
     code_changes: Vec<u32>,
 }
@@ -42,6 +46,7 @@ impl Sram {
         Self {
             words: Box::new([0; WORDS]),
             marks: Box::new([0; WORDS]),
+            lines: Box::new([false; WORDS / LINE_WORDS]),
             hits: Vec::new(),
             code_changes: Vec::new(),
         }
@@ -122,11 +127,9 @@ impl Sram {
     pub(crate) fn unmarked_words(&mut self, address: u32, count: u32) -> Option<&mut [u32]> {
         let first = index(address);
         let range = first..first + count as usize;
-        let free = self
-            .marks
-            .get(range.clone())?
-            .iter()
-            .all(|marks| *marks == 0);
+        let last = (range.end - 1) / LINE_WORDS;
+        let marked = self.lines[first / LINE_WORDS] || *self.lines.get(last)?;
+        let free = !marked || self.marks.get(range.clone())?.iter().all(|m| *m == 0);
         if free {
             self.words.get_mut(range)
         } else {
@@ -136,7 +139,12 @@ impl Sram {
 
     /// Tell the next change of a word, which was decoded as code.
     pub(crate) fn mark_code(&mut self, address: u32) {
-        self.marks[index(address)] |= CODE;
+        self.mark(index(address), CODE);
+    }
+
+    /// The word was decoded as code.
+    pub(crate) fn is_code(&self, address: u32) -> bool {
+        self.marks[index(address)] & CODE != 0
     }
 
     /// Number of a word that was decoded as code and changed.
@@ -153,8 +161,12 @@ impl Sram {
     }
 
     pub(crate) fn watch(&mut self, address: u32) {
-        let slot = index(address);
-        self.marks[slot] |= WATCHED;
+        self.mark(index(address), WATCHED);
+    }
+
+    fn mark(&mut self, slot: usize, mark: u8) {
+        self.marks[slot] |= mark;
+        self.lines[slot / LINE_WORDS] = true;
     }
 
     #[inline(always)]

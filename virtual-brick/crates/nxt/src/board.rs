@@ -324,7 +324,7 @@ impl NxtBoard {
         &self.measured
     }
 
-    pub(crate) fn drives(&self) -> [MotorDrive; 3] {
+    pub(crate) const fn drives(&self) -> &[MotorDrive; 3] {
         self.coprocessor.drives()
     }
 
@@ -573,6 +573,10 @@ impl Board for NxtBoard {
         self.usb.answer(now, answer);
     }
 
+    fn wants_attention(&self) -> bool {
+        self.log.ends()
+    }
+
     fn observe(&mut self, now: Cycles, event: ChipEvent) {
         self.log.add(now, BoardEventKind::Chip(event));
     }
@@ -581,7 +585,7 @@ impl Board for NxtBoard {
 impl NxtBoard {
     fn advance_physics(&mut self, at: Cycles) {
         let drives = self.coprocessor.drives();
-        if self.physics.advance(at, &drives, self.battery.voltage()) {
+        if self.physics.advance(at, drives, self.battery.voltage()) {
             let (_, robot, _) = self.physics.around(at);
             self.battery.set_current(robot.supply_current());
             self.measured.update(robot, &mut self.ports);

@@ -111,10 +111,13 @@ impl fmt::Display for BoardFault {
 #[derive(Clone, Debug, Default)]
 pub struct EventLog {
     events: Vec<BoardEvent>,
+    /// One of them may end the run.
+    ends: bool,
 }
 
 impl EventLog {
     pub fn add(&mut self, at_cycles: Cycles, kind: BoardEventKind) {
+        self.ends |= matches!(kind, BoardEventKind::Fault(_) | BoardEventKind::PowerOff(_));
         self.events.push(BoardEvent { at_cycles, kind });
     }
 
@@ -126,9 +129,14 @@ impl EventLog {
         self.events.is_empty()
     }
 
+    pub fn ends(&self) -> bool {
+        self.ends
+    }
+
     /// Hands the events over; `taken` is emptied first, its room is used again.
     pub fn take(&mut self, taken: &mut Vec<BoardEvent>) {
         taken.clear();
+        self.ends = false;
         std::mem::swap(&mut self.events, taken);
     }
 }

@@ -60,7 +60,7 @@ struct Frozen<'a> {
 
 impl Frozen<'_> {
     fn opcode(&mut self, address: u32) -> u32 {
-        if self.chip.code_place(address).is_some() {
+        if self.chip.target_place(address).is_some() {
             return self.chip.code_word(address);
         }
         self.left = true;

@@ -48,6 +48,11 @@ impl Guard {
         (after == before) | (after < VECTORS_END) | self.arrival.is_some()
     }
 
+    /// Instructions were executed without a look: none of them was at a vector that is unset.
+    pub(crate) fn passed_over(&mut self) {
+        self.arrival = None;
+    }
+
     /// The core came back to the same instruction with interrupts enabled.
     pub(crate) fn interruptible_loop(&mut self) {
         self.repeated = None;

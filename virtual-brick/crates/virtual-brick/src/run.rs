@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The run: processor steps and skipped idle time between inputs and samples.
 
-use arm7tdmi::{psr, Step};
+use arm7tdmi::Step;
 use at91sam7s::ResetCause;
 
 use crate::assembly;
@@ -117,7 +117,10 @@ impl VirtualBrick {
                 continue;
             }
             if !O::SEES_STEPS && self.engine == Engine::Fast {
-                self.run_blocks(end);
+                if let Some(instruction) = self.run_blocks(end) {
+                    self.after_step(instruction)?;
+                    continue;
+                }
             }
             if observer.before_step(self) {
                 return Err(Break::Observer);
@@ -137,21 +140,22 @@ impl VirtualBrick {
     }
 
     /// As far as the fast engine gets before an instruction boundary at which something besides
-    /// the processor can act, or an instruction that it leaves to the reference engine.
+    /// the processor can act, or an instruction that it leaves to the reference engine. The
+    /// address of the last instruction when that was an access through the bus: it has to be
+    /// looked at before the next.
     #[inline]
-    fn run_blocks(&mut self, end: u64) {
-        let status = self.cpu.cpsr();
-        let (irq, fiq) = (status & psr::I == 0, status & psr::F == 0);
-        let budget = self.chip.quiet_cycles(end, irq, fiq);
-        if budget < WORTHWHILE_CYCLES {
-            return;
-        }
+    fn run_blocks(&mut self, end: u64) -> Option<u32> {
+        let blocks = &mut self.blocks;
         let run = self
             .cpu
-            .run_blocks(&mut self.chip, &mut self.blocks, budget);
+            .run_blocks(&mut self.chip, blocks, end, WORTHWHILE_CYCLES);
+        if run.ran {
+            self.guard.passed_over();
+        }
         if run.spun {
             self.guard.interruptible_loop();
         }
+        run.accessed
     }
 
     #[inline(always)]

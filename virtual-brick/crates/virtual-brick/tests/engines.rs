@@ -80,6 +80,22 @@ fn waiting_loops_take_the_same_time() {
     compare(&elf, 1, 20, 5_000);
 }
 
+/// The instruction that reads an address without a register is the last one of the run.
+#[test]
+fn an_access_to_nothing_ends_the_run_with_the_same_state() {
+    for access in [0xE5B2_0004, 0xE5A2_0004, 0xE492_0004] {
+        // ldr r0, [r2, #4]!; str r0, [r2, #4]!; ldr r0, [r2], #4
+        let mut program = Program::new();
+        program.load(2, 0xFFFF_FC80).add(0, 1).raw(access).add(0, 2);
+        let elf = image(&program.stop()).build();
+        let (mut fast, mut reference) = pair(&elf);
+        let stops = (fast.run_until(10_000), reference.run_until(10_000));
+        assert_eq!(stops.0.reason, StopReason::Fault, "{}", stops.0.message);
+        assert_eq!(stops.0, stops.1);
+        assert_same(&fast, &reference, "after the fault");
+    }
+}
+
 #[test]
 fn a_spinning_processor_takes_the_same_time() {
     let mut program = Program::new();

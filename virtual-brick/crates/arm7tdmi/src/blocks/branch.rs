@@ -3,36 +3,36 @@
 //! Branches, ends of blocks, and conditions of single operations.
 
 use super::bus::BlockBus;
-use super::run::{follow, holds, Handler, Op, Run};
+use super::run::{follow, holds, Handler, Op, Register, Rest, Run};
 
 /// B, and the conditional branches when their condition holds: target with the state in the value.
-pub(super) fn branch<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
-    run.branch(op, op.value, u32::from(op.cycles));
+pub(super) fn branch<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
+    run.branch(op, op.value, 0);
 }
 
 /// BL.
-pub(super) fn branch_link<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
-    run.set(14, op.address.wrapping_add(4));
-    run.branch(op, op.value, u32::from(op.cycles));
+pub(super) fn branch_link<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
+    run.set(Register::R14, op.address.wrapping_add(4));
+    run.branch(op, op.value, 0);
 }
 
 /// Both halves of the Thumb BL; the address is the second half's.
-pub(super) fn long_branch<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
-    run.set(14, op.address.wrapping_add(2) | 1);
-    run.branch(op, op.value, u32::from(op.cycles));
+pub(super) fn long_branch<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
+    run.set(Register::R14, op.address.wrapping_add(2) | 1);
+    run.branch(op, op.value, 0);
 }
 
 /// A branch to itself. With interrupts masked the reference engine looks at it.
-pub(super) fn spin<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
-    if run.masked {
+pub(super) fn spin<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
+    if run.masked() {
         return run.leave_before(op);
     }
     run.spun = true;
-    run.branch(op, op.value, u32::from(op.cycles));
+    run.branch(op, op.value, 0);
 }
 
 /// BX to `second`.
-pub(super) fn exchange<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
+pub(super) fn exchange<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
     let value = run.get(op.second);
     let target = if value & 1 == 0 { value & !3 } else { value };
     if !run.branch_to(op, target) {
@@ -41,7 +41,7 @@ pub(super) fn exchange<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[O
 }
 
 /// MOV to r15 from `second`.
-pub(super) fn jump<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
+pub(super) fn jump<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
     let size = 4 >> (run.next & 1);
     let target = run.get(op.second) & !(size - 1) | run.next & 1;
     if !run.branch_to(op, target) {
@@ -49,42 +49,63 @@ pub(super) fn jump<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>
     }
 }
 
+/// Return from an exception to `first` less the value.
+pub(super) fn return_to<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
+    let target = run.get(op.first).wrapping_sub(op.value);
+    if run.return_to(op, target) {
+        run.restore_status();
+    } else {
+        run.leave_before(op);
+    }
+}
+
 /// The second half of a Thumb BL whose first half is not before it.
-pub(super) fn long_branch_suffix<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
-    let target = run.get(14).wrapping_add(op.value) | 1;
+pub(super) fn long_branch_suffix<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    _rest: Rest<'_, B>,
+) {
+    let target = run.get(Register::R14).wrapping_add(op.value) | 1;
     if run.branch_to(op, target) {
-        run.set(14, op.address.wrapping_add(2) | 1);
+        run.set(Register::R14, op.address.wrapping_add(2) | 1);
     } else {
         run.leave_before(op);
     }
 }
 
 /// An instruction for the reference engine.
-pub(super) fn leave<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
+pub(super) fn leave<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
     run.leave_before(op);
 }
 
 /// The end of a block that goes on behind it.
-pub(super) fn fall_through<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: &[Op<B>]) {
+pub(super) fn fall_through<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
     run.cycles += u32::from(op.before);
     run.next = op.value;
 }
 
-fn branch_if<B: BlockBus, const CONDITION: u8>(run: &mut Run<'_, B>, op: &Op<B>, rest: &[Op<B>]) {
+fn branch_if<B: BlockBus, const CONDITION: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: Rest<'_, B>,
+) {
     if holds::<B, CONDITION>(run) {
-        run.branch(op, op.value, u32::from(op.cycles));
+        run.branch(op, op.value, 0);
     } else {
         follow(run, rest);
     }
 }
 
 /// Passes over the next operation unless the condition holds.
-fn only_if<B: BlockBus, const CONDITION: u8>(run: &mut Run<'_, B>, _op: &Op<B>, rest: &[Op<B>]) {
-    if holds::<B, CONDITION>(run) {
-        follow(run, rest);
-    } else if let Some((_, rest)) = rest.split_first() {
-        follow(run, rest);
+fn only_if<B: BlockBus, const CONDITION: u8>(
+    run: &mut Run<'_, B>,
+    _op: &Op<B>,
+    mut rest: Rest<'_, B>,
+) {
+    if !holds::<B, CONDITION>(run) {
+        rest.next();
     }
+    follow(run, rest);
 }
 
 macro_rules! by_condition {

@@ -23,6 +23,17 @@ pub struct PlainRead {
     pub cycles: u32,
 }
 
+/// An access through the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BusAccess {
+    /// Misaligned, or a store to code: not between blocks.
+    Refused,
+    /// Memory that holds code stays as it is until the access is over.
+    Calm,
+    /// Memory may change with it.
+    Unsettling,
+}
+
 /// Words that lie one after the other in memory.
 pub struct PlainWords<W> {
     /// The words.
@@ -39,8 +50,12 @@ pub trait BlockBus: Bus {
     /// Number of halfwords that can hold code.
     const CODE_HALFWORDS: u32;
 
-    /// Where the code at `address` lies; none where no block may be.
+    /// Where the code at `address` lies; none outside the memories that can hold code.
     fn code_place(&self, address: u32) -> Option<CodePlace>;
+    /// Where the target of a branch lies; none where somebody wants to see the arrival.
+    fn target_place(&self, address: u32) -> Option<CodePlace>;
+    /// A block may begin at `address`, which has a place.
+    fn enters(&self, address: u32) -> bool;
     /// The word that a fetch at `address` would bring, without the fetch. Called only for
     /// addresses that have a place.
     fn code_word(&self, address: u32) -> u32;
@@ -53,6 +68,12 @@ pub trait BlockBus: Bus {
 
     /// Cycles of the opcode fetch at `address` that continues the fetch before it.
     fn sequential_fetch_cycles(&self, address: u32, width: Width) -> u32;
+    /// [`BlockBus::refill_cycles`] if `target` is a place for branches in this region.
+    #[inline(always)]
+    fn branch_cycles(&self, sequence: u32, target: u32, width: Width, region: u8) -> Option<u32> {
+        let place = self.target_place(target)?;
+        (place.region == region).then(|| self.refill_cycles(sequence, target, width))
+    }
     /// Cycles of the two fetches that fill the pipeline at `target`, when a fetch at `sequence`
     /// would have continued the last one. Both lie in one region.
     fn refill_cycles(&self, sequence: u32, target: u32, width: Width) -> u32;
@@ -63,14 +84,32 @@ pub trait BlockBus: Bus {
 
     /// No fetch and no plain access costs more.
     fn access_cycles_max(&self) -> u32;
+    /// Cycles of an access to RAM.
+    fn ram_cycles(&self) -> u32;
+    /// Read RAM at an aligned address.
+    fn ram_read(&self, address: u32, width: Width) -> Option<u32>;
+    /// Write RAM at an aligned address, if writing does nothing else; true when written.
+    fn ram_write(&mut self, address: u32, width: Width, value: u32) -> bool;
     /// Read memory, if reading does nothing else and needs no waiting.
     fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead>;
-    /// Write memory, if writing does nothing else; cycles of the access.
-    fn plain_write(&mut self, address: u32, width: Width, value: u32) -> Option<u32>;
     /// Words of memory, if reading them does nothing else and needs no waiting.
     fn plain_words(&self, address: u32, count: u32) -> Option<PlainWords<&[u32]>>;
     /// Words of memory to write, if writing them does nothing else.
     fn plain_words_mut(&mut self, address: u32, count: u32) -> Option<PlainWords<&mut [u32]>>;
+    /// What [`Bus::read`] or [`Bus::write`] would do at `address`, between two blocks and after so
+    /// many cycles.
+    fn access_between(
+        &self,
+        address: u32,
+        width: Width,
+        write: bool,
+        after_cycles: u32,
+    ) -> BusAccess;
+    /// Somebody besides the processor must look before the next instruction.
+    fn attention(&self) -> bool;
+    /// Cycles in which nothing can act on the processor, with its interrupts unmasked as told,
+    /// and `limit` in the bus's time is not reached, as long as it accesses only memory.
+    fn quiet_cycles(&self, limit: u64, irq: bool, fiq: bool) -> u32;
     /// Let processor cycles pass in which nothing happens.
     fn pass(&mut self, cycles: u32);
 }

@@ -3,8 +3,8 @@
 //! Operations on registers only.
 
 use super::bus::BlockBus;
-use super::run::{follow, holds, Handler, Op, Run};
-use crate::alu::{add, shift_by_constant, shift_by_register, Shifted, Sum};
+use super::run::{follow, holds, Handler, Op, Rest, Run};
+use crate::alu::{shift_by_constant, shift_by_register, Shifted};
 use crate::instruction::AluOperation;
 use crate::multiply::{signed_cycles, unsigned_cycles};
 use crate::status::condition_passes;
@@ -20,7 +20,7 @@ pub(super) const RIGHT: u8 = 4;
 pub(super) const RIGHT_ARITHMETIC: u8 = 5;
 /// Any other shift by a constant, of the kind in the mode.
 pub(super) const ANY_SHIFT: u8 = 6;
-/// By the register whose number is the amount.
+/// By the third register.
 pub(super) const BY_REGISTER: u8 = 7;
 
 #[inline(always)]
@@ -64,10 +64,18 @@ fn operand<B: BlockBus, const KIND: u8>(run: &Run<'_, B>, op: &Op<B>) -> Shifted
         }
         ANY_SHIFT => shift_by_constant(kind, run.get(op.second), amount, carry),
         _ => {
-            let amount = run.get(op.amount) & 0xFF;
+            let amount = run.get(op.third) & 0xFF;
             shift_by_register(kind, run.get(op.second), amount, carry)
         }
     }
+}
+
+/// Result of the adder, or of logic with what it leaves of the flags.
+struct Sum {
+    value: u32,
+    carry: bool,
+    /// Bit 31 is V.
+    overflow: u32,
 }
 
 #[inline(always)]
@@ -75,7 +83,29 @@ const fn of_value(value: u32) -> Sum {
     Sum {
         value,
         carry: false,
-        overflow: false,
+        overflow: 0,
+    }
+}
+
+#[inline(always)]
+const fn add(a: u32, b: u32, carry: bool) -> Sum {
+    let sum = a as u64 + b as u64 + carry as u64;
+    let value = sum as u32;
+    Sum {
+        value,
+        carry: sum >> 32 != 0,
+        overflow: (a ^ value) & (b ^ value),
+    }
+}
+
+/// a - b: no borrow is carry.
+#[inline(always)]
+const fn subtract(a: u32, b: u32) -> Sum {
+    let value = a.wrapping_sub(b);
+    Sum {
+        value,
+        carry: a >= b,
+        overflow: (a ^ b) & (a ^ value),
     }
 }
 
@@ -83,7 +113,7 @@ const fn of_value(value: u32) -> Sum {
 fn data<B: BlockBus, const OPERATION: u8, const KIND: u8, const FLAGS: bool>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    rest: Rest<'_, B>,
 ) {
     process::<B, OPERATION, KIND, FLAGS, false>(run, op);
     follow(run, rest);
@@ -93,12 +123,12 @@ fn data<B: BlockBus, const OPERATION: u8, const KIND: u8, const FLAGS: bool>(
 fn data_and_branch<B: BlockBus, const OPERATION: u8, const KIND: u8, const CONDITION: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    mut rest: Rest<'_, B>,
 ) {
     process::<B, OPERATION, KIND, true, false>(run, op);
-    if let Some((branch, rest)) = rest.split_first() {
+    if let Some(branch) = rest.next() {
         if holds::<B, CONDITION>(run) {
-            run.branch(branch, branch.value, u32::from(branch.cycles));
+            run.branch(branch, branch.value, 0);
         } else {
             follow(run, rest);
         }
@@ -110,7 +140,7 @@ fn data_and_branch<B: BlockBus, const OPERATION: u8, const KIND: u8, const CONDI
 fn data_if<B: BlockBus, const OPERATION: u8, const KIND: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    rest: Rest<'_, B>,
 ) {
     process::<B, OPERATION, KIND, false, true>(run, op);
     follow(run, rest);
@@ -136,8 +166,8 @@ fn process<
     let (sum, logical) = match OPERATION {
         0x0 | 0x8 => (of_value(a & b), true),
         0x1 | 0x9 => (of_value(a ^ b), true),
-        0x2 | 0xA => (add(a, !b, true), false),
-        0x3 => (add(b, !a, true), false),
+        0x2 | 0xA => (subtract(a, b), false),
+        0x3 => (subtract(b, a), false),
         0x4 | 0xB => (add(a, b, false), false),
         0x5 => (add(a, b, carry_in), false),
         0x6 => (add(a, !b, carry_in), false),
@@ -151,14 +181,16 @@ fn process<
         run.set_nz(sum.value);
         if !logical {
             run.carry = u32::from(sum.carry);
-            run.overflow = u32::from(sum.overflow);
+            run.overflow = sum.overflow;
         } else if KIND != CONSTANT && KIND != REGISTER {
             run.carry = u32::from(carry);
         }
     }
     if CONDITIONAL {
-        let flags =
-            run.negative >> 31 << 3 | u32::from(run.zero == 0) << 2 | run.carry << 1 | run.overflow;
+        let flags = run.negative >> 31 << 3
+            | u32::from(run.zero == 0) << 2
+            | run.carry << 1
+            | run.overflow >> 31;
         let kept = u32::from(condition_passes(u32::from(op.cycles), flags)).wrapping_sub(1);
         let old = run.get(op.destination);
         run.set(op.destination, old & kept | sum.value & !kept);
@@ -281,16 +313,16 @@ pub(super) const fn data_and_branch_handler<B: BlockBus>(
     }
 }
 
-/// MUL and MLA: multiplicand in `first`, multiplier in `second`, addend in `amount`.
+/// MUL and MLA: multiplicand in `first`, multiplier in `second`, addend in `third`.
 pub(super) fn multiply<B: BlockBus, const ACCUMULATE: bool, const FLAGS: bool>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    rest: Rest<'_, B>,
 ) {
     let multiplier = run.get(op.second);
     let mut result = run.get(op.first).wrapping_mul(multiplier);
     if ACCUMULATE {
-        result = result.wrapping_add(run.get(op.amount));
+        result = result.wrapping_add(run.get(op.third));
     }
     run.cycles += signed_cycles(multiplier) + u32::from(ACCUMULATE);
     if FLAGS {
@@ -300,11 +332,11 @@ pub(super) fn multiply<B: BlockBus, const ACCUMULATE: bool, const FLAGS: bool>(
     follow(run, rest);
 }
 
-/// The long multiplications: lower half of the result in `amount`; mode 1 sets flags.
+/// The long multiplications: lower half of the result in `third`; mode 1 sets flags.
 pub(super) fn multiply_long<B: BlockBus, const SIGNED: bool, const ACCUMULATE: bool>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    rest: Rest<'_, B>,
 ) {
     let (multiplicand, multiplier) = (run.get(op.first), run.get(op.second));
     let (mut result, array) = if SIGNED {
@@ -316,18 +348,18 @@ pub(super) fn multiply_long<B: BlockBus, const SIGNED: bool, const ACCUMULATE: b
     };
     if ACCUMULATE {
         let high = u64::from(run.get(op.destination)) << 32;
-        result = result.wrapping_add(high | u64::from(run.get(op.amount)));
+        result = result.wrapping_add(high | u64::from(run.get(op.third)));
     }
     run.cycles += array + 1 + u32::from(ACCUMULATE);
     if op.mode != 0 {
         run.set_nz((result >> 32) as u32 | u32::from(result as u32 != 0));
     }
-    run.set(op.amount, result as u32);
+    run.set(op.third, result as u32);
     run.set(op.destination, (result >> 32) as u32);
     follow(run, rest);
 }
 
 /// An instruction of which only the fetch is left.
-pub(super) fn nothing<B: BlockBus>(run: &mut Run<'_, B>, _op: &Op<B>, rest: &[Op<B>]) {
+pub(super) fn nothing<B: BlockBus>(run: &mut Run<'_, B>, _op: &Op<B>, rest: Rest<'_, B>) {
     follow(run, rest);
 }

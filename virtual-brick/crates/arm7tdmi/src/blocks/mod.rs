@@ -4,31 +4,38 @@
 //!
 //! A block is entered only if its worst case ends before anything but the processor can act, so
 //! nobody can tell when in the block its cycles passed. An access that does more than read or
-//! write memory ends the block before its instruction; the reference engine, [`Cpu::step`], makes
-//! it. Both engines leave the same registers, pipeline and cycle counts at the boundaries that
-//! they share. Stores to code, also to opcodes already fetched, are made by the reference engine.
+//! write memory is made through the bus, which is told the time before, and ends the block; so
+//! does what changes mode or masks. What is left is the work of the reference engine,
+//! [`Cpu::step`]. Both engines leave the same registers, pipeline and cycle counts at the
+//! boundaries that they share. Stores to code, also to opcodes already fetched, are made by the
+//! reference engine.
 
 mod analysis;
+mod beyond;
 mod branch;
 mod bus;
 mod data;
 mod run;
+mod source;
 mod transfer;
 mod translate;
 
 use std::fmt;
 
-pub use bus::{BlockBus, CodePlace, PlainRead, PlainWords};
+pub use bus::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords};
 
 use crate::bus::Cycle;
 use crate::cpu::Cpu;
+use crate::pipeline::MASKS_DELAYED;
 use crate::registers::psr;
-use run::{size_of, Run, NOWHERE, NO_TARGET};
-use translate::{translate, Block, BYTES_MAX};
+use run::{size_of, End, Run, NOWHERE, NO_MASKS, NO_TARGET};
+use source::BYTES_MAX;
+use translate::{translate, Block};
 
 /// Blocks kept at most; with more, all are forgotten.
 const BLOCKS_MAX: usize = 0x4000;
 const NO_KEY: u32 = u32::MAX;
+const NO_BLOCK: u32 = u32::MAX;
 /// So many times in a row the first instruction was no plain access: so it will be.
 const REFUSALS_LIKELY: u8 = 4;
 
@@ -44,10 +51,13 @@ pub struct Blocks<B: BlockBus> {
 /// What a run of blocks did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlocksRun {
-    /// Cycles that passed.
-    pub cycles: u32,
+    /// Instructions were executed.
+    pub ran: bool,
     /// A branch to itself was executed.
     pub spun: bool,
+    /// Address of the last instruction when the bus made its access: somebody may have to look
+    /// before the next one.
+    pub accessed: Option<u32>,
 }
 
 impl<B: BlockBus> Default for Blocks<B> {
@@ -177,43 +187,65 @@ impl<B: BlockBus> Blocks<B> {
         }
     }
 
-    /// The block at `key` that follows block `from`.
-    #[inline(always)]
+    /// The block at `key` that follows block `from`, when no link leads there.
+    #[inline(never)]
     fn successor(&mut self, bus: &mut B, from: u32, key: u32, region: u8) -> Option<u32> {
-        let links = self.blocks.get(from as usize)?.links;
-        for (known, number) in links {
-            let linked = self.blocks.get(number as usize);
-            if known == key && linked.is_some_and(|block| block.key == key) {
-                return Some(number);
-            }
-        }
         let place = bus.code_place(key & !1)?;
         if place.region != region {
             return None;
         }
         let number = self.find(bus, key, place)?;
         if let Some(block) = self.blocks.get_mut(from as usize) {
-            block.links = [(key, number), links[0]];
+            block.links = [(key, number), block.links[0]];
         }
         Some(number)
+    }
+
+    /// The number of a known block.
+    #[inline(always)]
+    fn known(&self, number: u32, key: u32) -> Option<&Block<B>> {
+        let block = self.blocks.get(number as usize)?;
+        (block.key == key).then_some(block)
+    }
+}
+
+impl<B: BlockBus> Block<B> {
+    /// Number of the block at `key` if it followed this one lately; it may have been forgotten.
+    #[inline(always)]
+    fn link(&self, key: u32) -> u32 {
+        let [first, second] = self.links;
+        if first.0 == key {
+            first.1
+        } else if second.0 == key {
+            second.1
+        } else {
+            NO_BLOCK
+        }
     }
 }
 
 impl Cpu {
-    /// Runs blocks as long as the next surely ends within `budget` cycles, in which no event and
-    /// no interrupt may fall. Does nothing where no block can be entered.
+    /// Runs blocks as long as the next surely ends before `limit` and before anything can act on
+    /// the processor. Does nothing where no block can be entered, or for fewer than `worthwhile`
+    /// cycles.
     pub fn run_blocks<B: BlockBus>(
         &mut self,
         bus: &mut B,
         blocks: &mut Blocks<B>,
-        budget: u32,
+        limit: u64,
+        worthwhile: u32,
     ) -> BlocksRun {
-        blocks.update(bus);
-        if self.pipeline.attention != 0 || budget == 0 {
+        let status = self.registers.status();
+        let budget = bus.quiet_cycles(limit, status & psr::I == 0, status & psr::F == 0);
+        if self.pipeline.attention != 0 || budget < worthwhile {
             return BlocksRun::default();
         }
+        blocks.update(bus);
         let start = self.next_instruction_address() | u32::from(self.thumb());
-        let Some(place) = bus.code_place(start & !1) else {
+        let Some(place) = bus
+            .code_place(start & !1)
+            .filter(|_| bus.enters(start & !1))
+        else {
             return BlocksRun::default();
         };
         let Some(first) = blocks.find(bus, start, place) else {
@@ -223,20 +255,22 @@ impl Cpu {
             return BlocksRun::default();
         }
         let mut run = self.begin(bus, start, place.region);
-        execute(&mut run, blocks, first, budget);
-        blocks.note_refusal(first, run.leave && run.cycles == 0);
-        let done = BlocksRun {
-            cycles: run.cycles,
-            spun: run.spun,
-        };
-        if run.cycles != 0 {
-            let (registers, next, after_store) = (run.registers, run.next, run.after_store);
-            let flags = run.negative >> 31 << 31
-                | u32::from(run.zero == 0) << 30
-                | run.carry << 29
-                | run.overflow << 28;
-            self.end(bus, &registers, flags, next, after_store);
-            bus.pass(done.cycles);
+        execute(&mut run, blocks, first, (budget, limit));
+        let done = run.done();
+        blocks.note_refusal(first, run.end == End::Refused && !done.ran);
+        if done.ran {
+            let aborted = run.end == End::Aborted;
+            run.store_status();
+            let (next, after_store) = (run.next, run.after_store);
+            let (fetched, delayed) = (run.fetched, run.delayed);
+            self.end(bus, next, after_store, fetched);
+            if delayed != NO_MASKS {
+                self.pipeline.attention |= MASKS_DELAYED;
+                self.pipeline.delayed_masks = delayed;
+            }
+            if aborted {
+                self.enter_data_abort(bus);
+            }
         }
         done
     }
@@ -251,40 +285,43 @@ impl Cpu {
             && self.pipeline.opcodes == opcodes(bus, key)
     }
 
-    fn begin<'a, B: BlockBus>(&self, bus: &'a mut B, next: u32, region: u8) -> Run<'a, B> {
-        let status = self.registers.status();
-        Run {
+    fn begin<'a, B: BlockBus>(&'a mut self, bus: &'a mut B, next: u32, region: u8) -> Run<'a, B> {
+        let mut run = Run {
             registers: self.registers.visible(),
-            negative: status & psr::N,
-            zero: u32::from(status & psr::Z == 0),
-            carry: status >> 29 & 1,
-            overflow: status >> 28 & 1,
+            negative: 0,
+            zero: 0,
+            carry: 0,
+            overflow: 0,
             cycles: 0,
             next,
-            leave: false,
+            end: End::Reached,
+            ran: false,
+            fetched: None,
+            delayed: NO_MASKS,
+            delays_masks: self.profile.mask_change_delayed,
             after_store: NOWHERE,
             spun: false,
-            masked: status & psr::I != 0,
             region,
+            file: &mut self.registers,
             bus,
-        }
+        };
+        run.load_flags();
+        run
     }
 
     fn end<B: BlockBus>(
         &mut self,
         bus: &mut B,
-        registers: &[u32; 16],
-        flags: u32,
         next: u32,
         after_store: u32,
+        fetched: Option<[u32; 2]>,
     ) {
         let (address, size) = (next & !1, size_of(next));
-        self.registers.set_visible(registers);
-        let status = self.registers.status() & 0x0FFF_FFFF & !psr::T;
         let state = if next & 1 != 0 { psr::T } else { 0 };
-        self.registers.set_flags(status | state | flags);
+        self.registers
+            .set_flags(self.registers.status() & !psr::T | state);
         self.registers.set_pc(address.wrapping_add(2 * size));
-        self.pipeline.opcodes = opcodes(bus, next);
+        self.pipeline.opcodes = fetched.unwrap_or_else(|| opcodes(bus, next));
         self.pipeline.next_fetch = if after_store.wrapping_add(size) == address {
             Cycle::Nonsequential
         } else {
@@ -307,36 +344,130 @@ fn opcodes<B: BlockBus>(bus: &B, key: u32) -> [u32; 2] {
     }
 }
 
-fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32, budget: u32) {
+impl<B: BlockBus> Run<'_, B> {
+    /// Tells the bus the time, and what was done.
+    fn done(&mut self) -> BlocksRun {
+        if self.cycles != 0 {
+            self.bus.pass(self.cycles);
+            self.ran = true;
+            self.delayed = NO_MASKS;
+        }
+        let size = size_of(self.next);
+        BlocksRun {
+            ran: self.ran,
+            spun: self.spun,
+            accessed: matches!(self.end, End::Accessed | End::Aborted)
+                .then(|| (self.next & !1).wrapping_sub(size)),
+        }
+    }
+
+    /// A loop that finds the same state each time: what is left of the budget passes so.
+    #[inline(never)]
+    fn passes(&mut self, block: &Block<B>, begun: u32, budget: u32) -> bool {
+        let once = self.cycles - begun;
+        let again = block.key == self.next && once != 0;
+        if !again || self.cycles + block.worst > budget {
+            return false;
+        }
+        let times = (budget - block.worst - self.cycles) / once + 1;
+        self.cycles += times * once;
+        true
+    }
+
+    /// After an access through the bus, or with other masks: the cycles that are quiet from here
+    /// on; none when somebody else has to look first.
+    #[inline(never)]
+    fn go_on(&mut self, blocks: &mut Blocks<B>, limit: u64) -> Option<u32> {
+        match self.end {
+            End::Accessed => {
+                self.delayed = NO_MASKS;
+                if self.bus.attention() {
+                    return None;
+                }
+                let ahead = (self.next & !1).wrapping_add(2 * size_of(self.next));
+                let changed = self
+                    .fetched
+                    .is_some_and(|fetched| fetched != opcodes(self.bus, self.next));
+                if changed || !self.bus.in_sequence(ahead) || self.bus.code_epoch() != blocks.epoch
+                {
+                    return None;
+                }
+                self.fetched = None;
+                blocks.update(self.bus);
+            }
+            End::Status => {
+                self.bus.pass(self.cycles);
+                self.cycles = 0;
+                self.ran = true;
+            }
+            End::Aborted => {
+                self.delayed = NO_MASKS;
+                return None;
+            }
+            End::Reached | End::Refused => return None,
+        }
+        // The masks of both sides of a boundary count.
+        let masks = self.file.status() & self.delayed;
+        let (irq, fiq) = (masks & psr::I == 0, masks & psr::F == 0);
+        let budget = self.bus.quiet_cycles(limit, irq, fiq);
+        if budget == 0 {
+            return None;
+        }
+        self.end = End::Reached;
+        Some(budget)
+    }
+}
+
+#[inline(never)]
+fn execute<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    blocks: &mut Blocks<B>,
+    first: u32,
+    (mut budget, limit): (u32, u64),
+) {
     let mut number = first;
+    let Some(mut block) = blocks.known(number, run.next) else {
+        return;
+    };
     loop {
-        let Some(block) = blocks.blocks.get(number as usize) else {
-            return;
-        };
-        let (key, begun) = (block.key, run.cycles);
-        if begun + block.worst > budget {
-            return execute_part(run, block, budget - begun);
-        }
-        if let Some((op, rest)) = block.ops.split_first() {
-            (op.handler)(run, op, rest);
-        }
-        if run.leave {
-            return;
-        }
-        if run.next == key {
-            // The same state comes back each time: what is left of the budget passes so.
-            let once = run.cycles - begun;
-            if block.repeats && once != 0 && run.cycles + block.worst <= budget {
-                let times = (budget - block.worst - run.cycles) / once + 1;
-                run.cycles += times * once;
+        let begun = run.cycles;
+        if begun + block.worst <= budget {
+            let mut ops = block.ops.iter();
+            if let Some(op) = ops.next() {
+                (op.handler)(run, op, ops);
+            }
+        } else {
+            execute_part(run, block, budget - begun);
+            if run.end == End::Reached {
                 return;
             }
-            continue;
         }
-        match blocks.successor(run.bus, number, run.next, run.region) {
-            Some(next) => number = next,
+        let link = block.link(run.next);
+        if run.end == End::Reached {
+            if block.repeats && run.passes(block, begun, budget) {
+                return;
+            }
+            if let Some(found) = blocks.known(link, run.next) {
+                (number, block) = (link, found);
+                continue;
+            }
+        } else {
+            match run.go_on(blocks, limit) {
+                Some(quiet) => budget = quiet,
+                None => return,
+            }
+        }
+        number = match blocks.known(link, run.next) {
+            Some(_) => link,
+            None => match blocks.successor(run.bus, number, run.next, run.region) {
+                Some(found) => found,
+                None => return,
+            },
+        };
+        block = match blocks.known(number, run.next) {
+            Some(found) => found,
             None => return,
-        }
+        };
     }
 }
 
@@ -345,13 +476,13 @@ fn execute_part<B: BlockBus>(run: &mut Run<'_, B>, block: &Block<B>, budget: u32
     let count = block
         .ops
         .partition_point(|op| u32::from(op.worst) <= budget);
-    let (Some((op, rest)), Some(next)) = (block.ops[..count].split_first(), block.ops.get(count))
-    else {
+    let mut ops = block.ops[..count].iter();
+    let (Some(op), Some(next)) = (ops.next(), block.ops.get(count)) else {
         return;
     };
     let state = block.key & 1;
     run.next = NO_TARGET | state;
-    (op.handler)(run, op, rest);
+    (op.handler)(run, op, ops);
     if run.next == NO_TARGET | state {
         run.cycles += u32::from(next.before);
         run.next = next.address | state;

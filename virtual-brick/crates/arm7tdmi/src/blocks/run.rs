@@ -4,9 +4,61 @@
 
 use super::bus::BlockBus;
 use crate::bus::Width;
+use crate::registers::{psr, RegisterFile};
+
+/// The operations that follow in a block.
+pub(super) type Rest<'a, B> = std::slice::Iter<'a, Op<B>>;
 
 /// Executes one operation and those that follow it in the block.
-pub(super) type Handler<B> = fn(&mut Run<'_, B>, &Op<B>, &[Op<B>]);
+pub(super) type Handler<B> = fn(&mut Run<'_, B>, &Op<B>, Rest<'_, B>);
+
+/// Number of a register, of which the compiler knows the range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Register {
+    R0,
+    R1,
+    R2,
+    R3,
+    R4,
+    R5,
+    R6,
+    R7,
+    R8,
+    R9,
+    R10,
+    R11,
+    R12,
+    R13,
+    R14,
+    R15,
+}
+
+impl Register {
+    const ALL: [Self; 16] = [
+        Self::R0,
+        Self::R1,
+        Self::R2,
+        Self::R3,
+        Self::R4,
+        Self::R5,
+        Self::R6,
+        Self::R7,
+        Self::R8,
+        Self::R9,
+        Self::R10,
+        Self::R11,
+        Self::R12,
+        Self::R13,
+        Self::R14,
+        Self::R15,
+    ];
+
+    /// By the low four bits of a number.
+    pub const fn number(number: u32) -> Self {
+        Self::ALL[(number & 15) as usize]
+    }
+}
 
 /// One operation of a block.
 pub(super) struct Op<B: BlockBus> {
@@ -17,15 +69,18 @@ pub(super) struct Op<B: BlockBus> {
     pub value: u32,
     /// Cycles of the block's fetches before this instruction.
     pub before: u16,
-    /// Cycles of the block's fetches up to and with this instruction's.
+    /// Cycles of the block's fetches up to and with this instruction's; of a branch to a known
+    /// target, with those at the target.
     pub through: u16,
-    pub destination: u8,
-    pub first: u8,
-    pub second: u8,
+    pub destination: Register,
+    pub first: Register,
+    pub second: Register,
+    /// A third register.
+    pub third: Register,
     pub amount: u8,
     /// Bits that the handler knows.
     pub mode: u8,
-    /// Cycles besides the fetches and plain data accesses.
+    /// Cycles of a load or store when it accesses RAM, besides the fetches; else a condition.
     pub cycles: u8,
     /// Most cycles from the block's beginning to where it can be left behind this operation.
     pub worst: u16,
@@ -36,6 +91,24 @@ pub(super) const NOWHERE: u32 = u32::MAX;
 /// No block is here; in Thumb state the next address.
 pub(super) const NO_TARGET: u32 = u32::MAX - 1;
 
+/// In place of interrupt masks: none of them.
+pub(super) const NO_MASKS: u32 = u32::MAX;
+
+/// How the operations of a block ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// Behind the last one, or with a branch.
+    Reached,
+    /// The instruction at `next` needs the reference engine.
+    Refused,
+    /// The bus made an access and has the time behind the instruction.
+    Accessed,
+    /// The bus aborted an access; the exception follows.
+    Aborted,
+    /// Masks, mode or bank may have changed.
+    Status,
+}
+
 /// The processor while blocks run: general registers, flags apart from each other, cycles.
 pub(super) struct Run<'a, B: BlockBus> {
     pub registers: [u32; 16],
@@ -45,41 +118,73 @@ pub(super) struct Run<'a, B: BlockBus> {
     pub zero: u32,
     /// 0 or 1.
     pub carry: u32,
-    /// 0 or 1.
+    /// Bit 31 is V.
     pub overflow: u32,
-    /// Passed since the run began.
+    /// Passed since the bus was told the time.
     pub cycles: u32,
     /// Address to go on at; bit 0 tells Thumb state.
     pub next: u32,
-    /// The instruction at `next` needs the reference engine.
-    pub leave: bool,
+    pub end: End,
+    /// Some instruction was executed.
+    pub ran: bool,
+    /// Opcodes of the pipeline from before an access through the bus, which may change memory.
+    pub fetched: Option<[u32; 2]>,
+    /// Masks that still count at the next boundary, from before an MSR; else [`NO_MASKS`].
+    pub delayed: u32,
+    /// An MSR has its effect on interrupts one instruction later.
+    pub delays_masks: bool,
     /// Address after the store that was executed last, if no branch came after it.
     pub after_store: u32,
     /// An instruction that branches to itself ran.
     pub spun: bool,
-    /// Interrupts are masked.
-    pub masked: bool,
     pub region: u8,
+    /// Registers of the other modes and the status but for its flags.
+    pub file: &'a mut RegisterFile,
     pub bus: &'a mut B,
 }
 
 /// Goes on with the next operation of the block. A block's last operation does not call this.
 #[inline(always)]
-pub(super) fn follow<B: BlockBus>(run: &mut Run<'_, B>, rest: &[Op<B>]) {
-    if let Some((op, rest)) = rest.split_first() {
+pub(super) fn follow<B: BlockBus>(run: &mut Run<'_, B>, mut rest: Rest<'_, B>) {
+    if let Some(op) = rest.next() {
         (op.handler)(run, op, rest);
     }
 }
 
 impl<B: BlockBus> Run<'_, B> {
     #[inline(always)]
-    pub fn get(&self, number: u8) -> u32 {
-        self.registers[usize::from(number & 15)]
+    pub fn get(&self, register: Register) -> u32 {
+        self.registers[register as usize]
     }
 
     #[inline(always)]
-    pub fn set(&mut self, number: u8, value: u32) {
-        self.registers[usize::from(number & 15)] = value;
+    pub fn set(&mut self, register: Register, value: u32) {
+        self.registers[register as usize] = value;
+    }
+
+    /// CPSR in ARM state.
+    #[inline(always)]
+    pub fn status(&self) -> u32 {
+        let flags = self.negative >> 31 << 31
+            | u32::from(self.zero == 0) << 30
+            | self.carry << 29
+            | self.overflow >> 31 << 28;
+        self.file.status() & 0x0FFF_FFFF & !psr::T | flags
+    }
+
+    /// Takes the flags from the register file.
+    #[inline(always)]
+    pub fn load_flags(&mut self) {
+        let status = self.file.status();
+        self.negative = status & psr::N;
+        self.zero = u32::from(status & psr::Z == 0);
+        self.carry = status >> 29 & 1;
+        self.overflow = status << 3;
+    }
+
+    /// Interrupts are masked.
+    pub fn masked(&self) -> bool {
+        self.file.status() & psr::I != 0
     }
 
     #[inline(always)]
@@ -93,7 +198,7 @@ impl<B: BlockBus> Run<'_, B> {
     pub fn leave_before(&mut self, op: &Op<B>) {
         self.cycles += u32::from(op.before);
         self.next = op.address | self.next & 1;
-        self.leave = true;
+        self.end = End::Refused;
     }
 
     /// Ends the block with a branch to an address in the present state or, with bit 0 of `target`
@@ -109,15 +214,14 @@ impl<B: BlockBus> Run<'_, B> {
     #[inline(always)]
     pub fn branch_to(&mut self, op: &Op<B>, target: u32) -> bool {
         let address = target & !1;
-        let inside = self
-            .bus
-            .code_place(address)
-            .is_some_and(|place| place.region == self.region);
-        if !inside || address == op.address {
-            return false;
-        }
         let sequence = op.address.wrapping_add(3 * size_of(self.next));
-        let refill = self.bus.refill_cycles(sequence, address, width_of(target));
+        let width = width_of(target);
+        let cycles = self
+            .bus
+            .branch_cycles(sequence, address, width, self.region);
+        let Some(refill) = cycles.filter(|_| address != op.address) else {
+            return false;
+        };
         self.branch(op, target, refill);
         true
     }
@@ -143,22 +247,23 @@ pub(super) const fn width_of(key: u32) -> Width {
 #[inline(always)]
 pub(super) fn holds<B: BlockBus, const CONDITION: u8>(run: &Run<'_, B>) -> bool {
     let zero = run.zero == 0;
-    let negative = run.negative >> 31;
+    let negative = run.negative >> 31 != 0;
+    let overflow = run.overflow >> 31 != 0;
     match CONDITION {
         0x0 => zero,
         0x1 => !zero,
         0x2 => run.carry != 0,
         0x3 => run.carry == 0,
-        0x4 => negative != 0,
-        0x5 => negative == 0,
-        0x6 => run.overflow != 0,
-        0x7 => run.overflow == 0,
+        0x4 => negative,
+        0x5 => !negative,
+        0x6 => overflow,
+        0x7 => !overflow,
         0x8 => run.carry != 0 && !zero,
         0x9 => run.carry == 0 || zero,
-        0xA => negative == run.overflow,
-        0xB => negative != run.overflow,
-        0xC => !zero && negative == run.overflow,
-        0xD => zero || negative != run.overflow,
+        0xA => negative == overflow,
+        0xB => negative != overflow,
+        0xC => !zero && negative == overflow,
+        0xD => zero || negative != overflow,
         _ => false,
     }
 }

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Loads and stores. What a plain access cannot do is left to the reference engine, before the
-//! instruction has changed anything.
+//! Loads and stores. What a plain access cannot do goes through the bus, or is left to the
+//! reference engine before the instruction has changed anything.
 
+use super::beyond;
 use super::bus::{BlockBus, PlainRead, PlainWords};
-use super::run::{follow, Handler, Op, Run};
+use super::run::{follow, size_of, Handler, Op, Rest, Run};
 use crate::alu::shift_by_constant;
 use crate::bus::Width;
 
@@ -32,11 +33,21 @@ pub(super) const HALFWORD: u8 = 2;
 pub(super) const SIGNED_BYTE: u8 = 3;
 pub(super) const SIGNED_HALFWORD: u8 = 4;
 
-const fn width(item: u8) -> Width {
+pub(super) const fn width(item: u8) -> Width {
     match item {
         WORD => Width::Word,
         BYTE | SIGNED_BYTE => Width::Byte,
         _ => Width::Halfword,
+    }
+}
+
+/// What a register receives.
+#[inline(always)]
+pub(super) const fn extended(item: u8, value: u32) -> u32 {
+    match item {
+        SIGNED_BYTE => value as u8 as i8 as u32,
+        SIGNED_HALFWORD => value as u16 as i16 as u32,
+        _ => value,
     }
 }
 
@@ -72,36 +83,51 @@ fn address<B: BlockBus, const ADDRESSING: u8>(run: &Run<'_, B>, op: &Op<B>) -> (
 fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    rest: Rest<'_, B>,
 ) {
     let (at, moved) = address::<B, ADDRESSING>(run, op);
-    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(ITEM)) else {
-        return run.leave_before(op);
+    let Some(value) = run.bus.ram_read(at, width(ITEM)) else {
+        return load_elsewhere(run, op, rest, ITEM, (at, moved));
     };
-    run.cycles += cycles + 1;
+    run.cycles += u32::from(op.cycles);
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
-    let value = match ITEM {
-        SIGNED_BYTE => value as u8 as i8 as u32,
-        SIGNED_HALFWORD => value as u16 as i16 as u32,
-        _ => value,
+    run.set(op.destination, extended(ITEM, value));
+    follow(run, rest);
+}
+
+/// A load that is not from RAM.
+#[inline(never)]
+fn load_elsewhere<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: Rest<'_, B>,
+    item: u8,
+    (at, moved): (u32, u32),
+) {
+    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(item)) else {
+        return beyond::load(run, op, item, (at, moved));
     };
-    run.set(op.destination, value);
+    run.cycles += cycles + 1;
+    if op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    run.set(op.destination, extended(item, value));
     follow(run, rest);
 }
 
 fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    rest: Rest<'_, B>,
 ) {
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let value = run.get(op.destination);
-    let Some(cycles) = run.bus.plain_write(at, width(ITEM), value) else {
-        return run.leave_before(op);
-    };
-    run.cycles += cycles;
+    if !run.bus.ram_write(at, width(ITEM), value) {
+        return beyond::store(run, op, ITEM, (at, moved));
+    }
+    run.cycles += u32::from(op.cycles);
     run.after_store = op.address;
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
@@ -165,25 +191,33 @@ fn block_address<B: BlockBus>(run: &Run<'_, B>, op: &Op<B>) -> (u32, u32) {
     (start, moved)
 }
 
-/// LDM; with `RETURNS` r15 is in the list, which ends the block.
-pub(super) fn load_block<B: BlockBus, const RETURNS: bool>(
+/// What a multiple load does at its end.
+pub(super) const GOES_ON: u8 = 0;
+/// r15 is in the list.
+pub(super) const BRANCHES: u8 = 1;
+/// r15 is in the list, and CPSR is restored.
+pub(super) const RETURNS: u8 = 2;
+
+/// LDM.
+pub(super) fn load_block<B: BlockBus, const FINISH: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    rest: &[Op<B>],
+    rest: Rest<'_, B>,
 ) {
     let (at, moved) = block_address(run, op);
     let count = op.value.count_ones();
-    if RETURNS {
-        let last = at.wrapping_add(4 * (count - 1));
-        let Some(read) = run.bus.plain_read(last, Width::Word) else {
+    if FINISH != GOES_ON {
+        let plain = run.bus.plain_words(at, count);
+        let Some(&last) = plain.and_then(|plain| plain.words.last()) else {
             return run.leave_before(op);
         };
-        if run.bus.plain_words(at, count).is_none() {
-            return run.leave_before(op);
-        }
-        let size = 4 >> (run.next & 1);
-        let target = read.value & !(size - 1) | run.next & 1;
-        if !run.branch_to(op, target) {
+        let size = size_of(run.next);
+        let branched = if FINISH == RETURNS {
+            run.return_to(op, last)
+        } else {
+            run.branch_to(op, last & !(size - 1) | run.next & 1)
+        };
+        if !branched {
             return run.leave_before(op);
         }
     }
@@ -192,32 +226,39 @@ pub(super) fn load_block<B: BlockBus, const RETURNS: bool>(
     };
     run.cycles += 1 + count * cycles;
     if op.mode & WRITE_BACK != 0 {
-        run.registers[usize::from(op.first & 15)] = moved;
+        run.registers[op.first as usize] = moved;
     }
     let mut list = op.value;
     for &word in words {
         run.registers[(list.trailing_zeros() & 15) as usize] = word;
         list &= list.wrapping_sub(1);
     }
-    if !RETURNS {
-        follow(run, rest);
+    match FINISH {
+        GOES_ON => follow(run, rest),
+        RETURNS => run.restore_status(),
+        _ => {}
     }
 }
 
 /// STM.
-pub(super) fn store_block<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, rest: &[Op<B>]) {
+pub(super) fn store_block<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, rest: Rest<'_, B>) {
     let (at, moved) = block_address(run, op);
     let count = op.value.count_ones();
     let Some(PlainWords { words, cycles }) = run.bus.plain_words_mut(at, count) else {
         return run.leave_before(op);
     };
     let mut list = op.value;
-    for (index, word) in words.iter_mut().enumerate() {
+    let mut words = words.iter_mut();
+    if let Some(word) = words.next() {
         *word = run.registers[(list.trailing_zeros() & 15) as usize];
         list &= list.wrapping_sub(1);
-        if index == 0 && op.mode & WRITE_BACK != 0 {
-            run.registers[usize::from(op.first & 15)] = moved;
-        }
+    }
+    if op.mode & WRITE_BACK != 0 {
+        run.registers[op.first as usize] = moved;
+    }
+    for word in words {
+        *word = run.registers[(list.trailing_zeros() & 15) as usize];
+        list &= list.wrapping_sub(1);
     }
     run.cycles += count * cycles;
     run.after_store = op.address;

@@ -3,29 +3,23 @@
 //! From opcodes to blocks.
 
 use super::analysis::{needed_flags, repeats, whole_flags};
+use super::beyond;
 use super::branch::{
     branch, branch_if_handler, branch_link, exchange, fall_through, jump, leave, long_branch,
-    long_branch_suffix, only_if_handler, spin,
+    long_branch_suffix, only_if_handler, return_to, spin,
 };
 use super::bus::{BlockBus, CodePlace};
 use super::data::{
     self, data_and_branch_handler, data_handler, data_if_handler, multiply, multiply_long, nothing,
 };
-use super::run::{size_of, width_of, Handler, Op};
+use super::run::{size_of, width_of, Handler, Op, Register};
+use super::source::{ends, most_cycles, read_source, stores, Source};
 use super::transfer::{self, load_block, load_handler, store_block, store_handler};
 use crate::bus::Width;
 use crate::instruction::{
     AluOperation, BlockTransfer, DataProcessing, Instruction, Multiply, Operand, Operation,
     Transfer, ALWAYS,
 };
-use crate::timing::TimingProfile;
-
-/// Instructions in a block at most.
-const INSTRUCTIONS_MAX: usize = 32;
-/// Bytes that a block covers at most, with the two instructions that may count besides.
-pub(super) const BYTES_MAX: u32 = 4 * (INSTRUCTIONS_MAX as u32 + 2);
-/// A block is ended when it can take this many cycles.
-const CYCLES_MAX: u32 = 160;
 
 /// Instructions that run one after the other.
 pub(super) struct Block<B: BlockBus> {
@@ -44,13 +38,6 @@ pub(super) struct Block<B: BlockBus> {
     pub links: [(u32, u32); 2],
 }
 
-/// What stands at the beginning of a block.
-struct Source {
-    key: u32,
-    place: CodePlace,
-    instructions: Vec<Instruction>,
-}
-
 /// Puts operations together.
 struct Builder<'a, B: BlockBus> {
     bus: &'a B,
@@ -63,73 +50,6 @@ struct Builder<'a, B: BlockBus> {
     /// Operation and kind of operand of the last instruction, if it always sets flags.
     comparison: Option<(AluOperation, u8)>,
     ops: Vec<Op<B>>,
-}
-
-fn decode<B: BlockBus>(bus: &B, address: u32, width: Width) -> Instruction {
-    let word = bus.code_word(address);
-    match width {
-        Width::Word => Instruction::arm(word),
-        _ => Instruction::thumb((word >> (8 * (address & 2))) as u16),
-    }
-}
-
-/// Control never goes on behind it.
-fn ends(instruction: &Instruction) -> bool {
-    let operation = match &instruction.operation {
-        Operation::DataProcessing(processing) => {
-            processing.destination == 15 && !processing.operation.compares()
-        }
-        Operation::Transfer(transfer) => transfer.load && transfer.register == 15,
-        Operation::BlockTransfer(block) => block.load && block.list >> 15 != 0 || block.status,
-        Operation::LoadAddress { .. }
-        | Operation::Multiply(_)
-        | Operation::LongBranchPrefix { .. } => false,
-        _ => true,
-    };
-    operation && instruction.condition == ALWAYS
-}
-
-fn stores(instruction: &Instruction) -> bool {
-    match &instruction.operation {
-        Operation::Transfer(transfer) => !transfer.load,
-        Operation::BlockTransfer(block) => !block.load,
-        _ => false,
-    }
-}
-
-fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most: u32) -> Source {
-    let (start, size, width) = (key & !1, size_of(key), width_of(key));
-    let mut source = Source {
-        key,
-        place,
-        instructions: Vec::with_capacity(INSTRUCTIONS_MAX),
-    };
-    let mut worst = 0;
-    while source.instructions.len() < INSTRUCTIONS_MAX && worst < CYCLES_MAX {
-        let offset = size * source.instructions.len() as u32;
-        // The instruction and its fetch two ahead lie behind the block in the same memory.
-        let ahead = offset + 2 * size;
-        let expected = CodePlace {
-            halfword: place.halfword + ahead / 2,
-            ..place
-        };
-        if bus.code_place(start.wrapping_add(ahead)) != Some(expected) {
-            break;
-        }
-        let instruction = decode(bus, start.wrapping_add(offset), width);
-        source.instructions.push(instruction);
-        worst += most_cycles(&instruction, most);
-        if ends(&instruction) {
-            break;
-        }
-    }
-    source
-}
-
-fn most_cycles(instruction: &Instruction, most: u32) -> u32 {
-    let cycles = instruction.cycles(TimingProfile::default());
-    let data = cycles.reads.count() + cycles.writes.count();
-    cycles.internal_max + most * (1 + 2 * cycles.refills + data)
 }
 
 /// The block that begins at `key`; none when no instruction there can be in a block.
@@ -226,9 +146,10 @@ impl<B: BlockBus> Builder<'_, B> {
             value: 0,
             before: self.before,
             through: self.through,
-            destination: 0,
-            first: 0,
-            second: 0,
+            destination: Register::R0,
+            first: Register::R0,
+            second: Register::R0,
+            third: Register::R0,
             amount: 0,
             mode: 0,
             cycles: 0,
@@ -278,9 +199,13 @@ impl<B: BlockBus> Builder<'_, B> {
             }
             Operation::Branch { offset, link } => self.branch(*offset, *link),
             Operation::BranchExchange { register } if *register != 15 => {
-                self.push(exchange).second = *register as u8;
+                self.push(exchange).second = Register::number(*register);
             }
             Operation::LongBranchSuffix { offset } => self.long_branch_suffix(*offset, prefix),
+            Operation::ReadStatus { destination, saved } if *destination != 15 => {
+                self.read_status(*destination, *saved);
+            }
+            Operation::WriteStatus { saved, operand, .. } => self.write_status(*saved, *operand),
             _ => {
                 self.push(leave);
             }
@@ -289,17 +214,17 @@ impl<B: BlockBus> Builder<'_, B> {
 
     fn constant(&mut self, destination: u32, value: u32) {
         let op = self.push(data_handler(AluOperation::Mov, data::CONSTANT, false));
-        op.destination = destination as u8;
+        op.destination = Register::number(destination);
         op.value = value;
     }
 
     /// Cycles of a branch to a known target that a block may go to.
-    fn refill_cycles(&self, target: u32) -> Option<u8> {
-        let place = self.bus.code_place(target)?;
+    fn refill_cycles(&self, target: u32) -> Option<u16> {
+        let place = self.bus.target_place(target)?;
         let sequence = self.address.wrapping_add(3 * size_of(self.key));
         let width = width_of(self.key);
         let cycles = self.bus.refill_cycles(sequence, target, width);
-        (place.region == self.region).then_some(cycles as u8)
+        (place.region == self.region).then_some(cycles as u16)
     }
 
     fn branch(&mut self, offset: u32, link: bool) {
@@ -316,7 +241,7 @@ impl<B: BlockBus> Builder<'_, B> {
             (false, false) => branch,
         });
         op.value = target | state;
-        op.cycles = cycles;
+        op.through += cycles;
     }
 
     fn conditional_branch(&mut self, condition: u32, offset: u32) {
@@ -326,7 +251,7 @@ impl<B: BlockBus> Builder<'_, B> {
                 let state = self.key & 1;
                 let op = self.push(branch_if_handler(condition));
                 op.value = target | state;
-                op.cycles = cycles;
+                op.through += cycles;
                 self.join_with_comparison(condition);
             }
             _ => {
@@ -360,7 +285,7 @@ impl<B: BlockBus> Builder<'_, B> {
             Some(cycles) if target != self.address => {
                 let op = self.push(long_branch);
                 op.value = target | 1;
-                op.cycles = cycles;
+                op.through += cycles;
             }
             _ => {
                 self.push(leave);
@@ -399,8 +324,9 @@ impl<B: BlockBus> Builder<'_, B> {
         let (kind, value, register, amount, mode) = operand_parts(second);
         let op = self.push(data_handler(operation, kind, flags));
         (op.value, op.second, op.amount, op.mode) = (value, register, amount, mode);
-        op.destination = destination as u8;
-        op.first = first as u8;
+        op.third = Register::number(u32::from(amount));
+        op.destination = Register::number(destination);
+        op.first = Register::number(first);
     }
 
     /// Conditional data processing as one operation; false when it needs two.
@@ -421,14 +347,76 @@ impl<B: BlockBus> Builder<'_, B> {
         };
         let op = self.push(handler);
         (op.value, op.second, op.amount, op.mode) = (value, register, amount, mode);
-        op.destination = processing.destination as u8;
-        op.first = processing.first as u8;
+        op.third = Register::number(u32::from(amount));
+        op.destination = Register::number(processing.destination);
+        op.first = Register::number(processing.first);
         op.cycles = condition as u8;
         true
     }
 
-    /// MOV r15, Rm is a branch in the present state; others are left to the reference engine.
+    /// MRS.
+    fn read_status(&mut self, destination: u32, saved: bool) {
+        let op = self.push(if saved {
+            beyond::read_saved_status
+        } else {
+            beyond::read_status
+        });
+        op.destination = Register::number(destination);
+    }
+
+    /// MSR.
+    fn write_status(&mut self, saved: bool, operand: Operand) {
+        if operand_reads_pc(operand) {
+            self.push(leave);
+            return;
+        }
+        let fields = self.bus.code_word(self.address) >> 16 & 15;
+        let (next, through) = (self.address.wrapping_add(4), self.through);
+        let (_, value, register, ..) = operand_parts(operand);
+        let op = self.push(if saved {
+            beyond::write_saved_status
+        } else {
+            beyond::write_status
+        });
+        (op.value, op.second, op.mode) = (value, register, fields as u8);
+        if matches!(operand, Operand::Constant { .. }) {
+            op.mode |= beyond::OF_CONSTANT;
+        }
+        if saved {
+            let op = self.push(fall_through);
+            (op.value, op.before) = (next, through);
+        }
+    }
+
+    /// MOVS and SUBS to r15 return from an exception.
+    fn return_from_exception(&mut self, processing: &DataProcessing) -> bool {
+        let (first, value) = match (processing.operation, processing.second) {
+            (AluOperation::Sub, Operand::Constant { value, .. }) => (processing.first, value),
+            (
+                AluOperation::Mov,
+                Operand::Shifted {
+                    register,
+                    kind: 0,
+                    amount: 0,
+                },
+            ) => (register, 0),
+            _ => return false,
+        };
+        if first == 15 || !processing.sets_flags {
+            return false;
+        }
+        let op = self.push(return_to);
+        op.first = Register::number(first);
+        op.value = value;
+        true
+    }
+
+    /// MOV r15, Rm is a branch in the present state; most others are left to the reference
+    /// engine.
     fn jump(&mut self, processing: &DataProcessing) {
+        if self.return_from_exception(processing) {
+            return;
+        }
         let plain = match processing.second {
             Operand::Shifted {
                 register,
@@ -441,7 +429,7 @@ impl<B: BlockBus> Builder<'_, B> {
             Some(register)
                 if processing.operation == AluOperation::Mov && !processing.sets_flags =>
             {
-                self.push(jump).second = register as u8;
+                self.push(jump).second = Register::number(register);
             }
             _ => {
                 self.push(leave);
@@ -496,10 +484,10 @@ impl<B: BlockBus> Builder<'_, B> {
             (true, true, true, _) => multiply_long::<B, true, true>,
         };
         let op = self.push(handler);
-        op.destination = product.destination as u8;
-        op.first = product.multiplicand as u8;
-        op.second = product.multiplier as u8;
-        op.amount = third as u8;
+        op.destination = Register::number(product.destination);
+        op.first = Register::number(product.multiplicand);
+        op.second = Register::number(product.multiplier);
+        op.third = Register::number(third);
         op.mode = u8::from(flags);
     }
 
@@ -521,18 +509,20 @@ impl<B: BlockBus> Builder<'_, B> {
             self.push(leave);
             return;
         };
+        let ram_cycles = self.bus.ram_cycles() as u8;
         let op = self.push(if transfer.load {
             load_handler(item, addressing)
         } else {
             store_handler(item, addressing)
         });
         (op.value, op.second, op.amount, op.mode) = (value, second, amount, mode);
-        op.destination = transfer.register as u8;
-        op.first = transfer.base as u8;
+        op.destination = Register::number(transfer.register);
+        op.first = Register::number(transfer.base);
+        op.cycles = ram_cycles + u8::from(transfer.load);
     }
 
     /// Addressing, value, second register, amount and mode of a transfer.
-    fn addressing(&self, transfer: &Transfer) -> Option<(u8, u32, u8, u8, u8)> {
+    fn addressing(&self, transfer: &Transfer) -> Option<(u8, u32, Register, u8, u8)> {
         let simple = transfer.before && !transfer.write_back;
         let signed = |value: u32| {
             if transfer.add {
@@ -544,21 +534,23 @@ impl<B: BlockBus> Builder<'_, B> {
         match transfer.offset {
             Operand::Constant { value, .. } if transfer.base == 15 => {
                 let at = (self.pc() & !3).wrapping_add(signed(value));
-                Some((transfer::FIXED, at, 0, 0, 0))
+                Some((transfer::FIXED, at, Register::R0, 0, 0))
             }
             _ if transfer.base == 15 => None,
             Operand::Constant { value, .. } if simple => {
-                Some((transfer::OFFSET, signed(value), 0, 0, 0))
+                Some((transfer::OFFSET, signed(value), Register::R0, 0, 0))
             }
             Operand::Shifted {
                 register,
                 kind: 0,
                 amount,
             } if simple && transfer.add => {
-                Some((transfer::INDEXED, 0, register as u8, amount as u8, 0))
+                let register = Register::number(register);
+                Some((transfer::INDEXED, 0, register, amount as u8, 0))
             }
             Operand::Constant { value, .. } => {
-                Some((transfer::GENERAL, value, 0, 0, mode_of(transfer, 0)))
+                let mode = mode_of(transfer, 0);
+                Some((transfer::GENERAL, value, Register::R0, 0, mode))
             }
             Operand::Shifted {
                 register,
@@ -567,7 +559,8 @@ impl<B: BlockBus> Builder<'_, B> {
             } => {
                 let mode = transfer::BY_REGISTER | (kind as u8) << transfer::SHIFT;
                 let mode = mode_of(transfer, mode);
-                Some((transfer::GENERAL, 0, register as u8, amount as u8, mode))
+                let register = Register::number(register);
+                Some((transfer::GENERAL, 0, register, amount as u8, mode))
             }
             Operand::ShiftedByRegister { .. } => None,
         }
@@ -576,18 +569,19 @@ impl<B: BlockBus> Builder<'_, B> {
     fn block_transfer(&mut self, block: &BlockTransfer) {
         let stores_pc = !block.load && block.list >> 15 != 0;
         let odd = block.size_bytes != 4 * block.list.count_ones();
-        if block.status || block.base == 15 || stores_pc || odd {
+        let returns = block.load && block.list >> 15 != 0;
+        if block.status && !returns || block.base == 15 || stores_pc || odd {
             self.push(leave);
             return;
         }
-        let returns = block.list >> 15 != 0;
-        let op = self.push(match (block.load, returns) {
-            (false, _) => store_block,
-            (true, false) => load_block::<B, false>,
-            (true, true) => load_block::<B, true>,
+        let op = self.push(match (block.load, returns, block.status) {
+            (false, ..) => store_block,
+            (true, false, _) => load_block::<B, { transfer::GOES_ON }>,
+            (true, true, false) => load_block::<B, { transfer::BRANCHES }>,
+            (true, true, true) => load_block::<B, { transfer::RETURNS }>,
         });
         op.value = block.list;
-        op.first = block.base as u8;
+        op.first = Register::number(block.base);
         op.amount = block.size_bytes as u8;
         op.mode = u8::from(block.up) * transfer::UP
             | u8::from(block.before) * transfer::BEFORE
@@ -623,13 +617,14 @@ fn operand_reads_pc(operand: Operand) -> bool {
 }
 
 /// Kind, value, register, amount and mode of a second operand.
-fn operand_parts(operand: Operand) -> (u8, u32, u8, u8, u8) {
+fn operand_parts(operand: Operand) -> (u8, u32, Register, u8, u8) {
+    let none = Register::R0;
     match operand {
-        Operand::Constant { value, carry: None } => (data::CONSTANT, value, 0, 0, 0),
+        Operand::Constant { value, carry: None } => (data::CONSTANT, value, none, 0, 0),
         Operand::Constant {
             value,
             carry: Some(carry),
-        } => (data::CONSTANT_CARRY, value, 0, 0, u8::from(carry)),
+        } => (data::CONSTANT_CARRY, value, none, 0, u8::from(carry)),
         Operand::Shifted {
             register,
             kind,
@@ -642,7 +637,13 @@ fn operand_parts(operand: Operand) -> (u8, u32, u8, u8, u8) {
                 (2, 1..) => data::RIGHT_ARITHMETIC,
                 _ => data::ANY_SHIFT,
             };
-            (special, 0, register as u8, amount as u8, kind as u8)
+            (
+                special,
+                0,
+                Register::number(register),
+                amount as u8,
+                kind as u8,
+            )
         }
         Operand::ShiftedByRegister {
             register,
@@ -651,7 +652,7 @@ fn operand_parts(operand: Operand) -> (u8, u32, u8, u8, u8) {
         } => (
             data::BY_REGISTER,
             0,
-            register as u8,
+            Register::number(register),
             amount as u8,
             kind as u8,
         ),

@@ -138,7 +138,7 @@ fn restore_pointers(program: &mut Program, base: u32) {
 
 /// One or a few instructions.
 fn piece(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
-    match numbers.below(24) {
+    match numbers.below(28) {
         0..=8 => data_processing(program, numbers),
         9 => multiplication(program, numbers),
         10..=14 => transfer(program, numbers),
@@ -154,6 +154,9 @@ fn piece(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
             program.ldr(numbers.register(), 12, 0);
         }
         22 if kind == Kind::Ram => store_into_code(program, numbers),
+        23 => register_access(program, numbers),
+        24 => status_access(program, numbers),
+        25 => return_from_mode(program, numbers),
         _ => {
             let oddities = [
                 0xEF00_0000,
@@ -260,6 +263,55 @@ fn store_into_code(program: &mut Program, numbers: &mut Numbers) {
     if 4 * target < 0xFFF {
         program.raw(numbers.condition() | 0x0589_B000 | 4 * target); // str r11, [r9, #4 * target]
         (0..7).for_each(|_| data_processing(program, numbers));
+    }
+}
+
+/// Loads and stores of registers that change nothing but time, in every width and addressing.
+fn register_access(program: &mut Program, numbers: &mut Numbers) {
+    let (condition, register) = (numbers.condition(), numbers.register());
+    let word = match numbers.below(5) {
+        0 => 0x059C_0000, // ldr rn, [r12]
+        1 => 0x05DC_0000 | numbers.below(4),
+        2 => 0x049C_0000, // ldr rn, [r12], #0
+        3 => 0x01DC_00B0 | numbers.below(2) << 1,
+        // The image register of the timer cannot be written.
+        _ => 0x058C_0000,
+    };
+    program.raw(condition | word | register << 12);
+}
+
+/// Status registers: read, flags written, SPSR written as it is.
+fn status_access(program: &mut Program, numbers: &mut Numbers) {
+    let (condition, register) = (numbers.condition(), numbers.register());
+    match numbers.below(4) {
+        0 => program.raw(condition | 0x010F_0000 | register << 12), // mrs rn, cpsr
+        1 => program.raw(condition | 0x014F_0000 | register << 12), // mrs rn, spsr
+        2 => program.raw(condition | 0x0128_F000 | register),       // msr cpsr_f, rn
+        _ => {
+            program.raw(0xE14F_0000 | register << 12);
+            program.raw(condition | 0x016F_F000 | register) // msr spsr_cxsf, rn
+        }
+    };
+}
+
+/// Work in another mode's registers, then back to Supervisor mode as from an exception.
+fn return_from_mode(program: &mut Program, numbers: &mut Numbers) {
+    let mode = [0xD2, 0xDB, 0xD7, 0x92][numbers.below(4) as usize];
+    program.status(mode);
+    (0..numbers.below(3)).for_each(|_| data_processing(program, numbers));
+    program.load(6, 0x13 | numbers.below(2) << 7 | numbers.below(16) << 28);
+    program.raw(0xE16F_F006); // msr spsr_cxsf, r6
+    match numbers.below(3) {
+        0 => {
+            program.raw(0xE28F_6004); // add r6, pc, #4: behind the next two
+            program.raw(0xE92D_0060).raw(0xE8FD_8020); // push {r5, r6}; ldm sp!, {r5, pc}^
+        }
+        1 => {
+            program.raw(0xE28F_E000).raw(0xE1B0_F00E); // add lr, pc, #0; movs pc, lr
+        }
+        _ => {
+            program.raw(0xE28F_E004).raw(0xE25E_F004); // add lr, pc, #4; subs pc, lr, #4
+        }
     }
 }
 

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! How far the instructions of a block reach.
+
+use super::bus::{BlockBus, CodePlace};
+use super::run::{size_of, width_of};
+use crate::bus::Width;
+use crate::instruction::{Instruction, Operation, ALWAYS};
+use crate::timing::TimingProfile;
+
+/// Instructions in a block at most.
+const INSTRUCTIONS_MAX: usize = 32;
+/// Bytes that a block covers at most, with the two instructions that may count besides.
+pub(super) const BYTES_MAX: u32 = 4 * (INSTRUCTIONS_MAX as u32 + 2);
+/// A block is ended when it can take this many cycles.
+const CYCLES_MAX: u32 = 160;
+
+/// What stands at the beginning of a block.
+pub(super) struct Source {
+    pub key: u32,
+    pub place: CodePlace,
+    pub instructions: Vec<Instruction>,
+}
+
+fn decode<B: BlockBus>(bus: &B, address: u32, width: Width) -> Instruction {
+    let word = bus.code_word(address);
+    match width {
+        Width::Word => Instruction::arm(word),
+        _ => Instruction::thumb((word >> (8 * (address & 2))) as u16),
+    }
+}
+
+/// Control never goes on behind it.
+pub(super) fn ends(instruction: &Instruction) -> bool {
+    let operation = match &instruction.operation {
+        Operation::DataProcessing(processing) => {
+            processing.destination == 15 && !processing.operation.compares()
+        }
+        Operation::Transfer(transfer) => transfer.load && transfer.register == 15,
+        Operation::BlockTransfer(block) => block.load && block.list >> 15 != 0 || block.status,
+        Operation::LoadAddress { .. }
+        | Operation::Multiply(_)
+        | Operation::LongBranchPrefix { .. } => false,
+        Operation::ReadStatus { destination, .. } => *destination == 15,
+        _ => true,
+    };
+    operation && instruction.condition == ALWAYS
+}
+
+/// Writes memory.
+pub(super) fn stores(instruction: &Instruction) -> bool {
+    match &instruction.operation {
+        Operation::Transfer(transfer) => !transfer.load,
+        Operation::BlockTransfer(block) => !block.load,
+        _ => false,
+    }
+}
+
+/// The instructions from `key` on, as far as one block can have them.
+pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most: u32) -> Source {
+    let (start, size, width) = (key & !1, size_of(key), width_of(key));
+    let mut source = Source {
+        key,
+        place,
+        instructions: Vec::with_capacity(INSTRUCTIONS_MAX),
+    };
+    let mut worst = 0;
+    while source.instructions.len() < INSTRUCTIONS_MAX && worst < CYCLES_MAX {
+        let offset = size * source.instructions.len() as u32;
+        // The instruction and its fetch two ahead lie behind the block in the same memory.
+        let ahead = offset + 2 * size;
+        let expected = CodePlace {
+            halfword: place.halfword + ahead / 2,
+            ..place
+        };
+        if bus.code_place(start.wrapping_add(ahead)) != Some(expected) {
+            break;
+        }
+        let instruction = decode(bus, start.wrapping_add(offset), width);
+        source.instructions.push(instruction);
+        worst += most_cycles(&instruction, most);
+        if ends(&instruction) {
+            break;
+        }
+    }
+    source
+}
+
+/// Most cycles of an instruction where no fetch and no plain access takes more than `most`.
+pub(super) fn most_cycles(instruction: &Instruction, most: u32) -> u32 {
+    let cycles = instruction.cycles(TimingProfile::default());
+    let data = cycles.reads.count() + cycles.writes.count();
+    cycles.internal_max + most * (1 + 2 * cycles.refills + data)
+}
