@@ -42,6 +42,7 @@ package body NXT.Bluetooth is
    begin
       return Result : Address_Bytes do
          for Index in Item'Range loop
+            pragma Annotate (Ravenbrick, Iterations, 7, "bytes of an address");
             Result (Index + 1) := Item (Index);
          end loop;
       end return;
@@ -51,6 +52,7 @@ package body NXT.Bluetooth is
    begin
       return Result : BT_Address do
          for Index in Result'Range loop
+            pragma Annotate (Ravenbrick, Iterations, 7, "bytes of an address");
             Result (Index) := Item.Arguments (Index + 1);
          end loop;
       end return;
@@ -61,9 +63,11 @@ package body NXT.Bluetooth is
       return Result : Device do
          Result.Addr := To_Address (Item);
          for Index in Result.Name'Range loop
+            pragma Annotate (Ravenbrick, Iterations, 16, "letters of a name");
             Result.Name (Index) := Item.Arguments (Address_Length + 1 + Index);
          end loop;
          for Index in Result.Class'Range loop
+            pragma Annotate (Ravenbrick, Iterations, 4, "bytes of a class");
             Result.Class (Index) := Item.Arguments (Address_Length + 17 + Index);
          end loop;
       end return;
@@ -73,6 +77,7 @@ package body NXT.Bluetooth is
    begin
       Name := (others => 0);
       for Index in 0 .. Natural'Min (Input'Length, Name'Last) - 1 loop
+         pragma Annotate (Ravenbrick, Iterations, 15, "letters of a name");
          Name (Index) := Character'Pos (Input (Input'First + Index));
       end loop;
    end Convert_To_Friendly_Name;
@@ -81,6 +86,7 @@ package body NXT.Bluetooth is
    begin
       return Result : Pin_Code := (others => 0) do
          for Index in 0 .. Text'Length - 1 loop
+            pragma Annotate (Ravenbrick, Iterations, 16, "letters of a code");
             Result (Index) := Character'Pos (Text (Text'First + Index));
          end loop;
       end return;
@@ -93,6 +99,7 @@ package body NXT.Bluetooth is
    begin
       Arguments (1 .. Address_Length) := To_Bytes (Peer);
       for Index in Expected'Range loop
+         pragma Annotate (Ravenbrick, Iterations, 16, "letters of a code");
          Arguments (Address_Length + 1 + Index) := Expected (Index);
       end loop;
       Send (Pin, Arguments);
@@ -136,12 +143,15 @@ package body NXT.Bluetooth is
       end case;
    end Obey;
 
+   Most_Messages : constant := 2;
+   --  That a call of Poll takes; the next ones are taken by the next call.
+
    --  Messages, if there are any. Not to be called while the stream is open.
    procedure Take_Messages is
       Item  : Message;
       Found : Boolean;
    begin
-      loop
+      for Count in 1 .. Most_Messages loop
          Receive (Item, Found);
          exit when not Found;
          Obey (Item);
@@ -224,16 +234,16 @@ package body NXT.Bluetooth is
       Deadline : constant Time := Now + Limit;
    begin
       loop
+         pragma Annotate (Ravenbrick, Iterations, 2_501, "Start_Limit each Poll_Period");
          Receive (Item, Found);
          exit when Found and then Item.Code = Code;
          if Found then
             Obey (Item);
             Found := False;
-         else
-            exit when Now >= Deadline;
-            Now := Now + Poll_Period;
-            delay until Now;
          end if;
+         exit when Now >= Deadline;
+         Now := Now + Poll_Period;
+         delay until Now;
       end loop;
    end Wait_For;
 
@@ -270,6 +280,7 @@ package body NXT.Bluetooth is
       Found     : Boolean;
    begin
       for Index in Name'Range loop
+         pragma Annotate (Ravenbrick, Iterations, 16, "letters of a name");
          Arguments (Index + 1) := Name (Index);
       end loop;
       Ask (Set_Name, Arguments, Name_Set, Item, Found);
@@ -298,19 +309,18 @@ package body NXT.Bluetooth is
    begin
       Length := 0;
       loop
+         pragma Annotate (Ravenbrick, Iterations, 163_451, "the longest search each Poll_Period");
          Receive (Item, Came);
-         if not Came then
-            exit when Now >= Deadline;
-            Now := Now + Poll_Period;
-            delay until Now;
-         elsif Item.Code = Ending then
-            exit;
-         elsif Item.Code = Element and then Item.Count >= Device_Length
+         exit when Came and then Item.Code = Ending;
+         if Came and then Item.Code = Element and then Item.Count >= Device_Length
            and then Length < Found'Length
          then
             Found (Found'First + Length) := To_Device (Item);
             Length := Length + 1;
          end if;
+         exit when Now >= Deadline;
+         Now := Now + Poll_Period;
+         delay until Now;
       end loop;
    end Collect;
 
@@ -343,9 +353,11 @@ package body NXT.Bluetooth is
    begin
       Arguments (1 .. Address_Length) := To_Bytes (Dev.Addr);
       for Index in Dev.Name'Range loop
+         pragma Annotate (Ravenbrick, Iterations, 16, "letters of a name");
          Arguments (Address_Length + 1 + Index) := Dev.Name (Index);
       end loop;
       for Index in Dev.Class'Range loop
+         pragma Annotate (Ravenbrick, Iterations, 4, "bytes of a class");
          Arguments (Address_Length + 17 + Index) := Dev.Class (Index);
       end loop;
       Ask (Add_Device, Arguments, List_Result, Item, Success);
@@ -358,6 +370,7 @@ package body NXT.Bluetooth is
    begin
       Last_Failed := False;
       loop
+         pragma Annotate (Ravenbrick, Iterations, 300_000, "ten minutes; no job with a deadline");
          Poll;
          Success := Now_Is = Wanted;
          exit when Success or else Last_Failed;

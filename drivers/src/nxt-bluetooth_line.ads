@@ -37,6 +37,9 @@ package NXT.Bluetooth_Line is
      Pre => Data'Length > 0;
    --  What has come, at most Data'Length bytes, in Data (Data'First .. Last).
 
+   procedure Receive (Item : out Byte; Found : out Boolean);
+   --  The next byte that has come, if there is one.
+
    procedure Forget;
    --  Throw away what has not been sent; two bytes may still be on their way.
 

@@ -10,14 +10,17 @@ package body NXT.Bluetooth_Messages is
    Overhead     : constant := 1 + Check_Length;
    --  Code and sum: what the length counts besides the arguments.
 
+   Longest_Message : constant := 1 + Overhead + Longest_Arguments;
+
    procedure Send (Code : Byte; Arguments : Byte_Array := No_Arguments) is
       Sum   : Unsigned_16 := Unsigned_16 (Code);
-      Frame : Byte_Array (1 .. 1 + Overhead + Longest_Arguments);
+      Frame : Byte_Array (1 .. Longest_Message);
       Last  : constant Positive := 1 + Overhead + Arguments'Length;
    begin
       Frame (1) := Byte (Last - 1);
       Frame (2) := Code;
       for Index in 1 .. Arguments'Length loop
+         pragma Annotate (Ravenbrick, Iterations, 40, "Longest_Arguments");
          Frame (2 + Index) := Arguments (Arguments'First + Index - 1);
          Sum := Sum + Unsigned_16 (Frame (2 + Index));
       end loop;
@@ -85,14 +88,14 @@ package body NXT.Bluetooth_Messages is
    end Take;
 
    procedure Receive (Item : out Message; Found : out Boolean) is
-      Data : Byte_Array (1 .. 1);
-      Last : Natural;
+      Next  : Byte;
+      Comes : Boolean;
    begin
-      loop
-         Bluetooth_Line.Receive (Data, Last);
-         Found := False;
-         exit when Last = 0;
-         Take (Data (1), Found);
+      Found := False;
+      for Count in 1 .. Longest_Message loop
+         Bluetooth_Line.Receive (Next, Comes);
+         exit when not Comes;
+         Take (Next, Found);
          exit when Found;
       end loop;
       Item := Coming;

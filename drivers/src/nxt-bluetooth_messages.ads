@@ -25,7 +25,8 @@ package NXT.Bluetooth_Messages is
      Pre => Arguments'Length <= Longest_Arguments;
 
    procedure Receive (Item : out Message; Found : out Boolean);
-   --  The next message that has come whole and right, if any. Longer ones are passed over.
+   --  The next message that has come whole and right, if any. Longer ones are passed over. A call
+   --  takes as many bytes as the longest message has; it is called again while there may be more.
 
    procedure Restart;
    --  Forget the beginning of a message.

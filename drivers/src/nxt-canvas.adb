@@ -77,6 +77,7 @@ package body NXT.Canvas is
          Room : constant Natural := Char_Columns'Last - First + 1;
       begin
          for Place in 0 .. Natural'Min (Text'Length, Room) - 1 loop
+            pragma Annotate (Ravenbrick, Iterations, 16, "the letters of a row");
             Draw (Text (Text'First + Place), First + Place, At_Row);
          end loop;
       end Write_At;
@@ -84,6 +85,7 @@ package body NXT.Canvas is
       procedure Write (Text : String) is
       begin
          for Letter of Text loop
+            pragma Annotate (Ravenbrick, Iterations, 16, "NXT.Display writes pieces of a row");
             case Letter is
                when ASCII.CR => Column := 0;
                when ASCII.LF => New_Line;

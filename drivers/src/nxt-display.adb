@@ -61,6 +61,7 @@ package body NXT.Display is
       Rest  : Number := (if V < 0 then V else -V);
    begin
       loop
+         pragma Annotate (Ravenbrick, Iterations, 19, "digits of the larger type");
          First := First - 1;
          Image (First) := Character'Val (Character'Pos ('0') - Integer (Rest rem 10));
          Rest := Rest / 10;
@@ -70,7 +71,12 @@ package body NXT.Display is
          First := First - 1;
          Image (First) := '-';
       end if;
-      Put_Noupdate (Image (Integer'Min (First, Image'Last + 1 - Width) .. Image'Last));
+      First := Integer'Min (First, Image'Last + 1 - Width);
+      if Image'Last - First >= Fonts.Text_Columns then
+         Canvas.Write (Image (First .. First + Fonts.Text_Columns - 1));
+         First := First + Fonts.Text_Columns;
+      end if;
+      Canvas.Write (Image (First .. Image'Last));
    end Put_Number;
 
    procedure Put_Integer is new Put_Number (Integer);
@@ -88,6 +94,7 @@ package body NXT.Display is
       Image      : String (1 .. Digit_Number);
    begin
       for Place in Image'Range loop
+         pragma Annotate (Ravenbrick, Iterations, 8, "digits of 32 bits");
          Image (Place) :=
            Hex_Digits (1 + Natural (Shift_Right (Val, 4 * (Digit_Number - Place)) and 16#F#));
       end loop;

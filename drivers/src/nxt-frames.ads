@@ -5,7 +5,8 @@
 --  that no byte is zero, and a zero at its end (docs/reference/telemetry.md). Nothing here waits
 --  or allocates.
 
-with NXT.Bytes;  use NXT.Bytes;
+with Interfaces;  use Interfaces;
+with NXT.Bytes;   use NXT.Bytes;
 
 package NXT.Frames with Pure is
 
@@ -42,6 +43,7 @@ package NXT.Frames with Pure is
 private
 
    Check_Bytes : constant := 2;
+   Check_Start : constant Unsigned_16 := 16#FFFF#;
 
    type Reader is record
       Data    : Byte_Array (1 .. Longest_Content + Check_Bytes) := (others => 0);
@@ -52,8 +54,10 @@ private
       Bad     : Boolean := False;
       Content : Natural := 0;
       Losses  : Natural := 0;
+      Value   : Unsigned_16 := Check_Start;
    end record;
    --  Left: bytes until the next length. Zero: it stands for a zero. Content: of the last frame.
+   --  Value: of all bytes but the last two, which may be the check's.
 
    function Content_Length (This : Reader) return Natural is (This.Content);
 

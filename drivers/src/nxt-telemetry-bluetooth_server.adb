@@ -11,6 +11,7 @@ package body NXT.Telemetry.Bluetooth_Server is
    procedure Start is
    begin
       loop
+         pragma Annotate (Ravenbrick, Iterations, 600, "ten minutes, before the first job");
          Bluetooth.Initialize;
          exit when Bluetooth.Available;
          delay until Clock + Retry_Period;
@@ -18,12 +19,6 @@ package body NXT.Telemetry.Bluetooth_Server is
       Bluetooth.Set_Discoverable (True);
       Bluetooth.Serve (Bluetooth.To_Pin (Pin));
    end Start;
-
-   procedure Receive (Data : out Bytes.Byte_Array; Last : out Natural) is
-   begin
-      Bluetooth.Poll;
-      Bluetooth.Receive (Data, Last);
-   end Receive;
 
    procedure Require is
    begin

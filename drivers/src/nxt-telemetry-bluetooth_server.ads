@@ -5,7 +5,6 @@
 --  the next one. The module belongs to this task.
 
 with NXT.Bluetooth;
-with NXT.Bytes;
 with NXT.Telemetry.Server;
 with System;
 
@@ -17,6 +16,8 @@ generic
    Priority    : System.Priority := System.Priority'First;
    Period_Ms   : Positive := 10;
    Stack_Bytes : Positive := 2_048;
+   Most_Frames : Positive := 12;
+   --  Most_Frames: that are sent in a period; what is left waits for the next one.
 package NXT.Telemetry.Bluetooth_Server is
 
    procedure Require;
@@ -24,17 +25,19 @@ package NXT.Telemetry.Bluetooth_Server is
 
 private
 
-   procedure Start;
-   procedure Receive (Data : out Bytes.Byte_Array; Last : out Natural);
+   procedure Start with No_Inline;
+   --  Its waits are none of the server's own.
 
    package Talk is new NXT.Telemetry.Server
      (Program_Name => Program_Name,
       Start        => Start,
+      Attend       => Bluetooth.Poll,
       Room         => Bluetooth.Room,
       Send         => Bluetooth.Send,
-      Receive      => Receive,
+      Receive      => Bluetooth.Receive,
       Priority     => Priority,
       Period_Ms    => Period_Ms,
-      Stack_Bytes  => Stack_Bytes);
+      Stack_Bytes  => Stack_Bytes,
+      Most_Frames  => Most_Frames);
 
 end NXT.Telemetry.Bluetooth_Server;

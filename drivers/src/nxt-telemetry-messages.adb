@@ -63,6 +63,7 @@ package body NXT.Telemetry.Messages is
    begin
       Put (Into, Byte (Item'Length));
       for Letter of Item loop
+         pragma Annotate (Ravenbrick, Iterations, 15, "the letters of a name");
          Put (Into, Byte (Character'Pos (Letter)));
       end loop;
    end Put;
@@ -80,7 +81,7 @@ package body NXT.Telemetry.Messages is
       Put (Into, Byte (Last_Signal));
       Put (Into, Byte (Parameter_Count));
       Put (Into, To_Bytes (To_Us (Now)));
-      Put (Into, Name);
+      Put (Into, Name (Name'First .. Name'First + Natural'Min (Name'Length, Name_Length) - 1));
    end Build_Hello;
 
    procedure Build_Signal (Into : out Builder; Number : Signal_Number) is
@@ -110,6 +111,7 @@ package body NXT.Telemetry.Messages is
       Put (Into, To_Bytes (Slot.Number));
       Put (Into, To_Bytes (Unsigned_32 (To_Us (Slot.Taken) and 16#FFFF_FFFF#)));
       for Item of Slot.Data (1 .. Slot.Count) loop
+         pragma Annotate (Ravenbrick, Iterations, 8, "the signals of a group");
          Put (Into, To_Bytes (Unsigned_32 (Item)));
       end loop;
    end Build_Sample;

@@ -12,9 +12,12 @@ private package NXT.Telemetry.Messages is
 
    --  To the host
 
+   Longest_Message : constant := 8 + 4 * Group_Size;
+   --  A sample of a whole group; a parameter has at most 16 + Name_Length + Unit_Length bytes.
+
    type Builder is record
-      Data : Byte_Array (1 .. Frames.Longest_Content);
-      Last : Natural range 0 .. Frames.Longest_Content := 0;
+      Data : Byte_Array (1 .. Longest_Message);
+      Last : Natural range 0 .. Longest_Message := 0;
    end record;
 
    procedure Build_Hello (Into : out Builder; Name : String; Now : Ada.Real_Time.Time);

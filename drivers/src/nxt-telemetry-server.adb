@@ -11,7 +11,8 @@ package body NXT.Telemetry.Server is
    Silence_Limit : constant Time_Span := Seconds (3);
    Status_Period : constant Time_Span := Seconds (1);
    Chunk         : constant := 32;
-   Most_Chunks   : constant := 4;
+   Most_Chunks   : constant := 2;
+   Longest_Line  : constant := Longest_Message + Frames.Overhead;
 
    task Talker with Priority => Priority, Storage_Size => Stack_Bytes;
 
@@ -40,7 +41,7 @@ package body NXT.Telemetry.Server is
 
    Now_Is : State;
    Out_Going : Builder;
-   Line      : Byte_Array (1 .. Frames.Longest_Frame);
+   Line      : Byte_Array (1 .. Longest_Line);
 
    function All_Described return Description is
      (1 + Description (Last_Signal) + Description (Parameter_Count));
@@ -101,6 +102,7 @@ package body NXT.Telemetry.Server is
       for Round in 1 .. Most_Chunks loop
          Receive (Data, Last);
          for Item of Data (1 .. Last) loop
+            pragma Annotate (Ravenbrick, Iterations, 32, "Chunk");
             Frames.Feed (Now_Is.Host, Item, Complete);
             if Complete then
                Obey (Now);
@@ -152,7 +154,8 @@ package body NXT.Telemetry.Server is
    procedure Speak (Now : Time) is
       Found : Boolean;
    begin
-      while Room >= Frames.Longest_Frame loop
+      for Count in 1 .. Most_Frames loop
+         exit when Room < Longest_Line;
          Build_Next (Now, Found);
          exit when not Found;
          Send_Frame (Out_Going);
@@ -170,6 +173,7 @@ package body NXT.Telemetry.Server is
       Next := Clock;
       loop
          Now := Clock;
+         Attend;
          Hear (Now);
          if Now_Is.Listening and then Now - Now_Is.Last_Word > Silence_Limit then
             Now_Is.Listening := False;

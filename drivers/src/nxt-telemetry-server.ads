@@ -14,6 +14,9 @@ generic
    with procedure Start;
    --  Called once by the task, before anything else. May wait.
 
+   with procedure Attend is null;
+   --  Called once in each job, before anything else.
+
    with function Room return Natural;
    --  How many bytes Send takes now without waiting.
 
@@ -26,6 +29,9 @@ generic
    Priority    : System.Priority := System.Priority'First;
    Period_Ms   : Positive := 10;
    Stack_Bytes : Positive := 2_048;
+
+   Most_Frames : Positive := 12;
+   --  That a job sends; what is left waits for the next. It bounds the job's execution time.
 package NXT.Telemetry.Server is
 
    procedure Require;

@@ -17,6 +17,8 @@ generic
    Priority    : System.Priority := System.Priority'First;
    Period_Ms   : Positive := 5;
    Stack_Bytes : Positive := 2_048;
+   Most_Frames : Positive := 12;
+   --  Most_Frames: that are sent in a period; what is left waits for the next one.
 package NXT.Telemetry.USB_Server is
 
    procedure Require;
@@ -37,6 +39,7 @@ private
       Receive      => Receive,
       Priority     => Priority,
       Period_Ms    => Period_Ms,
-      Stack_Bytes  => Stack_Bytes);
+      Stack_Bytes  => Stack_Bytes,
+      Most_Frames  => Most_Frames);
 
 end NXT.Telemetry.USB_Server;

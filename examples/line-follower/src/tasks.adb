@@ -31,6 +31,11 @@ package body Tasks is
       Put_Noupdate (Value, Width => 6);
    end Put_Row;
 
+   subtype Title is String (1 .. 9);
+
+   function Title_Of (Running : Boolean) return Title is
+     (if Running then "following" else "stopped  ");
+
    task body Display_Task is
       Next_Release : Time := First_Release;
       Now          : Following.Status;
@@ -39,7 +44,7 @@ package body Tasks is
          delay until Next_Release;
          Now := Following.Latest;
          Clear_Screen_Noupdate;
-         Put_Noupdate (if Now.Running then "following" else "stopped  ");
+         Put_Noupdate (Title_Of (Now.Running));
          Put_Row (2, "light  ", Integer (Now.Brightness * 100.0));
          Put_Row (3, "mV     ", Integer (Now.Steering * 1000.0));
          Screen_Update;

@@ -69,22 +69,6 @@ package body Stick is
       end if;
    end Tell;
 
-   --  A connection to its end. The vehicle stands when a new one begins.
-   procedure Talk is
-      Next_Release : Time := Clock;
-   begin
-      Now.Running := False;
-      loop
-         Poll;
-         exit when State /= Connected;
-         Read_Stick;
-         Tell;
-         Show (Stick.Connected);
-         Next_Release := Next_Release + Period;
-         delay until Next_Release;
-      end loop;
-   end Talk;
-
    function Is_Vehicle (Item : Device) return Boolean is
      (for all Index in Vehicle_Name'Range =>
          Item.Name (Index - Vehicle_Name'First) = Character'Pos (Vehicle_Name (Index)));
@@ -97,6 +81,7 @@ package body Stick is
       Success := False;
       Find_Discoverable_Devices (Looking_Period, Found, Count);
       for Item of Found (0 .. Count - 1) loop
+         pragma Annotate (Ravenbrick, Iterations, 16, "four devices; the letters of a name");
          if Is_Vehicle (Item) then
             Address := Item.Addr;
             Success := True;
@@ -104,31 +89,57 @@ package body Stick is
       end loop;
    end Look_For_Vehicle;
 
+   --  Its waits are none of the task's own.
+   procedure Start with No_Inline;
+
    procedure Start is
    begin
       loop
+         pragma Annotate (Ravenbrick, Iterations, 600, "ten minutes, before the first job");
          Initialize;
          exit when Available;
          delay until Clock + Seconds (1);
       end loop;
    end Start;
 
-   task body Radio_Task is
+   --  Until the vehicle is there. Its waits are none of the task's own.
+   procedure Search with No_Inline;
+
+   procedure Search is
       Address : BT_Address;
       Success : Boolean;
    begin
-      Start;
       loop
+         pragma Annotate (Ravenbrick, Iterations, 600, "an hour; no job with a deadline");
          Show (Looking);
          Look_For_Vehicle (Address, Success);
          if Success then
             Show (Calling);
             Connect (Address, To_Pin (Vehicle_Pin), Success);
          end if;
-         if Success then
-            Talk;
-         end if;
+         exit when Success;
          delay until Clock + Period;
+      end loop;
+   end Search;
+
+   --  The vehicle stands when a connection begins.
+   task body Radio_Task is
+      Next_Release : Time;
+   begin
+      Start;
+      loop
+         Search;
+         Now.Running := False;
+         Next_Release := Clock;
+         loop
+            Next_Release := Next_Release + Period;
+            delay until Next_Release;
+            Poll;
+            exit when State /= Connected;
+            Read_Stick;
+            Tell;
+            Show (Stick.Connected);
+         end loop;
       end loop;
    end Radio_Task;
 

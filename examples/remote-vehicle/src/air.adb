@@ -62,6 +62,7 @@ package body Air is
    begin
       Receive (Data, Length);
       for Item of Data (1 .. Length) loop
+         pragma Annotate (Ravenbrick, Iterations, 32, "Chunk");
          NXT.Frames.Feed (Line, Item, Complete);
          if Complete and then Is_Command (Line) then
             Last.Set (To_Command (Line), Clock);
@@ -69,10 +70,14 @@ package body Air is
       end loop;
    end Hear;
 
+   --  Its waits are none of the task's own.
+   procedure Start with No_Inline;
+
    procedure Start is
       Name : Friendly_Name;
    begin
       loop
+         pragma Annotate (Ravenbrick, Iterations, 600, "ten minutes, before the first job");
          Initialize;
          exit when Available;
          delay until Clock + Seconds (1);

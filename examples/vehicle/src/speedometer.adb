@@ -23,6 +23,7 @@ package body Speedometer is
         (1.0 / Time_Unit) / Degrees_Per_Second (Elapsed);
    begin
       for Motor in NXT.Motor_Id loop
+         pragma Annotate (Ravenbrick, Iterations, 3, "the motors");
          Speeds (Motor) :=
            Degrees_Per_Second (Now.Counts (Motor) - Past.Counts (Motor)) * Per_Degree;
       end loop;

@@ -92,8 +92,8 @@ def vs_code(project: Path, name: str) -> Any:
     "name", [pytest.param(n, marks=() if n == "blank" else SLOW) for n in sorted(TEMPLATES)]
 )
 def test_from_new_to_a_run(name: str, tmp_path: Path) -> None:
-    """`new`, then VS Code's tasks: the criteria are met, all is written inside the folder, and the
-    image is where the debugger looks for it."""
+    """`new`, then VS Code's tasks: the criteria are met, every time has a bound without a question,
+    all is written inside the folder, and the image is where the debugger looks for it."""
     run(tmp_path, *RAVENBRICK, "new", "my-robot", "--template", name)
     project = tmp_path / "my-robot"
     tasks = {task["label"]: task for task in vs_code(project, "tasks.json")["tasks"]}
@@ -107,6 +107,11 @@ def test_from_new_to_a_run(name: str, tmp_path: Path) -> None:
     assert answer["scenario"] == TEMPLATES[name].scenario
     assert answer["criteria"] and all(criterion["met"] for criterion in answer["criteria"])
     assert Path(answer["recording"]).is_relative_to(project)
+    arguments = ("analyse", ".", "--scenario", TEMPLATES[name].scenario, "--json")
+    timing: dict[str, Any] = json.loads(run(project, *RAVENBRICK, *arguments))
+    assert timing["schedulable"]
+    assert all(task["ratio"] >= 1 and task["stack_bound_bytes"] for task in timing["tasks"])
+    assert Path(timing["report"]).is_relative_to(project)
     if name == "blank":
         debugger_reaches_main(project, tasks[launch["preLaunchTask"]], launch)
 

@@ -10,7 +10,7 @@ and may be blocked once more each time they go on.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -21,7 +21,12 @@ from ravenbrick.schedule.response_time import ResponseTimeBound, response_time_b
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.robot import Robot, Task
-from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
+from ravenbrick.timing.bounds import (
+    Bound,
+    ExecutionTimeError,
+    execution_times,
+    jobs_with_sources,
+)
 from ravenbrick.timing.facts import TIMING_FILE, Facts, InterruptLoad, Mode, annotations_of
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
@@ -36,6 +41,7 @@ from ravenbrick.timing.kernel import (
     kernel_facts,
     services,
 )
+from ravenbrick.timing.source_facts import SourceFacts, source_facts
 from ravenbrick.timing.started import (
     ALARM_SOURCE,
     ProtectedObject,
@@ -282,6 +288,20 @@ def _solved(
     return [("longest paths", annotations_of({"cost": costs}))] if costs else []
 
 
+def _stack_bytes(
+    image: ElfImage,
+    question: tuple[str, Sequence[str]],
+    annotations: Sequence[tuple[str, str]],
+    sources: SourceFacts,
+) -> int | None:
+    """Deepest stack of a task with all it calls, also outside of its jobs."""
+    try:
+        found = jobs_with_sources(image.content, [question], annotations, sources)
+    except ExecutionTimeError:
+        return None
+    return found[0].stack_bytes
+
+
 def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis:
     """Bounds of all tasks and interrupts of an image; `brick` has elaborated it.
 
@@ -295,17 +315,24 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     objects = protected_objects(image, elaborated.calls)
     tasks = _timed_tasks(robot)
     known = ("run-time", kernel_facts(len(robot.tasks) + 1, objects))
-    annotations = [(facts.name, facts.annotations), entries, known]
+    sources = source_facts(image)
+    annotations = [(facts.name, facts.annotations), *facts.shared, *sources.annotations]
+    annotations += [entries, known]
     annotations += _solved(image, facts, annotations)
     kernel = services(image, annotations)
     costs = interrupt_costs(image, attached_handlers(brick, image), annotations)
     questions = [(_body(image, facts, task), WAITS[task.release]) for _, task in tasks]
 
     def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
-        found = execution_times(image.content, jobs=questions, annotations=[*more, *annotations])
-        return [(task, job) for (_, task), job in zip(tasks, found.jobs, strict=True)]
+        places = (f"{facts.name}, [[outside]]", facts.outside)
+        known = [*annotations, places, *more]
+        found = jobs_with_sources(image.content, questions, known, sources)
+        return [(task, job) for (_, task), job in zip(tasks, found, strict=True)]
 
     jobs = bounded(())
+    if facts.outside:
+        stacks = [_stack_bytes(image, one, annotations, sources) for one in questions]
+        jobs = [(t, replace(j, stack_bytes=s)) for (t, j), s in zip(jobs, stacks, strict=True)]
     for index, (task, job) in enumerate(jobs):
         _check_ceilings(robot, job, task, index, objects)
     modes = []

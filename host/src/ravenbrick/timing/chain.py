@@ -11,7 +11,7 @@ import numpy as np
 
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.timing.analysis import Analysis
-from ravenbrick.timing.facts import Chain
+from ravenbrick.timing.facts import SOURCE_NUMBERS, Chain
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, jobs_of
 
@@ -20,7 +20,8 @@ __all__ = ["ChainDelay", "LoopFigures", "chain_delay", "crossover", "phase_margi
 
 @dataclass(frozen=True)
 class ChainDelay:
-    """Delays in cycles; observed ones from a release of the first stage to the output."""
+    """Delays in cycles: from a release of the first stage to the output, and from an edge that
+    came just too late for the release before."""
 
     name: str
     stages: tuple[str, ...]
@@ -40,8 +41,8 @@ class ChainDelay:
 
 
 def _bound(analysis: Analysis, chain: Chain) -> int | None:
-    """Each stage waits for its next release that takes the data, then responds; the first stage's
-    wait is left out (Davare et al. 2007)."""
+    """From a sample. Each stage waits for its next release that takes the data, then responds; the
+    first stage's wait is left out (Davare et al. 2007)."""
     total = MASTER_CLOCK.cycles_of_us(chain.transfer_us)
     for position, (name, every) in enumerate(chain.stages):
         found = analysis.bounds[name]
@@ -52,13 +53,23 @@ def _bound(analysis: Analysis, chain: Chain) -> int | None:
     return total
 
 
+def _edge_bound(analysis: Analysis, chain: Chain, sample: int | None) -> int | None:
+    """From an edge: it is counted by its interrupt's handler, then waits for the next sample."""
+    first, every = chain.stages[0]
+    counted = analysis.bounds[chain.edge].bound if chain.edge in analysis.bounds else 0
+    if sample is None or counted is None:
+        return None
+    return sample + math.ceil(counted + every * analysis.bounds[first].task.period)
+
+
 def _jobs(recording: Recording, task: str) -> list[Job]:
     names = [thread.name.lower() for thread in recording.threads]
     return [j for j in jobs_of(recording, names.index(task.lower()))[1:] if j.completion_cycles]
 
 
-def _observed(recording: Recording, chain: Chain) -> list[int]:
-    """For each change of an output, back through the stages to the release that sampled."""
+def _observed(recording: Recording, chain: Chain) -> list[tuple[int, int, int]]:
+    """For each change of an output: its instant, back through the stages the release that sampled,
+    and the release before."""
     columns = []
     for name, _ in reversed(chain.stages):
         jobs = _jobs(recording, name)
@@ -68,7 +79,7 @@ def _observed(recording: Recording, chain: Chain) -> list[int]:
                 np.array([job.completion_cycles for job in jobs], np.int64),
             )
         )
-    delays = []
+    found = []
     for at in recording.of_kind(EventKind.MOTOR_COMMAND)["at_cycles"].astype(np.int64).tolist():
         before = at
         for releases, completions in columns:
@@ -77,24 +88,40 @@ def _observed(recording: Recording, chain: Chain) -> list[int]:
                 break
             before = int(releases[index])
         else:
-            delays.append(at - before)
-    return delays
+            previous = int(columns[-1][0][index - 1]) if index > 0 else before
+            found.append((at, before, previous))
+    return found
+
+
+def _edge_delays(
+    recording: Recording, source: str, changes: list[tuple[int, int, int]]
+) -> list[int]:
+    """For each change, from the first edge since the release before the one that sampled."""
+    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    chosen = entered["subject"] == SOURCE_NUMBERS[source]
+    edges = entered["at_cycles"][chosen].astype(np.int64)
+    found = []
+    for at, sampled, previous in changes:
+        index = int(np.searchsorted(edges, previous, side="right"))
+        if index < edges.size and edges[index] <= sampled:
+            found.append(at - int(edges[index]))
+    return found
 
 
 def chain_delay(analysis: Analysis, recording: Recording, chain: Chain) -> ChainDelay:
     """Bound and observation of a chain; an edge can come right after the first stage sampled."""
-    delays = _observed(recording, chain)
-    first, every = chain.stages[0]
-    period = math.ceil(every * analysis.bounds[first].task.period)
+    changes = _observed(recording, chain)
+    delays = [at - sampled for at, sampled, _ in changes]
+    edges = _edge_delays(recording, chain.edge, changes) if chain.edge else []
     bound = _bound(analysis, chain)
     return ChainDelay(
         chain.name,
         tuple(name for name, _ in chain.stages),
-        None if bound is None else bound + period,
+        _edge_bound(analysis, chain, bound),
         bound,
         min(delays, default=None),
         max(delays, default=None),
-        max(delays) + period if delays else None,
+        max(edges, default=None),
         len(delays),
     )
 

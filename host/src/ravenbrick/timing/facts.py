@@ -12,10 +12,12 @@ from typing import Any
 from ravenbrick.target.located_toml import LocatedToml, read_toml
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.validation import validate
+from ravenbrick.target.workspace import tree
 from ravenbrick.timing.ipet import FlowFact
 from ravenbrick.trace.interrupts import SOURCES
 
 __all__ = [
+    "SOURCE_NUMBERS",
     "TIMING_FILE",
     "Chain",
     "Facts",
@@ -28,7 +30,7 @@ __all__ = [
 
 TIMING_FILE = "timing.toml"
 OWN_TABLES = frozenset(
-    {"schema_version", "interrupt", "suspension", "body", "chain", "mode", "flow"}
+    {"schema_version", "interrupt", "suspension", "body", "chain", "mode", "flow", "outside"}
 )
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
@@ -46,6 +48,7 @@ class InterruptLoad:
     window_us: int
     reason: str
     task: str | None = None
+    file: str = TIMING_FILE
 
 
 @dataclass(frozen=True)
@@ -63,12 +66,14 @@ class Suspension:
 class Chain:
     """Tasks that pass data on; each stage acts on each so many-th of its releases.
 
-    `transfer_us` is the longest time from the last stage to the output.
+    `transfer_us` is the longest time from the last stage to the output, `edge` the interrupt source
+    that counts what the first stage samples.
     """
 
     name: str
     stages: tuple[tuple[str, int], ...]
     transfer_us: int
+    edge: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,10 +87,16 @@ class Mode:
 
 @dataclass(frozen=True)
 class Facts:
-    """All facts; `annotations` is TOML for the execution-time analysis."""
+    """All facts; `annotations` is TOML for the execution-time analysis.
+
+    `shared` are annotations that hold for every project: names of files and TOML. `outside` is TOML
+    that holds for jobs only.
+    """
 
     document: LocatedToml | None
     annotations: str
+    shared: tuple[tuple[str, str], ...] = ()
+    outside: str = ""
     interrupts: tuple[InterruptLoad, ...] = ()
     suspensions: tuple[Suspension, ...] = ()
     bodies: tuple[tuple[str, str], ...] = ()
@@ -145,7 +156,7 @@ def _check_tasks(document: LocatedToml, robot: Robot) -> None:
 
 def _chain(row: dict[str, Any]) -> Chain:
     stages = tuple((stage["task"], stage.get("every", 1)) for stage in row["stages"])
-    return Chain(row["name"], stages, row["transfer_us"])
+    return Chain(row["name"], stages, row["transfer_us"], row.get("edge", ""))
 
 
 def _mode(row: dict[str, Any]) -> Mode:
@@ -153,38 +164,66 @@ def _mode(row: dict[str, Any]) -> Mode:
     return Mode(row["name"], row["reason"], annotations_of(tables))
 
 
-def read_facts(robot: Robot) -> Facts:
-    """Facts of a project; none when it has no `timing.toml`. Raises `ProjectFileError`."""
-    path: Path = robot.directory / TIMING_FILE
+def _interrupts(document: LocatedToml, robot: Robot) -> tuple[InterruptLoad, ...]:
+    """Those of windows from the releases of a task that the robot does not have are left out."""
+    return tuple(
+        InterruptLoad(
+            SOURCE_NUMBERS[row["source"]],
+            row["at_most"],
+            row["window_us"],
+            row["reason"],
+            row.get("task"),
+            str(document.path),
+        )
+        for row in document.values.get("interrupt", [])
+        if "task" not in row or robot.task(row["task"]) is not None
+    )
+
+
+def _annotations(document: LocatedToml) -> str:
+    values = document.values
+    return annotations_of({key: rows for key, rows in values.items() if key not in OWN_TABLES})
+
+
+def _read(path: Path) -> LocatedToml | None:
     if not path.is_file():
-        return Facts(None, "")
+        return None
     document = read_toml(path, missing="")
     validate(document, "timing")
-    _check_tasks(document, robot)
-    values = document.values
-    annotations = {key: rows for key, rows in values.items() if key not in OWN_TABLES}
+    return document
+
+
+def _drivers_facts() -> LocatedToml | None:
+    """What holds for the drivers in every project."""
+    return _read(tree() / "drivers" / TIMING_FILE)
+
+
+def read_facts(robot: Robot) -> Facts:
+    """Facts of a project and those of the drivers, which come second. Raises `ProjectFileError`."""
+    own, drivers = _read(robot.directory / TIMING_FILE), _drivers_facts()
+    if own is not None:
+        _check_tasks(own, robot)
+    documents = [document for document in (own, drivers) if document is not None]
+
+    def rows(table: str) -> list[dict[str, Any]]:
+        return [row for document in documents for row in document.values.get(table, [])]
+
+    modes = {row["name"]: row for row in reversed(rows("mode"))}
     return Facts(
-        document,
-        annotations_of(annotations),
-        tuple(
-            InterruptLoad(
-                SOURCE_NUMBERS[row["source"]],
-                row["at_most"],
-                row["window_us"],
-                row["reason"],
-                row.get("task"),
-            )
-            for row in values.get("interrupt", [])
-        ),
+        own,
+        "" if own is None else _annotations(own),
+        () if drivers is None else ((str(drivers.path), _annotations(drivers)),),
+        annotations_of({"avoided": rows("outside")}),
+        tuple(load for document in documents for load in _interrupts(document, robot)),
         tuple(
             Suspension(row["task"], row.get("count", 1), row["longest_us"], row["reason"])
-            for row in values.get("suspension", [])
+            for row in rows("suspension")
         ),
-        tuple((row["task"].lower(), row["symbol"]) for row in values.get("body", [])),
-        tuple(_chain(row) for row in values.get("chain", [])),
-        tuple(_mode(row) for row in values.get("mode", [])),
+        tuple((row["task"].lower(), row["symbol"]) for row in rows("body")),
+        tuple(_chain(row) for row in rows("chain")),
+        tuple(_mode(row) for row in reversed(modes.values())),
         tuple(
             FlowFact(row["symbol"], tuple(row["lines"]), row["at_most"], row["reason"])
-            for row in values.get("flow", [])
+            for row in rows("flow")
         ),
     )

@@ -109,7 +109,7 @@ def check_interrupt_rates(robot: Robot, facts: Facts, recording: Recording) -> N
     entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
     for load in facts.interrupts:
         if load.task is not None:
-            _check_after_releases(facts, load, recording, since)
+            _check_after_releases(load, recording, since)
             continue
         at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
         at = at[at >= since]
@@ -120,15 +120,13 @@ def check_interrupt_rates(robot: Robot, facts: Facts, recording: Recording) -> N
         if spans.size and spans.min() < window:
             begin = float(MASTER_CLOCK.seconds(int(at[int(spans.argmin())])))
             raise ExecutionTimeError(
-                f"{facts.name}: {source_name(load.source)} interrupts more than {load.at_most} "
+                f"{load.file}: {source_name(load.source)} interrupts more than {load.at_most} "
                 f"times in {load.window_us} us, {begin:.6f} s after the begin of the run "
                 f"'{recording.scenario}'; correct the fact or slow the source down"
             )
 
 
-def _check_after_releases(
-    facts: Facts, load: InterruptLoad, recording: Recording, since: int
-) -> None:
+def _check_after_releases(load: InterruptLoad, recording: Recording, since: int) -> None:
     """Windows from the releases of one task on, as far as its jobs last."""
     names = [thread.name.lower() for thread in recording.threads]
     entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
@@ -142,7 +140,7 @@ def _check_after_releases(
         if count > load.at_most:
             begin = float(MASTER_CLOCK.seconds(job.release_cycles))
             raise ExecutionTimeError(
-                f"{facts.name}: {source_name(load.source)} interrupts the job of {load.task} "
+                f"{load.file}: {source_name(load.source)} interrupts the job of {load.task} "
                 f"released at {begin:.6f} s of the run '{recording.scenario}' {count} times, not "
                 f"at most {load.at_most}; correct the fact"
             )

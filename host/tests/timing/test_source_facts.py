@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Loop bounds that stand in Ada sources, and the facts that come with the drivers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from host.tests.conftest import VEHICLE
+
+from ravenbrick.errors import ProjectFileError
+from ravenbrick.target.robot import read_robot
+from ravenbrick.timing.facts import read_facts
+from ravenbrick.timing.source_facts import SourceFacts, annotated_loops
+
+SOURCE = Path("worker.adb")
+TEXT = """\
+package body Worker is  --  for the loop of a "task
+   procedure Work (Last : Positive) is
+   begin
+      for Item in 1 .. Last
+      loop
+         pragma Annotate (Ravenbrick, Iterations, 1_000, "no ""more"" of them");
+         Put ("end loop");
+         while Busy loop
+            Wait;
+         end loop;
+         pragma Assert (Item > 0);
+         Named :
+         loop
+            pragma Annotate (Ravenbrick, Iterations, 7);
+            exit Named when Done;
+         end loop Named;
+      end loop;
+   end Work;
+end Worker;
+"""
+
+
+def test_a_pragma_bounds_the_loop_statement_that_it_stands_in() -> None:
+    outer, inner = annotated_loops(SOURCE, TEXT)
+    assert (outer.iterations, outer.reason) == (1000, 'no "more" of them')
+    assert outer.lines() == [4, 5, 6, 7, 11, 12, 17]
+    assert (inner.iterations, inner.reason, inner.lines()) == (7, "", [13, 14, 15, 16])
+
+
+def test_a_loop_that_begins_with_an_inlined_call_is_known_by_most_of_its_lines() -> None:
+    facts = SourceFacts(tuple((SOURCE, loop) for loop in annotated_loops(SOURCE, TEXT)))
+    asked = {"symbol": "work", "index": 2, "line": "other.adb:3"}
+    lines = [["other.adb", 3], ["src/worker.adb", 14], ["src/worker.adb", 15], ["worker.adb", 5]]
+    answer = facts.answers([{**asked, "lines": lines}])
+    assert 'symbol = "work"' in answer and "index = 2" in answer and "iterations = 7" in answer
+    assert facts.answers([{**asked, "lines": [["other.adb", 14]]}]).strip() == ""
+
+
+@pytest.mark.parametrize(
+    "pragma",
+    [
+        "pragma Annotate (Ravenbrick, Iterations, Last);",
+        "pragma Annotate (Ravenbrick, Turns, 3);",
+        'pragma Annotate (Ravenbrick, Iterations, "3");',
+    ],
+)
+def test_a_pragma_that_is_not_understood_is_named_with_its_line(pragma: str) -> None:
+    text = TEXT.replace("pragma Annotate (Ravenbrick, Iterations, 7);", pragma)
+    with pytest.raises(ProjectFileError, match=r"worker\.adb:14: pragma Annotate: is not under"):
+        annotated_loops(SOURCE, text)
+
+
+def test_a_pragma_outside_of_loops_is_refused_and_those_of_other_tools_are_not() -> None:
+    ours = "   pragma Annotate (Ravenbrick, Iterations, 7);\n"
+    with pytest.raises(ProjectFileError, match=r"worker\.adb:1: .*expected, in a loop"):
+        annotated_loops(SOURCE, ours)
+    other = 'pragma Annotate (GNATprove, Intentional, "overflow", "never");'
+    assert annotated_loops(SOURCE, other) == []
+
+
+def test_facts_of_the_drivers_come_with_every_project_and_its_own_come_first(
+    tmp_path: Path,
+) -> None:
+    text = (VEHICLE / "robot.toml").read_text().replace("coprocessor_task", "exchange")
+    (tmp_path / "robot.toml").write_text(text)
+    alone = read_facts(read_robot(tmp_path))
+    assert {load.file.rpartition("drivers/")[2] for load in alone.interrupts} == {"timing.toml"}
+    assert all(load.task is None for load in alone.interrupts)
+    (tmp_path / "timing.toml").write_text(
+        'schema_version = 1\n[[mode]]\nname = "link up"\nreason = "mine"\n'
+        '[[outside]]\nsymbol = "search"\nreason = "seconds"\n'
+    )
+    both = read_facts(read_robot(tmp_path))
+    assert [mode.reason for mode in both.modes] == ["mine"]
+    assert both.name == str(tmp_path / "timing.toml")
+    assert "[[avoided]]" in both.outside and len(both.shared) == 1
