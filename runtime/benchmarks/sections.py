@@ -5,6 +5,7 @@
 `python -m runtime.benchmarks.sections` writes docs/reference/critical-sections.md. Programs that
 use all services run step by step on the virtual brick; each stretch with masked interrupts belongs
 to the function that masked them. Functions of the library that mask but were not met are listed.
+How the sections grow with the number of tasks is measured with sixteen of them.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from runtime.benchmarks import measure
 from runtime.benchmarks.steps import IRQ_VECTOR, Steps, steps_of
 from runtime.tests.harness import RUNTIMES, build
 
-__all__ = ["PAGE", "Section", "longest_sections", "maskers", "page"]
+__all__ = ["PAGE", "Section", "growth", "longest_sections", "maskers", "page"]
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference" / "critical-sections.md"
@@ -36,6 +37,11 @@ PROGRAMS = (
     ("jorvik_queues", "jorvik", 1_000_000),
     ("entry_order", "jorvik", 1_500_000),
 )
+CROWD = ("crowd", 1_500_000)
+DELAY = "ravenbrick__delays__delay_until"
+RING = "ravenbrick__delays__ring"
+STEPS = 10
+"""Of tasks, over which growth is measured."""
 INTERRUPT = "ravenbrick_interrupt"
 BEFORE_TASKS = ("ravenbrick_reset", "ravenbrick_start", "ravenbrick_initialize", "main", "adainit")
 NO_SECTION = (
@@ -93,6 +99,22 @@ def longest_sections(programs: Iterable[tuple[str, str, int]] = PROGRAMS) -> dic
     return found
 
 
+def growth() -> tuple[float, float]:
+    """Cycles that each delayed task which wakes up no later adds to `delay until`, and each ready
+    task as urgent to a release."""
+    program, cycles = CROWD
+    steps = steps_of(measure.image_of(program, "ram", "arm"), 0, cycles)
+    found: dict[str, list[int]] = {DELAY: [], RING: []}
+    for length, begin, _ in steps.masked():
+        found.setdefault(steps.function(begin), []).append(length)
+    delays, rings = found[DELAY], found[RING]
+    last = rings.index(max(rings))
+    return (
+        (delays[1 + STEPS] - delays[1]) / STEPS,
+        (rings[last] - rings[last - STEPS]) / STEPS,
+    )
+
+
 def maskers(library: Path) -> set[str]:
     """Functions of a library with an instruction that masks interrupts."""
     text = subprocess.run(
@@ -104,7 +126,7 @@ def maskers(library: Path) -> set[str]:
     return {name for name in names if not name.startswith(NO_SECTION)}
 
 
-def _table(found: dict[str, Section], unmet: list[str]) -> str:
+def _table(found: dict[str, Section], unmet: list[str], grown: tuple[float, float]) -> str:
     longest = max(section.longest_cycles for section in found.values())
     lines = [
         "# Critical sections",
@@ -124,16 +146,22 @@ def _table(found: dict[str, Section], unmet: list[str]) -> str:
         )
     lines += ["", "Masks, but was not met: "]
     lines[-1] += (", ".join(f"`{name}`" for name in unmet) or "none") + "."
+    lines += [
+        "",
+        f"Each delayed task that wakes up no later adds {grown[0]:g} cycles to the section of "
+        f"`delay until`, each ready task as urgent or more urgent {grown[1]:g} to that of a "
+        "release.",
+    ]
     return "\n".join(lines) + "\n"
 
 
-def _measured() -> tuple[dict[str, Section], list[str]]:
-    """Sections, and functions of the libraries that mask but were not met."""
+def _measured() -> tuple[dict[str, Section], list[str], tuple[float, float]]:
+    """Sections, functions of the libraries that mask but were not met, growth."""
     found = longest_sections()
     met = {name.split(",")[0] for name in found}
     masking = maskers(RUNTIMES["arm"] / "adalib" / "libgnat.a")
     masking |= maskers(RUNTIMES["jorvik"] / "adalib" / "libgnat.a")
-    return found, sorted(masking - met)
+    return found, sorted(masking - met), growth()
 
 
 def page() -> str:
@@ -143,8 +171,8 @@ def page() -> str:
 
 def main() -> int:
     """Measure and write; 1 when a section is longer than the run-time's limit."""
-    found, unmet = _measured()
-    PAGE.write_text(_table(found, unmet))
+    found, unmet, grown = _measured()
+    PAGE.write_text(_table(found, unmet, grown))
     return int(max(s.longest_cycles for s in found.values()) > measure.LONGEST_MASKED_CYCLES)
 
 

@@ -38,6 +38,22 @@ package body Callers is
 
    end Meeting;
 
+   protected body Platform is
+
+      procedure Depart is
+      begin
+         Departing := True;
+      end Depart;
+
+      entry Board (for On in Track) when Departing is
+      begin
+         Journal.Note (if On = 1 then '1' else '2');
+      end Board;
+
+      function Waiting (On : Track) return Natural is (Board (On)'Count);
+
+   end Platform;
+
    task body Low is
    begin
       delay 0.001;
@@ -48,6 +64,7 @@ package body Callers is
    begin
       delay 0.002;
       Gate.Main_Road ('m');
+      Platform.Board (1);
    end Middle;
 
    task body High is
@@ -56,6 +73,7 @@ package body Callers is
       Gate.Side_Road ('h');
       Meeting.Start;
       Journal.Note ('s');
+      Platform.Board (2);
    end High;
 
    task body Lowest is

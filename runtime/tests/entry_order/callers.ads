@@ -2,7 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Four tasks on two entries of one object, in which order they are served is a matter of the
---  policy; and a meeting, whose entries are opened by the calls of each other
+--  policy; a meeting, whose entries are opened by the calls of each other; a family of entries
 
 package Callers is
 
@@ -22,6 +22,16 @@ package Callers is
    private
       Has_Started : Boolean := False;
    end Meeting;
+
+   subtype Track is Positive range 1 .. 2;
+
+   protected Platform with Priority => 20 is
+      procedure Depart;
+      entry Board (Track);
+      function Waiting (On : Track) return Natural;
+   private
+      Departing : Boolean := False;
+   end Platform;
 
    task Lowest with Priority => 9, Storage_Size => 512;
    task Low with Priority => 10, Storage_Size => 512;

@@ -11,4 +11,7 @@ begin
    delay 0.010;
    Callers.Meeting.Pass;
    Journal.Note ('p');
+   if Callers.Platform.Waiting (1) = 1 and then Callers.Platform.Waiting (2) = 1 then
+      Callers.Platform.Depart;
+   end if;
 end Entry_Order;

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Five tasks on two entries of one object, one of them a family's, and a relative delay
+--  Five tasks on two entries of one object, relative delays, and a date
 
 package Many_Entries is
 

@@ -9,6 +9,10 @@ package body Sized is
 
    Total : Integer := 0 with Volatile;
 
+   Asked : Natural := 0
+     with Volatile, Export, Convention => C, External_Name => "asked_bytes";
+   --  The attribute of a task
+
    procedure Fill (Item : in out Buffer) with No_Inline;
 
    procedure Fill (Item : in out Buffer) is
@@ -29,6 +33,7 @@ package body Sized is
 
    task body Small is
    begin
+      Asked := Large'Storage_Size;
       delay until Time_Last;
    end Small;
 

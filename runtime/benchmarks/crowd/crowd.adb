@@ -1,0 +1,10 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+with Equals;
+pragma Unreferenced (Equals);
+
+procedure Crowd is
+begin
+   null;
+end Crowd;

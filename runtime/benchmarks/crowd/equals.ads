@@ -1,0 +1,13 @@
+--  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+--  SPDX-License-Identifier: Apache-2.0
+
+--  Sixteen tasks that delay themselves one after the other until the same time, each behind all
+--  that came before it: how critical sections grow with the number of tasks
+
+package Equals is
+
+   task type Equal with Priority => 10, Storage_Size => 384;
+
+   Crowd : array (1 .. 16) of Equal;
+
+end Equals;
