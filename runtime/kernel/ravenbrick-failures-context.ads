@@ -12,7 +12,7 @@ package Ravenbrick.Failures.Context is
 
    type Line is record
       Length : Natural range 0 .. Longest := 0;
-      Text   : String (1 .. Longest) := (others => ' ');
+      Text   : String (1 .. Longest);
    end record;
 
    function Describe (Number : Line_Number) return Line
