@@ -45,6 +45,10 @@ PROGRAMS: dict[str, tuple[str | None, str | None]] = {
     "terminate_alternative.adb": ("No_Terminate_Alternatives", SAME),
     "timing_event.adb": ("No_Local_Timing_Events", SAME),
     "two_entries.adb": ("not allowed in configurable run-time mode", ACCEPTED),
+    "unsized_object.ads": (
+        "No_Implicit_Heap_Allocations",
+        "No_Implicit_Protected_Object_Allocations",
+    ),
 }
 
 
