@@ -253,7 +253,12 @@ FIXED_POINT = (
 )
 FIRMWARE = f"{HOST_TESTS}/firmware"
 MISRA = (f"{HOST_TESTS}/codegen/test_misra.py",)
-SLX = (f"{HOST_TESTS}/model/test_simulink.py", f"{HOST_TESTS}/cli/test_import.py")
+SLX = (
+    f"{HOST_TESTS}/model/test_simulink.py",
+    f"{HOST_TESTS}/model/test_simulink_blocks.py",
+    f"{HOST_TESTS}/cli/test_import.py",
+    "conformance/coder/test_simulink_model.py",
+)
 NXTWAY = (f"{HOST_TESTS}/control/test_nxtway.py",)
 DIGEST = (
     f"{HOST_TESTS}/page/test_digest.py",
@@ -456,7 +461,9 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     (
         "control",
         pytest_suite(
-            "control", "coder: public models of Embedded Coder on the brick", "conformance/coder"
+            "control",
+            "coder: public models of Embedded Coder on the brick",
+            "conformance/coder/test_coder_models.py",
         ),
     ),
     ("control", pytest_suite("control", "slx: Simulink models, written and public", *SLX)),

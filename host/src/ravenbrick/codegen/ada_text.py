@@ -244,7 +244,10 @@ class AdaText:
 
     def _rescale(self, expression: Rescale) -> str:
         """The integer behind the value, divided: conversions of Ada may round either way."""
-        value = f"Integer_32'Integer_Value ({self.expression(expression.value)})"
+        inner = self.expression(expression.value)
+        if isinstance(expression.value, Select):  # whose type the attribute does not tell
+            inner = f"{ada_type(self._word(expression.value))}'{inner}"
+        value = f"Integer_32'Integer_Value ({inner})"
         own = ada_type(self._word(expression))
         if expression.rounding is Rounding.NEAREST:
             return f"{own}'Fixed_Value (Nearest_Quotient ({value}, 2 ** {expression.bits}))"

@@ -32,6 +32,7 @@ from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root
 from ravenbrick.control.limit_cycles import LimitCycle, LimitCycleSearch, search_limit_cycles
 from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
 from ravenbrick.control.peak_gain import peak_gain
+from ravenbrick.control.pid_tuning import PidGains, pid_by_margin, pid_by_poles
 from ravenbrick.control.regulator import (
     Observer,
     StateFeedback,
@@ -80,6 +81,7 @@ __all__ = [
     "MonteCarlo",
     "Observer",
     "PiGains",
+    "PidGains",
     "PlantInLoop",
     "Robustness",
     "RunMeasures",
@@ -115,6 +117,8 @@ __all__ = [
     "pi_direct",
     "pi_family",
     "pi_with_estimator",
+    "pid_by_margin",
+    "pid_by_poles",
     "plot_speed_estimators",
     "root_locus_figure",
     "search_limit_cycles",

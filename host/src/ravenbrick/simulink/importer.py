@@ -203,7 +203,8 @@ class _Making:
         self._ports: list[Node] = []
         self._failed: set[str] = set()
         self._rates = _rates(network, sample_time)
-        for site in network.sites.values():
+        sites = list(network.sites.values())
+        for site in sorted(sites, key=lambda site: not network.is_root_port(site)):
             self._make(site)
 
     def _builder(self, site: Site) -> Builder:
