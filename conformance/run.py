@@ -484,6 +484,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("timing", suites.random_sets),
     ("timing", lambda: suites.wcet_benchmarks("arm", "O1")),
     ("timing", lambda: suites.wcet_benchmarks("thumb", "O2")),
+    ("timing", suites.kernel_services),
     ("timing", suites.program_campaign),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
     ("course", pytest_suite("course", "bench, line, balancer", "examples/test_examples.py")),

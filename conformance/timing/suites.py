@@ -14,7 +14,7 @@ from typing import Any
 
 from tools.tables import Row
 
-__all__ = ["program_campaign", "random_sets", "wcet_benchmarks"]
+__all__ = ["kernel_services", "program_campaign", "random_sets", "wcet_benchmarks"]
 
 ROOT = Path(__file__).resolve().parents[2]
 TACLE = "RAVENBRICK_TACLE"
@@ -23,13 +23,12 @@ TACLE_PROGRAMS = 57
 TACLE_TABLE = ROOT / "conformance" / "timing" / "tacle.md"
 
 
-def _answer(module: str, *options: str) -> dict[str, Any]:
+def _answer(module: str, *options: str) -> Any:
     command = [sys.executable, "-m", f"conformance.timing.{module}", *options]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if not done.stdout.strip():
         raise SystemExit(f"{module}: no result\n{done.stderr[-2000:]}")
-    loaded: dict[str, Any] = json.loads(done.stdout)
-    return loaded
+    return json.loads(done.stdout)
 
 
 def _row(suite: str, cases: int, passed: int, excluded: list[Row] | None = None) -> Row:
@@ -81,6 +80,14 @@ def wcet_benchmarks(code: str, level: str) -> Row:
         if not outcome["bound"]
     ]
     return _row(suite, result["programs"], passed, without)
+
+
+def kernel_services() -> Row:
+    """Services of the run-time between their longest observed time and a tenth above it."""
+    rows = _answer("kernel_services")
+    passed = sum(row["observed"] <= row["bound"] <= 1.10 * row["observed"] for row in rows)
+    suite = "wcet: services of the run-time, bounds not exceeded and at most 10 % above"
+    return _row(suite, len(rows), passed)
 
 
 def program_campaign() -> Row:

@@ -108,6 +108,8 @@ def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
     loops: list[dict[str, object]] = [
         {"symbol": ring, "index": 0, "header_executions": 1} for ring in RINGS
     ]
+    # The search of the ready queue that is compiled into the handler.
+    loops += [{"symbol": ring, "index": 1, "header_executions": thread_count} for ring in RINGS]
     loops += [{"file": file, "header_executions": thread_count} for file in QUEUES]
     return annotations_of({"loop": loops, "word": [dict(w) for w in object_words(objects)]})
 
@@ -123,7 +125,8 @@ def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Service
     present = [name for name in MASKING if name in image.symbols]
     found = execution_times(image.content, functions=[*present, RESUME], annotations=annotations)
     cycles = {bound.symbol: bound.cycles for bound in found.functions}
-    return Services(cycles.get(DELAY_UNTIL, 0), cycles.pop(RESUME), cycles)
+    resume = cycles.pop(RESUME) + found.return_cycles
+    return Services(cycles.get(DELAY_UNTIL, 0), resume, cycles)
 
 
 def interrupt_costs(
@@ -144,5 +147,6 @@ def interrupt_costs(
             annotations=[*annotations, ("interrupt entry", target)],
         )
         whole, body = times.functions
-        found.append(InterruptCost(handler, whole.cycles + EXCEPTION_CYCLES, body))
+        cycles = EXCEPTION_CYCLES + whole.cycles + times.return_cycles
+        found.append(InterruptCost(handler, cycles, body))
     return tuple(found)

@@ -8,10 +8,13 @@ ceilings are constants in the calls that set up protected objects.
 
 from __future__ import annotations
 
+import io
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+from elftools.elf.elffile import ELFFile
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.target.elf_image import ElfImage
@@ -41,6 +44,7 @@ ENTRY_INITIALIZER = "system__tasking__protected_objects__single_entry__initializ
 INITIALIZERS = (INITIALIZER, ENTRY_INITIALIZER)
 VENEERS = ("_from_thumb", "_from_arm")
 CODE_OFFSET = 20
+RECORD = struct.Struct("<II")
 
 
 @dataclass(frozen=True)
@@ -55,12 +59,14 @@ class Handler:
 
 @dataclass(frozen=True)
 class ProtectedObject:
-    """A protected object; `code` is the address of its entry's barrier and body, 0 without."""
+    """A protected object; `code` is the address of a record with its entry's barrier and body, 0
+    without; `words` is that record where the image has it."""
 
     name: str
     address: int
     ceiling: int
     code: int
+    words: tuple[tuple[int, int], ...] = ()
 
     @property
     def urgency(self) -> int:
@@ -115,6 +121,16 @@ def _behind_veneer(name: str) -> str:
     return name
 
 
+def _record(image: ElfImage, address: int) -> tuple[tuple[int, int], ...]:
+    """Addresses and values of barrier and body; nothing when they are not known before the run."""
+    for segment in ELFFile(io.BytesIO(image.content)).iter_segments("PT_LOAD"):
+        offset = address - segment["p_vaddr"]
+        if address and 0 <= offset <= segment["p_filesz"] - RECORD.size:
+            values = RECORD.unpack_from(segment.data(), offset)
+            return tuple((address + 4 * n, v) for n, v in enumerate(values)) if all(values) else ()
+    return ()
+
+
 def protected_objects(image: ElfImage, calls: Sequence[Call]) -> tuple[ProtectedObject, ...]:
     """Protected objects from the calls of `initializers`."""
     found = []
@@ -130,7 +146,8 @@ def protected_objects(image: ElfImage, calls: Sequence[Call]) -> tuple[Protected
         if ceiling == 0xFFFF_FFFF:
             ceiling = PRIORITY_LAST
         entry = (code or 0) if _behind_veneer(call.callee) == ENTRY_INITIALIZER else 0
-        found.append(ProtectedObject(_name_of(image, address), address, ceiling, entry))
+        words = _record(image, entry)
+        found.append(ProtectedObject(_name_of(image, address), address, ceiling, entry, words))
     return tuple(sorted(set(found), key=lambda item: item.address))
 
 
@@ -143,4 +160,5 @@ def object_words(objects: Sequence[ProtectedObject]) -> list[dict[str, int]]:
         words.append({"address": item.address + 4, "value": span})
         if item.code:
             words.append({"address": item.address + CODE_OFFSET, "value": item.code})
+        words += [{"address": address, "value": value} for address, value in item.words]
     return words

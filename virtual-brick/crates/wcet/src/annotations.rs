@@ -51,6 +51,11 @@ pub struct Kernel {
     pub locks: Vec<String>,
     /// Functions that leave their caller's protected action.
     pub unlocks: Vec<String>,
+    /// Functions that undo what one of `locks` did; not called where none was.
+    pub unmasks: Vec<String>,
+    /// Offset of the word of a protected object for which, when it is not zero, none of `locks` is
+    /// called.
+    pub span_offset: Option<u32>,
 }
 
 /// A word of memory that keeps its value.
@@ -137,6 +142,8 @@ impl Annotations {
         kernel.parks.extend(more.parks);
         kernel.locks.extend(more.locks);
         kernel.unlocks.extend(more.unlocks);
+        kernel.unmasks.extend(more.unmasks);
+        kernel.span_offset = kernel.span_offset.or(more.span_offset);
     }
 }
 

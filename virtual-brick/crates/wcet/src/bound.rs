@@ -287,9 +287,11 @@ fn called(
     for (index, block) in summary.flow.blocks.iter().enumerate() {
         let mut bounds = Vec::new();
         let arguments = records[index].arguments.as_ref().map(as_arguments);
+        let reached = &records[index].callees;
         for (callee, known) in block
             .calls
             .iter()
+            .filter(|callee| reached.contains(callee))
             .flat_map(|c| arguments.iter().map(move |a| (c, a)))
         {
             match program.bound(*callee, known) {

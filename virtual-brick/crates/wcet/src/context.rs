@@ -101,6 +101,9 @@ impl<'p, 'a> Follower<'p, 'a> {
         let arguments = std::array::from_fn(|n| state.registers[n].clone());
         let mut inner = State::entry(&as_arguments(&arguments));
         inner.urgencies.clone_from(&state.urgencies);
+        if self.program.conventions.unlocks.contains(&callee.0) {
+            inner.masks = None;
+        }
         self.open.borrow_mut().push(callee);
         let after = self.execute(summary, inner);
         self.open.borrow_mut().pop();
@@ -120,6 +123,10 @@ impl<'p, 'a> Follower<'p, 'a> {
         let memory = state.memory.take();
         let before = state.clone();
         state.memory = memory;
+        let leaves = self.program.conventions.unlocks.contains(&callee.0);
+        if !leaves {
+            state.masks = Some(0);
+        }
         state.shift(pointer);
         self.open.borrow_mut().push(callee);
         let after = self.execute(summary, state);
@@ -129,6 +136,9 @@ impl<'p, 'a> Follower<'p, 'a> {
         };
         after.shift(pointer.wrapping_neg());
         restore(&mut after, &before, summary.changed, pointer);
+        if !leaves {
+            after.masks = before.masks;
+        }
         if after.elapsed.0 != ENDLESS {
             let cycles = after.elapsed.0 - before.elapsed.0;
             after.elapsed.0 = before.elapsed.0 + self.capped(callee, cycles);

@@ -9,6 +9,7 @@
 
 use crate::annotations::Annotations;
 use crate::image::Image;
+use crate::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Resolved to addresses.
@@ -22,6 +23,10 @@ pub struct Conventions {
     pub locks: BTreeSet<u32>,
     /// Functions that leave the protected action of their caller.
     pub unlocks: BTreeSet<u32>,
+    /// Functions that undo what one of `locks` did.
+    pub unmasks: BTreeSet<u32>,
+    /// Offset of the word of an object that, when not zero, says that it needs none of `locks`.
+    pub span_offset: Option<u32>,
     /// Words of writable memory that no longer change when the program is under way.
     pub words: BTreeMap<u32, u32>,
 }
@@ -39,11 +44,22 @@ impl Conventions {
             parks: addresses(&kernel.parks),
             locks: addresses(&kernel.locks),
             unlocks: addresses(&kernel.unlocks),
+            unmasks: addresses(&kernel.unmasks),
+            span_offset: kernel.span_offset,
             words: annotations
                 .words
                 .iter()
                 .map(|word| (word.address, word.value))
                 .collect(),
         }
+    }
+
+    /// Is this object known never to be entered by one of `locks`?
+    pub fn spares(&self, object: &Value) -> bool {
+        let word = object
+            .constant()
+            .zip(self.span_offset)
+            .and_then(|(object, offset)| self.words.get(&object.wrapping_add(offset)));
+        word.is_some_and(|span| *span != 0)
     }
 }

@@ -310,6 +310,7 @@ impl<'a> Program<'a> {
         let mut state = State::entry(arguments);
         if self.conventions.unlocks.contains(&entry.0) {
             state.enter(ANY_URGENCY);
+            state.masks = None;
         }
         state
     }

@@ -58,6 +58,8 @@ pub struct State {
     pub urgencies: Vec<u32>,
     /// The lowest that the stack pointer can be.
     pub lowest: Option<i32>,
+    /// How many objects are entered by a function of the kernel that masks interrupts for it.
+    pub masks: Option<u32>,
     /// Urgency of the running thread or handler, where it is known.
     pub urgency: Option<u32>,
     /// Bits 7 to 0 of the program status in ARM state: mode and masks.
@@ -179,6 +181,7 @@ impl State {
             parked: None,
             urgencies: Vec::new(),
             lowest: Some(0),
+            masks: Some(0),
             urgency: None,
             control: None,
             memory: None,
@@ -375,6 +378,7 @@ impl State {
             escaped,
             parked: self.parked.filter(|_| self.parked == other.parked),
             urgencies: joined_urgencies(&self.urgencies, &other.urgencies),
+            masks: self.masks.filter(|_| self.masks == other.masks),
             urgency: self.urgency.filter(|_| self.urgency == other.urgency),
             control: self.control.filter(|_| self.control == other.control),
             lowest: self.lowest.zip(other.lowest).map(|(a, b)| a.min(b)),

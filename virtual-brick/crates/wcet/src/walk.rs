@@ -9,7 +9,7 @@ use crate::transfer::{execute, Effects, World};
 use crate::value::Value;
 use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most states that are followed side by side within a block.
 const VARIANTS: usize = 8;
@@ -46,6 +46,8 @@ pub struct BlockRecord {
     pub urgency: Option<u32>,
     /// Longest call at its end, where calls are followed.
     pub callee_cycles: Option<u64>,
+    /// Functions that are really called at its end.
+    pub callees: BTreeSet<Entry>,
 }
 
 /// What became of a call in one state.
@@ -145,6 +147,7 @@ impl<'a> Walker<'a> {
             call_depth_bytes: Some(0),
             urgency: None,
             callee_cycles: None,
+            callees: BTreeSet::new(),
         };
         Self {
             records: flow.blocks.iter().map(record).collect(),
@@ -377,7 +380,8 @@ impl<'a> Walker<'a> {
             own_target.clone_from(&effects.target);
             outcome.reach(effects.target, link);
             if matches!(transfer, Transfer::Call(_) | Transfer::TailCall(_)) {
-                return self.call(index, address, state);
+                let targets = own_target.as_ref().and_then(Value::elements);
+                return self.call(index, address, targets.as_deref(), state);
             }
             Some(state)
         });
@@ -415,19 +419,26 @@ impl<'a> Walker<'a> {
     }
 
     /// The state after the call at the end of a block; none when it does not return.
-    fn call(&mut self, index: usize, address: u32, mut state: State) -> Option<State> {
-        let urgencies = self.note_call(index, &state);
-        let calls = &self.flow.blocks[index].calls;
-        let Some(follower) = self.calls else {
+    fn call(
+        &mut self,
+        index: usize,
+        address: u32,
+        targets: Option<&[u32]>,
+        mut state: State,
+    ) -> Option<State> {
+        let callees = self.reached(index, targets, &state);
+        self.note_masks(&callees, &mut state);
+        let urgencies = self.note_call(index, &callees, &state);
+        let Some(follower) = self.calls.filter(|_| !callees.is_empty()) else {
             state.urgencies = urgencies;
             self.leave_out(index, address, &mut state);
-            return Some(state);
+            return (!callees.is_empty()).then_some(state);
         };
         let before = state.elapsed.0;
         let mut after: Option<State> = None;
         let mut state = Some(state);
-        for (position, callee) in calls.iter().enumerate() {
-            let last = position + 1 == calls.len();
+        for (position, callee) in callees.iter().enumerate() {
+            let last = position + 1 == callees.len();
             let own = if last { state.take() } else { state.clone() };
             let found = match follower.call(*callee, own?) {
                 Called::Returned(found) => found,
@@ -452,12 +463,41 @@ impl<'a> Walker<'a> {
         Some(after)
     }
 
+    /// The functions that a call can reach in this state.
+    fn reached(&self, index: usize, targets: Option<&[u32]>, state: &State) -> Vec<Entry> {
+        let conventions = self.world.conventions;
+        let calls = &self.flow.blocks[index].calls;
+        let named = |callee: &Entry| {
+            let found = targets.is_none_or(|t| t.iter().any(|target| target & !1 == callee.0));
+            found || calls.len() == 1
+        };
+        let spared = |callee: &Entry| {
+            let locks = conventions.locks.contains(&callee.0);
+            locks && conventions.spares(&state.registers[0])
+                || state.masks == Some(0) && conventions.unmasks.contains(&callee.0)
+        };
+        let reached = calls
+            .iter()
+            .filter(|callee| named(callee) && !spared(callee));
+        reached.copied().collect()
+    }
+
+    fn note_masks(&self, callees: &[Entry], state: &mut State) {
+        let conventions = self.world.conventions;
+        let is_one = |set: &BTreeSet<u32>| callees.iter().any(|callee| set.contains(&callee.0));
+        if is_one(&conventions.locks) {
+            state.masks = state.masks.map(|masks| masks + 1);
+        } else if is_one(&conventions.unmasks) {
+            state.masks = state.masks.and_then(|masks| masks.checked_sub(1));
+        }
+    }
+
     /// Records arguments, depth and protected actions of a call; the urgencies after it.
-    fn note_call(&mut self, index: usize, state: &State) -> Vec<u32> {
+    fn note_call(&mut self, index: usize, callees: &[Entry], state: &State) -> Vec<u32> {
         let conventions = self.world.conventions;
         let mut entered = None;
         let mut after = state.urgencies.clone();
-        for (callee, _) in &self.flow.blocks[index].calls {
+        for (callee, _) in callees {
             if conventions.locks.contains(callee) {
                 let object = state.registers[0].constant();
                 let urgency = object.and_then(|object| conventions.words.get(&object));
@@ -475,6 +515,7 @@ impl<'a> Walker<'a> {
                 None => arguments,
             };
             record.arguments = Some(joined);
+            record.callees.extend(callees);
             let depths = record.call_depth_bytes.zip(depth(state));
             record.call_depth_bytes = depths.map(|(a, b)| a.max(b));
             record.urgency = record.urgency.max(entered);

@@ -1,0 +1,216 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Bounds of the run-time's services against the longest times that can be brought about.
+
+`python -m conformance.timing.kernel_services` writes docs/reference/kernel-services.md and prints
+one JSON object. The benchmarks `staged` and `moments` play each service in the situation in which
+it takes longest: other tasks ahead in every queue, a more urgent task to switch to, and the clock's
+count beginning again, which it does each 24 minutes. Own times are taken step by step; interrupts
+and other tasks are left out of them.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.timing.bounds import execution_times
+from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.kernel import (
+    DELAY_UNTIL,
+    RESUME,
+    SUSPEND,
+    entry_facts,
+    interrupt_costs,
+    kernel_facts,
+)
+from ravenbrick.timing.started import attached_handlers, initializers, protected_objects
+from runtime.benchmarks.calls import CallTimes
+from runtime.benchmarks.measure import image_of
+from runtime.benchmarks.steps import steps_in
+
+__all__ = ["LARGEST_RATIO", "ServiceTime", "service_times"]
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = ROOT / "docs" / "reference" / "kernel-services.md"
+LARGEST_RATIO = 1.10
+
+# The clock counts ticks of 16 cycles in 32 bits; the scenes lie around each new beginning.
+COUNT_CYCLES = 16 * 2**32
+BEFORE_CYCLES = 1_500_000
+AFTER_CYCLES = 250_000
+ELABORATED_CYCLES = 3_000_000
+
+SYNCHRONOUS = "ada__synchronous_task_control"
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A program that brings services into their worst situation, and facts about it."""
+
+    program: str
+    services: tuple[tuple[str, str], ...]
+    facts: str
+    wraps: int
+    handler: str | None = None
+
+
+STAGED = Scene(
+    "staged",
+    (
+        ("protected procedure, then more urgent tasks go on", "stage__touch_object"),
+        ("the same with an interrupt's ceiling", "stage__touch_masking"),
+        ("switch at the end of a protected action", "system__tasking__protected_objects__dispatch"),
+        ("entry call, barrier open, then more urgent tasks go on", "stage__pass_always"),
+        ("protected procedure that opens an entry and serves it", "stage__open_gate"),
+        ("Suspend_Until_True, own part", SUSPEND),
+        ("Set_True", f"{SYNCHRONOUS}__set_true"),
+        ("Set_False", f"{SYNCHRONOUS}__set_false"),
+        ("delay until, own part", DELAY_UNTIL),
+        ("Clock", "stage__read_clock"),
+        ("alarm's handler, one release", "ravenbrick__delays__ring"),
+        ("return of a task that was preempted", RESUME),
+    ),
+    annotations_of(
+        {"loop": [{"symbol": "stage__source__cue_actorsP", "index": 0, "iterations": 4}]}
+    ),
+    wraps=4,
+    handler="stage__late_source__cue_lastP",
+)
+MOMENTS = Scene(
+    "moments",
+    (
+        ("timing event: Set_Handler of one that is set", "occasions__move_last"),
+        ("timing event: Cancel_Handler", "occasions__cancel_last"),
+    ),
+    "",
+    wraps=1,
+)
+AHEAD = 3
+
+
+@dataclass(frozen=True)
+class ServiceTime:
+    """One service: bound and longest observed time in cycles, and how often it was seen."""
+
+    service: str
+    symbol: str
+    bound: int
+    observed: int
+    count: int
+
+    @property
+    def ratio(self) -> float:
+        """Bound over observed."""
+        return self.bound / self.observed if self.observed else 0.0
+
+
+def _recorded(elf: Path, wraps: int) -> list[CallTimes]:
+    windows = [
+        (wrap * COUNT_CYCLES - BEFORE_CYCLES, wrap * COUNT_CYCLES + AFTER_CYCLES)
+        for wrap in range(1, wraps + 1)
+    ]
+    recorded = steps_in(elf, windows)
+    recorded[0].brick.run_until(ELABORATED_CYCLES)
+    return [CallTimes(steps) for steps in recorded]
+
+
+def _annotations(image: ElfImage, scene: Scene) -> list[tuple[str, str]]:
+    entries = ("entries", entry_facts(image))
+    elaborated = execution_times(
+        image.content, root="adainit", callees=initializers(image), annotations=[entries]
+    )
+    objects = protected_objects(image, elaborated.calls)
+    return [(scene.program, scene.facts), entries, ("run-time", kernel_facts(AHEAD, objects))]
+
+
+def _services(
+    image: ElfImage,
+    scene: Scene,
+    annotations: Sequence[tuple[str, str]],
+    times: Sequence[CallTimes],
+) -> list[ServiceTime]:
+    symbols = [symbol for _, symbol in scene.services]
+    found = execution_times(image.content, functions=symbols, annotations=annotations)
+    rows = []
+    for (service, symbol), bound in zip(scene.services, found.functions, strict=True):
+        seen = [
+            cycles
+            for each in times
+            for cycles in (each.of_resumptions() if symbol == RESUME else each.of_calls(symbol))
+        ]
+        cycles = bound.cycles + found.return_cycles
+        rows.append(ServiceTime(service, symbol, cycles, max(seen, default=0), len(seen)))
+    return rows
+
+
+def _interrupts(
+    image: ElfImage,
+    scene: Scene,
+    annotations: Sequence[tuple[str, str]],
+    times: Sequence[CallTimes],
+) -> list[ServiceTime]:
+    attached = attached_handlers(times[0].steps.brick, image)
+    handlers = [handler for handler in attached if handler.symbol == scene.handler]
+    rows = []
+    for cost in interrupt_costs(image, handlers, annotations):
+        symbol = cost.handler.symbol
+        seen = [c for each in times for c in each.of_interrupts([symbol])[symbol]]
+        title = "interrupt that releases a task, until a more urgent one goes on"
+        rows.append(ServiceTime(title, symbol, cost.cycles, max(seen, default=0), len(seen)))
+    return rows
+
+
+def service_times(code: str = "arm") -> list[ServiceTime]:
+    """All services, programs and run-time in `code` ("arm" or "thumb").
+
+    Raises:
+        ExecutionTimeError: A service has no bound.
+        subprocess.CalledProcessError: A program could not be built or recorded.
+    """
+    rows = []
+    for scene in (STAGED, MOMENTS):
+        elf = image_of(scene.program, "ram", code)
+        image = read_image(elf)
+        times = _recorded(elf, scene.wraps)
+        annotations = _annotations(image, scene)
+        rows += _services(image, scene, annotations, times)
+        rows += _interrupts(image, scene, annotations, times)
+    return rows
+
+
+def _table(rows: Sequence[ServiceTime]) -> str:
+    lines = [
+        "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
+        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
+        "# Services of the run-time: bound and longest time",
+        "",
+        "Generated by `python -m conformance.timing.kernel_services`. Cycles, ARM code in RAM, at",
+        f"most {AHEAD} other tasks ahead in a queue. The times were brought about by the programs",
+        "`staged` and `moments`, which play each service in its worst situation; the time of",
+        "interrupts and of other tasks is left out, the application's part is included.",
+        "",
+        "| service | function | bound | longest seen | ratio | times |",
+        "| --- | --- | ---: | ---: | ---: | ---: |",
+    ]
+    lines += [
+        f"| {r.service} | `{r.symbol}` | {r.bound} | {r.observed} | {r.ratio:.3f} | {r.count} |"
+        for r in rows
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Write and print; 1 when a time lies above its bound or too far below."""
+    rows = service_times()
+    TABLE.write_text(_table(rows))
+    print(json.dumps([{**asdict(row), "ratio": row.ratio} for row in rows], indent=1))
+    return int(any(row.observed > row.bound or row.ratio > LARGEST_RATIO for row in rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The run-time's services in their worst situations, against their bounds."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import pytest
+
+from ravenbrick.target.build import TOOLS, find_tool
+
+if importlib.util.find_spec("virtual_brick") is None:
+    pytest.skip("the module virtual_brick is not built", allow_module_level=True)
+if any(find_tool(tool) is None for tool in TOOLS):
+    pytest.skip("the cross toolchain is not installed", allow_module_level=True)
+
+from conformance.timing.kernel_services import LARGEST_RATIO, service_times
+
+
+def test_no_service_takes_longer_than_its_bound_and_each_nearly_as_long() -> None:
+    found = service_times()
+    assert len(found) == 15
+    for row in found:
+        assert row.count > 0, row
+        assert row.observed <= row.bound <= LARGEST_RATIO * row.observed, row
