@@ -245,8 +245,8 @@ def page(block_lines: list[str], lots: list[str], controller_lines: list[str]) -
             "would say so if they had not. Differences: of the simulation in single precision and",
             "in fixed point from the block's definition in double precision, inputs within 10",
             "(fixed point: 2). A quantiser may take the other of two levels that are equally near.",
-            "No form in fixed point: functions of the user's, products and quotients of signals,",
-            "sines, roots, angles, and a ramp without end; a LookupTable takes their place.",
+            "No form in fixed point: functions of the user's, quotients, sines, roots, angles, and",
+            "a ramp without end; a LookupTable takes their place.",
             "",
             "| Block | Single: difference | Fixed: difference | C single | Ada single | C fixed "
             "| Ada fixed |",

@@ -301,8 +301,8 @@ class _Rewriting:
                 return _Scaled(select, first.fraction, first.interval.hull(second.interval))
             case _:
                 raise DesignError(
-                    f"block '{self._block}' has no fixed-point form; use it in floating point or "
-                    "replace it by sums, gains, delays, integrators, saturations and switches"
+                    f"block '{self._block}' has no fixed-point form; use it in floating point, "
+                    "or a LookupTable of the function"
                 )
 
     def _aligned(self, left: Expression, right: Expression) -> tuple[_Scaled, _Scaled]:
@@ -332,6 +332,8 @@ class _Rewriting:
         """A literal or parameter with a certain fraction."""
         if isinstance(expression, Literal):
             form = FixedFormat(width, fraction)
+            if finest_fraction(Interval(expression.value, expression.value), width) < fraction:
+                raise _TooFineError(f"block '{self._block}' has the number {expression.value:.6g}")
             literal = Literal(form.raw(expression.value), form)
             self.constants[self._block, literal] = expression.value
             return _Scaled(literal, fraction, Interval(expression.value, expression.value))
@@ -366,9 +368,7 @@ class _Rewriting:
         if _is_constant(right):
             left, right = right, left
         if not _is_constant(left):
-            raise DesignError(
-                f"block '{self._block}' multiplies two signals, which has no fixed-point form"
-            )
+            return self._signals_product(left, right)
         value = self._convert(right)
         interval = self._constant_range(left)
         product = interval * value.interval
@@ -382,10 +382,29 @@ class _Rewriting:
         if interval.size and math.ldexp(interval.size, gain.fraction) < _LEAST_GAIN:
             raise DesignError(
                 f"block '{self._block}': the gain {interval.size:.6g} keeps too few bits; "
-                "lower the ranges of the states that it drives"
+                "lower the ranges of the states that it drives, or use a LookupTable"
             )
         expression = Binary("*", gain.expression, value.expression)
         return _Scaled(expression, gain.fraction + value.fraction, product)
+
+    def _signals_product(self, left: Expression, right: Expression) -> _Scaled:
+        """Two signals with 16 bits each, so that the product fits into 32."""
+        first, second = (self._in_16_bits(side) for side in (left, right))
+        fraction = first.fraction + second.fraction
+        expression = Binary("*", first.expression, second.expression)
+        interval = first.interval * second.interval
+        kept = min(fraction, self._fraction)
+        if math.ldexp(interval.size, kept) < 1 << _LEAST_GAIN_BITS:
+            raise DesignError(
+                f"block '{self._block}' multiplies signals and keeps too few bits of their "
+                f"product, which is within {interval.size:.6g}; use a LookupTable of the function, "
+                "or lower the ranges elsewhere"
+            )
+        return self._at_fraction(_Scaled(expression, fraction, interval), kept)
+
+    def _in_16_bits(self, side: Expression) -> _Scaled:
+        value = self._convert(side)
+        return self._at_fraction(value, min(value.fraction, finest_fraction(value.interval, 16)))
 
     def _constant_range(self, expression: Expression) -> Interval:
         if isinstance(expression, Literal):

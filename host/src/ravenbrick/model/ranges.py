@@ -151,8 +151,8 @@ def _range(expression: Expression, ranges: Mapping[Key, Interval], block: str) -
             return _choice(expression, ranges, block)
         case _:
             raise DesignError(
-                f"block '{block}' has no fixed-point form; use it in floating point or replace it "
-                "by sums, gains, delays, integrators and saturations"
+                f"block '{block}' has no fixed-point form; use it in floating point, or a "
+                "LookupTable of the function"
             )
 
 
