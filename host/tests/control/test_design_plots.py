@@ -29,6 +29,8 @@ from ravenbrick.control import (
     root_locus_figure,
     write_figure,
 )
+from ravenbrick.control.encoder_run import SampleTiming
+from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
 from ravenbrick.model import IntegrationMethod, SpeedLoop
 
 LOOP = SpeedLoop(2.029, 0.037, 116.0)
@@ -111,6 +113,19 @@ def test_the_nyquist_plot_says_how_near_the_curve_comes() -> None:
     frequencies = np.geomspace(0.01, 1000, 20_000)
     sensitivity = control.frequency_response(1 / (1 + system), frequencies).magnitude.max()
     assert f"nearest to -1: {1 / sensitivity:.2f}" in legend
+
+
+def test_a_schedule_changes_the_loop_as_its_delay_does(design: DesignedLoop) -> None:
+    """The design's delay as a schedule is the design; 30 ms make the overdamped loop faster."""
+    same = schedule_effect(design, SampleTiming.constant(WANTED.delay))
+    assert np.array_equal(same[1].run.speed, same[2].run.speed)
+    late = SampleTiming(np.full(2, 1e-4), np.array([0.028, 0.032]))
+    cases = schedule_effect(design, late)
+    assert cases[2].measures.settling_time < cases[0].measures.settling_time - 0.1
+    figure = schedule_figure(cases, late)
+    assert labels(figure)[0] == "true speed / set-point"
+    assert labels(figure)[-1] == "after the period's begin (us)"
+    assert timing_row(late)["delay_us"] == pytest.approx([28000.0, 32000.0])
 
 
 def test_the_root_locus_ends_where_the_gain_margin_says(design: DesignedLoop) -> None:

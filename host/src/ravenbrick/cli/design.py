@@ -16,10 +16,15 @@ from ravenbrick.cli.costs import project_costs
 from ravenbrick.cli.pipeline import design_project
 from ravenbrick.control.design_plots import DesignedLoop, read_system, write_figure
 from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
-from ravenbrick.errors import DesignError
+from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
+from ravenbrick.errors import DesignError, UsageError
 from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.sample_timing import sample_timing
 
 __all__ = ["design_command"]
+
+_MOTORS = "ABC"
 
 
 @command("ravenbrick design examples/vehicle --plots")
@@ -36,6 +41,12 @@ def design_command(
         bool,
         typer.Option("--costs", help="Cycles on the brick: single precision beside fixed point."),
     ] = False,
+    timing: Annotated[
+        Path | None,
+        typer.Option(help="Recorded run (.npz): the loop with its jitter and delay, as a picture."),
+    ] = None,
+    task: Annotated[str, typer.Option(help="The recorded run's control task.")] = "control_task",
+    motor: Annotated[str, typer.Option(help="The motor that it drives, A, B or C.")] = "B",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Run design.py: tune, discretise, simulate, and generate the controller's C."""
@@ -55,7 +66,42 @@ def design_command(
     }
     if costs:
         answer["costs"] = _count(workspace, reporter)
+    if timing is not None:
+        answer |= _with_schedule(workspace, reporter, timing, task, motor)
     return {**answer, **_draw(workspace, reporter)} if plots else answer
+
+
+def _with_schedule(
+    workspace: Workspace, reporter: Reporter, path: Path, task: str, motor: str
+) -> dict[str, Any]:
+    """The designed loop with the instants of a recorded run."""
+    if not path.is_file():
+        raise UsageError(f"{path}: there is no such recording; make one with `ravenbrick run`")
+    if motor not in _MOTORS:
+        raise UsageError(f"--motor {motor}: expected A, B or C")
+    loop = DesignedLoop.read(_loop_of(workspace))
+    with reporter.step("the loop with the recorded schedule"):
+        measured = sample_timing(Recording.load(path), task, _MOTORS.index(motor))
+        cases = schedule_effect(loop, measured)
+    rows = [case.row() for case in cases]
+    names = ("settling_time", "overshoot", "ripple", "control_peak_to_peak")
+    reporter.table(
+        ("schedule", "settling (s)", "overshoot", "ripple", "voltage p-p (V)"),
+        [[str(row["schedule"]), *(f"{row[n]:.4f}" for n in names)] for row in rows],
+    )
+    figure = {"schedule": schedule_figure(cases, measured)}
+    written = _written(figure, workspace.results / "design", workspace, reporter)
+    return {"schedule": {**timing_row(measured), "cases": rows, "picture": written[0]}}
+
+
+def _loop_of(workspace: Workspace) -> dict[str, Any]:
+    """What design.py says of its loop."""
+    content = json.loads(workspace.design_file.read_text(encoding="utf-8")).get("loop")
+    if not isinstance(content, dict):
+        raise DesignError(
+            "design.py left no loop to draw; give `open_loop` to write_loop_results, or use Design"
+        )
+    return content
 
 
 def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
@@ -80,11 +126,7 @@ def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
 
 def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
     """The pictures that the design's loop allows, and the figures in them."""
-    content = json.loads(workspace.design_file.read_text(encoding="utf-8")).get("loop")
-    if content is None:
-        raise DesignError(
-            "design.py left no loop to draw; give `open_loop` to write_loop_results, or use Design"
-        )
+    content = _loop_of(workspace)
     folder = workspace.results / "design"
     if "plant" not in content:
         with reporter.step("frequency response, root locus"):
