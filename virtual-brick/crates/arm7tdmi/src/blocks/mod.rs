@@ -374,6 +374,19 @@ impl<B: BlockBus> Run<'_, B> {
         true
     }
 
+    /// After an access that can change memory: the pipeline still holds what memory holds.
+    #[inline(never)]
+    fn settles(&mut self, blocks: &mut Blocks<B>) -> bool {
+        let ahead = (self.next & !1).wrapping_add(2 * size_of(self.next));
+        let same = self.fetched == Some(opcodes(self.bus, self.next));
+        if !same || !self.bus.in_sequence(ahead) || self.bus.code_epoch() != blocks.epoch {
+            return false;
+        }
+        self.fetched = None;
+        blocks.update(self.bus);
+        true
+    }
+
     /// After an access through the bus, or with other masks: the cycles that are quiet from here
     /// on; none when somebody else has to look first.
     #[inline(never)]
@@ -381,19 +394,9 @@ impl<B: BlockBus> Run<'_, B> {
         match self.end {
             End::Accessed => {
                 self.delayed = NO_MASKS;
-                if self.bus.attention() {
+                if self.bus.attention() || self.fetched.is_some() && !self.settles(blocks) {
                     return None;
                 }
-                let ahead = (self.next & !1).wrapping_add(2 * size_of(self.next));
-                let changed = self
-                    .fetched
-                    .is_some_and(|fetched| fetched != opcodes(self.bus, self.next));
-                if changed || !self.bus.in_sequence(ahead) || self.bus.code_epoch() != blocks.epoch
-                {
-                    return None;
-                }
-                self.fetched = None;
-                blocks.update(self.bus);
             }
             End::Status => {
                 self.bus.pass(self.cycles);

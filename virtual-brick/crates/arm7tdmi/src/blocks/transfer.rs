@@ -8,6 +8,7 @@ use super::bus::{BlockBus, PlainRead, PlainWords};
 use super::run::{follow, size_of, Handler, Op, Rest, Run};
 use crate::alu::shift_by_constant;
 use crate::bus::Width;
+use crate::instruction::BlockTransfer;
 
 /// How the address comes about.
 pub(super) const FIXED: u8 = 0;
@@ -17,6 +18,8 @@ pub(super) const OFFSET: u8 = 1;
 pub(super) const INDEXED: u8 = 2;
 /// As the bits of the mode tell.
 pub(super) const GENERAL: u8 = 3;
+/// The value plus `second` shifted left by the amount: a table behind r15.
+pub(super) const RELATIVE: u8 = 4;
 
 /// Bits of the mode.
 pub(super) const UP: u8 = 1 << 0;
@@ -60,6 +63,10 @@ fn address<B: BlockBus, const ADDRESSING: u8>(run: &Run<'_, B>, op: &Op<B>) -> (
         INDEXED => {
             let offset = run.get(op.second) << (op.amount & 31);
             (run.get(op.first).wrapping_add(offset), 0)
+        }
+        RELATIVE => {
+            let offset = run.get(op.second) << (op.amount & 31);
+            (op.value.wrapping_add(offset), 0)
         }
         _ => {
             let offset = if op.mode & BY_REGISTER == 0 {
@@ -135,8 +142,39 @@ fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
     follow(run, rest);
 }
 
+/// LDR to r15: a branch in ARM state.
+fn load_jump<B: BlockBus, const ADDRESSING: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    _rest: Rest<'_, B>,
+) {
+    let (at, moved) = address::<B, ADDRESSING>(run, op);
+    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, Width::Word) else {
+        return run.leave_before(op);
+    };
+    if !run.branch_to(op, value & !3) {
+        return run.leave_before(op);
+    }
+    run.cycles += cycles + 1;
+    if op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+}
+
+/// The handler of a load to r15.
+pub(super) const fn jump_handler<B: BlockBus>(addressing: u8) -> Handler<B> {
+    match addressing {
+        FIXED => load_jump::<B, FIXED>,
+        OFFSET => load_jump::<B, OFFSET>,
+        INDEXED => load_jump::<B, INDEXED>,
+        RELATIVE => load_jump::<B, RELATIVE>,
+        _ => load_jump::<B, GENERAL>,
+    }
+}
+
 const fn load_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
     match addressing {
+        RELATIVE => load::<B, ITEM, RELATIVE>,
         FIXED => load::<B, ITEM, FIXED>,
         OFFSET => load::<B, ITEM, OFFSET>,
         INDEXED => load::<B, ITEM, INDEXED>,
@@ -146,6 +184,7 @@ const fn load_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
 
 const fn store_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
     match addressing {
+        RELATIVE => store::<B, ITEM, RELATIVE>,
         FIXED => store::<B, ITEM, FIXED>,
         OFFSET => store::<B, ITEM, OFFSET>,
         INDEXED => store::<B, ITEM, INDEXED>,
@@ -173,22 +212,30 @@ pub(super) const fn store_handler<B: BlockBus>(item: u8, addressing: u8) -> Hand
     }
 }
 
-/// First address of a multiple transfer and the moved base: base in `first`, size in `amount`.
-#[inline(always)]
-fn block_address<B: BlockBus>(run: &Run<'_, B>, op: &Op<B>) -> (u32, u32) {
-    let (base, size) = (run.get(op.first), u32::from(op.amount));
-    let (up, before) = (op.mode & UP != 0, op.mode & BEFORE != 0);
-    let (lowest, moved) = if up {
-        (base, base.wrapping_add(size))
-    } else {
-        (base.wrapping_sub(size), base.wrapping_sub(size))
-    };
-    let start = if before == up {
-        lowest.wrapping_add(4)
+/// A multiple transfer in the value of an operation: the list, then what is added to the base for
+/// the first address, and what for its new value.
+pub(super) const fn packed(block: &BlockTransfer) -> u32 {
+    let size = block.size_bytes as i32;
+    let (lowest, moved) = if block.up { (0, size) } else { (-size, -size) };
+    let start = if block.before == block.up {
+        lowest + 4
     } else {
         lowest
     };
-    (start, moved)
+    let moved = if block.write_back { moved } else { 0 };
+    block.list | (start as u32 & 0xFF) << 16 | (moved as u32) << 24
+}
+
+/// First address of a multiple transfer and the moved base.
+#[inline(always)]
+fn block_address<B: BlockBus>(run: &Run<'_, B>, op: &Op<B>) -> (u32, u32) {
+    let base = run.get(op.first);
+    let start = (op.value << 8) as i32 >> 24;
+    let moved = op.value as i32 >> 24;
+    (
+        base.wrapping_add(start as u32),
+        base.wrapping_add(moved as u32),
+    )
 }
 
 /// What a multiple load does at its end.
@@ -205,7 +252,7 @@ pub(super) fn load_block<B: BlockBus, const FINISH: u8>(
     rest: Rest<'_, B>,
 ) {
     let (at, moved) = block_address(run, op);
-    let count = op.value.count_ones();
+    let count = u32::from(op.amount);
     if FINISH != GOES_ON {
         let plain = run.bus.plain_words(at, count);
         let Some(&last) = plain.and_then(|plain| plain.words.last()) else {
@@ -225,10 +272,8 @@ pub(super) fn load_block<B: BlockBus, const FINISH: u8>(
         return run.leave_before(op);
     };
     run.cycles += 1 + count * cycles;
-    if op.mode & WRITE_BACK != 0 {
-        run.registers[op.first as usize] = moved;
-    }
-    let mut list = op.value;
+    run.registers[op.first as usize] = moved;
+    let mut list = op.value & 0xFFFF;
     for &word in words {
         run.registers[(list.trailing_zeros() & 15) as usize] = word;
         list &= list.wrapping_sub(1);
@@ -243,19 +288,17 @@ pub(super) fn load_block<B: BlockBus, const FINISH: u8>(
 /// STM.
 pub(super) fn store_block<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, rest: Rest<'_, B>) {
     let (at, moved) = block_address(run, op);
-    let count = op.value.count_ones();
+    let count = u32::from(op.amount);
     let Some(PlainWords { words, cycles }) = run.bus.plain_words_mut(at, count) else {
         return run.leave_before(op);
     };
-    let mut list = op.value;
+    let mut list = op.value & 0xFFFF;
     let mut words = words.iter_mut();
     if let Some(word) = words.next() {
         *word = run.registers[(list.trailing_zeros() & 15) as usize];
         list &= list.wrapping_sub(1);
     }
-    if op.mode & WRITE_BACK != 0 {
-        run.registers[op.first as usize] = moved;
-    }
+    run.registers[op.first as usize] = moved;
     for word in words {
         *word = run.registers[(list.trailing_zeros() & 15) as usize];
         list &= list.wrapping_sub(1);

@@ -201,6 +201,7 @@ impl<B: BlockBus> Builder<'_, B> {
             Operation::BranchExchange { register } if *register != 15 => {
                 self.push(exchange).second = Register::number(*register);
             }
+            Operation::BranchExchange { .. } => self.exchange_here(),
             Operation::LongBranchSuffix { offset } => self.long_branch_suffix(*offset, prefix),
             Operation::ReadStatus { destination, saved } if *destination != 15 => {
                 self.read_status(*destination, *saved);
@@ -242,6 +243,26 @@ impl<B: BlockBus> Builder<'_, B> {
         });
         op.value = target | state;
         op.through += cycles;
+    }
+
+    /// BX r15: on in ARM state behind the instruction, as veneers do.
+    fn exchange_here(&mut self) {
+        let target = self.pc() & !3;
+        let sequence = self.address.wrapping_add(3 * size_of(self.key));
+        let region = self.region;
+        let cycles = self
+            .bus
+            .branch_cycles(sequence, target, Width::Word, region);
+        match cycles {
+            Some(cycles) if target != self.address => {
+                let op = self.push(branch);
+                op.value = target;
+                op.through += cycles as u16;
+            }
+            _ => {
+                self.push(leave);
+            }
+        }
     }
 
     fn conditional_branch(&mut self, condition: u32, offset: u32) {
@@ -493,7 +514,9 @@ impl<B: BlockBus> Builder<'_, B> {
 
     fn transfer(&mut self, transfer: &Transfer) {
         let pc_moves = transfer.base == 15 && (transfer.write_back || !transfer.before);
-        if transfer.register == 15 || pc_moves || operand_reads_pc(transfer.offset) {
+        let jumps = transfer.register == 15;
+        let jumps_oddly = jumps && !(transfer.load && transfer.width == Width::Word);
+        if jumps_oddly || pc_moves || operand_reads_pc(transfer.offset) {
             self.push(leave);
             return;
         }
@@ -510,7 +533,9 @@ impl<B: BlockBus> Builder<'_, B> {
             return;
         };
         let ram_cycles = self.bus.ram_cycles() as u8;
-        let op = self.push(if transfer.load {
+        let op = self.push(if jumps {
+            transfer::jump_handler(addressing)
+        } else if transfer.load {
             load_handler(item, addressing)
         } else {
             store_handler(item, addressing)
@@ -535,6 +560,14 @@ impl<B: BlockBus> Builder<'_, B> {
             Operand::Constant { value, .. } if transfer.base == 15 => {
                 let at = (self.pc() & !3).wrapping_add(signed(value));
                 Some((transfer::FIXED, at, Register::R0, 0, 0))
+            }
+            Operand::Shifted {
+                register,
+                kind: 0,
+                amount,
+            } if transfer.base == 15 && simple && transfer.add => {
+                let (pc, register) = (self.pc() & !3, Register::number(register));
+                Some((transfer::RELATIVE, pc, register, amount as u8, 0))
             }
             _ if transfer.base == 15 => None,
             Operand::Constant { value, .. } if simple => {
@@ -580,12 +613,9 @@ impl<B: BlockBus> Builder<'_, B> {
             (true, true, false) => load_block::<B, { transfer::BRANCHES }>,
             (true, true, true) => load_block::<B, { transfer::RETURNS }>,
         });
-        op.value = block.list;
+        op.value = transfer::packed(block);
         op.first = Register::number(block.base);
-        op.amount = block.size_bytes as u8;
-        op.mode = u8::from(block.up) * transfer::UP
-            | u8::from(block.before) * transfer::BEFORE
-            | u8::from(block.write_back) * transfer::WRITE_BACK;
+        op.amount = block.list.count_ones() as u8;
     }
 }
 

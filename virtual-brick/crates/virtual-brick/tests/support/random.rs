@@ -138,7 +138,7 @@ fn restore_pointers(program: &mut Program, base: u32) {
 
 /// One or a few instructions.
 fn piece(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
-    match numbers.below(28) {
+    match numbers.below(30) {
         0..=8 => data_processing(program, numbers),
         9 => multiplication(program, numbers),
         10..=14 => transfer(program, numbers),
@@ -157,6 +157,7 @@ fn piece(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
         23 => register_access(program, numbers),
         24 => status_access(program, numbers),
         25 => return_from_mode(program, numbers),
+        26 => jump_by_table(program, numbers, base),
         _ => {
             let oddities = [
                 0xEF00_0000,
@@ -278,6 +279,19 @@ fn register_access(program: &mut Program, numbers: &mut Numbers) {
         _ => 0x058C_0000,
     };
     program.raw(condition | word | register << 12);
+}
+
+/// A load of r15 from a table behind it, and a load from that table.
+fn jump_by_table(program: &mut Program, numbers: &mut Numbers, base: u32) {
+    program.raw(0xE200_6003 | numbers.register() << 16); // and r6, rn, #3
+    program.raw(0xE79F_5106); // ldr r5, [pc, r6, lsl #2]: from the first entry on
+    program.raw(numbers.condition() & 0xF000_0000 | 0x079F_F106); // ldr pc, [pc, r6, lsl #2]
+    program.branch(ALWAYS, program.here() + 5);
+    let targets = program.here() as u32 + 4;
+    for _ in 0..4 {
+        program.raw(base + 4 * (targets + numbers.below(4)));
+    }
+    (0..4).for_each(|_| data_processing(program, numbers));
 }
 
 /// Status registers: read, flags written, SPSR written as it is.
