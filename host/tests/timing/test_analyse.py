@@ -13,6 +13,9 @@ import pytest
 from host.tests.conftest import VEHICLE
 
 from ravenbrick.errors import ImageFileError, RavenbrickError
+from ravenbrick.schedule.model import TaskSet
+from ravenbrick.schedule.response_time import response_time_bounds
+from ravenbrick.schedule.sensitivity import largest_wcet
 from ravenbrick.target.build import TOOLS, find_tool
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage, read_image
@@ -95,6 +98,27 @@ def test_the_vehicle_meets_its_deadlines_and_is_told_how_much_room_there_is(
     result = result_of(analysis, {})
     assert result["schedulable"]
     assert any("control_task may take" in line for line in advice(result))
+
+
+def test_what_is_said_to_help_is_enough_and_no_more(analysis: Analysis) -> None:
+    """With a deadline of 1 ms the control job must become shorter, by just so much."""
+    short = MASTER_CLOCK.cycles_of_us(1_000)
+
+    def meets(wcet: int) -> bool:
+        bounds = response_time_bounds(control(wcet), analysis.overheads)
+        return all(bound.meets_deadline for bound in bounds)
+
+    def control(wcet: int) -> TaskSet:
+        changed = [
+            replace(task, deadline=short, wcet=wcet) if task.name == "control_task" else task
+            for task in analysis.task_set
+        ]
+        return TaskSet(tuple(changed))
+
+    own = next(t.job.cycles for t in analysis.tasks if t.task.name == "control_task")
+    limit, _ = largest_wcet(control(own), "control_task", analysis.overheads)
+    assert limit is not None and 0 < limit < own
+    assert not meets(own) and meets(int(limit)) and not meets(int(limit) + 1)
 
 
 def test_ceilings_and_handlers_are_those_of_the_sources(analysis: Analysis) -> None:
@@ -206,6 +230,8 @@ def test_a_hunt_and_a_long_run_find_no_response_above_its_bound(
     short = replace(scenario, duration_ms=1_300, pictures_ms=())
     found = hunt(robot, short, image, attempts=3)
     assert set(found.catches) >= {"coprocessor_task", "control_task"}
+    gained = {n: c.response_cycles - found.unvaried[n] for n, c in found.catches.items()}
+    assert min(gained.values()) >= 0 and max(gained.values()) > 0, gained
     both = largest(observe(robot, recording), found)
     run = long_run(robot, short, image, seconds=2.6)
     assert exceeded(analysis, both, run.plain()) == []

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from time import process_time
 from typing import Annotated, Any
 
 import typer
@@ -165,7 +166,9 @@ def analyse_command(
     elf = read_image(workspace.image(image.kind, robot.name))
     chosen = _scenario(workspace, robot, scenario)
     with reporter.step("bound execution and response times"):
+        begin = process_time()
         analysis = _bounds(robot, chosen, elf, facts)
+        effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
     recording = _recording(workspace, robot, chosen, elf, reporter)
     check_interrupt_rates(robot, facts, recording)
     seen, more = _search(robot, chosen, elf, recording, hunt_attempts, hours, reporter)
@@ -174,6 +177,7 @@ def analyse_command(
     result = {
         "scenario": chosen.name,
         "image_sha256": image_digest(elf),
+        "effort": effort,
         **result_of(analysis, seen),
         "chains": [{**vars(chain), "jitter_cycles": chain.jitter_cycles} for chain in chains],
         **more,

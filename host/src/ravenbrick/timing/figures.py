@@ -48,6 +48,7 @@ def terms_figure(result: dict[str, Any]) -> Figure:
             seen = 100 * microseconds(task["observed"]["response_cycles"]) / deadline
             name = "observed maximum" if row == 0 else None
             axis.plot([seen, seen], [row - 0.36, row + 0.36], color="#000000", label=name)
+    axis.axvline(100, color=COLOURS["right"], linestyle="--", label="deadline")
     axis.set_yticks(range(len(tasks)), [task["name"] for task in reversed(tasks)])
     axis.set_xlabel("response time (% of the deadline)")
     axis.legend(frameon=False, fontsize=8, ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.3))
@@ -102,7 +103,11 @@ def windows_figure(
     length = float(bound)
     _critical(axes[0], analysis, lanes, length)
     _observed(axes[1], recording, lanes, begin, length)
+    deadline = microseconds(analysis.bounds[task].task.deadline)
     for axis in axes:
+        if deadline < microseconds(bound):
+            axis.axvline(deadline, color=COLOURS["right"], linestyle="--", label="deadline")
+            legend(axis, "lower right")
         axis.set_yticks(list(lanes.values()), list(lanes))
         axis.set_ylim(-0.6, len(lanes) - 0.4)
         axis.set_xlim(0, microseconds(bound))

@@ -42,10 +42,11 @@ class Catch:
 
 @dataclass(frozen=True)
 class Hunt:
-    """All catches, by the task's name."""
+    """All catches, and the longest responses of the scenario as it is, by the task's name."""
 
     attempts: int
     catches: Mapping[str, Catch]
+    unvaried: Mapping[str, int]
 
     def plain(self) -> dict[str, Any]:
         """For JSON; cycles."""
@@ -54,6 +55,7 @@ class Hunt:
             "tasks": {
                 name: {
                     "response_cycles": found.response_cycles,
+                    "unvaried_cycles": self.unvaried.get(name),
                     "attempt": found.attempt,
                     "inputs": [[i.at_cycles, i.name, i.value] for i in found.inputs],
                 }
@@ -114,13 +116,16 @@ def hunt(
     switches = sorted({i.name for i in original if i.value in (0.0, 1.0)})
     quiet = replace(scenario, inputs=(), signal_period_us=SIGNAL_PERIOD_US, pictures_ms=())
     catches: dict[str, Catch] = {}
+    unvaried: dict[str, int] = {}
     for attempt in range(attempts):
         best = [catch.inputs for catch in catches.values()]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
         inputs = original if attempt == 0 else _varied(base, end, switches, rng)
         brick = target.prepare(robot, replace(quiet, stimuli=inputs), image)
         brick.run_until(end)
-        for name, response in _responses(robot, brick).items():
+        responses = _responses(robot, brick)
+        unvaried = unvaried or responses
+        for name, response in responses.items():
             known = catches.get(name)
             if known is None or known.response_cycles < response:
                 catches[name] = Catch(name, response, attempt, inputs)
@@ -129,7 +134,7 @@ def hunt(
         recording = target.run(robot, replace(quiet, stimuli=catch.inputs), image)
         catches[name] = replace(catch, observed=observe(robot, recording).get(name))
         progress((attempts + count + 1) / (attempts + len(robot.tasks)))
-    return Hunt(attempts, catches)
+    return Hunt(attempts, catches, unvaried)
 
 
 def largest(seen: Mapping[str, Observed], found: Hunt) -> dict[str, Observed]:

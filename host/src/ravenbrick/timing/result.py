@@ -106,7 +106,7 @@ def result_of(analysis: Analysis, observed: dict[str, Observed]) -> dict[str, An
                 "handler": cost.handler.symbol,
                 "priority": cost.handler.priority,
                 "bound_cycles": cost.cycles,
-                "handler_bound_cycles": cost.body.cycles,
+                "handler_bound_cycles": min(cost.body.cycles, cost.cycles),
                 "stack_bound_bytes": cost.stack_bytes,
             }
             for cost in analysis.interrupts

@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What `ravenbrick analyse` says when robot.toml and the image disagree or a deadline is short."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from host.tests.conftest import VEHICLE
+from typer.testing import CliRunner
+
+from ravenbrick.cli import app
+from ravenbrick.errors import ProjectFileError
+from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.task_set import check_task_set
+
+BUILT = Workspace.of(VEHICLE).image("ram", "vehicle")
+pytestmark = [
+    pytest.mark.skipif(
+        importlib.util.find_spec("virtual_brick") is None,
+        reason="the module virtual_brick is not built; 'make setup' builds it",
+    ),
+    pytest.mark.skipif(
+        not BUILT.is_file(),
+        reason="the vehicle is not built; 'ravenbrick build examples/vehicle' builds it",
+    ),
+]
+Change = Callable[[str, str, str], Path]
+
+
+@pytest.fixture
+def changed(tmp_path: Path) -> Change:
+    """The vehicle in a folder of its own, a value of one of its tasks replaced; its image stays."""
+
+    def change(task: str, old: str, new: str) -> Path:
+        project = tmp_path / "vehicle"
+        project.mkdir()
+        for name in ("robot.toml", "timing.toml"):
+            shutil.copy(VEHICLE / name, project)
+        (project / "scenarios").mkdir()
+        text = (VEHICLE / "scenarios" / "step.toml").read_text()
+        (project / "scenarios" / "step.toml").write_text(text)
+        image = Workspace.of(project).image("ram", "vehicle")
+        image.parent.mkdir(parents=True)
+        shutil.copy2(BUILT, image)
+        robot = project / "robot.toml"
+        head, mark, tail = robot.read_text().partition(f'name = "{task}"')
+        assert old in tail
+        robot.write_text(head + mark + tail.replace(old, new, 1))
+        return project
+
+    return change
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    robot = read_robot(VEHICLE)
+    scenario = read_scenario(scenario_path(VEHICLE, "step"), robot)
+    return VirtualTarget().run(robot, scenario, read_image(BUILT))
+
+
+@pytest.mark.parametrize(
+    ("field", "old", "new", "said"),
+    [
+        ("priority", "priority = 1", "priority = 0", "is 0, but the image that ran has 1"),
+        ("stack_bytes", "= 4096", "= 2048", "is 2048, but the image that ran has 4096"),
+        ("period_us", "= 500_000", "= 400_000", "is 400000, but the image that ran has 500000"),
+    ],
+)
+def test_a_task_that_differs_from_the_image_is_named_with_its_line(
+    changed: Change, recording: Recording, field: str, old: str, new: str, said: str
+) -> None:
+    project = changed("display_task", old, new)
+    with pytest.raises(ProjectFileError) as refused:
+        check_task_set(read_robot(project), recording)
+    lines = (project / "robot.toml").read_text().splitlines()
+    assert new in lines[refused.value.line - 1]
+    assert f"tasks[2].{field}: {said}" in str(refused.value)
+    assert str(refused.value).endswith("; correct robot.toml or the program")
+
+
+def test_a_task_above_a_ceiling_is_named_with_the_object(changed: Change) -> None:
+    project = changed("control_task", "priority = 2", "priority = 5")
+    done = CliRunner().invoke(app, ["analyse", str(project), "--json"])
+    assert done.exit_code == 3, done.output
+    error = json.loads(done.output)["error"]
+    assert "tasks[1].priority: is 5, but the task may call the protected object" in error
+    assert "panel__latest" in error and "whose ceiling is 2; raise the ceiling or lower" in error
+
+
+def test_a_deadline_that_can_be_missed_is_told_with_what_to_change(changed: Change) -> None:
+    project = changed("control_task", "deadline_us = 4_000", "deadline_us = 1_000")
+    done = CliRunner().invoke(app, ["analyse", str(project), "--json"])
+    assert done.exit_code == 0, done.output
+    answer = json.loads(done.output)
+    assert not answer["schedulable"]
+    assert "control_task can miss its deadline of 1000 us" in answer["advice"][0]
+    own, limit = (
+        answer["tasks"][1][key] for key in ("execution_bound_cycles", "execution_max_cycles")
+    )
+    assert f"a job of control_task takes {own - limit} cycles less" in answer["advice"][1]
+    page = Path(answer["report"]).read_text()
+    for name in ("Bounds by term", "Worst windows of control_task"):
+        assert f'alt="{name}"' in page
