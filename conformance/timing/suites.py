@@ -88,7 +88,7 @@ def wcet_benchmarks(code: str, level: str) -> Row:
         reason = f"{TACLE} does not name the folder 'bench' of github.com/tacle/tacle-bench"
         excluded: list[Row] = [{"count": TACLE_PROGRAMS, "reason": reason}]
         return _row(suite, TACLE_PROGRAMS, 0, excluded)
-    options = ("--code", code, "--level", level, "--table", str(TACLE_TABLE))
+    options = ("--code", code, "--level", level, "--table", str(TACLE_TABLE), "--seconds", "900")
     result = _answer("wcet_benchmarks", folder, *options)
     passed = result["analysed"] - len(result["below_observed"])
     without: list[Row] = [

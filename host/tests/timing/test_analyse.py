@@ -141,6 +141,20 @@ def test_a_loop_without_a_bound_is_asked_for_by_file_and_line(image: ElfImage) -
     assert f'file = "nxt-avr_io.adb", line = {asked[1]}' in refused.value.detail
 
 
+def test_a_function_that_nothing_disturbs_is_bounded_as_it_is_with_its_lines(
+    image: ElfImage,
+) -> None:
+    name = "functional_initialize_instance"
+    closed = ([name], 0x0021_0000)
+    own = execution_times(image.content, closed=closed)
+    any_data = execution_times(image.content, functions=[name]).functions[0]
+    assert own.closed_cycles is not None and 0 < own.closed_cycles <= any_data.cycles
+    assert own.closed_lines
+    assert all(line.rpartition("/")[2].startswith("functional.c:") for line, _ in own.closed_lines)
+    with pytest.raises(ExecutionTimeError, match="no variable 'nothing'"):
+        execution_times(image.content, closed=closed, inputs=["nothing"])
+
+
 def test_a_loop_of_a_function_alone_is_asked_for_too(image: ElfImage) -> None:
     with pytest.raises(ExecutionTimeError) as refused:
         execution_times(image.content, functions=["memcpy"])

@@ -16,6 +16,8 @@ from ravenbrick.timing.bounds import execution_times
 
 __all__ = ["wcet_command"]
 
+# The end of the RAM.
+STACK_POINTER = 0x0021_0000
 Timing = Literal["plain", "optimistic", "nominal", "pessimistic"]
 
 
@@ -47,6 +49,26 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
     reporter.table(("source line", "executions"), _lines(result["report"]))
 
 
+def _own_data(elf: Path, symbol: str, options: dict[str, Any]) -> dict[str, Any]:
+    """The function as it is, with the memory that the image and the calls before it leave."""
+    calls = [*options.pop("after"), symbol]
+    found = execution_times(elf.read_bytes(), closed=(calls, STACK_POINTER), **options)
+    return {
+        "symbol": symbol,
+        "timing": found.timing,
+        "cycles": (found.closed_cycles or 0) + found.return_cycles,
+        "lines": [{"line": line, "executions": count} for line, count in found.closed_lines],
+    }
+
+
+def _print_own_data(reporter: Reporter, result: dict[str, Any]) -> None:
+    reporter.print(
+        f"{result['symbol']}, own data: at most {result['cycles']} cycles ({result['timing']})"
+    )
+    rows = [[row["line"], str(row["executions"])] for row in result["lines"]]
+    reporter.table(("source line", "executions"), rows)
+
+
 @command("ravenbrick wcet build/vehicle/ram/vehicle.elf functional_step_instance")
 def wcet_command(
     elf: Annotated[Path, typer.Argument(help="ELF file for the ARM7TDMI.")],
@@ -56,12 +78,27 @@ def wcet_command(
     ] = None,
     timing: Annotated[Timing, typer.Option(help="Cycles of memory accesses.")] = "nominal",
     wait_states: Annotated[int, typer.Option(min=0, max=3, help="Of the flash.")] = 1,
+    own_data: Annotated[
+        bool, typer.Option("--own-data", help="Only for what image and --after leave in memory.")
+    ] = False,
+    after: Annotated[
+        list[str] | None, typer.Option(help="Function called before; with --own-data.")
+    ] = None,
+    any_content: Annotated[
+        list[str] | None, typer.Option(help="Variable of any content; with --own-data.")
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Bound the execution time of a function of an ELF file."""
     if not elf.is_file():
         raise UsageError(f"{elf}: there is no such file; name an ELF file")
     files = [(str(path), path.read_text("utf-8")) for path in annotations or []]
+    if own_data:
+        options: dict[str, Any] = {"after": after or [], "inputs": any_content or []}
+        options |= {"annotations": files, "timing": timing, "wait_states": wait_states}
+        result = _own_data(elf, symbol, options)
+        _print_own_data(Reporter(json_output), result)
+        return result
     found = execution_times(
         elf.read_bytes(),
         functions=[symbol],

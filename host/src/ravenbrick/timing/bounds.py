@@ -70,6 +70,7 @@ class Bounds:
     jobs: tuple[Bound, ...]
     calls: tuple[Call, ...]
     closed_cycles: int | None = None
+    closed_lines: tuple[tuple[str, int], ...] = ()
 
 
 def _question(loop: dict[str, Any], facts: str) -> str:
@@ -139,6 +140,11 @@ def _closed_cycles(answer: dict[str, Any] | None) -> int | None:
     return int(answer["cycles"])
 
 
+def _closed_lines(answer: dict[str, Any] | None) -> tuple[tuple[str, int], ...]:
+    rows = [] if answer is None else answer["lines"]
+    return tuple((row["line"], row["executions"]) for row in rows)
+
+
 def execution_times(
     elf: bytes,
     *,
@@ -149,6 +155,7 @@ def execution_times(
     callees: Sequence[str] = (),
     graphs: bool = False,
     closed: tuple[Sequence[str], int] | None = None,
+    inputs: Sequence[str] = (),
     timing: str = "nominal",
     wait_states: int = 1,
 ) -> Bounds:
@@ -157,7 +164,8 @@ def execution_times(
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
     what it calls. With `graphs`, bounds bring the graphs in which their longest paths were sought.
     With `closed`, functions called one after the other and their stack pointer, the last of them is
-    bounded as it is, with memory as the image says and written by nothing else.
+    bounded as it is, with memory as the image says and written by nothing else, but for `inputs`,
+    variables that may then have any content; `closed_lines` are the lines it executes.
 
     Raises `ExecutionTimeError` when there is no bound, `UsageError` for a wrong image or
     annotation.
@@ -171,7 +179,11 @@ def execution_times(
         "graphs": graphs,
     }
     if closed is not None:
-        request["closed"] = {"calls": list(closed[0]), "stack_pointer": closed[1]}
+        request["closed"] = {
+            "calls": list(closed[0]),
+            "stack_pointer": closed[1],
+            "inputs": [{"symbol": symbol} for symbol in inputs],
+        }
     try:
         module = importlib.import_module("virtual_brick")
         text = module.bound_execution_times(elf, json.dumps(request), timing, wait_states)
@@ -190,4 +202,5 @@ def execution_times(
         tuple(_bound(found, facts) for found in answer["jobs"]),
         tuple(Call(c["callee"], c["caller"], tuple(c["arguments"])) for c in answer["calls"]),
         _closed_cycles(answer["closed"]),
+        _closed_lines(answer["closed"]),
     )

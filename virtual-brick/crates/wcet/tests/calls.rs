@@ -8,7 +8,7 @@ mod support;
 
 use support::machine::Machine;
 use support::toolchain::{build, program};
-use wcet::closed::Closed;
+use wcet::closed::{Closed, Input};
 use wcet::report::Report;
 use wcet::{Annotations, Error, Image, MemoryMap, Program};
 
@@ -66,6 +66,40 @@ fn a_program_that_nothing_disturbs_is_bounded_as_it_is_recursion_included() {
         let (image, map) = (Image::read(&elf).unwrap(), MemoryMap::without_wait_states());
         let found = closed.bound(&image, &map, &Annotations::default()).unwrap();
         assert_eq!(found.cycles + 2, seen.cycles, "{flags:?}");
+    }
+}
+
+#[test]
+fn a_bound_for_any_content_of_an_input_holds_for_each_and_is_nearly_reached() {
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let closed = Closed {
+            calls: vec!["prepare".into(), "highest".into()],
+            stack_pointer: 0x3F_FFC0,
+            inputs: vec![Input {
+                symbol: "items".into(),
+                range: None,
+            }],
+        };
+        let (image, map) = (Image::read(&elf).unwrap(), MemoryMap::without_wait_states());
+        let found = closed.bound(&image, &map, &Annotations::default()).unwrap();
+        let mut most = 0;
+        for rises in [false, true] {
+            let mut machine = Machine::new(&elf);
+            let items = machine.address("items");
+            for place in 0..8 {
+                let value = if rises { place } else { 8 - place };
+                machine.set_word(items + 4 * place, value);
+            }
+            most = most.max(machine.call("highest", [0; 4]).cycles);
+        }
+        let bound = found.cycles + 2;
+        assert!(
+            most <= bound && 20 * bound <= 21 * most,
+            "{flags:?}: {most}, {bound}"
+        );
+        let comparison = found.lines.iter().find(|l| l.line.ends_with("calls.c:83"));
+        assert_eq!(comparison.map(|line| line.executions), Some(8), "{flags:?}");
     }
 }
 

@@ -71,3 +71,16 @@ int either(int which, int count)
 {
     return which ? counted(count & 15) : 3;
 }
+
+int items[8];
+static int highest_item;
+
+/* Longest when each item is higher than those before it. */
+int highest(void)
+{
+    highest_item = -0x7FFFFFFF;
+    for (int place = 0; place < 8; place++)
+        if (items[place] > highest_item)
+            highest_item = items[place];
+    return highest_item;
+}
