@@ -22,7 +22,7 @@ from functools import cache
 from pathlib import Path
 
 from conformance.acats.adaptation import MEMORY, Adaptation, AdaptationError, adaptations
-from conformance.acats.build import Builder, BuildError
+from conformance.acats.build import Builder, BuildError, Image, Memory
 from conformance.acats.execution import Verdict, execute
 from conformance.acats.judgement import is_only_ravenscar, judge, judge_refused
 from conformance.acats.suite import EXECUTED, REJECTED, AcatsTest, Suite, SuiteMissingError
@@ -43,6 +43,9 @@ MAKE_VARIABLES = {
 ADAPTED = ("adapted",)
 """In place of a chapter: programs that `adaptations.toml` makes from tests."""
 WORK = PRODUCTS / "conformance" / "acats"
+LESS_HEAP = Memory(heap_bytes=4_096)
+"""Of a test that does not fit otherwise."""
+DOES_NOT_FIT = re.compile(r"will not fit in region|overflowed by")
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,7 @@ class Profile:
         self.rts = PRODUCTS / "runtime" / name
         self.builder = Builder(suite, self.rts, WORK / name)
         self.builder.prepare()
+        self.tight = Builder(suite, self.rts, WORK / name, LESS_HEAP)
         self.digest = self._digest()
         self.record = WORK / f"{name}.jsonl"
         self.known: dict[str, BuildError | Verdict] = {}
@@ -87,13 +91,22 @@ class Profile:
             digest.update(path.read_bytes())
         return digest.hexdigest()
 
+    def _image(self, test: AcatsTest) -> Image:
+        """Raises BuildError."""
+        try:
+            return self.builder.build(test)
+        except BuildError as refusal:
+            if not DOES_NOT_FIT.search(str(refusal)):
+                raise
+            return self.tight.build(test)
+
     def _found(self, test: AcatsTest) -> BuildError | Verdict:
         """Build and run, and note what happened."""
         if test.name in self.known:
             return self.known[test.name]
         found: BuildError | Verdict
         try:
-            image = self.builder.build(test)
+            image = self._image(test)
             found = replace(execute(image.elf), removed_handlers=image.removed_handlers)
         except BuildError as refusal:
             found = refusal
