@@ -55,6 +55,19 @@ def test_a_scenario_that_is_not_there_lists_the_known_ones(project: Path, robot:
         _read(project, robot, "dirve")
 
 
+def test_a_scenario_is_found_from_here_and_from_its_project(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a path beside robot.toml, wherever the command is given."""
+    other = project / "experiments" / "other.toml"
+    other.parent.mkdir(exist_ok=True)
+    other.write_text("")
+    assert scenario_path(project, "experiments/other.toml") == other
+    monkeypatch.chdir(project)
+    assert scenario_path(project, "experiments/other.toml") == Path("experiments/other.toml")
+    assert scenario_path(project, "step") == project / "scenarios" / "step.toml"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "field"),
     [

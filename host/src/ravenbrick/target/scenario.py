@@ -130,9 +130,13 @@ class Scenario:
 
 
 def scenario_path(directory: Path, name: str) -> Path:
-    """File of the scenario `name` of a project: a path that exists, or a name below scenarios/."""
-    if Path(name).is_file():
-        return Path(name)
+    """File of the scenario `name` of a project: a path that exists, from here or from the project,
+
+    or a name below scenarios/.
+    """
+    for path in (Path(name), directory / name):
+        if path.is_file():
+            return path
     return directory / "scenarios" / (name if name.endswith(".toml") else f"{name}.toml")
 
 
