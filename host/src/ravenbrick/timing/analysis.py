@@ -39,6 +39,7 @@ from ravenbrick.timing.kernel import (
     entry_facts,
     interrupt_costs,
     kernel_facts,
+    refuse_timing_events,
     services,
 )
 from ravenbrick.timing.source_facts import SourceFacts, source_facts
@@ -305,9 +306,10 @@ def _stack_bytes(
 def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis:
     """Bounds of all tasks and interrupts of an image; `brick` has elaborated it.
 
-    Raises `ExecutionTimeError` for what has no bound and `ProjectFileError` where robot.toml and
-    the image disagree.
+    Raises `ExecutionTimeError` for what has no bound, `ImageFileError` for a program with timing
+    events and `ProjectFileError` where robot.toml and the image disagree.
     """
+    refuse_timing_events(image)
     entries = ("entries", entry_facts(image))
     elaborated = execution_times(
         image.content, root="adainit", callees=initializers(image), annotations=[entries]

@@ -24,6 +24,7 @@ __all__ = [
     "entry_facts",
     "interrupt_costs",
     "kernel_facts",
+    "refuse_timing_events",
     "services",
 ]
 
@@ -112,6 +113,18 @@ def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
     loops += [{"symbol": ring, "index": 1, "header_executions": thread_count} for ring in RINGS]
     loops += [{"file": file, "header_executions": thread_count} for file in QUEUES]
     return annotations_of({"loop": loops, "word": [dict(w) for w in object_words(objects)]})
+
+
+def refuse_timing_events(image: ElfImage) -> None:
+    """Expiries of timing events are neither counted in the alarm's queue nor among the interrupts.
+
+    Raises `ImageFileError` for a program that uses them.
+    """
+    if RINGS[1] in image.symbols:
+        raise ImageFileError(
+            f"{image.path}: uses Ada.Real_Time.Timing_Events, whose expiries 'ravenbrick analyse' "
+            "does not bound; let a task with 'delay until' do the handler's work"
+        )
 
 
 def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Services:
