@@ -162,7 +162,7 @@ def unicorn_alone(image: bytes, start: int, finish: int, result: int) -> tuple[f
 
 def run_qemu(program: Program) -> None:
     """One run as a process; none without the emulator, and no second one after a late end."""
-    if shutil.which("qemu-arm") is None or QEMU in program.seconds and not program.seconds[QEMU]:
+    if shutil.which("qemu-arm") is None or (QEMU in program.seconds and not program.seconds[QEMU]):
         return
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:

@@ -125,7 +125,7 @@ def page(ways: list[Way], count: int) -> str:
         "run with two seeds and",
         "judged. Medians of the slices, quartiles in brackets; the speed is beside the slice of "
         "one worker next to it,",
-        "on a machine with two processors that did other work, too. Processor time is that of "
+        "on a machine with two processors. Processor time is that of "
         "grader, compiler and",
         "runs together, over all slices.",
         "",
