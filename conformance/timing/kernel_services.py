@@ -24,11 +24,11 @@ from ravenbrick.timing.kernel import (
     DELAY_UNTIL,
     RESUME,
     SUSPEND,
-    entry_facts,
     interrupt_costs,
-    kernel_facts,
+    run_time_facts,
 )
-from ravenbrick.timing.started import attached_handlers, initializers, protected_objects
+from ravenbrick.timing.started import attached_handlers
+
 from runtime.benchmarks.calls import CallTimes
 from runtime.benchmarks.measure import image_of
 from runtime.benchmarks.steps import steps_in
@@ -120,12 +120,8 @@ def _recorded(elf: Path, wraps: int) -> list[CallTimes]:
 
 
 def _annotations(image: ElfImage, scene: Scene) -> list[tuple[str, str]]:
-    entries = ("entries", entry_facts(image))
-    elaborated = execution_times(
-        image.content, root="adainit", callees=initializers(image), annotations=[entries]
-    )
-    objects = protected_objects(image, elaborated.calls)
-    return [(scene.program, scene.facts), entries, ("run-time", kernel_facts(AHEAD, objects))]
+    _, known = run_time_facts(image, AHEAD)
+    return [(scene.program, scene.facts), *known]
 
 
 def _services(

@@ -17,6 +17,7 @@ import random
 import struct
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -38,10 +39,10 @@ from ravenbrick.timing.kernel import (
     DELAY_UNTIL,
     Services,
     interrupt_costs,
-    kernel_facts,
+    run_time_facts,
     services,
 )
-from ravenbrick.timing.started import INITIALIZERS, Handler, protected_objects
+from ravenbrick.timing.started import Handler
 from ravenbrick.trace.recording import EventKind, decode_events
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -114,12 +115,12 @@ def built() -> ElfImage:
     return read_image(build / "periodic_load.elf")
 
 
-def _jobs(image: ElfImage, known: str, rounds: int, locked: int) -> Bound:
+def _jobs(image: ElfImage, known: Sequence[tuple[str, str]], rounds: int, locked: int) -> Bound:
     loops = [
         {"symbol": COMPUTE, "index": 0, "header_executions": rounds},
         {"symbol": BODY, "index": 1, "header_executions": locked},
     ]
-    annotations = [("rounds", annotations_of({"loop": loops})), ("run-time", known)]
+    annotations = [("rounds", annotations_of({"loop": loops})), *known]
     found = execution_times(image.content, jobs=[(BODY, [DELAY_UNTIL])], annotations=annotations)
     return found.jobs[0]
 
@@ -128,10 +129,9 @@ def _jobs(image: ElfImage, known: str, rounds: int, locked: int) -> Bound:
 def costs(task_count: int) -> Costs:
     """Bounds in programs of this many tasks."""
     image = built()
-    calls = execution_times(image.content, root="adainit", callees=INITIALIZERS).calls
-    known = kernel_facts(task_count + 1, protected_objects(image, calls))
-    kernel = services(image, [("run-time", known)])
-    alarm = interrupt_costs(image, [RING], [("run-time", known)])[0].cycles
+    _, known = run_time_facts(image, task_count + 1)
+    kernel = services(image, known)
+    alarm = interrupt_costs(image, [RING], known)[0].cycles
     one, more, locked = (_jobs(image, known, *counts) for counts in ((1, 1), (2, 1), (1, 2)))
     each, each_locked = more.cycles - one.cycles, locked.cycles - one.cycles
     section = one.longest_section(2 * FIRST_PRIORITY)

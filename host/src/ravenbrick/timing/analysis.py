@@ -36,10 +36,9 @@ from ravenbrick.timing.kernel import (
     SUSPEND,
     InterruptCost,
     Services,
-    entry_facts,
     interrupt_costs,
-    kernel_facts,
     refuse_timing_events,
+    run_time_facts,
     services,
 )
 from ravenbrick.timing.source_facts import SourceFacts, source_facts
@@ -47,8 +46,6 @@ from ravenbrick.timing.started import (
     ALARM_SOURCE,
     ProtectedObject,
     attached_handlers,
-    initializers,
-    protected_objects,
 )
 from ravenbrick.trace.interrupts import source_name
 
@@ -310,16 +307,10 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     events and `ProjectFileError` where robot.toml and the image disagree.
     """
     refuse_timing_events(image)
-    entries = ("entries", entry_facts(image))
-    elaborated = execution_times(
-        image.content, root="adainit", callees=initializers(image), annotations=[entries]
-    )
-    objects = protected_objects(image, elaborated.calls)
+    objects, known = run_time_facts(image, len(robot.tasks) + 1)
     tasks = _timed_tasks(robot)
-    known = ("run-time", kernel_facts(len(robot.tasks) + 1, objects))
     sources = source_facts(image)
-    annotations = [(facts.name, facts.annotations), *facts.shared, *sources.annotations]
-    annotations += [entries, known]
+    annotations = [(facts.name, facts.annotations), *facts.shared, *sources.annotations, *known]
     annotations += _solved(image, facts, annotations)
     kernel = services(image, annotations)
     costs = interrupt_costs(image, attached_handlers(brick, image), annotations)

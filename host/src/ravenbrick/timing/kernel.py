@@ -12,7 +12,14 @@ from ravenbrick.errors import ImageFileError
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
-from ravenbrick.timing.started import ALARM_SOURCE, Handler, ProtectedObject, object_words
+from ravenbrick.timing.started import (
+    ALARM_SOURCE,
+    Handler,
+    ProtectedObject,
+    initializers,
+    object_words,
+    protected_objects,
+)
 
 __all__ = [
     "COARSE_PERIOD_US",
@@ -21,10 +28,10 @@ __all__ = [
     "SUSPEND",
     "InterruptCost",
     "Services",
-    "entry_facts",
     "interrupt_costs",
     "kernel_facts",
     "refuse_timing_events",
+    "run_time_facts",
     "services",
 ]
 
@@ -91,7 +98,7 @@ class Services:
         return max(found, default=(0, ""))
 
 
-def entry_facts(image: ElfImage) -> str:
+def _entry_facts(image: ElfImage) -> str:
     """Barriers and bodies of entries, which the run-time calls indirectly."""
     targets = sorted(name for name in image.symbols if ENTRY_CODE.search(name))
     functions = [name for name in (ENTRY_CALL, SERVICE_ENTRY) if name in image.symbols]
@@ -113,6 +120,18 @@ def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
     loops += [{"symbol": ring, "index": 1, "header_executions": thread_count} for ring in RINGS]
     loops += [{"file": file, "header_executions": thread_count} for file in QUEUES]
     return annotations_of({"loop": loops, "word": [dict(w) for w in object_words(objects)]})
+
+
+def run_time_facts(
+    image: ElfImage, thread_count: int
+) -> tuple[tuple[ProtectedObject, ...], list[tuple[str, str]]]:
+    """The protected objects that elaboration sets up, and annotations of the run-time's code."""
+    entries = ("entries", _entry_facts(image))
+    elaborated = execution_times(
+        image.content, root="adainit", callees=initializers(image), annotations=[entries]
+    )
+    objects = protected_objects(image, elaborated.calls)
+    return objects, [entries, ("run-time", kernel_facts(thread_count, objects))]
 
 
 def refuse_timing_events(image: ElfImage) -> None:
