@@ -4,9 +4,9 @@
 //! from exceptions. Each ends its block, since afterwards anything can be due.
 
 use super::bus::{BlockBus, BusAccess};
-use super::run::{follow, size_of, width_of, End, Op, Rest, Run, NOWHERE, NO_MASKS};
+use super::run::{follow, size_of, End, Op, Rest, Run, NOWHERE, NO_MASKS};
 use super::transfer::{extended, width, WRITE_BACK};
-use crate::bus::Cycle;
+use crate::bus::{Cycle, Width};
 use crate::registers::psr;
 
 /// Bits of the mode of an operation on a status register.
@@ -23,12 +23,9 @@ pub(super) fn load<B: BlockBus>(
     item: u8,
     (at, moved): (u32, u32),
 ) {
-    let passed = run.cycles + u32::from(op.through);
-    let access = run.bus.access_between(at, width(item), false, passed);
-    if access == BusAccess::Refused {
-        return run.leave_before(op);
+    if !run.begin_access(op, at, width(item), false) {
+        return;
     }
-    run.begin_access(op, access);
     let loaded = run.bus.read(at, width(item), Cycle::Nonsequential);
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
@@ -49,13 +46,10 @@ pub(super) fn store<B: BlockBus>(
     item: u8,
     (at, moved): (u32, u32),
 ) {
-    let passed = run.cycles + u32::from(op.through);
-    let access = run.bus.access_between(at, width(item), true, passed);
-    if access == BusAccess::Refused {
-        return run.leave_before(op);
-    }
     let value = run.get(op.destination);
-    run.begin_access(op, access);
+    if !run.begin_access(op, at, width(item), true) {
+        return;
+    }
     let stored = run.bus.write(at, width(item), value, Cycle::Nonsequential);
     run.after_store = op.address;
     if op.mode & WRITE_BACK != 0 {
@@ -118,20 +112,27 @@ pub(super) fn write_status<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest:
 }
 
 impl<B: BlockBus> Run<'_, B> {
-    /// Time and pipeline as they are when the access of this instruction begins.
+    /// Time and pipeline as they are when the access of this instruction begins; false when the
+    /// reference engine must make it, and the block has ended before it.
     #[inline(always)]
-    fn begin_access(&mut self, op: &Op<B>, access: BusAccess) {
+    fn begin_access(&mut self, op: &Op<B>, address: u32, width: Width, write: bool) -> bool {
+        let passed = self.cycles + u32::from(op.through);
+        let access = self.bus.access_between(address, width, write, passed);
+        if access == BusAccess::Refused {
+            self.leave_before(op);
+            return false;
+        }
         let (state, size) = (self.next & 1, size_of(self.next));
         self.next = op.address.wrapping_add(size) | state;
         if access == BusAccess::Unsettling {
             self.fetched = Some(super::opcodes(self.bus, self.next));
         }
         self.bus.continue_at(op.address.wrapping_add(3 * size));
-        let passed = self.cycles + u32::from(op.through);
         self.bus.pass(passed);
         self.cycles = 0;
         self.ran = true;
         self.end = End::Accessed;
+        true
     }
 
     /// A branch to `target` that restores CPSR from SPSR; false when the reference engine must
@@ -141,18 +142,7 @@ impl<B: BlockBus> Run<'_, B> {
             return false;
         };
         let state = u32::from(saved & psr::T != 0);
-        let target = target & !(size_of(state) - 1) | state;
-        let address = target & !1;
-        let sequence = op.address.wrapping_add(3 * size_of(self.next));
-        let width = width_of(target);
-        let cycles = self
-            .bus
-            .branch_cycles(sequence, address, width, self.region);
-        let Some(refill) = cycles.filter(|_| address != op.address) else {
-            return false;
-        };
-        self.branch(op, target, refill);
-        true
+        self.branch_to(op, target & !(size_of(state) - 1) | state)
     }
 
     /// Behind a return: the registers and masks of the mode that goes on.
