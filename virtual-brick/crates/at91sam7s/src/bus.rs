@@ -85,12 +85,8 @@ impl<B: Board> Chip<B> {
     #[cold]
     fn outside(&mut self, access: AbortedAccess, width: Width, address: u32, value: u32) -> Abort {
         if address >> 20 == BOOT_ROM_WINDOW {
-            let kind = FaultKind::PeripheralNotModelled {
-                peripheral: "the boot ROM",
-                offset: address & 0xF_FFFF,
-            };
             let write = (access == AbortedAccess::Write).then_some(value);
-            self.record_fault(kind, address, write);
+            self.record_fault(FaultKind::BootRom, address, write);
         }
         self.abort(AbortCause::Undefined, access, width, address)
     }

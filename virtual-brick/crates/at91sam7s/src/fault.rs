@@ -9,13 +9,8 @@ use crate::board::Cycles;
 /// Why an access cannot be carried out faithfully.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
-    /// The whole peripheral is not modelled yet.
-    PeripheralNotModelled {
-        /// Name of the peripheral in the datasheet.
-        peripheral: &'static str,
-        /// Register offset from its base address.
-        offset: u32,
-    },
+    /// The boot ROM, whose content is its maker's and no part of the virtual brick.
+    BootRom,
     /// The peripheral is modelled, this offset is not (or does not exist).
     RegisterNotModelled {
         /// Name of the peripheral in the datasheet.
@@ -66,12 +61,10 @@ pub struct Fault {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind {
-            FaultKind::PeripheralNotModelled { peripheral, offset } => {
-                write!(
-                    f,
-                    "{peripheral} is not modelled yet (register offset {offset:#05x})"
-                )?;
-            }
+            FaultKind::BootRom => f.write_str(
+                "the boot ROM's content is Atmel's and no part of the virtual brick; a program \
+                 comes here only by a wrong pointer",
+            )?,
             FaultKind::RegisterNotModelled { peripheral, offset } => {
                 write!(
                     f,
@@ -82,7 +75,7 @@ impl fmt::Display for Fault {
                 peripheral,
                 feature,
             } => {
-                write!(f, "{peripheral}: {feature} is not modelled yet")?;
+                write!(f, "{peripheral}: {feature} is not modelled")?;
             }
             FaultKind::ClockDisabled {
                 peripheral,

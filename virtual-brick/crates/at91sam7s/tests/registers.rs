@@ -212,7 +212,7 @@ fn what_is_not_modelled_says_its_name_and_address() {
     assert!(try_write(&mut chip, 0xFFFD_4000, Width::Word, 1).is_err());
     let text = chip.fault().unwrap().to_string();
     let expected = format!(
-        "SSC: reception is not modelled yet; write of 0x00000001 to 0xfffd4000 at cycle {}",
+        "SSC: reception is not modelled; write of 0x00000001 to 0xfffd4000 at cycle {}",
         chip.now()
     );
     assert_eq!(text, expected);
