@@ -486,6 +486,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("timing", lambda: suites.wcet_benchmarks("thumb", "O2")),
     ("timing", suites.kernel_services),
     ("timing", suites.program_campaign),
+    ("timing", suites.lowest_tasks),
     ("timing", suites.examples),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
     ("course", pytest_suite("course", "bench, line, balancer", "examples/test_examples.py")),

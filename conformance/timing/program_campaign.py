@@ -18,25 +18,29 @@ import struct
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import virtual_brick
+from conformance.timing.just_missed import CLOSE, Outcome, explain
 from elftools.elf.elffile import ELFFile
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
+from ravenbrick.schedule.offsets import synchronous_bound
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.timing.analysis import coarse_alarm
+from ravenbrick.timing.alarm import AlarmCosts, alarm_costs
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.kernel import (
+    ALARM_LATENESS_CYCLES,
     DELAY_UNTIL,
+    DISPATCH,
     Services,
     interrupt_costs,
     run_time_facts,
@@ -72,6 +76,7 @@ class Load:
     period_us: int
     rounds: int
     locked_rounds: int
+    phase_us: int = 0
 
     @property
     def name(self) -> str:
@@ -84,14 +89,25 @@ class Costs:
     """Bounds for one number of tasks; the job and its protected action grow with the rounds."""
 
     kernel: Services
-    alarm: int
+    alarm: AlarmCosts
     job: tuple[int, int, int]
+    dispatch: int
     section: tuple[int, int]
 
     def job_cycles(self, load: Load) -> int:
         """Of one job."""
         fixed, each, locked = self.job
         return fixed + each * load.rounds + locked * load.locked_rounds
+
+    def overheads_together(self) -> Overheads:
+        """Of releases at the same instants, after all tasks have waited for long.
+
+        A job that ends its protected action lets others in, and a preempted one goes on, only after
+        a call of the alarm, once for each.
+        """
+        each = self.alarm.first + self.kernel.resume + self.dispatch
+        costs = self.alarm.overheads(self.kernel)
+        return replace(costs, switch_in=0, alarm=each, clock_resolution=ALARM_LATENESS_CYCLES)
 
     def section_cycles(self, load: Load) -> int:
         """Of its protected action."""
@@ -115,7 +131,7 @@ def built() -> ElfImage:
     return read_image(build / "periodic_load.elf")
 
 
-def _jobs(image: ElfImage, known: Sequence[tuple[str, str]], rounds: int, locked: int) -> Bound:
+def _job(image: ElfImage, known: Sequence[tuple[str, str]], rounds: int, locked: int) -> Bound:
     loops = [
         {"symbol": COMPUTE, "index": 0, "header_executions": rounds},
         {"symbol": BODY, "index": 1, "header_executions": locked},
@@ -131,15 +147,17 @@ def costs(task_count: int) -> Costs:
     image = built()
     _, known = run_time_facts(image, task_count + 1)
     kernel = services(image, known)
-    alarm = interrupt_costs(image, [RING], known)[0].cycles
-    one, more, locked = (_jobs(image, known, *counts) for counts in ((1, 1), (2, 1), (1, 2)))
+    alarm = alarm_costs(image, interrupt_costs(image, [RING], known)[0], known)
+    one, more, locked = (_job(image, known, *counts) for counts in ((1, 1), (2, 1), (1, 2)))
     each, each_locked = more.cycles - one.cycles, locked.cycles - one.cycles
     section = one.longest_section(2 * FIRST_PRIORITY)
     section_each = locked.longest_section(2 * FIRST_PRIORITY) - section
+    alone = ("nobody waits", annotations_of({"never": [{"symbol": DISPATCH}]}))
     return Costs(
         kernel,
         alarm,
         (one.cycles - each - each_locked, each, each_locked),
+        one.cycles - _job(image, [alone, *known], 1, 1).cycles,
         (section - section_each, section_each),
     )
 
@@ -161,8 +179,8 @@ def random_loads(dice: random.Random) -> list[Load]:
     return loads
 
 
-def response_bounds(loads: list[Load]) -> dict[int, int | None]:
-    """Bound of each slot in cycles; None when there is none."""
+def task_set(loads: list[Load]) -> TaskSet:
+    """The program as the schedule sees it; cycles."""
     price = costs(len(loads))
     tasks = []
     for load in loads:
@@ -178,18 +196,31 @@ def response_bounds(loads: list[Load]) -> dict[int, int | None]:
                 blocking=max([masked, *lower]),
             )
         )
-    tasks += coarse_alarm([load.period_us for load in loads], price.alarm, RING.priority)
-    overheads = Overheads(
-        switch_in=price.kernel.resume,
-        alarm=price.alarm,
-        clock_resolution=price.kernel.release_jitter,
-    )
-    found = {
-        bound.task.name: bound.bound
-        for bound in response_time_bounds(TaskSet(tuple(tasks)), overheads)
-    }
+    return TaskSet(tuple(tasks))
+
+
+def response_bounds(loads: list[Load]) -> dict[int, int | None]:
+    """Bound of each slot in cycles for any phases; None when there is none."""
+    price = costs(len(loads))
+    overheads = price.alarm.overheads(price.kernel)
+    every = response_time_bounds(task_set(loads), overheads)
+    found = {each.task.name: each.bound for each in every}
     bounds = {load.slot: found[load.name] for load in loads}
     return {slot: None if bound is None else int(bound) for slot, bound in bounds.items()}
+
+
+def synchronous_bounds(loads: list[Load]) -> dict[int, int]:
+    """Bound of each slot's first job in cycles, when all tasks are released together."""
+    price = costs(len(loads))
+    tasks = (replace(task, phase=0, wcet=task.wcet - price.dispatch) for task in task_set(loads))
+    together = TaskSet(tuple(tasks))
+    found = {
+        load.slot: synchronous_bound(
+            together, together.task(load.name), price.overheads_together()
+        ).bound
+        for load in loads
+    }
+    return {slot: int(bound or 0) for slot, bound in found.items()}
 
 
 def _patched(image: ElfImage, loads: list[Load]) -> bytes:
@@ -198,6 +229,7 @@ def _patched(image: ElfImage, loads: list[Load]) -> bytes:
     rows = {load.slot: load for load in loads}
     for name, column in (
         ("campaign_period_us", "period_us"),
+        ("campaign_phase_us", "phase_us"),
         ("campaign_rounds", "rounds"),
         ("campaign_locked_rounds", "locked_rounds"),
     ):
@@ -228,11 +260,32 @@ def observed(loads: list[Load]) -> tuple[dict[int, int], dict[int, int]]:
     return longest, first
 
 
+def _judged(loads: list[Load], bounds: dict[int, int | None]) -> tuple[list[str], int, float]:
+    """What lies above its bound, tasks compared, and the ratio of the least urgent one."""
+    longest, first = observed(loads)
+    together = synchronous_bounds(loads)
+    above = [
+        f"{loads[slot]}: {seen} > {bound} in {loads}"
+        for found, limits in ((longest, bounds), (first, together))
+        for slot, seen in found.items()
+        if seen > (bound := limits[slot] or 0)
+    ]
+    return above, len(longest), together[0] / first[0] if 0 in first else 0.0
+
+
+def _explained(loads: list[Load], bound: int) -> Outcome:
+    def together(tried: list[Load]) -> tuple[int, int]:
+        return synchronous_bounds(tried)[0], observed(tried)[1].get(0, 0)
+
+    return explain(loads, bound, lambda tried: observed(tried)[0].get(0, 0), together)
+
+
 def campaign(count: int, seed: int) -> dict[str, Any]:
     """Run the programs; only those whose bounds meet all deadlines are counted."""
     dice = random.Random(seed)
     above: list[str] = []
     ratios: list[float] = []
+    far: list[dict[str, Any]] = []
     programs = jobs = 0
     while programs < count:
         loads = random_loads(dice)
@@ -241,13 +294,14 @@ def campaign(count: int, seed: int) -> dict[str, Any]:
                for s, b in bounds.items()):  # fmt: skip
             continue
         programs += 1
-        longest, first = observed(loads)
-        for slot, seen in longest.items():
-            jobs += 1
-            if seen > (bounds[slot] or 0):
-                above.append(f"{loads[slot]}: {seen} > {bounds[slot]} in {loads}")
-        if 0 in first:
-            ratios.append((bounds[0] or 0) / first[0])
+        higher, compared, ratio = _judged(loads, bounds)
+        above += higher
+        jobs += compared
+        if ratio:
+            ratios.append(ratio)
+        if ratio > CLOSE:
+            found = _explained(loads, bounds[0] or 0)
+            far.append({"program": programs, "ratio_together": ratio, **vars(found)})
     ratios.sort()
     return {
         "programs": programs,
@@ -255,8 +309,9 @@ def campaign(count: int, seed: int) -> dict[str, Any]:
         "above_bound": above,
         "lowest_task_ratio_mean": sum(ratios) / len(ratios),
         "lowest_task_ratio_max": ratios[-1],
-        "lowest_task_within_5_percent": sum(ratio <= 1.05 for ratio in ratios),
+        "lowest_task_within_5_percent": sum(ratio <= CLOSE for ratio in ratios),
         "lowest_task_compared": len(ratios),
+        "lowest_task_beyond": far,
     }
 
 

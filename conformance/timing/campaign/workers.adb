@@ -12,6 +12,9 @@ package body Workers is
      Export, Convention => C, External_Name => "campaign_period_us";
    --  0: the task never runs
 
+   Phases : Table := (others => 0) with
+     Export, Convention => C, External_Name => "campaign_phase_us";
+
    Rounds : Table := (others => 1) with
      Export, Convention => C, External_Name => "campaign_rounds";
 
@@ -62,7 +65,8 @@ package body Workers is
    end Compute;
 
    task body Worker is
-      Next   : Time := (if Periods (Number) = 0 then Time_Last else Epoch);
+      Next   : Time :=
+        (if Periods (Number) = 0 then Time_Last else Epoch + Microseconds (Phases (Number)));
       Period : constant Time_Span := Microseconds (Periods (Number));
    begin
       loop

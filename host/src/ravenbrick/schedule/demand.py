@@ -46,16 +46,25 @@ class Source:
 class ClockLoad:
     """Work of clock and alarm at the top priority, for all cyclic tasks of the set.
 
-    Tick-driven costs follow Burns, Tindell, Wellings 1995: with V ticks and K releases in the
-    window, V tick + min(V, K) tick_first + max(K - V, 0) tick_further.
+    `released` are their periods and jitters, `phases` their phases. Tick-driven costs follow Burns,
+    Tindell, Wellings 1995: with V ticks and K releases in the window, V tick + min(V, K) tick_first
+    + max(K - V, 0) tick_further.
     """
 
     released: tuple[tuple[Time, Time], ...]
     overheads: Overheads
+    phases: tuple[Time | None, ...] = ()
 
     def releases(self, window: Time) -> int:
         """Most releases by the clock in the window."""
         return sum(ceiling(window + jitter, period) for period, jitter in self.released)
+
+    def early(self, window: Time, releases: int) -> int:
+        """Most calls of the alarm that release nobody: each comes before another release, of which
+        the last may lie behind the window."""
+        period = self.overheads.alarm_early_period
+        limit = releases + 1 if window > 0 and self.released else 0
+        return min(limit, ceiling(window, period)) if period else limit
 
     def time(self, window: Time) -> Time:
         """Processor time of the clock's work in the window."""
@@ -63,7 +72,7 @@ class ClockLoad:
         if not costs.alarm and not costs.tick_period:
             return 0
         releases = self.releases(window)
-        total: Time = releases * costs.alarm
+        total: Time = releases * costs.alarm + self.early(window, releases) * costs.alarm_early
         if costs.tick_period:
             ticks = ceiling(window, costs.tick_period)
             total += ticks * costs.tick + min(ticks, releases) * costs.tick_first
@@ -76,6 +85,8 @@ class ClockLoad:
         costs = self.overheads
         rate = sum((1 / Fraction(period) for period, _ in self.released), Fraction(0))
         total = rate * costs.alarm
+        period = costs.alarm_early_period
+        total += costs.alarm_early * (min(rate, 1 / Fraction(period)) if period else rate)
         if costs.tick_period:
             ticks = 1 / Fraction(costs.tick_period)
             total += ticks * costs.tick + min(ticks, rate) * costs.tick_first
@@ -86,16 +97,18 @@ class ClockLoad:
         """Periods after which the load repeats."""
         if self.overheads.alarm or self.overheads.tick_period:
             yield from (period for period, _ in self.released)
-        if self.overheads.tick_period:
-            yield self.overheads.tick_period
+        for period in (self.overheads.alarm_early_period, self.overheads.tick_period):
+            if period:
+                yield period
 
     def steps(self, limit: Time) -> Iterator[Time]:
         """Window lengths up to `limit` just after which the load rises."""
         if self.overheads.alarm or self.overheads.tick_period:
             for period, jitter in self.released:
                 yield from _steps(period, jitter, limit)
-        if self.overheads.tick_period:
-            yield from _steps(self.overheads.tick_period, 0, limit)
+        for period in (self.overheads.alarm_early_period, self.overheads.tick_period):
+            if period:
+                yield from _steps(period, 0, limit)
 
 
 def _steps(period: Time, jitter: Time, limit: Time) -> Iterator[Time]:
@@ -181,9 +194,7 @@ class Window:
 
 def window_of(task_set: TaskSet, task: Task, overheads: Overheads) -> Window:
     """The worst window of `task`: synchronous release after the longest jitter and blocking."""
-    clocked = tuple(
-        (other.period, overheads.jitter(other)) for other in task_set if other.programs_alarm
-    )
+    clocked = [other for other in task_set if other.programs_alarm]
     sources = tuple(
         Source(other, other.period, overheads.jitter(other), other.wcet, overheads.per_job(other))
         for other in task_set.interfering(task)
@@ -194,5 +205,9 @@ def window_of(task_set: TaskSet, task: Task, overheads: Overheads) -> Window:
         overheads.per_job(task),
         blocking_candidates(task_set, task, overheads),
         sources,
-        ClockLoad(clocked, overheads),
+        ClockLoad(
+            tuple((other.period, overheads.jitter(other)) for other in clocked),
+            overheads,
+            tuple(other.phase for other in clocked),
+        ),
     )

@@ -178,16 +178,22 @@ class Overheads:
 
     `switch_in` and `switch_out` are charged to each job of a task, `interrupt_entry` to each job
     of an interrupt. Released by alarms, each release of a cyclic task costs `alarm` at the top
-    priority. Released by a periodic tick, each `tick_period` costs `tick`, the first release found
-    by a tick `tick_first` and each further one `tick_further`. `masked_section` is the longest
-    time for which the run-time masks interrupts; `clock_resolution` the largest delay of a
-    release by the clock's grain.
+    priority, a further one at the same instant, where phases are known, `alarm_further` (as `alarm`
+    unless given). A call of the alarm that comes early and releases nobody costs `alarm_early`:
+    there is at most one before each instant of release, and one each `alarm_early_period`, which
+    is also the shortest time that it comes after the release before. Released by a periodic tick,
+    each `tick_period` costs `tick`, the first release found by a tick `tick_first` and each further
+    one `tick_further`. `masked_section` is the longest time for which the run-time masks
+    interrupts; `clock_resolution` the largest delay of a release by the clock's grain.
     """
 
     switch_in: Time = 0
     switch_out: Time = 0
     interrupt_entry: Time = 0
     alarm: Time = 0
+    alarm_further: Time = -1
+    alarm_early: Time = 0
+    alarm_early_period: Time = 0
     tick_period: Time = 0
     tick: Time = 0
     tick_first: Time = 0
@@ -197,9 +203,17 @@ class Overheads:
 
     def __post_init__(self) -> None:
         """Make the times exact and refuse what means nothing."""
+        if self.alarm_further == -1:
+            object.__setattr__(self, "alarm_further", self.alarm)
         for item in fields(self):
             value = _time(getattr(self, item.name), "overheads", item.name, positive=False)
             object.__setattr__(self, item.name, value)
+        if self.alarm_further > self.alarm:
+            raise TaskSetError(
+                f"is {self.alarm_further}; expected at most 'alarm' ({self.alarm})",
+                task="overheads",
+                field="alarm_further",
+            )
         if self.tick_period == 0 and self.tick + self.tick_first + self.tick_further > 0:
             raise TaskSetError(
                 "is missing; costs of a tick need it", task="overheads", field="tick_period"

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Source, Window, window_of
 from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
@@ -17,7 +18,7 @@ from ravenbrick.schedule.response_time import (
     response_time_bound,
 )
 
-__all__ = ["phased_response_time_bounds"]
+__all__ = ["phased_response_time_bounds", "synchronous_bound"]
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,41 @@ class _Candidate:
             total += count * (source.execution + source.overhead)
         return total
 
+    def clock_time(self, length: Time) -> Time:
+        """The clock's work within `length`; releases at the same instant share a call."""
+        clock = self.window.clock
+        costs = clock.overheads
+        if costs.tick_period or not costs.alarm:
+            return clock.time(length)
+        instants: set[Time] = set()
+        total = alone = 0
+        for (period, jitter), phase in zip(clock.released, clock.phases, strict=True):
+            if phase is None:
+                alone += ceiling(length + jitter, period)
+                continue
+            first = ceiling(self.begin - jitter - phase, period)
+            last = ceiling(self.begin + length - phase, period)
+            total += last - first
+            instants |= {phase + number * period for number in range(first, last)}
+        calls = alone + len(instants)
+        work = calls * costs.alarm + (total - len(instants)) * costs.alarm_further
+        early = min(clock.early(length, calls), alone + self._after_pauses(instants) + 1)
+        return work + early * costs.alarm_early
+
+    def _after_pauses(self, instants: set[Time]) -> int:
+        """Instants after the start that lie far enough behind the one before for an early call."""
+        ordered = sorted(instants)
+        pauses = pairwise(ordered)
+        period = self.window.clock.overheads.alarm_early_period
+        far = sum(after - before >= period for before, after in pauses if after > self.begin)
+        return far + int(bool(ordered) and ordered[0] > self.begin)
+
     def completion(self, jobs: int, start: Time) -> Time:
         """End of blocking, interference and `jobs` own jobs; `start` is a lower bound of it."""
         fixed = self.window.blocking.time + jobs * self.window.own
         length = max(start, fixed)
         for _ in range(STEP_LIMIT):
-            following = fixed + self.window.clock.time(length)
+            following = fixed + self.clock_time(length)
             for source in self.window.sources:
                 cost = source.execution + source.overhead
                 following += self.jobs(source.task, length) * cost
@@ -101,7 +131,7 @@ class _Candidate:
             window.blocking,
             switches,
             entries,
-            window.clock.time(length),
+            self.clock_time(length),
             exact(max(0, -arrival)),
             exact(max(0, arrival)),
         )
@@ -145,6 +175,23 @@ def _phased_bound(task_set: TaskSet, task: Task, overheads: Overheads) -> Respon
     return ResponseTimeBound(task, bound, terms=candidate.terms(job, length))
 
 
+def synchronous_bound(
+    task_set: TaskSet, task: Task, overheads: Overheads = NO_OVERHEADS
+) -> ResponseTimeBound:
+    """Worst response time of the first job of `task` in a release of all cyclic tasks at the same
+    instant, after which they keep their phases; they must all be declared as 0.
+
+    As `phased_response_time_bounds`, for this one start of a busy period.
+    """
+    window = window_of(task_set, task, overheads)
+    jitters = {source.task.name: source.jitter for source in window.sources}
+    candidate = _Candidate(window, window.jitter, {**jitters, task.name: window.jitter})
+    found = candidate.worst(1)
+    if found is None or window.utilization > 1:
+        return ResponseTimeBound(task, None)
+    return ResponseTimeBound(task, found[0], terms=candidate.terms(0, found[2]))
+
+
 def phased_response_time_bounds(
     task_set: TaskSet, overheads: Overheads = NO_OVERHEADS
 ) -> tuple[ResponseTimeBound, ...]:
@@ -154,6 +201,7 @@ def phased_response_time_bounds(
     jitter; all such starts within one repetition are examined, in each of them the other phased
     tasks arrive when they must and tasks without a phase at the start (Tindell 1994; Palencia,
     Gonzalez Harbour 1998, with one transaction for all phased tasks). Blocking and overheads are
-    as in `response_time_bound`. Exact for independent tasks which all have phases and no jitter.
+    as in `response_time_bound`, but for releases at the same instant, which share a call of the
+    alarm. Exact for independent tasks which all have phases and no jitter.
     """
     return tuple(_phased_bound(task_set, task, overheads) for task in task_set.by_priority())

@@ -21,6 +21,7 @@ from ravenbrick.schedule.response_time import ResponseTimeBound, response_time_b
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.robot import Robot, Task
+from ravenbrick.timing.alarm import AlarmCosts, alarm_costs, coarse_alarm
 from ravenbrick.timing.bounds import (
     Bound,
     ExecutionTimeError,
@@ -30,7 +31,6 @@ from ravenbrick.timing.bounds import (
 from ravenbrick.timing.facts import TIMING_FILE, Facts, InterruptLoad, Mode, annotations_of
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
-    COARSE_PERIOD_US,
     DELAY_UNTIL,
     ENTRY_CALL,
     SUSPEND,
@@ -56,12 +56,10 @@ __all__ = [
     "ModeBounds",
     "TaskTiming",
     "analyse",
-    "coarse_alarm",
 ]
 
 PREEMPTION_BYTES = 68
 WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
-COARSE_ALARM = "alarm, coarse stretch"
 
 
 @dataclass(frozen=True)
@@ -244,17 +242,23 @@ def _interrupt(cost: InterruptCost, loads: Sequence[InterruptLoad], blocking: in
     )
 
 
-def coarse_alarm(
-    periods_us: Sequence[int], alarm_cycles: int, priority: int
+def _waits_inside(
+    timings: Sequence[TaskTiming], alarm: AlarmCosts, priority: int
 ) -> list[ScheduledTask]:
-    """The alarm's calls that release nobody, half-way to a release far away.
-
-    There are none when some task is always released soon, given that it meets its deadline.
-    """
-    if min(periods_us, default=COARSE_PERIOD_US) < COARSE_PERIOD_US:
-        return []
-    period = _cycles(COARSE_PERIOD_US)
-    return [ScheduledTask(COARSE_ALARM, period, alarm_cycles, priority, release="interrupt")]
+    """The alarm's calls for sporadic tasks that also wait for a time inside their jobs."""
+    return [
+        ScheduledTask(
+            f"alarm inside {timing.task.name}",
+            _cycles(timing.task.period_us or 0),
+            timing.suspension_count * (alarm.first + alarm.early),
+            priority,
+            release="interrupt",
+        )
+        for timing in timings
+        if timing.suspension_count
+        and timing.task.release == "sporadic"
+        and DELAY_UNTIL in timing.job.reached
+    ]
 
 
 def _timed_tasks(robot: Robot) -> list[tuple[int, Task]]:
@@ -314,6 +318,7 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     annotations += _solved(image, facts, annotations)
     kernel = services(image, annotations)
     costs = interrupt_costs(image, attached_handlers(brick, image), annotations)
+    alarm = alarm_costs(image, costs[0], annotations)
     questions = [(_body(image, facts, task), WAITS[task.release]) for _, task in tasks]
 
     def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
@@ -331,9 +336,9 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     modes = []
     for mode in facts.modes:
         in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
-        timings, _, _, bounds = _scheduled(costs, kernel, facts, in_mode)
+        timings, _, _, bounds = _scheduled(costs, alarm, kernel, facts, in_mode)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    timings, task_set, overheads, bounds = _scheduled(costs, kernel, facts, jobs)
+    timings, task_set, overheads, bounds = _scheduled(costs, alarm, kernel, facts, jobs)
     return Analysis(
         timings, costs, objects, kernel, task_set, overheads, bounds, modes=tuple(modes)
     )
@@ -341,6 +346,7 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
 
 def _scheduled(
     costs: tuple[InterruptCost, ...],
+    alarm: AlarmCosts,
     kernel: Services,
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
@@ -354,11 +360,9 @@ def _scheduled(
         )
         for task, job in jobs
     )
-    alarm = next((c.cycles for c in costs if c.handler.source == ALARM_SOURCE), 0)
-    overheads = Overheads(
-        switch_in=kernel.resume, alarm=alarm, clock_resolution=kernel.release_jitter
-    )
+    overheads = alarm.overheads(kernel)
     interrupts = _scheduled_interrupts(costs, facts, jobs, kernel)
+    interrupts += _waits_inside(timings, alarm, costs[0].handler.priority)
     tasks = _scheduled_tasks(timings)
     task_set = TaskSet((*interrupts, *tasks))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}

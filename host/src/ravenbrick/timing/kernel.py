@@ -22,9 +22,11 @@ from ravenbrick.timing.started import (
 )
 
 __all__ = [
-    "COARSE_PERIOD_US",
+    "ALARM_LATENESS_CYCLES",
     "DELAY_UNTIL",
+    "DISPATCH",
     "ENTRY_CALL",
+    "INTERRUPT",
     "SUSPEND",
     "InterruptCost",
     "Services",
@@ -43,7 +45,8 @@ SUSPEND = "ada__synchronous_task_control__suspend_until_true"
 SET_TRUE = "ada__synchronous_task_control__set_true"
 INTERRUPT = "ravenbrick_interrupt"
 RESUME = "resume"
-MASKING = (DELAY_UNTIL, ENTRY_CALL, SERVICE_ENTRY, SUSPEND, SET_TRUE, f"{PROTECTED}__dispatch")
+DISPATCH = f"{PROTECTED}__dispatch"
+MASKING = (DELAY_UNTIL, ENTRY_CALL, SERVICE_ENTRY, SUSPEND, SET_TRUE, DISPATCH)
 RINGS = ("ravenbrick__delays__ring", "ravenbrick__delays__events__ring_with_events")
 QUEUES = (
     "ravenbrick-threads.adb",
@@ -54,10 +57,6 @@ QUEUES = (
 ENTRY_CODE = re.compile(r"_[BE]\d+b$")
 
 EXCEPTION_CYCLES = 3
-# The alarm is set in one-shot stretches: a coarse one ends this long after it began, at the
-# earliest, and only delays of at least 57 000 of the kernel's units of 1/21.024 us have one.
-COARSE_PERIOD_US = int((57_000 - 3 * 448) / 21.024)
-
 # From the alarm's request until the processor sees it: tick of the clock, shortest count of the
 # alarm's timer, the controller's synchronisation, the longest instruction.
 ALARM_LATENESS_CYCLES = 16 + 4 + 7 + 20
