@@ -153,7 +153,9 @@ class LivePeer:
             honest.setblocking(False)
             answer = bytearray()
             stopped = live.run(None, stop=_receiver(honest, answer, 12))
-        assert stopped.reason == "fault" or answer[:8] == struct.pack(">HHI", 0x0111, 5, 0), "USB/IP is not served any more"
+        assert stopped.reason == "fault" or answer[:8] == struct.pack(">HHI", 0x0111, 5, 0), (
+            "USB/IP is not served any more"
+        )
 
     def close(self) -> None:
         self._brick = None
