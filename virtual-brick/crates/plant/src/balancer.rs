@@ -125,7 +125,7 @@ impl Pendulum {
     }
 
     /// Adds the kinetic energy of wheels and body.
-    pub fn add_masses(&self, masses: &mut MassMatrix) {
+    pub fn add_masses<const N: usize>(&self, masses: &mut MassMatrix<N>) {
         let body = &self.parameters;
         let radius = body.wheel_radius;
         let rolling = (body.mass + 2.0 * body.wheel_mass) * radius * radius;
@@ -144,7 +144,12 @@ impl Pendulum {
     }
 
     /// Adds the impulses of weight, push and the terms with products of velocities in `dt` s.
-    pub fn add_impulses(&self, velocity: &Vector, dt: f64, impulse: &mut Vector) {
+    pub fn add_impulses<const N: usize>(
+        &self,
+        velocity: &Vector<N>,
+        dt: f64,
+        impulse: &mut Vector<N>,
+    ) {
         let body = &self.parameters;
         let (sine, cosine) = (libm::sin(self.pitch), libm::cos(self.pitch));
         let rate = velocity[PITCH];

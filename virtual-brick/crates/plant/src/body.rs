@@ -3,7 +3,7 @@
 //! What the motors move: the vehicle's mass seen from its wheels, and its path.
 
 use crate::parameters::DifferentialDrive;
-use crate::solver::Vector;
+use crate::solver::{Direction, Vector};
 
 /// Speed in m/s below which the castor's direction is that of the coming motion.
 const SLOW: f64 = 1e-6;
@@ -59,18 +59,24 @@ impl Vehicle {
     }
 
     /// Direction of rolling: m of travel per rad of each wheel.
-    pub fn rolling_direction(&self) -> [(usize, f64); 2] {
+    pub fn rolling_direction(&self) -> Direction {
         let half = self.parameters.wheel_radius / 2.0;
         [(self.left, half), (self.right, half)]
     }
 
     /// Direction of the castor's motion now, or of the motion that would come.
-    pub fn castor_direction(&self, now: &Vector, coming: &Vector) -> [(usize, f64); 2] {
+    #[inline(always)]
+    pub fn castor_direction<const N: usize>(
+        &self,
+        now: &Vector<N>,
+        coming: &Vector<N>,
+    ) -> Direction {
         let (mut along, mut across) = self.castor_velocity(now);
-        if libm::hypot(along, across) < SLOW {
+        let mut speed = libm::hypot(along, across);
+        if speed < SLOW {
             (along, across) = self.castor_velocity(coming);
+            speed = libm::hypot(along, across);
         }
-        let speed = libm::hypot(along, across);
         if speed < SLOW {
             return self.rolling_direction();
         }
@@ -88,7 +94,7 @@ impl Vehicle {
         self.parameters.castor_arm() * wheel_radius / track
     }
 
-    fn castor_velocity(&self, velocity: &Vector) -> (f64, f64) {
+    fn castor_velocity<const N: usize>(&self, velocity: &Vector<N>) -> (f64, f64) {
         let (left, right) = (velocity[self.left], velocity[self.right]);
         let along = self.parameters.wheel_radius * (left + right) / 2.0;
         (along, self.castor_arm_ratio() * (right - left))
@@ -117,8 +123,9 @@ impl Pose {
             length * libm::sin(half) / half
         };
         let direction = self.heading + half;
-        self.x += chord * libm::cos(direction);
-        self.y += chord * libm::sin(direction);
+        let (sine, cosine) = libm::sincos(direction);
+        self.x += chord * cosine;
+        self.y += chord * sine;
         self.heading += turn;
     }
 }

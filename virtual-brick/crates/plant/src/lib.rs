@@ -12,6 +12,7 @@ mod balancer;
 mod body;
 mod drive;
 mod error;
+mod mechanism;
 mod motor;
 mod parameters;
 mod robot;

@@ -5,14 +5,21 @@
 //! Each friction and each stop is one impulse with bounds; projected Gauss-Seidel iteration
 //! finds them together (time stepping after Moreau). Impacts are plastic.
 
+/// Gear trains A to C.
+pub(crate) const MOTORS: usize = 3;
+
 /// Gear trains A to C, what lies behind their play, the pitch of a body that balances.
 pub(crate) const COORDINATES: usize = 7;
 
 /// Coordinate of the pitch.
 pub(crate) const PITCH: usize = 6;
 
-/// One number per coordinate.
-pub(crate) type Vector = [f64; COORDINATES];
+/// One number per coordinate: [`MOTORS`] where gear trains are all that moves by itself, else
+/// [`COORDINATES`].
+pub(crate) type Vector<const N: usize> = [f64; N];
+
+/// Two coordinates and how much of an impulse acts on each.
+pub(crate) type Direction = [(usize, f64); 2];
 
 const ITERATIONS: usize = 60;
 /// Impulse in N m s below which the iteration has converged (a gear train's momentum at one
@@ -20,7 +27,7 @@ const ITERATIONS: usize = 60;
 const SMALL_IMPULSE: f64 = 1e-14;
 
 /// What couples the coordinates of a symmetric matrix.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Coupling {
     None,
     /// Two coordinates and the element that they share.
@@ -33,15 +40,16 @@ pub(crate) enum Coupling {
 }
 
 /// Symmetric mass matrix or its inverse: diagonal but for what is coupled.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MassMatrix {
-    pub diagonal: Vector,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MassMatrix<const N: usize> {
+    pub diagonal: Vector<N>,
     pub coupling: Coupling,
 }
 
-impl MassMatrix {
-    pub fn multiply(&self, vector: &Vector) -> Vector {
-        let mut product = [0.0; COORDINATES];
+impl<const N: usize> MassMatrix<N> {
+    #[inline(always)]
+    pub fn multiply(&self, vector: &Vector<N>) -> Vector<N> {
+        let mut product = [0.0; N];
         for (index, value) in product.iter_mut().enumerate() {
             *value = self.diagonal[index] * vector[index];
         }
@@ -50,7 +58,7 @@ impl MassMatrix {
     }
 
     #[inline(always)]
-    fn add_coupled(&self, vector: &Vector, product: &mut Vector) {
+    fn add_coupled(&self, vector: &Vector<N>, product: &mut Vector<N>) {
         let mut couple = |first: usize, second: usize, element: f64| {
             product[first] += element * vector[second];
             product[second] += element * vector[first];
@@ -70,12 +78,12 @@ impl MassMatrix {
     }
 
     /// Product with the vector that has these elements and no others.
-    fn along(&self, elements: [(usize, f64); 2]) -> Vector {
-        let mut vector = [0.0; COORDINATES];
+    fn along(&self, elements: Direction) -> Vector<N> {
+        let mut vector = [0.0; N];
         for (index, factor) in elements {
             vector[index] += factor;
         }
-        let mut product = [0.0; COORDINATES];
+        let mut product = [0.0; N];
         for (index, _) in elements {
             product[index] = self.diagonal[index] * vector[index];
         }
@@ -129,47 +137,56 @@ fn inverse_of_three(diagonal: [f64; 3], off_diagonal: [f64; 3]) -> ([f64; 3], [f
     )
 }
 
-/// Impulse along `direction` that brings the velocity there to `target`, within bounds.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Constraint {
-    direction: [(usize, f64); 2],
-    target: f64,
-    lowest: f64,
-    highest: f64,
-    impulse: f64,
-    response: Vector,
+/// How the velocities answer to an impulse along a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Answer<const N: usize> {
+    direction: Direction,
+    response: Vector<N>,
     stiffness: f64,
 }
 
-impl Constraint {
+impl<const N: usize> Answer<N> {
     /// `inverse` is that of the mass matrix.
     #[inline(always)]
-    pub fn new(
-        inverse: &MassMatrix,
-        direction: [(usize, f64); 2],
-        target: f64,
-        bounds: (f64, f64),
-    ) -> Self {
+    pub fn new(inverse: &MassMatrix<N>, direction: Direction) -> Self {
         let response = inverse.along(direction);
         let [(one, k), (other, l)] = direction;
         let mobility = k * response[one] + l * response[other];
-        let (lowest, highest) = bounds;
         let stiffness = 1.0 / mobility;
         Self {
             direction,
-            target,
-            lowest,
-            highest,
-            impulse: 0.0,
             response,
             stiffness,
         }
     }
+}
 
-    /// Friction of at most `bound` (N m s) along `direction`.
+/// Impulse along a direction that brings the velocity there to `target`, within bounds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constraint<const N: usize> {
+    answer: Answer<N>,
+    target: f64,
+    lowest: f64,
+    highest: f64,
+    impulse: f64,
+}
+
+impl<const N: usize> Constraint<N> {
     #[inline(always)]
-    pub fn friction(inverse: &MassMatrix, direction: [(usize, f64); 2], bound: f64) -> Self {
-        Self::new(inverse, direction, 0.0, (-bound, bound))
+    pub fn new(answer: Answer<N>, target: f64, (lowest, highest): (f64, f64)) -> Self {
+        Self {
+            answer,
+            target,
+            lowest,
+            highest,
+            impulse: 0.0,
+        }
+    }
+
+    /// Friction of at most `bound` (N m s).
+    #[inline(always)]
+    pub fn friction(answer: Answer<N>, bound: f64) -> Self {
+        Self::new(answer, 0.0, (-bound, bound))
     }
 
     /// The impulse is strictly inside its bounds: what it holds stays.
@@ -177,13 +194,11 @@ impl Constraint {
         self.impulse > self.lowest && self.impulse < self.highest
     }
 
-    fn relax(&mut self, velocity: &mut Vector) -> f64 {
-        let along: f64 = self
-            .direction
-            .iter()
-            .map(|&(index, k)| k * velocity[index])
-            .sum();
-        let wanted = self.impulse + (self.target - along) * self.stiffness;
+    #[inline(always)]
+    fn relax(&mut self, velocity: &mut Vector<N>) -> f64 {
+        let [(one, k), (other, l)] = self.answer.direction;
+        let along = k * velocity[one] + l * velocity[other];
+        let wanted = self.impulse + (self.target - along) * self.answer.stiffness;
         let bounded = if wanted >= self.lowest {
             wanted
         } else {
@@ -196,7 +211,7 @@ impl Constraint {
         };
         let change = impulse - self.impulse;
         self.impulse = impulse;
-        for (value, response) in velocity.iter_mut().zip(self.response) {
+        for (value, response) in velocity.iter_mut().zip(self.answer.response) {
             *value += response * change;
         }
         libm::fabs(change)
@@ -204,7 +219,10 @@ impl Constraint {
 }
 
 /// Changes `velocity` until every constraint is met.
-pub(crate) fn solve(velocity: &mut Vector, constraints: &mut [Option<Constraint>]) {
+pub(crate) fn solve<const N: usize>(
+    velocity: &mut Vector<N>,
+    constraints: &mut [Option<Constraint<N>>],
+) {
     for _ in 0..ITERATIONS {
         let mut largest = 0.0;
         for constraint in constraints.iter_mut().flatten() {
