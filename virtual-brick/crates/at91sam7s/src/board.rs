@@ -215,6 +215,10 @@ pub trait Board {
     fn next_event(&self) -> Cycles;
     /// Bring the board to `now`; its pins may change. `now` never passes `next_event` unserved.
     fn advance(&mut self, now: Cycles);
+    /// Something may have come on a serial line or the USB since the chip took what there was.
+    fn brings(&mut self, _now: Cycles) -> bool {
+        true
+    }
     /// The chip's supply is on; false ends the run as a power-off.
     fn powered(&self) -> bool;
     /// The core's supply is below the level of the brown-out detector.

@@ -90,6 +90,8 @@ pub struct Chip<B: Board> {
     pub(crate) udp: Udp,
     pub(crate) regulator_mode: u32,
     pub(crate) board: B,
+    /// The board is served now because it may have been changed from outside.
+    board_reached_for: bool,
     pub(crate) outputs: PinOutputs,
     pub(crate) pin_log: PinLog,
     pub(crate) timer_lines: PeripheralLines,
@@ -133,6 +135,7 @@ impl<B: Board> Chip<B> {
             udp: Udp::new(),
             regulator_mode: 0,
             board,
+            board_reached_for: false,
             pin_log: PinLog::default(),
             outputs: PinOutputs::default(),
             timer_lines: PeripheralLines::default(),
@@ -164,6 +167,7 @@ impl<B: Board> Chip<B> {
     /// The board, to change it from outside; the chip looks at its pins again before the next
     /// access takes effect.
     pub fn board_mut(&mut self) -> &mut B {
+        self.board_reached_for = true;
         self.schedule.set(EventKind::Board, self.now);
         &mut self.board
     }
@@ -297,9 +301,9 @@ impl<B: Board> Chip<B> {
         self.sram.has_hits()
     }
 
-    /// Writes to watched words, in the order of time.
-    pub fn take_watch_hits(&mut self) -> Vec<WatchHit> {
-        self.sram.take_hits()
+    /// Writes to watched words, in the order of time, in place of what `taken` holds.
+    pub fn take_watch_hits(&mut self, taken: &mut Vec<WatchHit>) {
+        self.sram.take_hits(taken);
     }
 
     pub(crate) fn record_fault(&mut self, kind: FaultKind, address: u32, write: Option<u32>) {
@@ -377,17 +381,25 @@ impl<B: Board> Chip<B> {
     }
 
     fn serve_board(&mut self, at: Cycles) {
-        if self.board.next_event() <= at {
+        let reached_for = std::mem::take(&mut self.board_reached_for);
+        if !reached_for || self.board.next_event() <= at {
             self.board.advance(at);
         }
+        self.follow_board_pins(at);
+        if self.board.brings(at) {
+            self.take_from_board(at);
+        }
+        self.look_at_supply(at);
+        self.refresh_board(at);
+    }
+
+    /// Look at the pins again if the board has changed them.
+    pub(crate) fn follow_board_pins(&mut self, at: Cycles) {
         let clocked = self.pmc.clocked(PIOA);
         let levels = self.board.pin_levels();
         if !self.pio.settled(self.outputs, levels, clocked) {
             self.update_pins(at);
         }
-        self.take_from_board(at);
-        self.look_at_supply(at);
-        self.refresh_board(at);
     }
 
     /// Ask the board when it wants to be advanced; never at or before the present.

@@ -130,6 +130,11 @@ impl Pmc {
         })
     }
 
+    /// This write stops the processor clock and changes no other: how programs wait.
+    pub(crate) fn only_stops_processor(offset: u32, value: u32) -> bool {
+        offset == 0x04 && value == PCK
+    }
+
     pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<Request> {
         match offset {
             0x00 => self.system |= value & SYSTEM_CLOCKS,

@@ -7,7 +7,7 @@ use crate::chip::Chip;
 use crate::dbgu;
 use crate::fault::{Access, FaultKind};
 use crate::pins;
-use crate::pmc::Request;
+use crate::pmc::{Pmc, Request};
 use crate::rstc::ResetCause;
 use crate::streams::SERIAL_CLOCKS;
 use crate::{pwmc, spi, ssc, twi};
@@ -304,6 +304,11 @@ impl<B: Board> Chip<B> {
     /// A clock register: the change reaches the processor, the timers and the pin sampling.
     fn write_clocks(&mut self, offset: u32, value: u32) -> Access<()> {
         let now = self.now;
+        if Pmc::only_stops_processor(offset, value) {
+            self.follow_board_pins(now);
+            self.stop_processor(now);
+            return Ok(());
+        }
         let pins_were_clocked = self.pmc.clocked(pins::PIOA);
         let request = self.pmc.write(offset, value, now)?;
         if self.pmc.clocked(pins::PIOA) && !pins_were_clocked {

@@ -174,8 +174,9 @@ impl Sram {
         !self.hits.is_empty()
     }
 
-    pub(crate) fn take_hits(&mut self) -> Vec<WatchHit> {
-        std::mem::take(&mut self.hits)
+    pub(crate) fn take_hits(&mut self, taken: &mut Vec<WatchHit>) {
+        taken.clear();
+        std::mem::swap(&mut self.hits, taken);
     }
 }
 

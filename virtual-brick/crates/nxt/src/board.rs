@@ -6,11 +6,15 @@
 //! plant, co-processor, sensors, Bluetooth, USB, report of the display. An input acts at once on
 //! what the co-processor samples, and on the plant from its next step.
 
+mod advance;
+
 use at91sam7s::board::{
     Board, Character, ChipEvent, Cycles, PinLevels, PinOutputs, SerialPort, SoundBits, TwiReply,
     UsbAnswer, UsbSignal,
 };
 use plant::{MotorDrive, ParameterError, RobotParameters};
+
+use advance::Slow;
 
 use crate::battery::{Battery, BROWN_OUT_VOLTAGE, LOST_VOLTAGE};
 use crate::bench::{Bench, BusEvent, ModuleTurn, TwiScript, TwiTurn};
@@ -83,8 +87,10 @@ pub struct NxtBoard {
     phase: Cycles,
     sound: Recording,
     log: EventLog,
-    /// What [`Self::slow_change`] tells, as long as nobody has reached for these parts since.
-    slow_next: Option<Cycles>,
+    /// What [`Self::slow_parts`] tells, as long as nobody has reached for these parts since.
+    slow_next: Option<Slow>,
+    /// One of them was advanced since the chip took what they brought.
+    slow_advanced: bool,
 }
 
 /// When the picture is to be looked at.
@@ -138,6 +144,7 @@ impl NxtBoard {
             sound: Recording::default(),
             log: EventLog::default(),
             slow_next: None,
+            slow_advanced: false,
         })
     }
 
@@ -187,6 +194,7 @@ impl NxtBoard {
 
     /// The far end of port 4's RS485 line.
     pub fn rs485_mut(&mut self) -> &mut Rs485Line {
+        self.slow_next = None;
         &mut self.rs485
     }
 
@@ -213,6 +221,7 @@ impl NxtBoard {
 
     /// A script speaks in place of the Bluetooth module.
     pub fn script_module(&mut self, now: Cycles, turns: Vec<ModuleTurn>) {
+        self.slow_next = None;
         self.bench.script_module(now, turns);
     }
 
@@ -220,8 +229,7 @@ impl NxtBoard {
     /// program switches the pull-up off.
     pub fn enter_boot_monitor(&mut self, now: Cycles) {
         self.coprocessor.restart(now, self.phase);
-        self.ports
-            .set_supplies(now, self.coprocessor.sensor_supplies());
+        self.switch_supplies(now);
         self.boot_monitor = Some(BootMonitor::default());
         self.slow_next = None;
         self.usb.set_pull_up(true);
@@ -289,7 +297,7 @@ impl NxtBoard {
         self.advance(now);
         self.slow_next = None;
         match target {
-            Target::Sensor(index, quantity) => self.ports.set_quantity(index, quantity, value),
+            Target::Sensor(index, quantity) => self.ports.set_input(index, quantity, value),
             Target::Plugged(index) => self.ports.set_plugged(now, index, value != 0.0),
             Target::Short(index, line) => self.ports.set_short(now, index, line, value != 0.0),
             Target::WrongSums => self.coprocessor.spoil_sums(value as u16),
@@ -485,37 +493,15 @@ impl Board for NxtBoard {
     }
 
     fn next_event(&self) -> Cycles {
-        self.next_change()
-            .min(self.usb.next_signal())
-            .min(self.rs485.next_event())
-            .min(self.bench.next_event())
+        self.next_time()
     }
 
     fn advance(&mut self, now: Cycles) {
-        loop {
-            let at = self.next_change();
-            if at > now {
-                return;
-            }
-            if self.physics.next_event() <= at {
-                self.advance_physics(at);
-            }
-            if self.coprocessor.next_event() <= at {
-                let measurable = self.measurable();
-                self.coprocessor.advance(at, measurable, &mut self.log);
-                self.ports
-                    .set_supplies(at, self.coprocessor.sensor_supplies());
-            }
-            if self.ports.next_event() <= at {
-                self.ports.advance(at);
-            }
-            self.bluetooth.advance(at);
-            self.usb.advance(at);
-            if self.refresh.due_at <= at {
-                self.report_picture(at);
-            }
-            self.slow_next = Some(self.slow_change());
-        }
+        self.advance_to(now);
+    }
+
+    fn brings(&mut self, now: Cycles) -> bool {
+        self.may_bring(now)
     }
 
     fn powered(&self) -> bool {
@@ -548,6 +534,7 @@ impl Board for NxtBoard {
             (SerialPort::Usart1, None) => self.bluetooth.take_character(),
             (SerialPort::DebugUnit, _) => None,
         }?;
+        self.slow_next = None;
         let event = BusEvent::Received(port, character.data as u8);
         self.bench.note(now, event);
         Some(character)
@@ -583,38 +570,11 @@ impl Board for NxtBoard {
 }
 
 impl NxtBoard {
-    fn advance_physics(&mut self, at: Cycles) {
-        let drives = self.coprocessor.drives();
-        if self.physics.advance(at, drives, self.battery.voltage()) {
-            let (_, robot, _) = self.physics.around(at);
-            self.battery.set_current(robot.supply_current());
-            self.measured.update(robot, &mut self.ports);
-            self.look_at_battery(at);
-        }
-    }
-
-    /// When the board changes by itself next; transactions on the USB come on top of that.
-    fn next_change(&self) -> Cycles {
-        let slow = self.slow_next.unwrap_or_else(|| self.slow_change());
-        let physics = self.physics.next_event();
-        physics.min(self.coprocessor.next_event()).min(slow)
-    }
-
-    /// When display, ports, Bluetooth or USB change by themselves next.
-    fn slow_change(&self) -> Cycles {
-        self.refresh
-            .due_at
-            .min(self.ports.next_event())
-            .min(self.bluetooth.next_event())
-            .min(self.usb.next_event())
-    }
-
     /// A battery that is too low for everything ends the run.
     fn look_at_battery(&mut self, now: Cycles) {
         if self.battery.voltage() < LOST_VOLTAGE {
             self.coprocessor.lose_supply(now, &mut self.log);
-            self.ports
-                .set_supplies(now, self.coprocessor.sensor_supplies());
+            self.switch_supplies(now);
         }
     }
 

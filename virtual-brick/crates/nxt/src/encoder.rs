@@ -67,9 +67,13 @@ impl Encoder {
         (start, length): (Cycles, Cycles),
         edges: &mut Vec<Edge>,
     ) {
-        let (from, to) = (self.position(from), self.position(to));
-        let last = libm::floor(to) as i64;
+        let to = self.position(to);
+        let last = floor(to);
         let mut state = self.state;
+        if state == last {
+            return;
+        }
+        let from = self.position(from);
         while state != last {
             let (border, next) = if last > state {
                 (state + 1, state + 1)
@@ -90,6 +94,16 @@ impl Encoder {
 
     fn position(&self, angle: f64) -> f64 {
         angle * (STATES_PER_TURN / std::f64::consts::TAU) + self.phase
+    }
+}
+
+/// Greatest whole number not above; the nearest there is where it is too large.
+fn floor(position: f64) -> i64 {
+    let whole = position as i64;
+    if whole as f64 > position {
+        whole.saturating_sub(1)
+    } else {
+        whole
     }
 }
 

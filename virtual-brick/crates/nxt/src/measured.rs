@@ -42,13 +42,14 @@ impl Measured {
         }
     }
 
-    /// Gives each sensor what it measures of `robot` now.
-    pub fn update(&self, robot: &Robot, ports: &mut Ports) {
+    /// Gives each sensor what it measures of `robot` now; false when there is none.
+    pub fn update(&self, robot: &Robot, ports: &mut Ports) -> bool {
         for (index, source) in &self.sources {
             if let Some((quantity, value)) = self.value(source, robot) {
                 ports.set_quantity(*index, quantity, value);
             }
         }
+        !self.sources.is_empty()
     }
 
     /// Names of what the sensors measure, in the order of [`Self::sample`].

@@ -20,6 +20,8 @@ pub struct Physics {
     encoders: [Option<Encoder>; 3],
     /// Edges of the running step, the next one last.
     edges: Vec<Edge>,
+    /// Pins that the encoders drive, and their levels.
+    pins: (u32, u32),
     /// Drives and supply of the last step if it changed nothing: with the same, no step will.
     resting: Option<([MotorDrive; 3], f64)>,
 }
@@ -35,6 +37,7 @@ impl Physics {
         });
         let behind = robot.clone();
         Ok(Self {
+            pins: pins(&encoders),
             behind,
             ahead: robot,
             step_start: 0,
@@ -52,16 +55,8 @@ impl Physics {
     /// Serves what is due at `now`: edges first, then the step, which takes the drives and the
     /// supply at its beginning for all of its length. True when a step was made.
     pub fn advance(&mut self, now: Cycles, drives: &[MotorDrive; 3], supply: f64) -> bool {
-        while let Some(edge) = self
-            .edges
-            .last()
-            .copied()
-            .filter(|edge| edge.at_cycles <= now)
-        {
-            self.edges.pop();
-            if let Some(encoder) = &mut self.encoders[edge.motor] {
-                encoder.apply(edge);
-            }
+        while self.edges.last().is_some_and(|edge| edge.at_cycles <= now) {
+            self.serve_edge();
         }
         if now < self.step_start + PLANT_STEP_CYCLES {
             return false;
@@ -78,6 +73,16 @@ impl Physics {
         true
     }
 
+    fn serve_edge(&mut self) {
+        let Some(edge) = self.edges.pop() else {
+            return;
+        };
+        if let Some(encoder) = &mut self.encoders[edge.motor] {
+            encoder.apply(edge);
+        }
+        self.pins = pins(&self.encoders);
+    }
+
     fn find_edges(&mut self) {
         let span = (self.step_start, PLANT_STEP_CYCLES);
         for port in MotorPort::ALL {
@@ -87,21 +92,15 @@ impl Physics {
                 encoder.edges(index, from.angle(), to.angle(), span, &mut self.edges);
             }
         }
-        self.edges
-            .sort_by_key(|edge| std::cmp::Reverse((edge.at_cycles, edge.motor)));
+        if self.edges.len() > 1 {
+            self.edges
+                .sort_by_key(|edge| std::cmp::Reverse((edge.at_cycles, edge.motor)));
+        }
     }
 
     /// Pins that the encoders drive, and their levels.
-    pub fn pins(&self) -> (u32, u32) {
-        let (mut driven, mut level) = (0, 0);
-        for (encoder, (tacho, direction)) in self.encoders.iter().zip(ENCODER_PINS) {
-            if let Some(encoder) = encoder {
-                driven |= 1 << tacho | 1 << direction;
-                level |= u32::from(encoder.tacho()) << tacho;
-                level |= u32::from(encoder.direction()) << direction;
-            }
-        }
-        (driven, level)
+    pub const fn pins(&self) -> (u32, u32) {
+        self.pins
     }
 
     pub fn encoder(&self, port: MotorPort) -> Option<&Encoder> {
@@ -130,4 +129,16 @@ impl Physics {
             gone as f64 / PLANT_STEP_CYCLES as f64,
         )
     }
+}
+
+fn pins(encoders: &[Option<Encoder>; 3]) -> (u32, u32) {
+    let (mut driven, mut level) = (0, 0);
+    for (encoder, (tacho, direction)) in encoders.iter().zip(ENCODER_PINS) {
+        if let Some(encoder) = encoder {
+            driven |= 1 << tacho | 1 << direction;
+            level |= u32::from(encoder.tacho()) << tacho;
+            level |= u32::from(encoder.direction()) << direction;
+        }
+    }
+    (driven, level)
 }

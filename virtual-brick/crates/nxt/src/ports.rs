@@ -156,14 +156,25 @@ impl Ports {
         }
     }
 
-    /// The co-processor's switches of the 9 V.
-    pub fn set_supplies(&mut self, now: Cycles, supplies: [SensorSupply; 4]) {
+    /// The co-processor's switches of the 9 V; true when one was turned.
+    pub fn set_supplies(&mut self, now: Cycles, supplies: [SensorSupply; 4]) -> bool {
+        let mut turned = false;
         for (port, supply) in self.ports.iter_mut().zip(supplies) {
             if port.supply != supply {
                 port.supply = supply;
                 port.supply_changed(now);
+                turned = true;
             }
         }
+        if turned {
+            self.refresh_low();
+        }
+        turned
+    }
+
+    /// A quantity given from outside, which the lines follow at once.
+    pub fn set_input(&mut self, index: usize, quantity: Quantity, value: f64) {
+        self.set_quantity(index, quantity, value);
         self.refresh_low();
     }
 

@@ -18,6 +18,8 @@ use crate::signals::Signal;
 
 const TAG: &[u8] = b"ravenbrick trace 1\n";
 const CANONICAL_NAN: u64 = 0x7FF8_0000_0000_0000;
+/// Length from which bytes are passed on to the hash.
+const PIECE_BYTES: usize = 0x2000;
 
 /// A SHA-256 value; displays as 64 hexadecimal digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,48 +39,81 @@ impl fmt::Display for Digest {
     }
 }
 
+/// Bytes on their way to the hash, which takes few large pieces faster than many small ones.
+struct Encoder {
+    hash: Sha256,
+    waiting: Vec<u8>,
+}
+
+impl Encoder {
+    fn new() -> Self {
+        Self {
+            hash: Sha256::new(),
+            waiting: Vec::with_capacity(2 * PIECE_BYTES),
+        }
+    }
+
+    #[inline]
+    fn add(&mut self, bytes: &[u8]) {
+        self.waiting.extend_from_slice(bytes);
+        if self.waiting.len() >= PIECE_BYTES {
+            self.pass_on();
+        }
+    }
+
+    fn pass_on(&mut self) {
+        self.hash.update(&self.waiting);
+        self.waiting.clear();
+    }
+
+    fn count(&mut self, number: usize) {
+        self.add(&(number as u64).to_le_bytes());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.count(text.len());
+        self.add(text.as_bytes());
+    }
+
+    fn samples(&mut self, signal: Signal<'_>) {
+        self.text(signal.name);
+        self.count(signal.values.len());
+        for (at_cycles, value) in signal.at_cycles.iter().zip(signal.values) {
+            let bits = if value.is_nan() {
+                CANONICAL_NAN
+            } else {
+                value.to_bits()
+            };
+            let sample = u128::from(*at_cycles) | u128::from(bits) << 64;
+            self.add(&sample.to_le_bytes());
+        }
+    }
+
+    fn finish(mut self) -> Digest {
+        self.pass_on();
+        Digest(self.hash.finalize().into())
+    }
+}
+
 impl Trace {
     /// Digest of everything recorded so far; equal records give equal digests on every machine.
     #[must_use]
     pub fn digest(&self) -> Digest {
-        let mut hash = Sha256::new();
-        hash.update(TAG);
+        let mut encoder = Encoder::new();
+        encoder.add(TAG);
         for space in NameSpace::ALL {
             let names = self.names().all(space);
-            count(&mut hash, names.len());
-            names.iter().for_each(|name| text(&mut hash, name));
+            encoder.count(names.len());
+            names.iter().for_each(|name| encoder.text(name));
         }
-        count(&mut hash, self.events().len());
+        encoder.count(self.events().len());
         self.events()
             .iter()
-            .for_each(|event| hash.update(event.packed()));
-        count(&mut hash, self.signals().len());
+            .for_each(|event| encoder.add(&event.packed()));
+        encoder.count(self.signals().len());
         self.signals()
             .iter()
-            .for_each(|signal| samples(&mut hash, signal));
-        Digest(hash.finalize().into())
-    }
-}
-
-fn count(hash: &mut Sha256, number: usize) {
-    hash.update((number as u64).to_le_bytes());
-}
-
-fn text(hash: &mut Sha256, text: &str) {
-    count(hash, text.len());
-    hash.update(text.as_bytes());
-}
-
-fn samples(hash: &mut Sha256, signal: Signal<'_>) {
-    text(hash, signal.name);
-    count(hash, signal.values.len());
-    for (at_cycles, value) in signal.at_cycles.iter().zip(signal.values) {
-        let bits = if value.is_nan() {
-            CANONICAL_NAN
-        } else {
-            value.to_bits()
-        };
-        hash.update(at_cycles.to_le_bytes());
-        hash.update(bits.to_le_bytes());
+            .for_each(|signal| encoder.samples(signal));
+        encoder.finish()
     }
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Events: what happened, to whom, when; stored in columns.
+//! Events: what happened, to whom, when.
 
 use crate::error::TraceError;
 
@@ -118,51 +118,42 @@ impl Event {
 /// Events in the order of time; equal instants keep the order of recording.
 #[derive(Clone, Debug, Default)]
 pub struct Events {
-    at_cycles: Vec<u64>,
-    kinds: Vec<EventKind>,
-    subjects: Vec<u32>,
-    values: Vec<i64>,
+    all: Vec<Event>,
 }
 
 impl Events {
+    #[inline]
     pub(crate) fn push(&mut self, event: Event, limit: usize) -> Result<(), TraceError> {
-        if self.len() >= limit {
+        if self.all.len() >= limit {
             return Err(TraceError::TooManyEvents { limit });
         }
-        if let Some(&previous_cycles) = self.at_cycles.last() {
-            if event.at_cycles < previous_cycles {
-                let at_cycles = event.at_cycles;
+        if let Some(&Event { at_cycles, .. }) = self.all.last() {
+            if event.at_cycles < at_cycles {
                 return Err(TraceError::OutOfOrder {
-                    previous_cycles,
-                    at_cycles,
+                    previous_cycles: at_cycles,
+                    at_cycles: event.at_cycles,
                 });
             }
         }
-        self.at_cycles.push(event.at_cycles);
-        self.kinds.push(event.kind);
-        self.subjects.push(event.subject);
-        self.values.push(event.value);
+        self.all.push(event);
         Ok(())
     }
 
     /// Forget all but the first `length` events.
     pub(crate) fn truncate(&mut self, length: usize) {
-        self.at_cycles.truncate(length);
-        self.kinds.truncate(length);
-        self.subjects.truncate(length);
-        self.values.truncate(length);
+        self.all.truncate(length);
     }
 
     /// Number of events.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.at_cycles.len()
+        self.all.len()
     }
 
     /// No event was recorded.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.at_cycles.is_empty()
+        self.all.is_empty()
     }
 
     /// The events from the first to the last.
@@ -172,18 +163,7 @@ impl Events {
 
     /// The events from position `first` on.
     pub fn iter_from(&self, first: usize) -> impl Iterator<Item = Event> + '_ {
-        let first = first.min(self.len());
-        let columns = self.at_cycles[first..]
-            .iter()
-            .zip(&self.kinds[first..])
-            .zip(&self.subjects[first..])
-            .zip(&self.values[first..]);
-        columns.map(|(((&at_cycles, &kind), &subject), &value)| Event {
-            at_cycles,
-            kind,
-            subject,
-            value,
-        })
+        self.all[first.min(self.len())..].iter().copied()
     }
 
     /// All events packed one after the other, [`PACKED_EVENT_LENGTH`] bytes each.

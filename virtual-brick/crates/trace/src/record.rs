@@ -10,7 +10,7 @@ use crate::signals::Signals;
 /// How much a trace may hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Events; one takes 21 bytes.
+    /// Events; one takes 24 bytes.
     pub events: usize,
     /// Sampled values over all signals; one takes 8 bytes.
     pub signal_values: usize,
@@ -57,6 +57,7 @@ impl Trace {
     ///
     /// # Errors
     /// The limit is reached, or the event lies before the last one.
+    #[inline]
     pub fn record(&mut self, event: Event) -> Result<(), TraceError> {
         self.events.push(event, self.limits.events)
     }

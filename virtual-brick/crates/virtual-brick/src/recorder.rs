@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! From what the chip, the board and the observer report to the trace, in the order of time.
 
+use at91sam7s::WatchHit;
 use nxt::BoardEvent;
 use trace::{Event, EventKind, NameSpace, Trace, TraceError};
 
@@ -21,6 +22,7 @@ pub(crate) struct Recorder {
     probes: Vec<Probe>,
     pending: Vec<Event>,
     reported: Vec<BoardEvent>,
+    hits: Vec<WatchHit>,
     row: Vec<f64>,
     signal_period_cycles: u64,
     next_sample_cycles: u64,
@@ -45,6 +47,7 @@ impl Recorder {
             probes: Vec::new(),
             pending: Vec::new(),
             reported: Vec::new(),
+            hits: Vec::new(),
             row: Vec::new(),
             signal_period_cycles: configuration.signal_period_cycles,
             next_sample_cycles: 0,
@@ -111,6 +114,19 @@ impl Recorder {
     /// The stop when the supply is off, the board met what it does not model or the trace is full.
     pub(crate) fn collect(&mut self, chip: &mut Machine) -> Result<(), Stop> {
         let mut end = None;
+        if chip.board().has_events() {
+            end = self.take_reports(chip);
+        }
+        if chip.has_watch_hits() {
+            self.observe_writes(chip);
+        }
+        self.write_pending(chip.now())?;
+        end.map_or(Ok(()), Err)
+    }
+
+    /// What the board has reported becomes pending; the first stop among it.
+    fn take_reports(&mut self, chip: &mut Machine) -> Option<Stop> {
+        let mut end = None;
         assembly::take_events(chip, &mut self.reported);
         for event in &self.reported {
             match assembly::observed(event) {
@@ -122,33 +138,28 @@ impl Recorder {
                 }
                 Observed::PowerOff { event, sentence } => {
                     self.pending.push(event);
-                    let message = sentence.to_owned();
-                    let (reason, at_cycles) = (StopReason::PowerOff, event.at_cycles);
                     end.get_or_insert(Stop {
-                        reason,
-                        at_cycles,
-                        message,
+                        reason: StopReason::PowerOff,
+                        at_cycles: event.at_cycles,
+                        message: sentence.to_owned(),
                     });
                 }
                 Observed::Fault { at_cycles, fault } => {
-                    let message = fault.to_string();
                     end.get_or_insert(Stop {
                         reason: StopReason::Fault,
                         at_cycles,
-                        message,
+                        message: fault.to_string(),
                     });
                 }
             }
         }
-        if chip.has_watch_hits() {
-            self.observe_writes(chip);
-        }
-        self.write_pending(chip.now())?;
-        end.map_or(Ok(()), Err)
+        end
     }
 
     fn write_pending(&mut self, now: u64) -> Result<(), Stop> {
-        self.pending.sort_by_key(|event| event.at_cycles);
+        if self.pending.len() > 1 {
+            self.pending.sort_by_key(|event| event.at_cycles);
+        }
         let mut events = self.pending.drain(..);
         events
             .try_for_each(|event| self.trace.record(event))
@@ -156,7 +167,7 @@ impl Recorder {
     }
 
     fn observe_writes(&mut self, chip: &mut Machine) {
-        let hits = chip.take_watch_hits();
+        chip.take_watch_hits(&mut self.hits);
         let Some(observer) = &mut self.observer else {
             return;
         };
@@ -165,10 +176,12 @@ impl Recorder {
             events: &mut self.pending,
             names: self.trace.names_mut(),
         };
-        for hit in hits {
+        for hit in &self.hits {
             observer.written(hit.at_cycles, hit.address, hit.value, &memory, &mut sink);
         }
-        self.watch_new_words(chip);
+        if observer.has_new_watches() {
+            self.watch_new_words(chip);
+        }
     }
 
     /// One row of signals; the next one is due a period later.

@@ -85,6 +85,8 @@ pub struct Coprocessor {
     next_click_at: Cycles,
     power_off: Option<(Cycles, PowerOffReason)>,
     powered: bool,
+    /// When something of this is due next.
+    next_at: Cycles,
     /// Status frames that will have a wrong sum.
     wrong_sums: u16,
     holds_bus: bool,
@@ -112,6 +114,7 @@ impl Coprocessor {
             next_click_at: NEVER,
             power_off: None,
             powered: true,
+            next_at: START_UP + phase + STORED[0],
             wrong_sums: 0,
             holds_bus: false,
         }
@@ -147,6 +150,7 @@ impl Coprocessor {
         self.begin_tick(0);
         self.started = true;
         self.readings = readings(measurable);
+        self.plan();
     }
 
     /// The chip's supply comes back after a power cycle; faults from outside stay.
@@ -159,12 +163,14 @@ impl Coprocessor {
             holds_bus: self.holds_bus,
             ..Self::new(phase)
         };
+        self.plan();
     }
 
     /// The supply is gone: bridges open, chip off.
     pub fn lose_supply(&mut self, now: Cycles, log: &mut EventLog) {
         if self.powered {
             self.go_off(now, PowerOffReason::SupplyLost, log);
+            self.plan();
         }
     }
 
@@ -225,6 +231,7 @@ impl Coprocessor {
                 self.switch_off(now + BOOT_MONITOR_DELAY, PowerOffReason::BootMonitor);
             }
         }
+        self.plan();
     }
 
     /// The next byte from the co-processor.
@@ -232,16 +239,20 @@ impl Coprocessor {
         self.outgoing.next_byte()
     }
 
-    pub fn next_event(&self) -> Cycles {
-        if !self.powered {
-            return NEVER;
-        }
+    pub const fn next_event(&self) -> Cycles {
+        self.next_at
+    }
+
+    /// Works out again when something is due.
+    fn plan(&mut self) {
         let command = self.accepted.map_or(NEVER, |(at, _)| at);
         let off = self.power_off.map_or(NEVER, |(at, _)| at);
-        self.stage_at()
+        let first = self
+            .stage_at()
             .min(command)
             .min(off)
-            .min(self.next_click_at)
+            .min(self.next_click_at);
+        self.next_at = if self.powered { first } else { NEVER };
     }
 
     /// Serves what is due at `now`: commands, then results, then clicks, then the supply.
@@ -263,6 +274,7 @@ impl Coprocessor {
         if let Some((_, reason)) = self.power_off.filter(|&(at, _)| at <= now) {
             self.go_off(now, reason, log);
         }
+        self.plan();
     }
 
     /// A frequency that the timers do not serve leaves the last one.

@@ -78,6 +78,11 @@ impl ThreadObserver {
         memory.word(self.layout.running_address)
     }
 
+    /// There are words to watch from now on.
+    pub(crate) fn has_new_watches(&self) -> bool {
+        !self.new_watches.is_empty()
+    }
+
     /// Words to watch from now on that were not asked for before.
     pub(crate) fn take_new_watches(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.new_watches)
