@@ -100,7 +100,7 @@ def gba_tests() -> Row:
 
 
 def engines() -> Row:
-    """Random programs on the fast and the reference engine, for a time."""
+    """Random programs with code of the host, in blocks and step by step, for a time."""
     row = cargo_example("virtual-brick", "compare_engines", str(CAMPAIGN_SECONDS))
     return suite_row(row["area"], row["suite"], row["case_count"], row["passed"])
 

@@ -55,6 +55,7 @@ class Engine(StrEnum):
     """What executes instructions."""
 
     FAST = "fast"
+    BLOCKS = "blocks"
     REFERENCE = "reference"
 
 

@@ -33,7 +33,11 @@ mod thumb;
 mod thumb_transfer;
 mod timing;
 
-pub use blocks::{BlockBus, Blocks, BlocksRun, BusAccess, CodePlace, PlainRead, PlainWords};
+pub use blocks::{
+    BlockBus, Blocks, BlocksRun, BusAccess, CodePlace, Native, NativeBlock, NativeExit,
+    NativeInstruction, NativeJump, NativeMemory, NativeReach, NativeRegion, NativeState, PlainRead,
+    PlainWords, BRANCHED,
+};
 pub use bus::{Abort, Bus, Cycle, Width};
 pub use cpu::{Cpu, Step};
 pub use exceptions::Exception;

@@ -3,7 +3,7 @@
 //! The chip as the bus of decoded blocks: code in SRAM and flash, plain accesses to them.
 
 use arm7tdmi::bus::Width;
-use arm7tdmi::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords};
+use arm7tdmi::{BlockBus, BusAccess, CodePlace, NativeMemory, PlainRead, PlainWords};
 
 use crate::board::{Board, Cycles};
 use crate::bus::{lane, misaligned, PERIPHERALS, SRAM_WINDOW};
@@ -235,6 +235,24 @@ impl<B: Board> BlockBus for Chip<B> {
         } else {
             BusAccess::Unsettling
         }
+    }
+
+    fn code_reach(&self, region: u8) -> (u32, u32) {
+        if region == SRAM {
+            (0, SRAM_HALFWORDS - 1)
+        } else {
+            (SRAM_HALFWORDS, FLASH_HALFWORDS - 1)
+        }
+    }
+
+    #[inline]
+    fn native_memory(&mut self) -> Option<NativeMemory<'_>> {
+        let (words, marks) = self.sram.all();
+        Some(NativeMemory {
+            address: SRAM_WINDOW << WINDOW_BITS,
+            words,
+            marks,
+        })
     }
 
     fn attention(&self) -> bool {

@@ -122,6 +122,12 @@ impl Sram {
         self.words.get(first..first + count as usize)
     }
 
+    /// All words, and whether somebody wants to know of a write of each.
+    #[inline(always)]
+    pub(crate) fn all(&mut self) -> (&mut [u32], &[u8]) {
+        (&mut self.words[..], &self.marks[..])
+    }
+
     /// Words to write, unless somebody wants to know of it.
     #[inline(always)]
     pub(crate) fn unmarked_words(&mut self, address: u32, count: u32) -> Option<&mut [u32]> {

@@ -95,7 +95,11 @@ fn measure() -> Result<String, String> {
     if let Ok(result) = counted.read_scalar("result", Some(ScalarKind::U32)) {
         answer += &format!(r#","result":{}"#, result.as_float());
     }
-    for (name, engine) in [("fast", Engine::Fast), ("reference", Engine::Reference)] {
+    for (name, engine) in [
+        ("fast", Engine::Fast),
+        ("blocks", Engine::Blocks),
+        ("reference", Engine::Reference),
+    ] {
         let mut seconds = Vec::new();
         for _ in 0..runs.max(1) {
             let mut brick = brick(engine, &elf)?;

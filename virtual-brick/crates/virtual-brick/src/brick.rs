@@ -121,7 +121,7 @@ impl VirtualBrick {
             endless_loops: EndlessLoops::default(),
             ended: None,
             engine: configuration.engine,
-            blocks: Blocks::default(),
+            blocks: configuration.engine.blocks(configuration.native_after_runs),
             monitor: None,
             console: None,
             threads_unobserved,

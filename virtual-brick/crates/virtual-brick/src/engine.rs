@@ -1,16 +1,45 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The two ways to execute instructions, which differ in speed only.
+//! The ways to execute instructions, which differ in speed only.
 
+use arm7tdmi::{BlockBus, Blocks};
 use serde::Deserialize;
 
 /// Which engine executes instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
-    /// Decoded blocks where nothing can fall into them, else the reference.
+    /// Blocks, and code of the host for those that run often, where the host is one that code can
+    /// be made for.
     #[default]
     Fast,
+    /// Decoded blocks where nothing can fall into them, else the reference.
+    Blocks,
     /// One instruction after the other, each access through the bus.
     Reference,
+}
+
+/// Runs of a block's operations that cost about as much as making code of the host of it.
+pub(crate) const NATIVE_AFTER_RUNS: u32 = 600;
+
+impl Engine {
+    /// Decoded blocks as the engine uses them, none yet.
+    pub(crate) fn blocks<B: BlockBus>(self, native_after_runs: u32) -> Blocks<B> {
+        match self {
+            Self::Fast => native_blocks(native_after_runs),
+            Self::Blocks | Self::Reference => Blocks::default(),
+        }
+    }
+}
+
+#[cfg(target_family = "wasm")]
+fn native_blocks<B: BlockBus>(_after_runs: u32) -> Blocks<B> {
+    Blocks::default()
+}
+
+#[cfg(not(target_family = "wasm"))]
+fn native_blocks<B: BlockBus>(after_runs: u32) -> Blocks<B> {
+    native::Translator::new(after_runs).map_or_else(Blocks::default, |translator| {
+        Blocks::with_native(Box::new(translator))
+    })
 }

@@ -5,7 +5,7 @@
 //! The processor stands while the monitor waits for a command; `G` calls a routine, which runs on
 //! the processor and comes back to the monitor, or takes the USB over and never does.
 
-use arm7tdmi::{psr, Blocks, Bus, Cpu, Cycle, Mode, Width};
+use arm7tdmi::{psr, Bus, Cpu, Cycle, Mode, Width};
 use at91sam7s::ResetCause;
 
 use crate::brick::VirtualBrick;
@@ -53,7 +53,7 @@ impl VirtualBrick {
         let now = self.chip.now();
         self.chip.board_mut().enter_boot_monitor(now);
         self.cpu = Cpu::new();
-        self.blocks = Blocks::default();
+        self.blocks = self.blocks.fresh();
         self.ended = None;
         self.monitor = Some(Monitor::Waits);
     }
@@ -87,7 +87,7 @@ impl VirtualBrick {
             }
             if self.chip.board().boot_monitor().is_none() {
                 self.monitor = None;
-                self.blocks = Blocks::default();
+                self.blocks = self.blocks.fresh();
             }
         }
         Ok(())

@@ -116,7 +116,7 @@ impl VirtualBrick {
                 self.after_step(self.cpu.next_instruction_address())?;
                 continue;
             }
-            if !O::SEES_STEPS && self.engine == Engine::Fast {
+            if !O::SEES_STEPS && self.engine != Engine::Reference {
                 if let Some(instruction) = self.run_blocks(end) {
                     self.after_step(instruction)?;
                     continue;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The fast engine does what the reference engine does: same registers, memory, cycles, trace.
+//! Native code and blocks do what the reference engine does: same registers, memory, cycles, trace.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -12,11 +12,19 @@ use virtual_brick::{Engine, StopReason, VirtualBrick};
 
 const RAM_BYTES: usize = 0x1_0000;
 
-fn pair(elf: &[u8]) -> (VirtualBrick, VirtualBrick) {
+fn brick(elf: &[u8], engine: Engine, native_after_runs: u32) -> VirtualBrick {
     let mut configuration = vehicle();
-    let fast = VirtualBrick::new(&configuration, elf).unwrap();
-    configuration.engine = Engine::Reference;
-    (fast, VirtualBrick::new(&configuration, elf).unwrap())
+    configuration.engine = engine;
+    configuration.native_after_runs = native_after_runs;
+    VirtualBrick::new(&configuration, elf).unwrap()
+}
+
+/// Native code from the first runs on, and the reference engine.
+fn pair(elf: &[u8]) -> (VirtualBrick, VirtualBrick) {
+    (
+        brick(elf, Engine::Fast, 2),
+        brick(elf, Engine::Reference, 0),
+    )
 }
 
 fn assert_same(fast: &VirtualBrick, reference: &VirtualBrick, what: &str) {
@@ -27,16 +35,26 @@ fn assert_same(fast: &VirtualBrick, reference: &VirtualBrick, what: &str) {
     assert_eq!(fast.trace().digest(), reference.trace().digest(), "{what}");
 }
 
-/// Runs both in the same pieces of random length and compares after each.
+/// Runs all in the same pieces of random length and compares after each.
 fn compare(elf: &[u8], seed: u64, pieces: u32, longest: u32) {
-    let (mut fast, mut reference) = pair(elf);
+    let mut reference = brick(elf, Engine::Reference, 0);
+    let mut others = [
+        brick(elf, Engine::Fast, 1 + (seed % 4) as u32),
+        brick(elf, Engine::Blocks, 0),
+    ];
     let mut numbers = Numbers::new(seed ^ 0x5EED);
     let mut until = 0;
     for _ in 0..pieces {
         until += u64::from(1 + numbers.below(longest));
-        let stops = (fast.run_until(until), reference.run_until(until));
-        assert_eq!(stops.0, stops.1, "seed {seed}");
-        assert_same(&fast, &reference, &format!("seed {seed} at {until}"));
+        let stop = reference.run_until(until);
+        for (other, name) in others.iter_mut().zip(["native code", "blocks"]) {
+            assert_eq!(other.run_until(until), stop, "{name}, seed {seed}");
+            assert_same(
+                other,
+                &reference,
+                &format!("{name}, seed {seed} at {until}"),
+            );
+        }
     }
 }
 

@@ -51,7 +51,7 @@ pub(super) fn store<B: BlockBus>(
         return;
     }
     let stored = run.bus.write(at, width(item), value, Cycle::Nonsequential);
-    run.after_store = op.address;
+    run.state.after_store = op.address;
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
@@ -106,8 +106,8 @@ pub(super) fn write_status<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest:
     } else {
         NO_MASKS
     };
-    run.cycles += u32::from(op.through);
-    run.next = op.address.wrapping_add(4);
+    run.state.cycles += u32::from(op.through);
+    run.state.next = op.address.wrapping_add(4);
     run.end = End::Status;
 }
 
@@ -116,20 +116,20 @@ impl<B: BlockBus> Run<'_, B> {
     /// reference engine must make it, and the block has ended before it.
     #[inline(always)]
     fn begin_access(&mut self, op: &Op<B>, address: u32, width: Width, write: bool) -> bool {
-        let passed = self.cycles + u32::from(op.through);
+        let passed = self.state.cycles + u32::from(op.through);
         let access = self.bus.access_between(address, width, write, passed);
         if access == BusAccess::Refused {
             self.leave_before(op);
             return false;
         }
-        let (state, size) = (self.next & 1, size_of(self.next));
-        self.next = op.address.wrapping_add(size) | state;
+        let (state, size) = (self.state.next & 1, size_of(self.state.next));
+        self.state.next = op.address.wrapping_add(size) | state;
         if access == BusAccess::Unsettling {
-            self.fetched = Some(super::opcodes(self.bus, self.next));
+            self.fetched = Some(super::opcodes(self.bus, self.state.next));
         }
         self.bus.continue_at(op.address.wrapping_add(3 * size));
         self.bus.pass(passed);
-        self.cycles = 0;
+        self.state.cycles = 0;
         self.ran = true;
         self.end = End::Accessed;
         true
@@ -152,19 +152,19 @@ impl<B: BlockBus> Run<'_, B> {
             self.set_status(saved);
         }
         self.delayed = NO_MASKS;
-        self.after_store = NOWHERE;
+        self.state.after_store = NOWHERE;
         self.end = End::Status;
     }
 
     /// The register file has everything that the run has changed, but for r15.
     pub(super) fn store_status(&mut self) {
         let status = self.status();
-        self.file.set_visible(&self.registers);
+        self.file.set_visible(&self.state.registers);
         self.file.set_flags(status);
     }
 
     fn set_status(&mut self, status: u32) {
-        self.file.switch(status, &mut self.registers);
+        self.file.switch(status, &mut self.state.registers);
         self.load_flags();
     }
 }

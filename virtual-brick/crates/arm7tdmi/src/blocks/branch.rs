@@ -42,8 +42,8 @@ pub(super) fn exchange<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Res
 
 /// MOV to r15 from `second`.
 pub(super) fn jump<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
-    let size = 4 >> (run.next & 1);
-    let target = run.get(op.second) & !(size - 1) | run.next & 1;
+    let size = 4 >> (run.state.next & 1);
+    let target = run.get(op.second) & !(size - 1) | run.state.next & 1;
     if !run.branch_to(op, target) {
         run.leave_before(op);
     }
@@ -80,8 +80,8 @@ pub(super) fn leave<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'
 
 /// The end of a block that goes on behind it.
 pub(super) fn fall_through<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
-    run.cycles += u32::from(op.before);
-    run.next = op.value;
+    run.state.cycles += u32::from(op.before);
+    run.state.next = op.value;
 }
 
 fn branch_if<B: BlockBus, const CONDITION: u8>(

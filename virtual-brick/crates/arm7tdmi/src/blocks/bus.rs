@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What a bus offers besides its accesses so that code can run from decoded blocks.
 
+use super::native::NativeMemory;
 use crate::bus::{Bus, Width};
 
 /// Where code lies.
@@ -105,6 +106,11 @@ pub trait BlockBus: Bus {
         write: bool,
         after_cycles: u32,
     ) -> BusAccess;
+    /// The first halfword of the memory of a region, and the bits of an address in halfwords that
+    /// tell the distance from it.
+    fn code_reach(&self, region: u8) -> (u32, u32);
+    /// All of RAM, for code of the host; none if there is nothing such.
+    fn native_memory(&mut self) -> Option<NativeMemory<'_>>;
     /// Somebody besides the processor must look before the next instruction.
     fn attention(&self) -> bool;
     /// Cycles in which nothing can act on the processor, with its interrupts unmasked as told,

@@ -25,7 +25,7 @@ pub(super) const BY_REGISTER: u8 = 7;
 
 #[inline(always)]
 fn operand<B: BlockBus, const KIND: u8>(run: &Run<'_, B>, op: &Op<B>) -> Shifted {
-    let carry = run.carry != 0;
+    let carry = run.state.carry != 0;
     let amount = u32::from(op.amount & 31);
     let kind = u32::from(op.mode);
     match KIND {
@@ -159,10 +159,10 @@ fn process<
 ) {
     let Shifted { value: b, carry } = operand::<B, KIND>(run, op);
     if KIND == BY_REGISTER {
-        run.cycles += 1;
+        run.state.cycles += 1;
     }
     let a = run.get(op.first);
-    let carry_in = run.carry != 0;
+    let carry_in = run.state.carry != 0;
     let (sum, logical) = match OPERATION {
         0x0 | 0x8 => (of_value(a & b), true),
         0x1 | 0x9 => (of_value(a ^ b), true),
@@ -180,17 +180,17 @@ fn process<
     if FLAGS {
         run.set_nz(sum.value);
         if !logical {
-            run.carry = u32::from(sum.carry);
-            run.overflow = sum.overflow;
+            run.state.carry = u32::from(sum.carry);
+            run.state.overflow = sum.overflow;
         } else if KIND != CONSTANT && KIND != REGISTER {
-            run.carry = u32::from(carry);
+            run.state.carry = u32::from(carry);
         }
     }
     if CONDITIONAL {
-        let flags = run.negative >> 31 << 3
-            | u32::from(run.zero == 0) << 2
-            | run.carry << 1
-            | run.overflow >> 31;
+        let flags = run.state.negative >> 31 << 3
+            | u32::from(run.state.zero == 0) << 2
+            | run.state.carry << 1
+            | run.state.overflow >> 31;
         let kept = u32::from(condition_passes(u32::from(op.cycles), flags)).wrapping_sub(1);
         let old = run.get(op.destination);
         run.set(op.destination, old & kept | sum.value & !kept);
@@ -324,7 +324,7 @@ pub(super) fn multiply<B: BlockBus, const ACCUMULATE: bool, const FLAGS: bool>(
     if ACCUMULATE {
         result = result.wrapping_add(run.get(op.third));
     }
-    run.cycles += signed_cycles(multiplier) + u32::from(ACCUMULATE);
+    run.state.cycles += signed_cycles(multiplier) + u32::from(ACCUMULATE);
     if FLAGS {
         run.set_nz(result);
     }
@@ -350,7 +350,7 @@ pub(super) fn multiply_long<B: BlockBus, const SIGNED: bool, const ACCUMULATE: b
         let high = u64::from(run.get(op.destination)) << 32;
         result = result.wrapping_add(high | u64::from(run.get(op.third)));
     }
-    run.cycles += array + 1 + u32::from(ACCUMULATE);
+    run.state.cycles += array + 1 + u32::from(ACCUMULATE);
     if op.mode != 0 {
         run.set_nz((result >> 32) as u32 | u32::from(result as u32 != 0));
     }

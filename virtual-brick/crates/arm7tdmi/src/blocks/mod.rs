@@ -15,6 +15,9 @@ mod beyond;
 mod branch;
 mod bus;
 mod data;
+mod native;
+mod operand;
+mod region;
 mod run;
 mod source;
 mod transfer;
@@ -23,6 +26,10 @@ mod translate;
 use std::fmt;
 
 pub use bus::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords};
+pub use native::{
+    Native, NativeBlock, NativeExit, NativeInstruction, NativeJump, NativeMemory, NativeReach,
+    NativeRegion, NativeState, BRANCHED,
+};
 
 use crate::bus::Cycle;
 use crate::cpu::Cpu;
@@ -46,6 +53,11 @@ pub struct Blocks<B: BlockBus> {
     /// Number of the block that begins at each halfword, plus one.
     starts: Vec<u32>,
     epoch: u32,
+    native: Option<Box<dyn Native>>,
+    /// Runs of a block's operations before code of the host is made of it; else 0.
+    worthwhile_runs: u16,
+    /// Numbers of the blocks that were made into code together.
+    regions: Vec<Box<[u32]>>,
 }
 
 /// What a run of blocks did.
@@ -67,13 +79,16 @@ impl<B: BlockBus> Default for Blocks<B> {
             free: Vec::new(),
             starts: Vec::new(),
             epoch: 0,
+            native: None,
+            worthwhile_runs: 0,
+            regions: Vec::new(),
         }
     }
 }
 
 impl<B: BlockBus> Clone for Blocks<B> {
     fn clone(&self) -> Self {
-        Self::default()
+        self.fresh()
     }
 }
 
@@ -85,7 +100,24 @@ impl<B: BlockBus> fmt::Debug for Blocks<B> {
 }
 
 impl<B: BlockBus> Blocks<B> {
+    /// None yet; those that run often are made into code of the host.
+    pub fn with_native(native: Box<dyn Native>) -> Self {
+        Self {
+            worthwhile_runs: native.worthwhile_runs().clamp(1, 0x8000) as u16,
+            native: Some(native),
+            ..Self::default()
+        }
+    }
+
+    /// As these, but none yet.
+    pub fn fresh(&self) -> Self {
+        self.native
+            .as_ref()
+            .map_or_else(Self::default, |native| Self::with_native(native.fresh()))
+    }
+
     fn forget_all(&mut self) {
+        self.forget_native();
         self.blocks.clear();
         self.free.clear();
         self.starts.clear();
@@ -123,6 +155,8 @@ impl<B: BlockBus> Blocks<B> {
     }
 
     fn release(&mut self, number: u32) {
+        let region = self.blocks[number as usize].native.region;
+        self.forget_region(region);
         let block = &mut self.blocks[number as usize];
         block.key = NO_KEY;
         block.ops = Box::default();
@@ -261,7 +295,7 @@ impl Cpu {
         if done.ran {
             let aborted = run.end == End::Aborted;
             run.store_status();
-            let (next, after_store) = (run.next, run.after_store);
+            let (next, after_store) = (run.state.next, run.state.after_store);
             let (fetched, delayed) = (run.fetched, run.delayed);
             self.end(bus, next, after_store, fetched);
             if delayed != NO_MASKS {
@@ -287,19 +321,17 @@ impl Cpu {
 
     fn begin<'a, B: BlockBus>(&'a mut self, bus: &'a mut B, next: u32, region: u8) -> Run<'a, B> {
         let mut run = Run {
-            registers: self.registers.visible(),
-            negative: 0,
-            zero: 0,
-            carry: 0,
-            overflow: 0,
-            cycles: 0,
-            next,
+            state: NativeState {
+                registers: self.registers.visible(),
+                next,
+                after_store: NOWHERE,
+                ..NativeState::default()
+            },
             end: End::Reached,
             ran: false,
             fetched: None,
             delayed: NO_MASKS,
             delays_masks: self.profile.mask_change_delayed,
-            after_store: NOWHERE,
             spun: false,
             region,
             file: &mut self.registers,
@@ -347,38 +379,38 @@ fn opcodes<B: BlockBus>(bus: &B, key: u32) -> [u32; 2] {
 impl<B: BlockBus> Run<'_, B> {
     /// Tells the bus the time, and what was done.
     fn done(&mut self) -> BlocksRun {
-        if self.cycles != 0 {
-            self.bus.pass(self.cycles);
+        if self.state.cycles != 0 {
+            self.bus.pass(self.state.cycles);
             self.ran = true;
             self.delayed = NO_MASKS;
         }
-        let size = size_of(self.next);
+        let size = size_of(self.state.next);
         BlocksRun {
             ran: self.ran,
             spun: self.spun,
             accessed: matches!(self.end, End::Accessed | End::Aborted)
-                .then(|| (self.next & !1).wrapping_sub(size)),
+                .then(|| (self.state.next & !1).wrapping_sub(size)),
         }
     }
 
     /// A loop that finds the same state each time: what is left of the budget passes so.
     #[inline(never)]
     fn passes(&mut self, block: &Block<B>, begun: u32, budget: u32) -> bool {
-        let once = self.cycles - begun;
-        let again = block.key == self.next && once != 0;
-        if !again || self.cycles + block.worst > budget {
+        let once = self.state.cycles - begun;
+        let again = block.key == self.state.next && once != 0;
+        if !again || self.state.cycles + block.worst > budget {
             return false;
         }
-        let times = (budget - block.worst - self.cycles) / once + 1;
-        self.cycles += times * once;
+        let times = (budget - block.worst - self.state.cycles) / once + 1;
+        self.state.cycles += times * once;
         true
     }
 
     /// After an access that can change memory: the pipeline still holds what memory holds.
     #[inline(never)]
     fn settles(&mut self, blocks: &mut Blocks<B>) -> bool {
-        let ahead = (self.next & !1).wrapping_add(2 * size_of(self.next));
-        let same = self.fetched == Some(opcodes(self.bus, self.next));
+        let ahead = (self.state.next & !1).wrapping_add(2 * size_of(self.state.next));
+        let same = self.fetched == Some(opcodes(self.bus, self.state.next));
         if !same || !self.bus.in_sequence(ahead) || self.bus.code_epoch() != blocks.epoch {
             return false;
         }
@@ -399,8 +431,8 @@ impl<B: BlockBus> Run<'_, B> {
                 }
             }
             End::Status => {
-                self.bus.pass(self.cycles);
-                self.cycles = 0;
+                self.bus.pass(self.state.cycles);
+                self.state.cycles = 0;
                 self.ran = true;
             }
             End::Aborted => {
@@ -429,30 +461,19 @@ fn execute<B: BlockBus>(
     (mut budget, limit): (u32, u64),
 ) {
     let mut number = first;
-    let Some(mut block) = blocks.known(number, run.next) else {
-        return;
-    };
     loop {
-        let begun = run.cycles;
-        if begun + block.worst <= budget {
-            let mut ops = block.ops.iter();
-            if let Some(op) = ops.next() {
-                (op.handler)(run, op, ops);
-            }
-        } else {
-            execute_part(run, block, budget - begun);
-            if run.end == End::Reached {
-                return;
-            }
-        }
-        let link = block.link(run.next);
+        let begun = run.state.cycles;
+        let Some(mut whole) = run_once(run, blocks, &mut number, budget) else {
+            return;
+        };
+        let Some(block) = blocks.blocks.get(number as usize) else {
+            return;
+        };
+        let link = block.link(run.state.next);
         if run.end == End::Reached {
-            if block.repeats && run.passes(block, begun, budget) {
+            whole &= block.repeats;
+            if whole && run.passes(block, begun, budget) {
                 return;
-            }
-            if let Some(found) = blocks.known(link, run.next) {
-                (number, block) = (link, found);
-                continue;
             }
         } else {
             match run.go_on(blocks, limit) {
@@ -460,18 +481,46 @@ fn execute<B: BlockBus>(
                 None => return,
             }
         }
-        number = match blocks.known(link, run.next) {
+        number = match blocks.known(link, run.state.next) {
             Some(_) => link,
-            None => match blocks.successor(run.bus, number, run.next, run.region) {
+            None => match blocks.successor(run.bus, number, run.state.next, run.region) {
                 Some(found) => found,
                 None => return,
             },
         };
-        block = match blocks.known(number, run.next) {
-            Some(found) => found,
-            None => return,
-        };
     }
+}
+
+/// Runs the block of this number, or as much of it as the budget allows, or code of the host from
+/// there on; the number becomes that of the block that ran last. True if its operations ran from
+/// the first on; none when the budget ends.
+#[inline(always)]
+fn run_once<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    blocks: &mut Blocks<B>,
+    number: &mut u32,
+    budget: u32,
+) -> Option<bool> {
+    let worthwhile_runs = blocks.worthwhile_runs;
+    let mut block = blocks.blocks.get_mut(*number as usize)?;
+    if run.state.cycles + block.worst > budget {
+        execute_part(run, block, budget - run.state.cycles);
+        return (run.end != End::Reached).then_some(true);
+    }
+    if block.native.enters {
+        *number = blocks.run_native(run, *number, budget)?;
+        return Some(false);
+    }
+    block.native.heat = block.native.heat.wrapping_add(1);
+    if block.native.heat == worthwhile_runs {
+        blocks.make_native(run.bus, *number);
+        block = blocks.blocks.get_mut(*number as usize)?;
+    }
+    let mut ops = block.ops.iter();
+    if let Some(op) = ops.next() {
+        (op.handler)(run, op, ops);
+    }
+    Some(true)
 }
 
 /// As much of a block as surely ends within `budget` cycles.
@@ -484,10 +533,10 @@ fn execute_part<B: BlockBus>(run: &mut Run<'_, B>, block: &Block<B>, budget: u32
         return;
     };
     let state = block.key & 1;
-    run.next = NO_TARGET | state;
+    run.state.next = NO_TARGET | state;
     (op.handler)(run, op, ops);
-    if run.next == NO_TARGET | state {
-        run.cycles += u32::from(next.before);
-        run.next = next.address | state;
+    if run.state.next == NO_TARGET | state {
+        run.state.cycles += u32::from(next.before);
+        run.state.next = next.address | state;
     }
 }

@@ -3,6 +3,7 @@
 //! State while blocks run, and one decoded operation.
 
 use super::bus::BlockBus;
+use super::native::NativeState;
 use crate::bus::Width;
 use crate::registers::{psr, RegisterFile};
 
@@ -109,21 +110,9 @@ pub(super) enum End {
     Status,
 }
 
-/// The processor while blocks run: general registers, flags apart from each other, cycles.
+/// The processor while blocks run.
 pub(super) struct Run<'a, B: BlockBus> {
-    pub registers: [u32; 16],
-    /// Bit 31 is N.
-    pub negative: u32,
-    /// Zero means Z.
-    pub zero: u32,
-    /// 0 or 1.
-    pub carry: u32,
-    /// Bit 31 is V.
-    pub overflow: u32,
-    /// Passed since the bus was told the time.
-    pub cycles: u32,
-    /// Address to go on at; bit 0 tells Thumb state.
-    pub next: u32,
+    pub state: NativeState,
     pub end: End,
     /// Some instruction was executed.
     pub ran: bool,
@@ -133,8 +122,6 @@ pub(super) struct Run<'a, B: BlockBus> {
     pub delayed: u32,
     /// An MSR has its effect on interrupts one instruction later.
     pub delays_masks: bool,
-    /// Address after the store that was executed last, if no branch came after it.
-    pub after_store: u32,
     /// An instruction that branches to itself ran.
     pub spun: bool,
     pub region: u8,
@@ -154,21 +141,21 @@ pub(super) fn follow<B: BlockBus>(run: &mut Run<'_, B>, mut rest: Rest<'_, B>) {
 impl<B: BlockBus> Run<'_, B> {
     #[inline(always)]
     pub fn get(&self, register: Register) -> u32 {
-        self.registers[register as usize]
+        self.state.registers[register as usize]
     }
 
     #[inline(always)]
     pub fn set(&mut self, register: Register, value: u32) {
-        self.registers[register as usize] = value;
+        self.state.registers[register as usize] = value;
     }
 
     /// CPSR in ARM state.
     #[inline(always)]
     pub fn status(&self) -> u32 {
-        let flags = self.negative >> 31 << 31
-            | u32::from(self.zero == 0) << 30
-            | self.carry << 29
-            | self.overflow >> 31 << 28;
+        let flags = self.state.negative >> 31 << 31
+            | u32::from(self.state.zero == 0) << 30
+            | self.state.carry << 29
+            | self.state.overflow >> 31 << 28;
         self.file.status() & 0x0FFF_FFFF & !psr::T | flags
     }
 
@@ -176,10 +163,10 @@ impl<B: BlockBus> Run<'_, B> {
     #[inline(always)]
     pub fn load_flags(&mut self) {
         let status = self.file.status();
-        self.negative = status & psr::N;
-        self.zero = u32::from(status & psr::Z == 0);
-        self.carry = status >> 29 & 1;
-        self.overflow = status << 3;
+        self.state.negative = status & psr::N;
+        self.state.zero = u32::from(status & psr::Z == 0);
+        self.state.carry = status >> 29 & 1;
+        self.state.overflow = status << 3;
     }
 
     /// Interrupts are masked.
@@ -189,15 +176,15 @@ impl<B: BlockBus> Run<'_, B> {
 
     #[inline(always)]
     pub fn set_nz(&mut self, value: u32) {
-        self.negative = value;
-        self.zero = value;
+        self.state.negative = value;
+        self.state.zero = value;
     }
 
     /// Ends the block before an instruction that the reference engine must execute.
     #[cold]
     pub fn leave_before(&mut self, op: &Op<B>) {
-        self.cycles += u32::from(op.before);
-        self.next = op.address | self.next & 1;
+        self.state.cycles += u32::from(op.before);
+        self.state.next = op.address | self.state.next & 1;
         self.end = End::Refused;
     }
 
@@ -205,16 +192,16 @@ impl<B: BlockBus> Run<'_, B> {
     /// given its meaning by the caller, another.
     #[inline(always)]
     pub fn branch(&mut self, op: &Op<B>, target: u32, refill_cycles: u32) {
-        self.cycles += u32::from(op.through) + refill_cycles;
-        self.next = target;
-        self.after_store = NOWHERE;
+        self.state.cycles += u32::from(op.through) + refill_cycles;
+        self.state.next = target;
+        self.state.after_store = NOWHERE;
     }
 
     /// Ends the block with a branch whose target is known only now; bit 0 tells Thumb state.
     #[inline(always)]
     pub fn branch_to(&mut self, op: &Op<B>, target: u32) -> bool {
         let address = target & !1;
-        let sequence = op.address.wrapping_add(3 * size_of(self.next));
+        let sequence = op.address.wrapping_add(3 * size_of(self.state.next));
         let width = width_of(target);
         let cycles = self
             .bus
@@ -246,20 +233,20 @@ pub(super) const fn width_of(key: u32) -> Width {
 /// Does the condition hold? 14 and 15 are not asked.
 #[inline(always)]
 pub(super) fn holds<B: BlockBus, const CONDITION: u8>(run: &Run<'_, B>) -> bool {
-    let zero = run.zero == 0;
-    let negative = run.negative >> 31 != 0;
-    let overflow = run.overflow >> 31 != 0;
+    let zero = run.state.zero == 0;
+    let negative = run.state.negative >> 31 != 0;
+    let overflow = run.state.overflow >> 31 != 0;
     match CONDITION {
         0x0 => zero,
         0x1 => !zero,
-        0x2 => run.carry != 0,
-        0x3 => run.carry == 0,
+        0x2 => run.state.carry != 0,
+        0x3 => run.state.carry == 0,
         0x4 => negative,
         0x5 => !negative,
         0x6 => overflow,
         0x7 => !overflow,
-        0x8 => run.carry != 0 && !zero,
-        0x9 => run.carry == 0 || zero,
+        0x8 => run.state.carry != 0 && !zero,
+        0x9 => run.state.carry == 0 || zero,
         0xA => negative == overflow,
         0xB => negative != overflow,
         0xC => !zero && negative == overflow,

@@ -80,9 +80,14 @@ pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most
         source.instructions.push(instruction);
         worst += most_cycles(&instruction, most);
         if ends(&instruction) {
-            break;
+            return source;
         }
     }
+    // A block that goes on elsewhere ends behind a store only if it has nothing else.
+    let last = source.instructions.iter().rposition(|one| !stores(one));
+    source
+        .instructions
+        .truncate(last.map_or(usize::MAX, |last| last + 1));
     source
 }
 

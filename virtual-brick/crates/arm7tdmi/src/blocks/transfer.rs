@@ -73,7 +73,7 @@ fn address<B: BlockBus, const ADDRESSING: u8>(run: &Run<'_, B>, op: &Op<B>) -> (
                 op.value
             } else {
                 let (kind, amount) = (u32::from(op.mode >> SHIFT), u32::from(op.amount));
-                shift_by_constant(kind, run.get(op.second), amount, run.carry != 0).value
+                shift_by_constant(kind, run.get(op.second), amount, run.state.carry != 0).value
             };
             let base = run.get(op.first);
             let moved = if op.mode & UP != 0 {
@@ -96,7 +96,7 @@ fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
     let Some(value) = run.bus.ram_read(at, width(ITEM)) else {
         return load_elsewhere(run, op, rest, ITEM, (at, moved));
     };
-    run.cycles += u32::from(op.cycles);
+    run.state.cycles += u32::from(op.cycles);
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
@@ -116,7 +116,7 @@ fn load_elsewhere<B: BlockBus>(
     let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(item)) else {
         return beyond::load(run, op, item, (at, moved));
     };
-    run.cycles += cycles + 1;
+    run.state.cycles += cycles + 1;
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
@@ -134,8 +134,8 @@ fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
     if !run.bus.ram_write(at, width(ITEM), value) {
         return beyond::store(run, op, ITEM, (at, moved));
     }
-    run.cycles += u32::from(op.cycles);
-    run.after_store = op.address;
+    run.state.cycles += u32::from(op.cycles);
+    run.state.after_store = op.address;
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
@@ -155,7 +155,7 @@ fn load_jump<B: BlockBus, const ADDRESSING: u8>(
     if !run.branch_to(op, value & !3) {
         return run.leave_before(op);
     }
-    run.cycles += cycles + 1;
+    run.state.cycles += cycles + 1;
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
@@ -258,11 +258,11 @@ pub(super) fn load_block<B: BlockBus, const FINISH: u8>(
         let Some(&last) = plain.and_then(|plain| plain.words.last()) else {
             return run.leave_before(op);
         };
-        let size = size_of(run.next);
+        let size = size_of(run.state.next);
         let branched = if FINISH == RETURNS {
             run.return_to(op, last)
         } else {
-            run.branch_to(op, last & !(size - 1) | run.next & 1)
+            run.branch_to(op, last & !(size - 1) | run.state.next & 1)
         };
         if !branched {
             return run.leave_before(op);
@@ -271,11 +271,11 @@ pub(super) fn load_block<B: BlockBus, const FINISH: u8>(
     let Some(PlainWords { words, cycles }) = run.bus.plain_words(at, count) else {
         return run.leave_before(op);
     };
-    run.cycles += 1 + count * cycles;
-    run.registers[op.first as usize] = moved;
+    run.state.cycles += 1 + count * cycles;
+    run.state.registers[op.first as usize] = moved;
     let mut list = op.value & 0xFFFF;
     for &word in words {
-        run.registers[(list.trailing_zeros() & 15) as usize] = word;
+        run.state.registers[(list.trailing_zeros() & 15) as usize] = word;
         list &= list.wrapping_sub(1);
     }
     match FINISH {
@@ -295,15 +295,15 @@ pub(super) fn store_block<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, rest: R
     let mut list = op.value & 0xFFFF;
     let mut words = words.iter_mut();
     if let Some(word) = words.next() {
-        *word = run.registers[(list.trailing_zeros() & 15) as usize];
+        *word = run.state.registers[(list.trailing_zeros() & 15) as usize];
         list &= list.wrapping_sub(1);
     }
-    run.registers[op.first as usize] = moved;
+    run.state.registers[op.first as usize] = moved;
     for word in words {
-        *word = run.registers[(list.trailing_zeros() & 15) as usize];
+        *word = run.state.registers[(list.trailing_zeros() & 15) as usize];
         list &= list.wrapping_sub(1);
     }
-    run.cycles += count * cycles;
-    run.after_store = op.address;
+    run.state.cycles += count * cycles;
+    run.state.after_store = op.address;
     follow(run, rest);
 }

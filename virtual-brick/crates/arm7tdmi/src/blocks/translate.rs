@@ -12,6 +12,8 @@ use super::bus::{BlockBus, CodePlace};
 use super::data::{
     self, data_and_branch_handler, data_handler, data_if_handler, multiply, multiply_long, nothing,
 };
+use super::operand::{comparison, mode_of, operand_parts, operand_reads_pc};
+use super::region::Nativeness;
 use super::run::{size_of, width_of, Handler, Op, Register};
 use super::source::{ends, most_cycles, read_source, stores, Source};
 use super::transfer::{self, load_block, load_handler, store_block, store_handler};
@@ -36,6 +38,16 @@ pub(super) struct Block<B: BlockBus> {
     pub ops: Box<[Op<B>]>,
     /// Keys and numbers of the blocks that followed last.
     pub links: [(u32, u32); 2],
+    pub native: Nativeness,
+}
+
+/// The operations of a block.
+pub(super) struct Built<B: BlockBus> {
+    pub ops: Vec<Op<B>>,
+    /// Index of each instruction's first operation.
+    pub starts: Vec<u32>,
+    /// Of each instruction: somebody sees the flags that it sets.
+    pub needed: Vec<bool>,
 }
 
 /// Puts operations together.
@@ -59,7 +71,7 @@ pub(super) fn translate<B: BlockBus>(bus: &mut B, key: u32, place: CodePlace) ->
     if source.instructions.is_empty() {
         return None;
     }
-    let ops = build(bus, &source);
+    let ops = build(bus, &source).ops;
     let (size, count) = (size_of(key), source.instructions.len() as u32);
     let worst = source
         .instructions
@@ -80,10 +92,11 @@ pub(super) fn translate<B: BlockBus>(bus: &mut B, key: u32, place: CodePlace) ->
         refusals: 0,
         ops: ops.into_boxed_slice(),
         links: [(u32::MAX, 0); 2],
+        native: Nativeness::none(place.halfword),
     })
 }
 
-fn build<B: BlockBus>(bus: &B, source: &Source) -> Vec<Op<B>> {
+pub(super) fn build<B: BlockBus>(bus: &B, source: &Source) -> Built<B> {
     let (size, width) = (size_of(source.key), width_of(source.key));
     let needed = needed_flags(&source.instructions);
     let mut builder = Builder {
@@ -99,11 +112,13 @@ fn build<B: BlockBus>(bus: &B, source: &Source) -> Vec<Op<B>> {
     };
     let worst = worst_where_left(source, &needed, bus.access_cycles_max());
     let mut prefix = None;
+    let mut starts = Vec::with_capacity(source.instructions.len());
     let instructions = source.instructions.iter().zip(&needed).zip(&worst);
     for ((instruction, &flags), &worst) in instructions {
         builder.worst = worst;
         let fetched = builder.address.wrapping_add(2 * size);
         builder.through += bus.sequential_fetch_cycles(fetched, width) as u16;
+        starts.push(builder.ops.len() as u32);
         builder.instruction(instruction, flags, prefix);
         builder.comparison = comparison(instruction, flags);
         prefix = match instruction.operation {
@@ -117,7 +132,11 @@ fn build<B: BlockBus>(bus: &B, source: &Source) -> Vec<Op<B>> {
         let next = builder.address | source.key & 1;
         builder.push(fall_through).value = next;
     }
-    builder.ops
+    Built {
+        ops: builder.ops,
+        starts,
+        needed,
+    }
 }
 
 /// For each instruction the most cycles up to the next place at which the block can be left.
@@ -616,75 +635,5 @@ impl<B: BlockBus> Builder<'_, B> {
         op.value = transfer::packed(block);
         op.first = Register::number(block.base);
         op.amount = block.list.count_ones() as u8;
-    }
-}
-
-/// Operation and kind of operand of an instruction that always computes flags.
-fn comparison(instruction: &Instruction, flags: bool) -> Option<(AluOperation, u8)> {
-    let Operation::DataProcessing(processing) = &instruction.operation else {
-        return None;
-    };
-    let plain = flags && instruction.condition == ALWAYS && processing.destination != 15;
-    let reads_pc = processing.first == 15 || operand_reads_pc(processing.second);
-    (plain && !reads_pc).then(|| (processing.operation, operand_parts(processing.second).0))
-}
-
-fn mode_of(transfer: &Transfer, mode: u8) -> u8 {
-    let moves = transfer.write_back || !transfer.before;
-    mode | u8::from(transfer.add) * transfer::UP
-        | u8::from(transfer.before) * transfer::BEFORE
-        | u8::from(moves) * transfer::WRITE_BACK
-}
-
-fn operand_reads_pc(operand: Operand) -> bool {
-    match operand {
-        Operand::Constant { .. } => false,
-        Operand::Shifted { register, .. } => register == 15,
-        Operand::ShiftedByRegister {
-            register, amount, ..
-        } => register == 15 || amount == 15,
-    }
-}
-
-/// Kind, value, register, amount and mode of a second operand.
-fn operand_parts(operand: Operand) -> (u8, u32, Register, u8, u8) {
-    let none = Register::R0;
-    match operand {
-        Operand::Constant { value, carry: None } => (data::CONSTANT, value, none, 0, 0),
-        Operand::Constant {
-            value,
-            carry: Some(carry),
-        } => (data::CONSTANT_CARRY, value, none, 0, u8::from(carry)),
-        Operand::Shifted {
-            register,
-            kind,
-            amount,
-        } => {
-            let special = match (kind, amount) {
-                (0, 0) => data::REGISTER,
-                (0, _) => data::LEFT,
-                (1, 1..) => data::RIGHT,
-                (2, 1..) => data::RIGHT_ARITHMETIC,
-                _ => data::ANY_SHIFT,
-            };
-            (
-                special,
-                0,
-                Register::number(register),
-                amount as u8,
-                kind as u8,
-            )
-        }
-        Operand::ShiftedByRegister {
-            register,
-            kind,
-            amount,
-        } => (
-            data::BY_REGISTER,
-            0,
-            Register::number(register),
-            amount as u8,
-            kind as u8,
-        ),
     }
 }

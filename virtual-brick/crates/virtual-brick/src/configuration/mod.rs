@@ -11,7 +11,7 @@ use nxt::{BatteryConfiguration, BluetoothConfiguration, BoardConfiguration, Sens
 use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
 use serde::Deserialize;
 
-use crate::engine::Engine;
+use crate::engine::{Engine, NATIVE_AFTER_RUNS};
 
 pub use error::ConfigurationError;
 pub use timing::Timing;
@@ -34,6 +34,8 @@ pub struct Configuration {
     pub trace_limits: trace::Limits,
     /// What executes instructions; the run is the same with each.
     pub engine: Engine,
+    /// Runs of a block of instructions before the fast engine makes code of the host of it.
+    pub native_after_runs: u32,
     /// Timing that no document fixes.
     pub timing: Timing,
 }
@@ -129,6 +131,7 @@ impl Fields {
                     .unwrap_or(defaults.signal_values),
             },
             engine: timing.engine(self.engine),
+            native_after_runs: NATIVE_AFTER_RUNS,
             timing,
         })
     }
