@@ -487,6 +487,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("timing", suites.kernel_services),
     ("timing", suites.program_campaign),
     ("timing", suites.lowest_tasks),
+    ("timing", suites.timing_events),
     ("timing", suites.examples),
     ("course", pytest_suite("course", "the paper's vehicle, whole drive", "examples/vehicle")),
     ("course", pytest_suite("course", "bench, line, balancer", "examples/test_examples.py")),

@@ -57,6 +57,7 @@ CEILING = 18
 BODY = "workers__workerTB"
 COMPUTE = "workers__compute"
 RING = Handler(12, 31, "ravenbrick__delays__ring")
+PERIODS_US = tuple(1000 * ms for ms in (10, 12, 15, 16, 20, 25, 30, 40, 50, 60, 80, 100))
 RUN_MS = 140
 EPOCH_MS = 20
 CONFIGURATION = json.dumps(
@@ -147,7 +148,7 @@ def costs(task_count: int) -> Costs:
     image = built()
     _, known = run_time_facts(image, task_count + 1)
     kernel = services(image, known)
-    alarm = alarm_costs(image, interrupt_costs(image, [RING], known)[0], known)
+    alarm = alarm_costs(image, interrupt_costs(image, [RING], known)[0], known, PERIODS_US)
     one, more, locked = (_job(image, known, *counts) for counts in ((1, 1), (2, 1), (1, 2)))
     each, each_locked = more.cycles - one.cycles, locked.cycles - one.cycles
     section = one.longest_section(2 * FIRST_PRIORITY)
@@ -165,8 +166,7 @@ def costs(task_count: int) -> Costs:
 def random_loads(dice: random.Random) -> list[Load]:
     """Two to eight tasks, rate monotonic, with a utilisation of 0.3 to 0.85."""
     count = dice.randint(2, SLOTS)
-    periods = sorted((dice.choice((10, 12, 15, 16, 20, 25, 30, 40, 50, 60, 80, 100)) * 1000
-                      for _ in range(count)), reverse=True)  # fmt: skip
+    periods = sorted((dice.choice(PERIODS_US) for _ in range(count)), reverse=True)
     shares = [dice.expovariate(1) for _ in range(count)]
     total = dice.uniform(0.3, 0.85)
     price = costs(count)

@@ -23,6 +23,7 @@ __all__ = [
     "lowest_tasks",
     "program_campaign",
     "random_sets",
+    "timing_events",
     "wcet_benchmarks",
 ]
 
@@ -109,6 +110,16 @@ def kernel_services() -> Row:
     passed = sum(row["observed"] <= row["bound"] <= 1.10 * row["observed"] for row in rows)
     suite = "wcet: services of the run-time, bounds not exceeded and at most 10 % above"
     return _row(suite, len(rows), passed)
+
+
+def timing_events() -> Row:
+    """Values of a program with timing events within their bounds."""
+    pairs = [
+        row[key] for row in _answer("timing_events") for key in ("execution", "response", "stack")
+    ]
+    good = sum(bound is not None and seen <= bound for bound, seen in pairs)
+    suite = "timing events: jobs, responses and stacks of a program with them within bounds"
+    return _row(suite, len(pairs), good)
 
 
 def examples() -> Row:

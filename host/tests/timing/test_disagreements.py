@@ -8,7 +8,6 @@ import importlib.util
 import json
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,14 +15,12 @@ from host.tests.conftest import VEHICLE
 from typer.testing import CliRunner
 
 from ravenbrick.cli import app
-from ravenbrick.errors import ImageFileError, ProjectFileError
+from ravenbrick.errors import ProjectFileError
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
-from ravenbrick.timing.analysis import analyse
-from ravenbrick.timing.facts import read_facts
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
 
@@ -117,12 +114,3 @@ def test_a_deadline_that_can_be_missed_is_told_with_what_to_change(changed: Chan
     page = Path(answer["report"]).read_text()
     for name in ("Bounds by term", "Worst windows of control_task"):
         assert f'alt="{name}"' in page
-
-
-def test_a_program_with_timing_events_is_refused_by_name() -> None:
-    """Expiries are in no queue's bound and no interrupt's load, so a bound would be too small."""
-    robot, image = read_robot(VEHICLE), read_image(BUILT)
-    symbol = next(iter(image.symbols.values()))
-    expiring = {**image.symbols, "ravenbrick__delays__events__ring_with_events": symbol}
-    with pytest.raises(ImageFileError, match="Timing_Events, whose expiries"):
-        analyse(robot, replace(image, symbols=expiring), None, read_facts(robot))

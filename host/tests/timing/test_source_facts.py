@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from host.tests.conftest import VEHICLE
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.target.robot import read_robot
 from ravenbrick.timing.facts import read_facts
-from ravenbrick.timing.source_facts import SourceFacts, annotated_loops
+from ravenbrick.timing.source_facts import loop_statements, statements_text
 
 SOURCE = Path("worker.adb")
 TEXT = """\
@@ -39,19 +40,17 @@ end Worker;
 
 
 def test_a_pragma_bounds_the_loop_statement_that_it_stands_in() -> None:
-    outer, inner = annotated_loops(SOURCE, TEXT)
-    assert (outer.iterations, outer.reason) == (1000, 'no "more" of them')
+    outer, silent, inner = loop_statements(SOURCE, TEXT)
+    assert (outer.iterations, outer.reason, outer.depth) == (1000, 'no "more" of them', 0)
     assert outer.lines() == [4, 5, 6, 7, 11, 12, 17]
+    assert (silent.iterations, silent.lines(), silent.depth) == (None, [8, 9, 10], 1)
     assert (inner.iterations, inner.reason, inner.lines()) == (7, "", [13, 14, 15, 16])
 
 
-def test_a_loop_that_begins_with_an_inlined_call_is_known_by_most_of_its_lines() -> None:
-    facts = SourceFacts(tuple((SOURCE, loop) for loop in annotated_loops(SOURCE, TEXT)))
-    asked = {"symbol": "work", "index": 2, "line": "other.adb:3"}
-    lines = [["other.adb", 3], ["src/worker.adb", 14], ["src/worker.adb", 15], ["worker.adb", 5]]
-    answer = facts.answers([{**asked, "lines": lines}])
-    assert 'symbol = "work"' in answer and "index = 2" in answer and "iterations = 7" in answer
-    assert facts.answers([{**asked, "lines": [["other.adb", 14]]}]).strip() == ""
+def test_statements_are_told_with_their_lines_also_those_that_say_nothing() -> None:
+    told = tomllib.loads(statements_text(SOURCE, loop_statements(SOURCE, TEXT)))["statement"]
+    assert [row.get("iterations") for row in told] == [1000, None, 7]
+    assert told[1] == {"file": "worker.adb", "lines": [8, 9, 10], "depth": 1}
 
 
 @pytest.mark.parametrize(
@@ -65,15 +64,15 @@ def test_a_loop_that_begins_with_an_inlined_call_is_known_by_most_of_its_lines()
 def test_a_pragma_that_is_not_understood_is_named_with_its_line(pragma: str) -> None:
     text = TEXT.replace("pragma Annotate (Ravenbrick, Iterations, 7);", pragma)
     with pytest.raises(ProjectFileError, match=r"worker\.adb:14: pragma Annotate: is not under"):
-        annotated_loops(SOURCE, text)
+        loop_statements(SOURCE, text)
 
 
 def test_a_pragma_outside_of_loops_is_refused_and_those_of_other_tools_are_not() -> None:
     ours = "   pragma Annotate (Ravenbrick, Iterations, 7);\n"
     with pytest.raises(ProjectFileError, match=r"worker\.adb:1: .*expected, in a loop"):
-        annotated_loops(SOURCE, ours)
+        loop_statements(SOURCE, ours)
     other = 'pragma Annotate (GNATprove, Intentional, "overflow", "never");'
-    assert annotated_loops(SOURCE, other) == []
+    assert loop_statements(SOURCE, other) == []
 
 
 def test_facts_of_the_drivers_come_with_every_project_and_its_own_come_first(

@@ -33,10 +33,18 @@ from ravenbrick.timing.figures import (
 )
 from ravenbrick.timing.hunt import hunt, largest
 from ravenbrick.timing.long_run import long_run
-from ravenbrick.timing.observed import Observed, check_bounds, check_interrupt_rates, observe
+from ravenbrick.timing.observed import (
+    Observed,
+    check_bounds,
+    check_event_rates,
+    check_interrupt_rates,
+    observe,
+)
 from ravenbrick.timing.report import (
+    EVENT_HEAD,
     INTERRUPT_HEAD,
     SHORT_HEAD,
+    event_rows,
     interrupt_rows,
     short_rows,
     write_timing_report,
@@ -171,6 +179,7 @@ def analyse_command(
         effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
     recording = _recording(workspace, robot, chosen, elf, reporter)
     check_interrupt_rates(robot, facts, recording)
+    check_event_rates(robot, facts, recording)
     seen, more = _search(robot, chosen, elf, recording, hunt_attempts, hours, reporter)
     check_bounds(analysis, seen, more.get("long_run"))
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
@@ -198,6 +207,8 @@ def analyse_command(
     reporter.print("cycles and bytes; deadlines in us")
     reporter.table(SHORT_HEAD, short_rows(result))
     reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
+    if result["timing_events"]:
+        reporter.table(EVENT_HEAD, event_rows(result))
     reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
     for chain in chains:
         reporter.print(f"  {_chain_line(chain)}")

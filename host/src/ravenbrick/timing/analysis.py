@@ -26,9 +26,21 @@ from ravenbrick.timing.bounds import (
     Bound,
     ExecutionTimeError,
     execution_times,
-    jobs_with_sources,
 )
-from ravenbrick.timing.facts import TIMING_FILE, Facts, InterruptLoad, Mode, annotations_of
+from ravenbrick.timing.events import (
+    EventCost,
+    event_costs,
+    event_count,
+    handlers_of_events,
+)
+from ravenbrick.timing.facts import (
+    TIMING_FILE,
+    EventLoad,
+    Facts,
+    InterruptLoad,
+    Mode,
+    annotations_of,
+)
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
     DELAY_UNTIL,
@@ -36,12 +48,12 @@ from ravenbrick.timing.kernel import (
     SUSPEND,
     InterruptCost,
     Services,
+    expiry_facts,
     interrupt_costs,
-    refuse_timing_events,
     run_time_facts,
     services,
 )
-from ravenbrick.timing.source_facts import SourceFacts, source_facts
+from ravenbrick.timing.source_facts import source_facts
 from ravenbrick.timing.started import (
     ALARM_SOURCE,
     ProtectedObject,
@@ -109,6 +121,7 @@ class Analysis:
     overheads: Overheads
     bounds: dict[str, ResponseTimeBound]
     modes: tuple[ModeBounds, ...] = ()
+    events: tuple[EventCost, ...] = ()
 
     @property
     def schedulable(self) -> bool:
@@ -119,11 +132,12 @@ class Analysis:
     def interrupt_stack_bytes(self) -> int | None:
         """Deepest handlers' stack: one handler of each level at the same time."""
         by_level: dict[int, int] = {}
-        for cost in self.interrupts:
-            if cost.stack_bytes is None:
+        called = [(cost.handler.priority, cost.stack_bytes) for cost in self.interrupts]
+        called += [(event.handler.priority, event.stack_bytes) for event in self.events]
+        for level, stack_bytes in called:
+            if stack_bytes is None:
                 return None
-            level = cost.handler.priority
-            by_level[level] = max(by_level.get(level, 0), cost.stack_bytes)
+            by_level[level] = max(by_level.get(level, 0), stack_bytes)
         return sum(by_level.values())
 
 
@@ -202,8 +216,13 @@ def _scheduled_tasks(timings: Sequence[TaskTiming]) -> list[ScheduledTask]:
     return found
 
 
+def _periods_us(tasks: Sequence[Task]) -> list[int]:
+    return [task.period_us for task in tasks if task.release == "cyclic" and task.period_us]
+
+
 def _scheduled_interrupts(
     costs: Sequence[InterruptCost],
+    events: Sequence[EventCost],
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
     kernel: Services,
@@ -221,25 +240,55 @@ def _scheduled_interrupts(
                 f'most: [[interrupt]] source = "{name}", at_most = ..., window_us = ..., '
                 'reason = "..."'
             )
-        blocking = _blocking(cost.handler.priority, "", jobs, kernel).cycles
+        level = cost.handler.priority
+        stays = [event.longest_stay(level, kernel) for event in events]
+        blocking = max([_blocking(level, "", jobs, kernel).cycles, *stays])
         found.append(_interrupt(cost, loads, blocking))
-    periods = [task.period_us for task, _ in jobs if task.release == "cyclic" and task.period_us]
+    periods = _periods_us([task for task, _ in jobs])
     alarm = next(cost for cost in costs if cost.handler.source == ALARM_SOURCE)
     return [*found, *coarse_alarm(periods, alarm.cycles, alarm.handler.priority)]
 
 
 def _interrupt(cost: InterruptCost, loads: Sequence[InterruptLoad], blocking: int) -> ScheduledTask:
+    name, level = source_name(cost.handler.source), cost.handler.priority
+    return _bursts(name, cost.cycles, level, loads, blocking)
+
+
+def _bursts(
+    name: str,
+    cycles: int,
+    priority: int,
+    loads: Sequence[InterruptLoad] | Sequence[EventLoad],
+    blocking: int,
+) -> ScheduledTask:
+    """Calls of a handler, the longest window first."""
     load, *shorter = loads
     limits = [(Fraction(s.at_most, load.at_most), _cycles(s.window_us)) for s in shorter]
     return ScheduledTask(
-        name=source_name(cost.handler.source),
+        name=name,
         period=_cycles(load.window_us),
         limits=tuple(limits),
-        wcet=load.at_most * cost.cycles,
-        priority=cost.handler.priority,
+        wcet=load.at_most * cycles,
+        priority=priority,
         release="interrupt",
         blocking=blocking,
     )
+
+
+def _expiries(
+    events: Sequence[EventCost], alarm: AlarmCosts, blocking: BlockingCause
+) -> list[ScheduledTask]:
+    """Timing events: each a call of the alarm, and an early one before."""
+    return [
+        _bursts(
+            event.name,
+            event.cycles + alarm.early,
+            event.handler.priority,
+            event.loads,
+            blocking.cycles,
+        )
+        for event in events
+    ]
 
 
 def _waits_inside(
@@ -294,11 +343,10 @@ def _stack_bytes(
     image: ElfImage,
     question: tuple[str, Sequence[str]],
     annotations: Sequence[tuple[str, str]],
-    sources: SourceFacts,
 ) -> int | None:
     """Deepest stack of a task with all it calls, also outside of its jobs."""
     try:
-        found = jobs_with_sources(image.content, [question], annotations, sources)
+        found = execution_times(image.content, jobs=[question], annotations=annotations).jobs
     except ExecutionTimeError:
         return None
     return found[0].stack_bytes
@@ -307,46 +355,50 @@ def _stack_bytes(
 def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis:
     """Bounds of all tasks and interrupts of an image; `brick` has elaborated it.
 
-    Raises `ExecutionTimeError` for what has no bound, `ImageFileError` for a program with timing
-    events and `ProjectFileError` where robot.toml and the image disagree.
+    Raises `ExecutionTimeError` for what has no bound, `ProjectFileError` where robot.toml and the
+    image disagree.
     """
-    refuse_timing_events(image)
-    objects, known = run_time_facts(image, len(robot.tasks) + 1)
+    attached = attached_handlers(brick, image)
+    expiring = handlers_of_events(image, attached)
+    objects, known = run_time_facts(image, len(robot.tasks) + 1 + event_count(image), expiring)
     tasks = _timed_tasks(robot)
     sources = source_facts(image)
-    annotations = [(facts.name, facts.annotations), *facts.shared, *sources.annotations, *known]
+    annotations = [(facts.name, facts.annotations), *facts.shared, *sources, *known]
     annotations += _solved(image, facts, annotations)
     kernel = services(image, annotations)
-    costs = interrupt_costs(image, attached_handlers(brick, image), annotations)
-    alarm = alarm_costs(image, costs[0], annotations)
+    releasing = [expiry_facts(()), *annotations] if expiring else annotations
+    costs = interrupt_costs(image, attached, releasing)
+    alarm = alarm_costs(image, costs[0], releasing, _periods_us([task for _, task in tasks]))
+    events = event_costs(image, costs[0], expiring, facts, annotations)
     questions = [(_body(image, facts, task), WAITS[task.release]) for _, task in tasks]
 
     def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
         places = (f"{facts.name}, [[outside]]", facts.outside)
         known = [*annotations, places, *more]
-        found = jobs_with_sources(image.content, questions, known, sources)
+        found = execution_times(image.content, jobs=questions, annotations=known).jobs
         return [(task, job) for (_, task), job in zip(tasks, found, strict=True)]
 
     jobs = bounded(())
     if facts.outside:
-        stacks = [_stack_bytes(image, one, annotations, sources) for one in questions]
+        stacks = [_stack_bytes(image, one, annotations) for one in questions]
         jobs = [(t, replace(j, stack_bytes=s)) for (t, j), s in zip(jobs, stacks, strict=True)]
     for index, (task, job) in enumerate(jobs):
         _check_ceilings(robot, job, task, index, objects)
     modes = []
     for mode in facts.modes:
         in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
-        timings, _, _, bounds = _scheduled(costs, alarm, kernel, facts, in_mode)
+        timings, _, _, bounds = _scheduled(costs, alarm, events, kernel, facts, in_mode)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    timings, task_set, overheads, bounds = _scheduled(costs, alarm, kernel, facts, jobs)
+    timings, task_set, overheads, bounds = _scheduled(costs, alarm, events, kernel, facts, jobs)
     return Analysis(
-        timings, costs, objects, kernel, task_set, overheads, bounds, modes=tuple(modes)
+        timings, costs, objects, kernel, task_set, overheads, bounds, tuple(modes), events
     )
 
 
 def _scheduled(
     costs: tuple[InterruptCost, ...],
     alarm: AlarmCosts,
+    events: Sequence[EventCost],
     kernel: Services,
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
@@ -361,7 +413,8 @@ def _scheduled(
         for task, job in jobs
     )
     overheads = alarm.overheads(kernel)
-    interrupts = _scheduled_interrupts(costs, facts, jobs, kernel)
+    interrupts = _scheduled_interrupts(costs, events, facts, jobs, kernel)
+    interrupts += _expiries(events, alarm, _blocking(costs[0].handler.priority, "", jobs, kernel))
     interrupts += _waits_inside(timings, alarm, costs[0].handler.priority)
     tasks = _scheduled_tasks(timings)
     task_set = TaskSet((*interrupts, *tasks))

@@ -8,7 +8,7 @@ import importlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from ravenbrick.errors import ExitCode, RavenbrickError, ToolMissingError, UsageError
 
@@ -17,9 +17,7 @@ __all__ = [
     "Bounds",
     "Call",
     "ExecutionTimeError",
-    "Sources",
     "execution_times",
-    "jobs_with_sources",
 ]
 
 
@@ -93,9 +91,7 @@ def _bound(answer: dict[str, Any], facts: str) -> Bound:
             head = "loops without a bound"
             detail = [_question(loop, facts) for loop in answer["missing"]]
             advice = f"; say in {facts} how often each is repeated"
-        error = ExecutionTimeError(f"{answer['symbol']}: {head}{advice}", detail="\n".join(detail))
-        error.data = {"missing": answer["missing"]}
-        raise error
+        raise ExecutionTimeError(f"{answer['symbol']}: {head}{advice}", detail="\n".join(detail))
     return Bound(
         answer["symbol"],
         answer["cycles"],
@@ -105,31 +101,6 @@ def _bound(answer: dict[str, Any], facts: str) -> Bound:
         answer["report"],
         answer["graph"],
     )
-
-
-class Sources(Protocol):
-    """What sources say about loops whose own code begins elsewhere: an inlined call."""
-
-    def answers(self, missing: Sequence[dict[str, Any]]) -> str:
-        """Facts about those of these loops that are known, as TOML."""
-
-
-def jobs_with_sources(
-    elf: bytes,
-    jobs: Sequence[tuple[str, Sequence[str]]],
-    annotations: Sequence[tuple[str, str]],
-    sources: Sources,
-) -> tuple[Bound, ...]:
-    """Bounds of jobs as `execution_times` gives them; what it asks for is looked up in sources."""
-    known = list(annotations)
-    while True:
-        try:
-            return execution_times(elf, jobs=jobs, annotations=known).jobs
-        except ExecutionTimeError as error:
-            answer = ("sources", sources.answers(error.data.get("missing", [])))
-            if not answer[1].strip() or answer in known:
-                raise
-            known.append(answer)
 
 
 def _closed_cycles(answer: dict[str, Any] | None) -> int | None:

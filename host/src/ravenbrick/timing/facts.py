@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ __all__ = [
     "SOURCE_NUMBERS",
     "TIMING_FILE",
     "Chain",
+    "EventLoad",
     "Facts",
     "InterruptLoad",
     "Mode",
@@ -30,7 +32,17 @@ __all__ = [
 
 TIMING_FILE = "timing.toml"
 OWN_TABLES = frozenset(
-    {"schema_version", "interrupt", "suspension", "body", "chain", "mode", "flow", "outside"}
+    {
+        "schema_version",
+        "interrupt",
+        "timing_event",
+        "suspension",
+        "body",
+        "chain",
+        "mode",
+        "flow",
+        "outside",
+    }
 )
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
@@ -49,6 +61,17 @@ class InterruptLoad:
     reason: str
     task: str | None = None
     file: str = TIMING_FILE
+
+
+@dataclass(frozen=True)
+class EventLoad:
+    """At most `at_most` times in any window of `window_us` for which timing events with this
+    handler are set, those counted that are cancelled or moved before."""
+
+    handler: str
+    at_most: int
+    window_us: int
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -98,6 +121,7 @@ class Facts:
     shared: tuple[tuple[str, str], ...] = ()
     outside: str = ""
     interrupts: tuple[InterruptLoad, ...] = ()
+    events: tuple[EventLoad, ...] = ()
     suspensions: tuple[Suspension, ...] = ()
     bodies: tuple[tuple[str, str], ...] = ()
     chains: tuple[Chain, ...] = ()
@@ -124,6 +148,17 @@ class Facts:
             if load.source == source and (load.task and load.task.lower()) == wanted
         )
         return tuple(sorted(found, key=lambda load: -load.window_us))
+
+    def event_loads(self, handler: str) -> tuple[EventLoad, ...]:
+        """What is said about timing events with this handler, the longest window first."""
+        found = (load for load in self.events if load.handler.lower() == handler.lower())
+        return tuple(sorted(found, key=lambda load: -load.window_us))
+
+
+def _event_loads(rows: Sequence[dict[str, Any]]) -> tuple[EventLoad, ...]:
+    return tuple(
+        EventLoad(row["handler"], row["at_most"], row["window_us"], row["reason"]) for row in rows
+    )
 
 
 def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
@@ -215,6 +250,7 @@ def read_facts(robot: Robot) -> Facts:
         () if drivers is None else ((str(drivers.path), _annotations(drivers)),),
         annotations_of({"avoided": rows("outside")}),
         tuple(load for document in documents for load in _interrupts(document, robot)),
+        _event_loads(rows("timing_event")),
         tuple(
             Suspension(row["task"], row.get("count", 1), row["longest_us"], row["reason"])
             for row in rows("suspension")

@@ -84,7 +84,7 @@ def _fact_row(graph: dict[str, Any], edges: Sequence[Edge], fact: FlowFact) -> _
         holds = [
             index
             for index, block in enumerate(graph["blocks"])
-            if any(found.endswith(line) for found in block["lines"])
+            if any(found == line or found.endswith(f"/{line}") for found in block["lines"])
         ]
         if not holds:
             raise ExecutionTimeError(

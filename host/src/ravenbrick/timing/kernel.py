@@ -26,13 +26,14 @@ __all__ = [
     "DELAY_UNTIL",
     "DISPATCH",
     "ENTRY_CALL",
+    "EVENT_RING",
     "INTERRUPT",
     "SUSPEND",
     "InterruptCost",
     "Services",
+    "expiry_facts",
     "interrupt_costs",
     "kernel_facts",
-    "refuse_timing_events",
     "run_time_facts",
     "services",
 ]
@@ -45,9 +46,14 @@ SUSPEND = "ada__synchronous_task_control__suspend_until_true"
 SET_TRUE = "ada__synchronous_task_control__set_true"
 INTERRUPT = "ravenbrick_interrupt"
 RESUME = "resume"
+EVENTS = "ada__real_time__timing_events"
+SET_HANDLERS = (f"{EVENTS}__set_handler", f"{EVENTS}__cancel_handler")
 DISPATCH = f"{PROTECTED}__dispatch"
 MASKING = (DELAY_UNTIL, ENTRY_CALL, SERVICE_ENTRY, SUSPEND, SET_TRUE, DISPATCH)
-RINGS = ("ravenbrick__delays__ring", "ravenbrick__delays__events__ring_with_events")
+SETTING = (DELAY_UNTIL, *SET_HANDLERS)
+EVENT_RING = "ravenbrick__delays__events__ring_with_events"
+EXPIRE = f"{EVENTS}__expire"
+RINGS = ("ravenbrick__delays__ring", EVENT_RING)
 QUEUES = (
     "ravenbrick-threads.adb",
     "ravenbrick-delays.adb",
@@ -89,7 +95,8 @@ class Services:
     @property
     def release_jitter(self) -> int:
         """Longest from a wake-up time until the alarm's handler can be entered."""
-        return ALARM_LATENESS_CYCLES + max(0, self.delay_until - ALARM_LEAD_CYCLES)
+        setting = max(self.masking.get(name, 0) for name in SETTING)
+        return ALARM_LATENESS_CYCLES + max(0, setting - ALARM_LEAD_CYCLES)
 
     def longest_masked(self, reached: Iterable[str]) -> tuple[int, str]:
         """The longest service with masked interrupts among these functions."""
@@ -117,12 +124,23 @@ def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
     ]
     # The search of the ready queue that is compiled into the handler.
     loops += [{"symbol": ring, "index": 1, "header_executions": thread_count} for ring in RINGS]
-    loops += [{"file": file, "header_executions": thread_count} for file in QUEUES]
+    loops += [{"file": file, "header_executions": thread_count, "every": True} for file in QUEUES]
     return annotations_of({"loop": loops, "word": [dict(w) for w in object_words(objects)]})
 
 
+def expiry_facts(handlers: Sequence[str]) -> tuple[str, str]:
+    """Whom the alarm calls for an event that has expired; without handlers, none expires."""
+    if not handlers:
+        return "no expiry", annotations_of({"never": [{"symbol": EXPIRE}]})
+    calls = [
+        {"symbol": EVENT_RING, "targets": [EXPIRE]},
+        {"symbol": EXPIRE, "targets": list(handlers)},
+    ]
+    return "timing events", annotations_of({"call": calls})
+
+
 def run_time_facts(
-    image: ElfImage, thread_count: int
+    image: ElfImage, thread_count: int, expiring: Sequence[str] = ()
 ) -> tuple[tuple[ProtectedObject, ...], list[tuple[str, str]]]:
     """The protected objects that elaboration sets up, and annotations of the run-time's code."""
     entries = ("entries", _entry_facts(image))
@@ -130,19 +148,9 @@ def run_time_facts(
         image.content, root="adainit", callees=initializers(image), annotations=[entries]
     )
     objects = protected_objects(image, elaborated.calls)
+    if expiring:
+        entries = (entries[0], entries[1] + expiry_facts(expiring)[1])
     return objects, [entries, ("run-time", kernel_facts(thread_count, objects))]
-
-
-def refuse_timing_events(image: ElfImage) -> None:
-    """Expiries of timing events are neither counted in the alarm's queue nor among the interrupts.
-
-    Raises `ImageFileError` for a program that uses them.
-    """
-    if RINGS[1] in image.symbols:
-        raise ImageFileError(
-            f"{image.path}: uses Ada.Real_Time.Timing_Events, whose expiries 'ravenbrick analyse' "
-            "does not bound; let a task with 'delay until' do the handler's work"
-        )
 
 
 def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Services:
@@ -153,7 +161,7 @@ def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Service
             f"{image.path}: has no '{missing[0]}', which the run-time of this version has; the "
             "image is older: build it again with 'ravenbrick build'"
         )
-    present = [name for name in MASKING if name in image.symbols]
+    present = [name for name in (*MASKING, *SET_HANDLERS) if name in image.symbols]
     found = execution_times(image.content, functions=[*present, RESUME], annotations=annotations)
     cycles = {bound.symbol: bound.cycles for bound in found.functions}
     resume = cycles.pop(RESUME) + found.return_cycles

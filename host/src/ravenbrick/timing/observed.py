@@ -16,6 +16,7 @@ from ravenbrick.target.robot import Robot
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import Facts, InterruptLoad
+from ravenbrick.timing.started import ALARM_SOURCE
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.plots import cyclic_begin_cycles
@@ -25,12 +26,17 @@ from ravenbrick.trace.schedule import jobs_of
 __all__ = [
     "Observed",
     "check_bounds",
+    "check_event_rates",
     "check_interrupt_rates",
     "exceeded",
     "observe",
     "ratio",
     "worst_job_release",
 ]
+
+# An early call of the alarm comes at most this long before the one that releases.
+EARLY_AT_MOST_US = 80
+STRETCH = 10
 
 
 @dataclass(frozen=True)
@@ -98,6 +104,54 @@ def worst_job_release(robot: Robot, recording: Recording, task: str) -> int | No
     ]
     worst = max(done, key=lambda job: job.response_time_cycles or 0, default=None)
     return None if worst is None else worst.release_cycles
+
+
+def _expiries(robot: Robot, recording: Recording) -> NDArray[np.int64]:
+    """Calls of the alarm, after the start of all tasks, that release no cyclic task and are not
+    early: no other call follows soon."""
+    cyclic = {task.name.lower() for task in robot.tasks if task.release == "cyclic"}
+    names = [thread.name.lower() for thread in recording.threads]
+    clocked = [index for index, name in enumerate(names) if name in cyclic]
+    events = recording.events
+    at = events["at_cycles"].astype(np.int64)
+    is_call = events["kind"] == int(EventKind.INTERRUPT_ENTERED)
+    calls = at[is_call & (events["subject"] == ALARM_SOURCE)]
+    is_release = events["kind"] == int(EventKind.RELEASE)
+    releases = at[is_release & np.isin(events["subject"], clocked)]
+    ends = np.append(calls[1:], np.iinfo(np.int64).max)
+    released = np.searchsorted(releases, ends) - np.searchsorted(releases, calls)
+    early = ends - calls < MASTER_CLOCK.cycles_of_us(EARLY_AT_MOST_US)
+    since = cyclic_begin_cycles(robot, recording)
+    return np.asarray(calls[(released == 0) & ~early & (calls >= since)], np.int64)
+
+
+def check_event_rates(robot: Robot, facts: Facts, recording: Recording) -> None:
+    """Raise `ExecutionTimeError` when timing events expired more often than the facts say.
+
+    Calls of the alarm do not tell which event expired, and come late by what holds them up, so the
+    sum over all handlers is looked at, in stretches of many windows.
+    """
+    if not facts.events:
+        return
+    at = _expiries(robot, recording)
+    handlers = sorted({load.handler.lower() for load in facts.events})
+    for load in facts.events:
+        window_us = STRETCH * load.window_us
+        allowed = sum(
+            min(
+                one.at_most * math.ceil(window_us / one.window_us)
+                for one in facts.event_loads(handler)
+            )
+            for handler in handlers
+        )
+        spans = at[allowed:] - at[:-allowed]
+        if spans.size and spans.min() < MASTER_CLOCK.cycles_of_us(window_us - load.window_us):
+            begin = float(MASTER_CLOCK.seconds(int(at[int(spans.argmin())])))
+            raise ExecutionTimeError(
+                f"{facts.name}: timing events expire more than {allowed} times in {window_us} us, "
+                f"{begin:.6f} s after the begin of the run '{recording.scenario}'; correct the "
+                "rates in [[timing_event]]"
+            )
 
 
 def check_interrupt_rates(robot: Robot, facts: Facts, recording: Recording) -> None:

@@ -17,9 +17,11 @@ from ravenbrick.timing.result import advice, microseconds
 from ravenbrick.trace.plots.style import data_uri, png_bytes
 
 __all__ = [
+    "EVENT_HEAD",
     "INTERRUPT_HEAD",
     "SHORT_HEAD",
     "TASK_HEAD",
+    "event_rows",
     "interrupt_rows",
     "short_rows",
     "task_rows",
@@ -45,6 +47,7 @@ TASK_HEAD = (
 SHORT_HEAD = ("task", "deadline", "job", "bound", "seen", "ratio", "stack", "seen", "size")
 SHORT_COLUMNS = (0, 1, 2, 8, 9, 10, 11, 12, 13)
 INTERRUPT_HEAD = ("interrupt", "handler", "priority", "at most, all in all", "handler alone")
+EVENT_HEAD = ("timing event's handler", "at most, all in all", "done after its time")
 OBSERVED_HEAD = ("task", "", "own", "interference", "interrupts", "blocking", "response")
 
 
@@ -96,6 +99,12 @@ def interrupt_rows(result: dict[str, Any]) -> list[list[str]]:
     """One row for each interrupt; cycles."""
     keys = ("source", "handler", "priority", "bound_cycles", "handler_bound_cycles")
     return [[_text(row[key]) for key in keys] for row in result["interrupts"]]
+
+
+def event_rows(result: dict[str, Any]) -> list[list[str]]:
+    """One row for each handler of timing events; cycles."""
+    keys = ("handler", "bound_cycles", "response_bound_cycles")
+    return [[_text(row[key]) for key in keys] for row in result["timing_events"]]
 
 
 def _observed_rows(result: dict[str, Any]) -> list[list[str]]:
@@ -155,6 +164,7 @@ def _page(name: str, result: dict[str, Any], figures: Sequence[tuple[str, Figure
         _table(OBSERVED_HEAD, _observed_rows(result)),
         "<h2>Interrupts</h2>",
         _table(INTERRUPT_HEAD, interrupt_rows(result)),
+        *([_table(EVENT_HEAD, event_rows(result))] if result["timing_events"] else []),
         f"<p>All handlers need at most {result['interrupt_stack_bound_bytes']} bytes of the "
         f"handlers' stack. A release costs {alarm:.1f} us at the highest priority.</p>",
         "<h2>The run-time's services</h2>",

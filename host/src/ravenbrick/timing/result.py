@@ -111,6 +111,15 @@ def result_of(analysis: Analysis, observed: dict[str, Observed]) -> dict[str, An
             }
             for cost in analysis.interrupts
         ],
+        "timing_events": [
+            {
+                "handler": event.name,
+                "bound_cycles": event.cycles,
+                "response_bound_cycles": _up(analysis.bounds[event.name].bound),
+                "at_most": [[load.at_most, load.window_us] for load in event.loads],
+            }
+            for event in analysis.events
+        ],
         "interrupt_stack_bound_bytes": analysis.interrupt_stack_bytes,
         "services": {
             "delay_until_cycles": analysis.services.delay_until,

@@ -2,16 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loop bounds that Ada sources state themselves.
 
-In a loop, `pragma Annotate (Ravenbrick, Iterations, 47, "why");` says that no loop of the code that
-comes from the lines of this statement, inner loop statements aside, has more iterations for each
-entry. The compiler does nothing with it (GNAT Reference Manual, pragma Annotate).
+In a loop, `pragma Annotate (Ravenbrick, Iterations, 47, "why");` says that the statement has no
+more iterations for each entry. The compiler does nothing with it (GNAT Reference Manual, pragma
+Annotate). Which code is the statement's is decided where the code is known, so all statements are
+told, also those that say nothing.
 """
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,7 @@ from ravenbrick.errors import ImageFileError, ProjectFileError
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.facts import annotations_of
 
-__all__ = ["SourceFacts", "SourceLoop", "annotated_loops", "source_facts"]
+__all__ = ["SourceLoop", "loop_statements", "source_facts", "statements_text"]
 
 PRAGMA = "pragma Annotate"
 TOKEN = re.compile(r'--[^\n]*|"(?:[^"\n]|"")*"|\'.\'|\w+|=>|[^\s\w]')
@@ -43,6 +44,7 @@ class SourceLoop:
     """A loop statement: its lines, those of inner ones, and what it says about itself."""
 
     first: int
+    depth: int = 0
     last: int = 0
     iterations: int | None = None
     reason: str = ""
@@ -75,8 +77,8 @@ def _note(path: Path, line: int, words: list[str], open_loops: list[SourceLoop])
     open_loops[-1].reason = (found[2] or '""')[1:-1].replace('""', '"')
 
 
-def annotated_loops(path: Path, text: str) -> list[SourceLoop]:
-    """The loop statements of an Ada source that say how often they are repeated.
+def loop_statements(path: Path, text: str) -> list[SourceLoop]:
+    """The loop statements of an Ada source.
 
     Raises `ProjectFileError` for a pragma that is not understood.
     """
@@ -103,14 +105,14 @@ def annotated_loops(path: Path, text: str) -> list[SourceLoop]:
             if open_loops:
                 open_loops.pop().last = line
         elif word == "loop":
-            loop = SourceLoop(line if begin is None else begin)
+            loop = SourceLoop(line if begin is None else begin, len(open_loops))
             if open_loops:
                 open_loops[-1].inner.append(loop)
             open_loops.append(loop)
             found.append(loop)
             begin = None
         before = word
-    return [loop for loop in found if loop.iterations is not None]
+    return found
 
 
 def _source_files(image: ElfImage) -> list[Path]:
@@ -140,44 +142,19 @@ def _folders(header: Any, home: Path) -> list[Path]:
     return named if header["version"] >= 5 else [home, *named]
 
 
-@dataclass(frozen=True)
-class SourceFacts:
-    """The loop statements of an image's sources that say how often they are repeated."""
-
-    loops: tuple[tuple[Path, SourceLoop], ...]
-
-    @property
-    def annotations(self) -> list[tuple[str, str]]:
-        """Facts for each line of a loop: name and TOML."""
-        rows = [
-            _row(loop, file=path.name, line=line)
-            for path, loop in self.loops
-            for line in loop.lines()
-        ]
-        return [("sources", annotations_of({"loop": rows}))]
-
-    def answers(self, missing: Sequence[dict[str, Any]]) -> str:
-        """For loops that begin with an inlined call: the statement with most of their lines."""
-        rows = []
-        for asked in missing:
-            own = {(file.rpartition("/")[2], line) for file, line in asked["lines"]}
-            shares = [
-                (sum((path.name, line) in own for line in loop.lines()), loop)
-                for path, loop in self.loops
-            ]
-            most = max((share for share, _ in shares), default=0)
-            found = [loop for share, loop in shares if share == most]
-            if most and len(found) == 1:
-                rows.append(_row(found[0], symbol=asked["symbol"], index=asked["index"]))
-        return annotations_of({"loop": rows})
+def statements_text(path: Path, loops: list[SourceLoop]) -> str:
+    """Loop statements as TOML for the execution-time analysis."""
+    rows: list[dict[str, Any]] = []
+    for loop in loops:
+        row: dict[str, Any] = {"file": path.name, "lines": loop.lines(), "depth": loop.depth}
+        if loop.iterations is not None:
+            row |= {"iterations": loop.iterations, "reason": loop.reason}
+        rows.append(row)
+    return annotations_of({"statement": rows})
 
 
-def _row(loop: SourceLoop, **place: str | int) -> dict[str, Any]:
-    return {**place, "iterations": loop.iterations, "reason": loop.reason}
-
-
-def source_facts(image: ElfImage) -> SourceFacts:
-    """What the image's sources say.
+def source_facts(image: ElfImage) -> list[tuple[str, str]]:
+    """What the image's sources say about their loops: names of files and TOML.
 
     Raises `ImageFileError` when a source with facts is newer than the image, and
     `ProjectFileError` for a pragma that is not understood.
@@ -185,14 +162,14 @@ def source_facts(image: ElfImage) -> SourceFacts:
     try:
         files = _source_files(image)
     except (ELFError, ValueError, KeyError):
-        return SourceFacts(())
-    found: list[tuple[Path, SourceLoop]] = []
+        return []
+    found = []
     for path in files:
-        loops = annotated_loops(path, path.read_text("utf-8", errors="replace"))
-        if loops:
+        loops = loop_statements(path, path.read_text("utf-8", errors="replace"))
+        if any(loop.iterations is not None for loop in loops):
             _check_age(path, image)
-        found += [(path, loop) for loop in loops]
-    return SourceFacts(tuple(found))
+        found.append((str(path), statements_text(path, loops)))
+    return found
 
 
 def _check_age(path: Path, image: ElfImage) -> None:

@@ -4,6 +4,7 @@
 
 use crate::error::{Error, Place};
 use serde::Deserialize;
+use std::collections::BTreeSet;
 
 /// Where a fact holds: `symbol` with `index` or `offset`, or `file` with `line`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -15,7 +16,7 @@ pub struct Fact {
     pub index: Option<usize>,
     /// Offset of the instruction in the function.
     pub offset: Option<u32>,
-    /// End of the path of a source file.
+    /// Name of a source file, or more of its path: whole names of folders.
     pub file: Option<String>,
     /// Line in the file.
     pub line: Option<u32>,
@@ -23,6 +24,8 @@ pub struct Fact {
     pub iterations: Option<u64>,
     /// Loop: most executions of its first block for each entry, as the code counts them.
     pub header_executions: Option<u64>,
+    /// Loop: holds for each loop at a place that is none of a single loop.
+    pub every: bool,
     /// Loop: holds only in calls made by this function, directly or not.
     pub within: Option<String>,
     /// Call: names of all functions that may be reached.
@@ -36,6 +39,25 @@ pub struct Fact {
     /// Cost: most cycles of a call, without the fetches after its return.
     pub cycles: Option<u64>,
     /// Why the fact holds.
+    pub reason: Option<String>,
+    /// Where the fact stands, for messages.
+    #[serde(skip)]
+    pub source: String,
+}
+
+/// A loop statement of a source, whether it says how often it is repeated or not.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statement {
+    /// Name of the source file.
+    pub file: String,
+    /// Its lines without those of inner loop statements.
+    pub lines: BTreeSet<u32>,
+    /// Number of loop statements around it.
+    pub depth: u32,
+    /// Most iterations for each entry.
+    pub iterations: Option<u64>,
+    /// Why.
     pub reason: Option<String>,
 }
 
@@ -75,6 +97,9 @@ pub struct Annotations {
     /// Loop bounds.
     #[serde(default, rename = "loop")]
     pub loops: Vec<Fact>,
+    /// Loop statements.
+    #[serde(default, rename = "statement")]
+    pub statements: Vec<Statement>,
     /// Targets of indirect calls.
     #[serde(default, rename = "call")]
     pub calls: Vec<Fact>,
@@ -107,9 +132,10 @@ pub struct Annotations {
 impl Annotations {
     /// Reads TOML text; `name` is used in messages.
     pub fn parse(text: &str, name: &str) -> Result<Self, Error> {
-        let annotations: Self =
+        let mut annotations: Self =
             toml::from_str(text).map_err(|error| Error::Input(format!("{name}: {error}")))?;
-        for fact in &annotations.loops {
+        for fact in &mut annotations.loops {
+            name.clone_into(&mut fact.source);
             if fact.iterations.is_none() && fact.header_executions.is_none() {
                 return Err(Error::Input(format!(
                     "{name}: [[loop]] {fact:?} needs 'iterations' or 'header_executions'"
@@ -129,6 +155,7 @@ impl Annotations {
     /// Adds the facts of another file; the first that matches a place counts.
     pub fn extend(&mut self, other: Self) {
         self.loops.extend(other.loops);
+        self.statements.extend(other.statements);
         self.calls.extend(other.calls);
         self.accesses.extend(other.accesses);
         self.never.extend(other.never);
@@ -159,14 +186,47 @@ impl Fact {
         });
         let by_line = self.file.as_deref().is_some_and(|wanted| {
             place.line.as_ref().is_some_and(|(file, line)| {
-                file.ends_with(wanted) && self.line.is_none_or(|number| number == *line)
+                is_of_path(file, wanted) && self.line.is_none_or(|number| number == *line)
             })
         });
         by_symbol || by_line
+    }
+
+    /// The place as it is written.
+    pub fn place(&self) -> String {
+        let mut parts = Vec::new();
+        let texts = [("symbol", &self.symbol), ("file", &self.file)];
+        for (key, text) in texts {
+            parts.extend(text.iter().map(|text| format!("{key} = \"{text}\"")));
+        }
+        let offset = self.offset.map(u64::from);
+        let index = self.index.map(|index| index as u64);
+        let numbers = [
+            ("index", index),
+            ("offset", offset),
+            ("line", self.line.map(u64::from)),
+        ];
+        for (key, number) in numbers {
+            parts.extend(number.iter().map(|number| format!("{key} = {number}")));
+        }
+        parts.join(", ")
     }
 
     /// A fact without any place holds everywhere.
     pub fn is_general(&self) -> bool {
         self.symbol.is_none() && self.file.is_none()
     }
+}
+
+impl Statement {
+    /// Is this line of this file one of the statement's?
+    pub fn has(&self, file: &str, line: u32) -> bool {
+        self.lines.contains(&line) && is_of_path(file, &self.file)
+    }
+}
+
+/// Is `wanted` the end of a path, in whole names?
+fn is_of_path(path: &str, wanted: &str) -> bool {
+    let rest = path.strip_suffix(wanted);
+    rest.is_some_and(|folder| folder.is_empty() || folder.ends_with('/'))
 }

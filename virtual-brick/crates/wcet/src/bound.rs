@@ -390,18 +390,11 @@ fn explain(program: &Program<'_>, entry: Entry, summary: &Summary, unsolved: Uns
     let missing = |loops: BTreeSet<usize>| {
         let places = loops.into_iter().map(|index| {
             let header = summary.forest.loops[index].header;
-            let own = summary.forest.loops[index].blocks.iter().copied();
-            let own = own.filter(|block| summary.forest.innermost[*block] == Some(index));
-            let instructions = own.flat_map(|block| &summary.flow.blocks[block].instructions);
-            let lines: BTreeSet<_> = instructions
-                .filter_map(|(address, _)| program.image.place(*address).line)
-                .collect();
             MissingBound {
                 place: program
                     .image
                     .place(summary.flow.blocks[header].node.address),
                 index: summary.numbers[index],
-                lines: lines.into_iter().collect(),
             }
         });
         Error::MissingBounds(places.collect())

@@ -34,6 +34,7 @@ pub mod cost;
 pub mod error;
 pub mod execution;
 pub mod flow;
+pub mod given;
 pub mod graph;
 pub mod image;
 pub mod job;

@@ -6,7 +6,8 @@ use crate::annotations::{Annotations, Fact};
 use crate::bound::{bound_recursive, bound_summary, recursive_call, FunctionBound};
 use crate::conventions::Conventions;
 use crate::error::Error;
-use crate::flow::{Entry, Flow, Target};
+use crate::flow::{Entry, Flow};
+use crate::given::Uses;
 use crate::image::Image;
 use crate::loops::Forest;
 use crate::memory::MemoryMap;
@@ -37,7 +38,10 @@ pub struct Program<'a> {
     pub conventions: Conventions,
     /// Nothing but the program writes to memory, and it begins as the image says.
     pub closed: bool,
-    annotations: &'a Annotations,
+    /// Facts about the program.
+    pub annotations: &'a Annotations,
+    /// Where the facts about loops were used.
+    pub uses: RefCell<Uses>,
     summaries: RefCell<BTreeMap<Entry, Rc<Summary>>>,
     bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, Known>>>,
     regions: RefCell<BTreeMap<u32, Option<u8>>>,
@@ -74,6 +78,7 @@ impl<'a> Program<'a> {
             conventions: Conventions::new(image, annotations),
             closed: false,
             annotations,
+            uses: RefCell::default(),
             summaries: RefCell::default(),
             bounds: RefCell::default(),
             regions: RefCell::default(),
@@ -185,36 +190,6 @@ impl<'a> Program<'a> {
                 })
             })
             .collect()
-    }
-
-    /// Header executions of all loops, as the user says: anywhere, and while some function is
-    /// under way.
-    pub fn given_bounds(
-        &self,
-        flow: &Flow,
-        forest: &Forest,
-        numbers: &[usize],
-    ) -> (Vec<Option<u64>>, Vec<(usize, Entry, u64)>) {
-        let (mut anywhere, mut within) = (Vec::new(), Vec::new());
-        for (index, number) in numbers.iter().enumerate() {
-            let address = flow.blocks[forest.loops[index].header].node.address;
-            let place = self.image.place(address);
-            let names = self.image.names_at(address);
-            let facts = self.annotations.loops.iter();
-            let mut everywhere = None;
-            for fact in facts.filter(|fact| fact.matches(&place, &names, Some(*number))) {
-                let Some(bound) = header_executions(fact, flow, forest, index) else {
-                    continue;
-                };
-                match fact.within.as_deref().map(|name| self.image.function(name)) {
-                    None => everywhere = everywhere.or(Some(bound)),
-                    Some(Some(function)) => within.push((index, function, bound)),
-                    Some(None) => {}
-                }
-            }
-            anywhere.push(everywhere);
-        }
-        (anywhere, within)
     }
 
     /// Summary of a function called from `site`.
@@ -330,27 +305,4 @@ impl<'a> Program<'a> {
     pub fn return_cycles(&self) -> Result<u64, Error> {
         self.map.worst_refill(self.image.code_sections())
     }
-}
-
-/// Header executions that a fact allows: iterations, and one more where the loop may be left
-/// elsewhere than at the end of an iteration.
-fn header_executions(fact: &Fact, flow: &Flow, forest: &Forest, index: usize) -> Option<u64> {
-    if let Some(executions) = fact.header_executions {
-        return Some(executions);
-    }
-    let found = &forest.loops[index];
-    let leaves = |block: &usize| {
-        let mut edges = flow.blocks[*block].edges.iter();
-        edges.any(|edge| match edge.target {
-            Target::Block(next) => !found.blocks.contains(&next),
-            Target::Return => true,
-        })
-    };
-    let mut inside = found
-        .blocks
-        .iter()
-        .filter(|block| !found.latches.contains(block));
-    let leaves_early = inside.any(leaves);
-    fact.iterations
-        .map(|count| count.saturating_add(u64::from(leaves_early)))
 }

@@ -167,6 +167,7 @@ impl Report {
     pub fn new(program: &Program<'_>, symbol: &str) -> Result<Self, Error> {
         let bound = program.bound_of(symbol)?;
         let cycles = bound.cycles + program.return_cycles()?;
+        program.check_uses()?;
         Ok(Self::of_bound(program, symbol, &bound, cycles))
     }
 

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A program with timing events, analysed and run on the virtual brick.
+
+`python -m conformance.timing.timing_events` prints bounds and largest values seen as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.timing.analysis import Analysis, analyse
+from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.observed import check_event_rates, observe
+from ravenbrick.trace.recording import Recording
+
+__all__ = ["Subject", "analysed", "compared", "subject"]
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "conformance" / "timing" / "events"
+ELABORATED_MS = 100
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The program with what is known about it."""
+
+    robot: Robot
+    image: ElfImage
+    scenario: Scenario
+    facts: Facts
+
+    def run(self) -> Recording:
+        """Its scenario."""
+        return VirtualTarget().run(self.robot, self.scenario, self.image)
+
+
+@cache
+def subject() -> Subject:
+    """Build the program."""
+    build = ROOT / "build" / "conformance" / "events"
+    environment = os.environ | {
+        "LC_ALL": "C",
+        "RAVENBRICK_RTS": str(ROOT / "build" / "runtime" / "ravenscar"),
+    }
+    subprocess.run(
+        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
+         "-P", str(PROGRAM / "events.gpr"), f"-XBUILD={build}"],
+        check=True,
+        env=environment,
+    )  # fmt: skip
+    robot = read_robot(PROGRAM)
+    scenario = read_scenario(scenario_path(PROGRAM, "steady"), robot)
+    return Subject(robot, read_image(build / "expiring_load.elf"), scenario, read_facts(robot))
+
+
+def analysed(program: Subject, facts: Facts) -> Analysis:
+    """Bounds under these facts."""
+    brick = VirtualTarget().prepare(program.robot, program.scenario, program.image)
+    brick.run_until(MASTER_CLOCK.cycles_of_ms(ELABORATED_MS))
+    return analyse(program.robot, program.image, brick, facts)
+
+
+def compared() -> list[dict[str, Any]]:
+    """Bounds beside the largest values seen, for each task; cycles."""
+    program = subject()
+    analysis, recording = analysed(program, program.facts), program.run()
+    check_event_rates(program.robot, program.facts, recording)
+    seen = observe(program.robot, recording)
+    rows = []
+    for timing in analysis.tasks:
+        name = timing.task.name
+        bound = analysis.bounds[name].bound
+        pairs = {
+            "execution": [timing.job.cycles, seen[name].execution_cycles],
+            "response": [None if bound is None else int(bound), seen[name].response_cycles],
+            "stack": [timing.stack_bound_bytes, seen[name].stack_bytes],
+        }
+        rows.append({"task": name, **pairs})
+    return rows
+
+
+def main() -> int:
+    """Print the comparison."""
+    print(json.dumps(compared(), indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

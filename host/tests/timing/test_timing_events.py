@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A program with timing events: handlers bounded, counted as interference, never exceeded."""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import replace
+
+import pytest
+
+from ravenbrick.target.build import TOOLS, find_tool
+
+if importlib.util.find_spec("virtual_brick") is None:
+    pytest.skip("the module virtual_brick is not built", allow_module_level=True)
+if any(find_tool(tool) is None for tool in TOOLS):
+    pytest.skip("the cross toolchain is not installed", allow_module_level=True)
+
+from conformance.timing.timing_events import Subject, analysed, subject
+
+from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.bounds import ExecutionTimeError
+from ravenbrick.timing.events import event_count
+from ravenbrick.timing.observed import check_event_rates, exceeded, observe
+
+
+@pytest.fixture(scope="module")
+def program() -> Subject:
+    return subject()
+
+
+@pytest.fixture(scope="module")
+def analysis(program: Subject) -> Analysis:
+    return analysed(program, program.facts)
+
+
+def test_responses_between_timing_events_stay_below_their_bounds(
+    program: Subject, analysis: Analysis
+) -> None:
+    recording = program.run()
+    check_event_rates(program.robot, program.facts, recording)
+    seen = observe(program.robot, recording)
+    assert set(seen) == {"control", "server", "display"}
+    assert seen["control"].jobs > 400 and exceeded(analysis, seen) == []
+    assert analysis.schedulable
+
+
+def test_expiries_are_interference_of_every_task(analysis: Analysis) -> None:
+    assert event_count(subject().image) == 2
+    beat, expire = analysis.events
+    assert (beat.name, expire.name) == ("Workers.Bell.Beat", "Workers.Bell.Expire")
+    assert beat.cycles > expire.cycles > analysis.overheads.alarm
+    for name in ("control", "server", "display"):
+        terms = analysis.bounds[name].terms
+        assert terms is not None
+        met = {part.task: part.time for part in terms.interference}
+        assert met[beat.name] >= beat.cycles and met[expire.name] >= expire.cycles
+
+
+def test_a_handler_without_a_rate_is_asked_for_by_file_and_line(program: Subject) -> None:
+    without = replace(program.facts, events=program.facts.events[1:])
+    with pytest.raises(ExecutionTimeError) as refused:
+        analysed(program, without)
+    asked = str(refused.value)
+    assert asked.startswith("workers.adb:") and "is Workers.Bell.Beat the handler" in asked
+    assert '[[timing_event]] handler = "Workers.Bell.Beat", at_most = ..., window_us' in asked
+
+
+def test_events_that_come_more_often_than_is_said_are_an_error(program: Subject) -> None:
+    rare = tuple(replace(load, window_us=2 * load.window_us) for load in program.facts.events)
+    with pytest.raises(ExecutionTimeError, match="expire more than 17 times in 50000 us"):
+        check_event_rates(program.robot, replace(program.facts, events=rare), program.run())

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Which loops a given number of iterations holds for.
+
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+mod support;
+
+use support::toolchain::{build, program, VARIANTS};
+use wcet::report::Report;
+use wcet::{Annotations, Error, Image, MemoryMap, Program};
+
+fn bound(elf: &[u8], symbol: &str, facts: &str) -> Result<u64, Error> {
+    let image = Image::read(elf)?;
+    let map = MemoryMap::without_wait_states();
+    let annotations = Annotations::parse(facts, "facts.toml")?;
+    let program = Program::new(&image, &map, &annotations)?;
+    Ok(Report::new(&program, symbol)?.bound_cycles)
+}
+
+fn on_all(check: impl Fn(&[u8])) {
+    on_levels(&["-O0", "-O1", "-O2", "-Os"], check);
+}
+
+fn on_levels(levels: &[&str], check: impl Fn(&[u8])) {
+    for flags in VARIANTS.iter().filter(|[_, level]| levels.contains(level)) {
+        if let Some(elf) = build("loops", &[program("loops.c")], flags) {
+            check(&elf);
+        }
+    }
+}
+
+fn refusal(elf: &[u8], symbol: &str, facts: &str) -> String {
+    bound(elf, symbol, facts).expect_err(symbol).to_string()
+}
+
+#[test]
+fn a_fact_of_a_file_with_two_loops_is_refused_with_both_unless_it_says_every() {
+    on_all(|elf| {
+        let wide = "[[loop]]\nfile = \"loops.c\"\niterations = 4\n";
+        let text = refusal(elf, "both", wide);
+        assert!(
+            text.contains("facts.toml: [[loop]] file = \"loops.c\" holds for 2 loops"),
+            "{text}"
+        );
+        assert!(
+            text.contains("loop 0 of grow") && text.contains("loop 0 of shrink"),
+            "{text}"
+        );
+        assert!(bound(elf, "both", &format!("{wide}every = true\n")).is_ok());
+        assert!(bound(elf, "grow", wide).is_ok());
+    });
+}
+
+#[test]
+fn a_file_is_named_by_its_whole_name() {
+    on_all(|elf| {
+        let facts = |file: &str| format!("[[loop]]\nfile = \"{file}\"\niterations = 4\n");
+        assert!(bound(elf, "grow", &facts("loops.c")).is_ok());
+        assert!(refusal(elf, "grow", &facts("oops.c")).contains("loops without a bound"));
+    });
+}
+
+fn asks_for_the_inner_loop(text: &str) -> bool {
+    text.contains("loops.c:33)") || text.contains("loops.c:34)")
+}
+
+const OUTER: &str = "[[statement]]\nfile = \"loops.c\"\ndepth = 0\niterations = 5\n";
+const INNER: &str = "[[statement]]\nfile = \"loops.c\"\nlines = [33, 34]\ndepth = 1\n";
+
+#[test]
+fn a_statement_does_not_bound_a_loop_inside_that_no_statement_shows() {
+    on_all(|elf| {
+        let whole = format!("{OUTER}lines = [31, 32, 33, 34, 35, 36]\n");
+        let text = refusal(elf, "nested", &whole);
+        assert!(asks_for_the_inner_loop(&text), "{text}");
+        let silent = format!("{OUTER}lines = [31, 32, 35, 36]\n{INNER}");
+        let text = refusal(elf, "nested", &silent);
+        assert!(asks_for_the_inner_loop(&text), "{text}");
+    });
+}
+
+#[test]
+fn nested_statements_bound_a_loop_each_where_the_code_keeps_them_apart() {
+    on_levels(&["-O0"], |elf| {
+        let apart = format!("{OUTER}lines = [31, 32, 35, 36]\n{INNER}iterations = ");
+        let [few, many] = [2, 3].map(|n| bound(elf, "nested", &format!("{apart}{n}\n")).unwrap());
+        assert!(few < many && many < 2 * few);
+    });
+}

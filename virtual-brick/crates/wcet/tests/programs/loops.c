@@ -1,0 +1,38 @@
+/* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Loops whose bounds are given. */
+
+static volatile int port;
+
+__attribute__((noinline)) int grow(int wanted)
+{
+  int tries = 0;
+  while (port < wanted)
+    port = ++tries;
+  return tries;
+}
+
+__attribute__((noinline)) int shrink(int wanted)
+{
+  int tries = 0;
+  while (port > wanted)
+    port = -++tries;
+  return tries;
+}
+
+int both(int wanted)
+{
+  return grow(wanted) + shrink(0);
+}
+
+int nested(int rounds)
+{
+  int sum = 0;
+  while (port < rounds) {
+    port++;
+    while (sum & 7)
+      sum += port;
+    sum += 3;
+  }
+  return sum;
+}
