@@ -91,7 +91,9 @@ def _bound(answer: dict[str, Any], facts: str) -> Bound:
             head = "loops without a bound"
             detail = [_question(loop, facts) for loop in answer["missing"]]
             advice = f"; say in {facts} how often each is repeated"
-        raise ExecutionTimeError(f"{answer['symbol']}: {head}{advice}", detail="\n".join(detail))
+        error = ExecutionTimeError(f"{answer['symbol']}: {head}{advice}", detail="\n".join(detail))
+        error.data = {"missing": answer["missing"]}
+        raise error
     return Bound(
         answer["symbol"],
         answer["cycles"],

@@ -390,11 +390,13 @@ fn explain(program: &Program<'_>, entry: Entry, summary: &Summary, unsolved: Uns
     let missing = |loops: BTreeSet<usize>| {
         let places = loops.into_iter().map(|index| {
             let header = summary.forest.loops[index].header;
+            let lines = program.own_lines(&summary.flow, &summary.forest, index);
             MissingBound {
                 place: program
                     .image
                     .place(summary.flow.blocks[header].node.address),
                 index: summary.numbers[index],
+                lines: lines.into_iter().collect(),
             }
         });
         Error::MissingBounds(places.collect())

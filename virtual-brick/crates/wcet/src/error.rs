@@ -35,6 +35,8 @@ pub struct MissingBound {
     pub place: Place,
     /// Number of the loop among those of its function, by address.
     pub index: usize,
+    /// Source lines of its blocks that are in no inner loop.
+    pub lines: Vec<(String, u32)>,
 }
 
 /// Why there is no bound.

@@ -67,6 +67,8 @@ pub struct Missing {
     pub index: usize,
     /// File and line of its first instruction, empty when not known.
     pub line: String,
+    /// Lines of all its blocks that are in no inner loop.
+    pub lines: Vec<(String, u32)>,
 }
 
 /// Bounds of a function or a job, or why there are none.
@@ -170,6 +172,7 @@ fn missing(error: &Error) -> Vec<Missing> {
             symbol: symbol.to_owned(),
             index: found.index,
             line,
+            lines: found.lines.clone(),
         }
     });
     each.collect()
