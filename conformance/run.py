@@ -485,6 +485,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("timing", lambda: suites.wcet_benchmarks("arm", "O1")),
     ("timing", lambda: suites.wcet_benchmarks("thumb", "O2")),
     ("timing", suites.kernel_services),
+    ("timing", suites.integer_program),
     ("timing", suites.program_campaign),
     ("timing", suites.lowest_tasks),
     ("timing", suites.timing_events),

@@ -19,6 +19,7 @@ from tools.tables import Row
 
 __all__ = [
     "examples",
+    "integer_program",
     "kernel_services",
     "lowest_tasks",
     "program_campaign",
@@ -110,6 +111,13 @@ def kernel_services() -> Row:
     passed = sum(row["observed"] <= row["bound"] <= 1.10 * row["observed"] for row in rows)
     suite = "wcet: services of the run-time, bounds not exceeded and at most 10 % above"
     return _row(suite, len(rows), passed)
+
+
+def integer_program() -> Row:
+    """Longest paths of the examples' code as an integer program and by the crate's walk."""
+    result = _answer("integer_program")
+    suite = "wcet: integer program and walk over loops agree on the examples' functions"
+    return _row(suite, result["graphs"], result["graphs"] - len(result["different"]))
 
 
 def timing_events() -> Row:

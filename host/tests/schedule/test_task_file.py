@@ -14,7 +14,7 @@ from ravenbrick.errors import ProjectFileError
 from ravenbrick.schedule.model import CriticalSection, Overheads, Task, TaskSet, TaskSetError
 from ravenbrick.schedule.report import advice, analysis
 from ravenbrick.schedule.response_time import response_time_bounds
-from ravenbrick.schedule.task_file import read_task_file
+from ravenbrick.schedule.task_file import Rule, read_task_file
 
 TOML = """\
 schema_version = 1
@@ -204,3 +204,18 @@ def test_model_refuses_what_means_nothing(make: object, words: str) -> None:
     """In Python the same mistakes raise `TaskSetError` with a sentence."""
     with pytest.raises(TaskSetError, match=words):
         make()  # type: ignore[operator]
+
+
+def test_interrupts_stay_above_tasks_whatever_the_rule(tmp_path: Path) -> None:
+    path = tmp_path / "tasks.toml"
+    path.write_text(
+        'schema_version = 1\n[[tasks]]\nname = "slow"\nperiod = 50\nwcet = 10\npriority = 3\n'
+        '[[tasks]]\nname = "fast"\nperiod = 10\nwcet = 2\npriority = 2\n'
+        '[[tasks]]\nname = "link"\nrelease = "interrupt"\nminimum_interrelease_time = 100\n'
+        'wcet = 4\npriority = 30\nlimits = [{ share = "1/2", window = 20 }]\n'
+    )
+    for rule in (Rule.RATE_MONOTONIC, Rule.DEADLINE_MONOTONIC, Rule.AUDSLEY):
+        found = read_task_file(path, rule).task_set
+        assert [task.name for task in found.by_priority()] == ["link", "fast", "slow"]
+        assert found.task("link").limits == ((Fraction(1, 2), 20),)
+    assert read_task_file(path).task_set.by_priority()[1].name == "slow"

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import importlib.util
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -18,10 +19,13 @@ if any(find_tool(tool) is None for tool in TOOLS):
 
 from conformance.timing.timing_events import Subject, analysed, subject
 
+from ravenbrick.schedule.response_time import response_time_bounds
+from ravenbrick.schedule.task_file import read_task_file
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.events import event_count
 from ravenbrick.timing.observed import check_event_rates, exceeded, observe
+from ravenbrick.timing.task_set_file import task_set_text
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +59,16 @@ def test_expiries_are_interference_of_every_task(analysis: Analysis) -> None:
         assert terms is not None
         met = {part.task: part.time for part in terms.interference}
         assert met[beat.name] >= beat.cycles and met[expire.name] >= expire.cycles
+
+
+def test_the_analysed_task_set_is_a_file_that_gives_the_same_bounds(
+    analysis: Analysis, tmp_path: Path
+) -> None:
+    path = tmp_path / "taskset.toml"
+    path.write_text(task_set_text("events", analysis.task_set, analysis.overheads))
+    read = read_task_file(path)
+    again = {b.task.name: b.bound for b in response_time_bounds(read.task_set, read.overheads)}
+    assert again == {name: found.bound for name, found in analysis.bounds.items()}
 
 
 def test_a_handler_without_a_rate_is_asked_for_by_file_and_line(program: Subject) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from time import process_time
 from typing import Annotated, Any
@@ -50,6 +51,7 @@ from ravenbrick.timing.report import (
     write_timing_report,
 )
 from ravenbrick.timing.result import advice, microseconds, result_of
+from ravenbrick.timing.task_set_file import task_set_text
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
@@ -148,6 +150,19 @@ def _search(
     return seen, more
 
 
+def _print(reporter: Reporter, result: dict[str, Any], chains: Sequence[ChainDelay]) -> None:
+    reporter.print("cycles and bytes; deadlines in us")
+    reporter.table(SHORT_HEAD, short_rows(result))
+    reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
+    if result["timing_events"]:
+        reporter.table(EVENT_HEAD, event_rows(result))
+    reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
+    for chain in chains:
+        reporter.print(f"  {_chain_line(chain)}")
+    for line in advice(result):
+        reporter.print(f"  {line}")
+
+
 @command("ravenbrick analyse examples/vehicle --scenario drive")
 def analyse_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
@@ -204,14 +219,12 @@ def analyse_command(
             figures += [(f"What delay costs: {c.name}", margin_figure(loop, c)) for c in chains]
         report = write_timing_report(robot.name, result, figures, workspace.results)
         step.note = workspace.shown(report)
-    reporter.print("cycles and bytes; deadlines in us")
-    reporter.table(SHORT_HEAD, short_rows(result))
-    reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
-    if result["timing_events"]:
-        reporter.table(EVENT_HEAD, event_rows(result))
-    reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
-    for chain in chains:
-        reporter.print(f"  {_chain_line(chain)}")
-    for line in advice(result):
-        reporter.print(f"  {line}")
-    return {**result, "advice": advice(result), "report": str(report)}
+        task_file = workspace.results / "taskset.toml"
+        task_file.write_text(task_set_text(robot.name, analysis.task_set, analysis.overheads))
+    _print(reporter, result, chains)
+    return {
+        **result,
+        "advice": advice(result),
+        "report": str(report),
+        "task_set": str(task_file),
+    }

@@ -13,7 +13,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.schedule.quantity import exact, shown
 from ravenbrick.schedule.report import advice, analysis
-from ravenbrick.schedule.task_file import read_task_file
+from ravenbrick.schedule.task_file import Rule, read_task_file
 
 __all__ = ["schedule_command"]
 
@@ -63,9 +63,10 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
 @command("ravenbrick schedule taskset.toml")
 def schedule_command(
     file: Annotated[Path, typer.Argument(help="Task set, TOML or JSON.")],
+    priorities: Annotated[Rule | None, typer.Option(help="Rule in place of the file's.")] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Bound the response times of a task set given as a file."""
-    result = analysis(read_task_file(file))
+    result = analysis(read_task_file(file, priorities))
     _print(Reporter(json_output), result)
     return {**result, "advice": advice(result)}

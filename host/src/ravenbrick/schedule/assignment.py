@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Assignment of fixed priorities. Each function returns a set with priorities n (top) to 1."""
+"""Assignment of fixed priorities. Each function returns a set with priorities n (top) to 1.
+
+Interrupts keep their order above all tasks, since no task can be above them.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +17,21 @@ def _names(tasks: list[Task]) -> list[str]:
     return [task.name for task in tasks]
 
 
+def _assigned(task_set: TaskSet, tasks: list[Task]) -> TaskSet:
+    interrupts = [task for task in task_set.by_priority() if task.release == "interrupt"]
+    return task_set.with_priorities(_names([*interrupts, *tasks]))
+
+
+def _tasks(task_set: TaskSet) -> list[Task]:
+    return [task for task in task_set if task.release != "interrupt"]
+
+
 def rate_monotonic(task_set: TaskSet) -> TaskSet:
     """Shorter period, higher priority; equal periods in the user's order.
 
     Optimal for independent synchronous tasks with D = T (Liu, Layland 1973).
     """
-    return task_set.with_priorities(_names(sorted(task_set, key=lambda task: task.period)))
+    return _assigned(task_set, sorted(_tasks(task_set), key=lambda task: task.period))
 
 
 def deadline_monotonic(task_set: TaskSet) -> TaskSet:
@@ -28,8 +40,8 @@ def deadline_monotonic(task_set: TaskSet) -> TaskSet:
     Optimal for D <= T without jitter (Leung, Whitehead 1982), and by D - J with jitter (Zuhily,
     Burns 2007). Not optimal for D > T: use `audsley`.
     """
-    order = sorted(task_set, key=lambda task: task.deadline - task.release_jitter)
-    return task_set.with_priorities(_names(order))
+    order = sorted(_tasks(task_set), key=lambda task: task.deadline - task.release_jitter)
+    return _assigned(task_set, order)
 
 
 def audsley(task_set: TaskSet, overheads: Overheads = NO_OVERHEADS) -> TaskSet | None:
@@ -39,16 +51,17 @@ def audsley(task_set: TaskSet, overheads: Overheads = NO_OVERHEADS) -> TaskSet |
     its deadline there. Optimal because the bound depends on which tasks are more urgent, not on
     their order (Audsley 1991).
     """
-    unassigned = sorted(task_set, key=lambda task: -(task.deadline - task.release_jitter))
+    unassigned = _tasks(task_set)
+    unassigned.sort(key=lambda task: -(task.deadline - task.release_jitter))
     assigned: list[Task] = []
     while unassigned:
         for candidate in unassigned:
             others = [task for task in unassigned if task.name != candidate.name]
-            trial = task_set.with_priorities(_names([*others, candidate, *assigned]))
+            trial = _assigned(task_set, [*others, candidate, *assigned])
             if response_time_bound(trial, trial.task(candidate.name), overheads).meets_deadline:
                 assigned.insert(0, candidate)
                 unassigned = others
                 break
         else:
             return None
-    return task_set.with_priorities(_names(assigned))
+    return _assigned(task_set, assigned)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +27,20 @@ from ravenbrick.schedule.model import (
 from ravenbrick.schedule.quantity import Time, exact
 from ravenbrick.target.located_toml import KeyPath, LocatedToml, read_toml
 
-__all__ = ["TaskFile", "read_task_file"]
+__all__ = ["Rule", "TaskFile", "read_task_file"]
 
 SCHEMA_VERSION = 1
-ASSIGNMENTS = ("declared", "rate_monotonic", "deadline_monotonic", "audsley")
+
+
+class Rule(StrEnum):
+    """How priorities are assigned."""
+
+    DECLARED = "declared"
+    RATE_MONOTONIC = "rate_monotonic"
+    DEADLINE_MONOTONIC = "deadline_monotonic"
+    AUDSLEY = "audsley"
+
+
 _ROOT = (
     "schema_version",
     "name",
@@ -52,10 +63,12 @@ _TASK = (
     "release_jitter",
     "phase",
     "blocking",
+    "limits",
     "sections",
     "operations",
 )
 _SECTION = ("resource", "duration", "start")
+_LIMIT = ("share", "window")
 _PRIORITY_LIMIT = 10**6
 
 
@@ -143,6 +156,11 @@ def _section(table: _Table) -> CriticalSection:
     return CriticalSection(table.text("resource"), table.time("duration"), table.time("start", 0))
 
 
+def _limit(table: _Table) -> tuple[Time, Time]:
+    table.only(_LIMIT)
+    return table.time("share"), table.time("window")
+
+
 def _task(table: _Table, declared: bool) -> Task:
     table.only(_TASK)
     name = table.text("name")
@@ -172,6 +190,7 @@ def _task(table: _Table, declared: bool) -> Task:
             priority,
             release=release,  # type: ignore[arg-type]
             sections=sections,
+            limits=tuple(_limit(part) for part in table.tables("limits")),
             **times,
         )
     except TaskSetError as error:
@@ -255,8 +274,9 @@ def _with_drivers(
     return found, costs.overheads(overheads, used)
 
 
-def read_task_file(path: Path) -> TaskFile:
-    """Read a task set from TOML, or from JSON when the name ends in `.json`.
+def read_task_file(path: Path, priorities: Rule | None = None) -> TaskFile:
+    """Read a task set from TOML, or from JSON when the name ends in `.json`; `priorities` is a rule
+    in place of the file's.
 
     Raises `ProjectFileError`, which names file, line and field.
     """
@@ -269,7 +289,7 @@ def read_task_file(path: Path) -> TaskFile:
     version = root.required("schema_version")
     if version != SCHEMA_VERSION or isinstance(version, bool):
         raise root.error("schema_version", f"is {version!r}; expected {SCHEMA_VERSION}")
-    rule = root.choice("priorities", ASSIGNMENTS, "declared")
+    rule = priorities or root.choice("priorities", tuple(Rule), "declared")
     overheads = _overheads(root.table("overheads")) if "overheads" in root.values else NO_OVERHEADS
     tables = root.tables("tasks")
     if not tables:

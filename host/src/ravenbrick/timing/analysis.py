@@ -68,6 +68,8 @@ __all__ = [
     "ModeBounds",
     "TaskTiming",
     "analyse",
+    "body_of",
+    "known_facts",
 ]
 
 PREEMPTION_BYTES = 68
@@ -141,7 +143,8 @@ class Analysis:
         return sum(by_level.values())
 
 
-def _body(image: ElfImage, facts: Facts, task: Task) -> str:
+def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
+    """Symbol of a task's body. Raises `ExecutionTimeError` when it cannot be told."""
     named = dict(facts.bodies).get(task.name.lower())
     if named is not None:
         return named
@@ -352,6 +355,17 @@ def _stack_bytes(
     return found[0].stack_bytes
 
 
+def known_facts(
+    robot: Robot, image: ElfImage, facts: Facts, expiring: Sequence[str] = ()
+) -> tuple[tuple[ProtectedObject, ...], list[tuple[str, str]]]:
+    """The program's protected objects, and the annotations of its code: the project's own come
+    first."""
+    queued = len(robot.tasks) + 1 + event_count(image)
+    objects, known = run_time_facts(image, queued, expiring)
+    own = (facts.name, facts.annotations)
+    return objects, [own, *facts.shared, *source_facts(image), *known]
+
+
 def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis:
     """Bounds of all tasks and interrupts of an image; `brick` has elaborated it.
 
@@ -360,17 +374,15 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     """
     attached = attached_handlers(brick, image)
     expiring = handlers_of_events(image, attached)
-    objects, known = run_time_facts(image, len(robot.tasks) + 1 + event_count(image), expiring)
+    objects, annotations = known_facts(robot, image, facts, expiring)
     tasks = _timed_tasks(robot)
-    sources = source_facts(image)
-    annotations = [(facts.name, facts.annotations), *facts.shared, *sources, *known]
     annotations += _solved(image, facts, annotations)
     kernel = services(image, annotations)
     releasing = [expiry_facts(()), *annotations] if expiring else annotations
     costs = interrupt_costs(image, attached, releasing)
     alarm = alarm_costs(image, costs[0], releasing, _periods_us([task for _, task in tasks]))
     events = event_costs(image, costs[0], expiring, facts, annotations)
-    questions = [(_body(image, facts, task), WAITS[task.release]) for _, task in tasks]
+    questions = [(body_of(image, facts, task), WAITS[task.release]) for _, task in tasks]
 
     def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
         places = (f"{facts.name}, [[outside]]", facts.outside)
