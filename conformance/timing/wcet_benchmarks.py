@@ -34,7 +34,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
 from ravenbrick.timing.facts import annotations_of
@@ -186,13 +186,17 @@ def _recursive(error: str) -> list[str]:
     return sorted(set(re.findall(r" in ([^\s+]+)\+0x", error)))
 
 
-class _Facts:
+class Facts:
     """Facts about one program, gathered from what the analysis asks for."""
 
     def __init__(self, elf: Path, name: str, known: list[SourceLoop], outcome: Outcome) -> None:
         self._elf, self._name, self._known, self._outcome = elf, name, known, outcome
         self._loops: list[dict[str, Any]] = []
         self._recursions: list[dict[str, Any]] = []
+
+    def say(self, symbol: str, iterations: int) -> None:
+        """A fact about all loops of a function."""
+        self._loops.append({"symbol": symbol, "iterations": iterations})
 
     def text(self) -> str:
         """As TOML."""
@@ -224,7 +228,7 @@ class _Facts:
         return True
 
 
-def _analysed(elf: bytes, name: str, facts: _Facts) -> Bound:
+def _analysed(elf: bytes, name: str, facts: Facts) -> Bound:
     for _ in range(ROUNDS):
         try:
             found = execution_times(
@@ -241,7 +245,7 @@ def _analysed(elf: bytes, name: str, facts: _Facts) -> Bound:
     raise ExecutionTimeError(f"{name}: too many questions")
 
 
-def _closed(elf: bytes, name: str) -> int:
+def closed_bound(elf: bytes, name: str) -> int:
     """Bound for the program's own data."""
     calls = (f"{name}_init", f"{name}_main")
     found = execution_times(elf, closed=(calls, STACK_POINTER), timing="plain")
@@ -262,9 +266,9 @@ def _judge(folder: Path, elf: Path, content: bytes, data: str, outcome: Outcome)
     try:
         outcome.observed = int(run(elf, folder.name)[0].split()[0])
         if data == "own":
-            cycles = _closed(content, folder.name)
+            cycles = closed_bound(content, folder.name)
         else:
-            facts = _Facts(elf, folder.name, source_loops(folder), outcome)
+            facts = Facts(elf, folder.name, source_loops(folder), outcome)
             cycles = _analysed(content, folder.name, facts).cycles
         # The run's return fills the pipeline at its caller: two fetches of one cycle.
         outcome.bound = cycles + 2
@@ -275,10 +279,13 @@ def _judge(folder: Path, elf: Path, content: bytes, data: str, outcome: Outcome)
     outcome.seconds = round(time.monotonic() - begin, 1)
 
 
-def _within(seconds: float | None, work: Callable[[Outcome], None], outcome: Outcome) -> Outcome:
+Kind = TypeVar("Kind", bound=Outcome)
+
+
+def within(seconds: float | None, work: Callable[[Kind], None], outcome: Kind) -> Kind:
     """The outcome of work in a process of its own that is ended after some time."""
     context = multiprocessing.get_context("fork")
-    answers: multiprocessing.Queue[Outcome] = context.Queue()
+    answers: multiprocessing.Queue[Kind] = context.Queue()
 
     def task() -> None:
         work(outcome)
@@ -316,7 +323,7 @@ def judge(
         if known.get("key") == outcome.key and known.get("bound"):
             return Outcome(**known)
         observer()
-        return _within(seconds, lambda o: _judge(folder, elf, content, data, o), outcome)
+        return within(seconds, lambda o: _judge(folder, elf, content, data, o), outcome)
 
 
 def campaign(
@@ -328,7 +335,7 @@ def campaign(
 ) -> dict[str, Any]:
     """All programs; ratios only of those with a bound."""
     column = f"{choice[0]} -{choice[1]}, {choice[2]} data"
-    kept = _kept(table).get(column, {})
+    kept = kept_columns(table).get(column, {})
     outcomes = []
     for path in [path for path in programs(folder) if not names or path.name in names]:
         outcome = judge(path, choice, kept, seconds)
@@ -350,7 +357,8 @@ def campaign(
     }
 
 
-def _kept(table: Path | None) -> dict[str, dict[str, Any]]:
+def kept_columns(table: Path | None) -> dict[str, dict[str, Any]]:
+    """What the JSON file beside a table holds."""
     path = None if table is None else table.with_suffix(".json")
     if path is None or not path.is_file():
         return {}
@@ -360,7 +368,7 @@ def _kept(table: Path | None) -> dict[str, dict[str, Any]]:
 
 def keep_table(path: Path, name: str, results: dict[str, Any]) -> None:
     """Bring one column into the table; the others stay as they are."""
-    columns = {**_kept(path), name: results}
+    columns = {**kept_columns(path), name: results}
     path.with_suffix(".json").write_text(json.dumps(columns, indent=1, sort_keys=True) + "\n")
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",

@@ -7,7 +7,7 @@ from __future__ import annotations
 import importlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ravenbrick.errors import ExitCode, RavenbrickError, ToolMissingError, UsageError
@@ -60,7 +60,11 @@ class Call:
 
 @dataclass(frozen=True)
 class Bounds:
-    """Answers in the order of the questions."""
+    """Answers in the order of the questions.
+
+    `work` counts what the bounds of functions and jobs went through: functions, blocks, loops,
+    instructions, and steps, instructions executed on abstract values.
+    """
 
     timing: str
     return_cycles: int
@@ -69,6 +73,7 @@ class Bounds:
     calls: tuple[Call, ...]
     closed_cycles: int | None = None
     closed_lines: tuple[tuple[str, int], ...] = ()
+    work: dict[str, int] = field(default_factory=dict)
 
 
 def _question(loop: dict[str, Any], facts: str) -> str:
@@ -109,7 +114,9 @@ def _closed_cycles(answer: dict[str, Any] | None) -> int | None:
     if answer is None:
         return None
     if answer["error"] is not None:
-        raise ExecutionTimeError(f"{answer['symbol']}: {answer['error']}")
+        error = ExecutionTimeError(f"{answer['symbol']}: {answer['error']}")
+        error.data = {"missing": answer["missing"]}
+        raise error
     return int(answer["cycles"])
 
 
@@ -128,7 +135,7 @@ def execution_times(
     callees: Sequence[str] = (),
     graphs: bool = False,
     closed: tuple[Sequence[str], int] | None = None,
-    inputs: Sequence[str] = (),
+    inputs: Sequence[str | dict[str, Any]] = (),
     timing: str = "nominal",
     wait_states: int = 1,
 ) -> Bounds:
@@ -138,7 +145,9 @@ def execution_times(
     what it calls. With `graphs`, bounds bring the graphs in which their longest paths were sought.
     With `closed`, functions called one after the other and their stack pointer, the last of them is
     bounded as it is, with memory as the image says and written by nothing else, but for `inputs`,
-    variables that may then have any content; `closed_lines` are the lines it executes.
+    variables that may then have any content; `closed_lines` are the lines it executes. An input is a
+    name, or a dictionary with `symbol`, `offset_bytes`, `size_bytes`, `element_bytes` and `range`
+    (least and greatest element, without sign).
 
     Raises `ExecutionTimeError` when there is no bound, `UsageError` for a wrong image or
     annotation.
@@ -155,7 +164,7 @@ def execution_times(
         request["closed"] = {
             "calls": list(closed[0]),
             "stack_pointer": closed[1],
-            "inputs": [{"symbol": symbol} for symbol in inputs],
+            "inputs": [{"symbol": i} if isinstance(i, str) else i for i in inputs],
         }
     try:
         module = importlib.import_module("virtual_brick")
@@ -176,4 +185,5 @@ def execution_times(
         tuple(Call(c["callee"], c["caller"], tuple(c["arguments"])) for c in answer["calls"]),
         _closed_cycles(answer["closed"]),
         _closed_lines(answer["closed"]),
+        answer["work"],
     )

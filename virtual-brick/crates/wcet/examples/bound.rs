@@ -47,10 +47,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, Error> {
                     .parse()
                     .map_err(|_| Error::Input(format!("--wait-states {text}: not a number")))?;
             }
-            "--input" => inputs.push(Input {
-                symbol: value()?,
-                range: None,
-            }),
+            "--input" => inputs.push(Input::any(value()?)),
             "--after" => before.push(value()?),
             "--own-data" => {
                 let text = value()?;

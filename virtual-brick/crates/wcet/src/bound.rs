@@ -6,7 +6,7 @@ use crate::context::Follower;
 use crate::cost::{edge_cycles, Outside};
 use crate::error::{Error, MissingBound};
 use crate::execution::{Execution, LoopFinding};
-use crate::flow::{Block, Entry, Target, Transfer};
+use crate::flow::{Block, Entry, Target};
 use crate::loops::Forest;
 use crate::path::{longest_path, Problem, Solution, Unsolved};
 use crate::program::Program;
@@ -105,6 +105,7 @@ fn execute(program: &Program<'_>, entry: Entry, summary: &Summary, state: State)
     let limits = summary.limits_within(&[entry]);
     let mut execution = Execution::new(walker, forest, limits);
     let exits = execution.run(state);
+    program.note_steps(execution.walker.step_count);
     let returns = exits
         .iter()
         .filter(|((block, edge), _)| flow.blocks[*block].edges[*edge].target == Target::Return);
@@ -326,13 +327,9 @@ fn call_cycles(
     let callee = record
         .callee_cycles
         .map_or(apart, |followed| followed.min(apart));
-    match (&block.transfer, block.instructions.last()) {
-        (Some(Transfer::Call(_)), Some((address, instruction))) => {
-            let next = address.wrapping_add(instruction.size);
-            Ok(callee + program.map.refill(next, block.node.thumb)?)
-        }
-        _ => Ok(callee),
-    }
+    let back = block.resumes();
+    let refill = back.map_or(Ok(0), |(address, thumb)| program.map.refill(address, thumb))?;
+    Ok(callee + refill)
 }
 
 fn stack_bound(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Option<u32> {
@@ -386,23 +383,26 @@ fn targets(block: &Block) -> Vec<Option<usize>> {
         .collect()
 }
 
+/// A loop as it is asked for.
+pub fn missing_bound(program: &Program<'_>, summary: &Summary, index: usize) -> MissingBound {
+    let header = summary.forest.loops[index].header;
+    let lines = program.own_lines(&summary.flow, &summary.forest, index);
+    MissingBound {
+        place: program
+            .image
+            .place(summary.flow.blocks[header].node.address),
+        index: summary.numbers[index],
+        lines: lines.into_iter().collect(),
+    }
+}
+
 fn explain(program: &Program<'_>, entry: Entry, summary: &Summary, unsolved: Unsolved) -> Error {
-    let missing = |loops: BTreeSet<usize>| {
-        let places = loops.into_iter().map(|index| {
-            let header = summary.forest.loops[index].header;
-            let lines = program.own_lines(&summary.flow, &summary.forest, index);
-            MissingBound {
-                place: program
-                    .image
-                    .place(summary.flow.blocks[header].node.address),
-                index: summary.numbers[index],
-                lines: lines.into_iter().collect(),
-            }
-        });
-        Error::MissingBounds(places.collect())
-    };
     match unsolved {
-        Unsolved::Unbounded(loops) => missing(loops),
+        Unsolved::Unbounded(loops) => {
+            let missing = loops.into_iter();
+            let missing = missing.map(|index| missing_bound(program, summary, index));
+            Error::MissingBounds(missing.collect())
+        }
         Unsolved::NoReturn => Error::NeverReturns(program.image.place(entry.0)),
     }
 }

@@ -28,9 +28,64 @@ const STACK_BYTES: usize = 1 << 30;
 pub struct Input {
     /// Its name.
     pub symbol: String,
-    /// Least and greatest value of each of its words.
+    /// Where the input begins in it.
+    #[serde(default)]
+    pub offset_bytes: u32,
+    /// How long it is; without, to the variable's end.
+    #[serde(default)]
+    pub size_bytes: Option<u32>,
+    /// Size of an element: 1, 2 or 4.
+    #[serde(default = "word")]
+    pub element_bytes: u32,
+    /// Least and greatest value of each element, without sign.
     #[serde(default)]
     pub range: Option<(u32, u32)>,
+}
+
+const fn word() -> u32 {
+    4
+}
+
+impl Input {
+    /// A whole variable, which may hold anything.
+    pub fn any(symbol: String) -> Self {
+        Self {
+            symbol,
+            offset_bytes: 0,
+            size_bytes: None,
+            element_bytes: word(),
+            range: None,
+        }
+    }
+
+    fn wrong(&self, what: &str) -> Error {
+        Error::Input(format!("input '{}': {what}", self.symbol))
+    }
+
+    fn forget(&self, image: &Image, memory: &mut Contents) -> Result<(), Error> {
+        let missing = || self.wrong("the image has no such variable");
+        let (address, size) = image.object(&self.symbol).ok_or_else(missing)?;
+        if ![1, 2, 4].contains(&self.element_bytes) {
+            return Err(self.wrong("elements have 1, 2 or 4 bytes"));
+        }
+        let rest = size.checked_sub(self.offset_bytes);
+        let rest = rest.ok_or_else(|| self.wrong("begins behind the variable's end"))?;
+        let length = self.size_bytes.unwrap_or(rest);
+        if length > rest {
+            return Err(self.wrong("ends behind the variable's end"));
+        }
+        let (low, high) = self.range.unwrap_or((0, u32::MAX));
+        if low > high {
+            return Err(self.wrong("the least value is above the greatest"));
+        }
+        let first = address.saturating_add(self.offset_bytes) & !(self.element_bytes - 1);
+        let end = address.saturating_add(self.offset_bytes + length);
+        for place in (first..end).step_by(self.element_bytes as usize) {
+            let any = Value::range(low, high);
+            memory.store(&Value::Constant(place), self.element_bytes, &any);
+        }
+        Ok(())
+    }
 }
 
 /// How often a source line is executed.
@@ -102,35 +157,26 @@ impl Closed {
             state.registers[13] = Value::Constant(self.stack_pointer);
             state.lowest = None;
             state.memory = Some(memory);
-            let follower = Follower::new(program, entry, true);
+            let mut follower = Follower::new(program, entry, true);
+            if position + 1 == self.calls.len() && !self.inputs.is_empty() {
+                follower = follower.with_inputs();
+            }
             let after = follower.execute(&summary, state);
             let never = || Error::NeverReturns(program.image.place(entry.0));
             let after = after.ok_or_else(never)?;
             cycles = after.elapsed.0;
+            if cycles == ENDLESS && position + 1 == self.calls.len() {
+                return Err(follower.obstacle());
+            }
             memory = after.memory.unwrap_or_default();
-        }
-        if cycles == ENDLESS {
-            let name = self.calls.last().map_or("", String::as_str);
-            return Err(Error::Input(format!(
-                "{name}: not all of its ways could be followed; bound it for any data"
-            )));
         }
         let lines = executed_lines(program);
         Ok(Found { cycles, lines })
     }
 
     fn forget_inputs(&self, program: &Program<'_>, memory: &mut Contents) -> Result<(), Error> {
-        for input in &self.inputs {
-            let missing = || Error::Input(format!("the image has no variable '{}'", input.symbol));
-            let (address, size) = program.image.object(&input.symbol).ok_or_else(missing)?;
-            let word = input
-                .range
-                .map_or(Value::Top, |(low, high)| Value::range(low, high));
-            for place in (address & !3..address.saturating_add(size)).step_by(4) {
-                memory.store(&Value::Constant(place), 4, &word);
-            }
-        }
-        Ok(())
+        let mut inputs = self.inputs.iter();
+        inputs.try_for_each(|input| input.forget(program.image, memory))
     }
 }
 

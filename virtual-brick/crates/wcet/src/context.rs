@@ -3,6 +3,7 @@
 //! Calls followed into the callee in the state of the caller: its frame, its arguments and, in a
 //! closed program, memory. What a callee costs is then added to the way on which it is called.
 
+use crate::bound::missing_bound;
 use crate::error::Error;
 use crate::execution::Execution;
 use crate::flow::{Entry, Target};
@@ -12,6 +13,7 @@ use crate::summary::Summary;
 use crate::value::{Value, RUNNING};
 use crate::walk::{as_arguments, Called, Calls, Walker};
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 /// Most calls that are open at the same time.
@@ -20,8 +22,12 @@ const DEPTH: usize = 2_000;
 /// Instructions executed in all calls that are followed for one bound.
 const PATIENCE: u64 = 400_000;
 
-/// The same in a closed program.
+/// The same in a closed program, and in one visit of a loop of it.
 const CLOSED_PATIENCE: u64 = 4_000_000_000;
+
+/// Instructions executed in one visit of a loop where inputs may be anything: a loop whose end
+/// depends on them is given up.
+const OPEN_PATIENCE: u64 = 2_000_000;
 
 /// Follows calls until its patience ends.
 pub struct Follower<'p, 'a> {
@@ -30,6 +36,12 @@ pub struct Follower<'p, 'a> {
     open: RefCell<Vec<Entry>>,
     /// Nothing but the program writes to memory, and recursion is followed too.
     closed: bool,
+    /// Instructions executed in one visit of a loop of a closed program.
+    patience: Cell<u64>,
+    /// Loops without a bound in a closed program, by function and number.
+    unbounded: RefCell<BTreeSet<(Entry, usize)>>,
+    /// Why a call in a closed program has no bound.
+    failed: RefCell<Option<Error>>,
 }
 
 impl<'p, 'a> Follower<'p, 'a> {
@@ -40,6 +52,49 @@ impl<'p, 'a> Follower<'p, 'a> {
             left: Cell::new(if closed { CLOSED_PATIENCE } else { PATIENCE }),
             open: RefCell::new(vec![root]),
             closed,
+            patience: Cell::new(CLOSED_PATIENCE),
+            unbounded: RefCell::default(),
+            failed: RefCell::default(),
+        }
+    }
+
+    /// The same where some of what memory holds is not known.
+    pub fn with_inputs(self) -> Self {
+        Self {
+            patience: Cell::new(OPEN_PATIENCE),
+            ..self
+        }
+    }
+
+    /// Why not all ways could be followed.
+    pub fn obstacle(&self) -> Error {
+        let unbounded = self.unbounded.borrow();
+        let missing = unbounded.iter().filter_map(|(entry, index)| {
+            let summary = self.program.summary(*entry, entry.0).ok()?;
+            Some(missing_bound(self.program, &summary, *index))
+        });
+        let missing: Vec<_> = missing.collect();
+        if missing.is_empty() {
+            let unknown = || Error::Input("not all ways could be followed".into());
+            return self.failed.borrow().clone().unwrap_or_else(unknown);
+        }
+        Error::MissingBounds(missing)
+    }
+
+    /// What comes after the first loop without a bound is gone through in haste: what is found
+    /// about it is not used.
+    fn note_unbounded(&self, execution: &Execution<'_, '_>) {
+        let open = self.open.borrow();
+        let Some(entry) = open.last().copied().filter(|_| self.patience.get() > 0) else {
+            return;
+        };
+        let limits = &execution.limits;
+        let findings = execution.findings.iter().enumerate();
+        let endless = findings.filter(|(index, f)| f.unbounded && limits[*index].is_none());
+        let mut unbounded = self.unbounded.borrow_mut();
+        unbounded.extend(endless.map(|(index, _)| (entry, index)));
+        if !unbounded.is_empty() {
+            self.patience.set(0);
         }
     }
 
@@ -63,11 +118,13 @@ impl<'p, 'a> Follower<'p, 'a> {
         let mut execution = Execution::new(walker, forest, limits);
         if self.closed {
             execution.walker.visits = Some(&summary.visits);
-            execution.patience = CLOSED_PATIENCE;
+            execution.patience = self.patience.get();
             execution.rarely_repeats = true;
         }
         let exits = execution.run(state);
         let steps = execution.walker.step_count;
+        self.program.note_steps(steps);
+        self.note_unbounded(&execution);
         self.left.set(self.left.get().saturating_sub(steps));
         let returns = exits
             .into_iter()
@@ -152,7 +209,10 @@ impl<'p, 'a> Follower<'p, 'a> {
         match self.program.bound(callee, &as_arguments(&arguments)) {
             Ok(bound) => Called::Apart(state, bound.cycles),
             Err(Error::NeverReturns(_)) => Called::Never,
-            Err(_) => Called::Apart(state, ENDLESS),
+            Err(error) => {
+                self.failed.borrow_mut().get_or_insert(error);
+                Called::Apart(state, ENDLESS)
+            }
         }
     }
 }
@@ -182,6 +242,7 @@ fn restore(after: &mut State, before: &State, changed: u16, pointer: i32) {
     after.lowest = before.lowest;
     after.parked = before.parked;
     after.comparison = None;
+    after.copies.clear();
     if matches!(before.registers[13], Value::Stack(_)) {
         after.slots.retain(|offset, _| *offset >= pointer);
     }

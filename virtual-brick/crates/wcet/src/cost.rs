@@ -112,11 +112,9 @@ fn block_cost(map: &MemoryMap, block: &Block, nodes: &[(u32, bool)]) -> Result<B
         .edges
         .iter()
         .map(|edge| branch_refill(map, block, edge.target, nodes));
-    let after_call = match (&block.transfer, block.instructions.last()) {
-        (Some(Transfer::Call(_)), Some((address, instruction))) => {
-            map.refill(address.wrapping_add(instruction.size), thumb)?
-        }
-        _ => 0,
+    let after_call = match block.resumes() {
+        Some((address, thumb)) => map.refill(address, thumb)?,
+        None => 0,
     };
     Ok(BlockCost {
         steps: steps.collect::<Result<_, Error>>()?,
@@ -181,18 +179,12 @@ fn branch_refill(
     target: Target,
     nodes: &[(u32, bool)],
 ) -> Result<u64, Error> {
-    match (&block.transfer, target) {
-        (Some(Transfer::Call(entries) | Transfer::TailCall(entries)), _) => {
-            let mut most = 0;
-            for (address, thumb) in entries {
-                most = most.max(map.refill(*address, *thumb)?);
-            }
-            Ok(most)
-        }
-        (Some(Transfer::Jump(_)), Target::Block(next)) => {
-            let (address, thumb) = nodes[next];
-            map.refill(address, thumb)
-        }
-        _ => Ok(0),
+    if let (Some(Transfer::Jump(_)), Target::Block(next)) = (&block.transfer, target) {
+        let (address, thumb) = nodes[next];
+        return map.refill(address, thumb);
     }
+    let callees = block.transfer.iter().flat_map(Transfer::callees);
+    callees
+        .map(|(address, thumb)| map.refill(*address, *thumb))
+        .try_fold(0, |most, cycles| Ok(cycles?.max(most)))
 }

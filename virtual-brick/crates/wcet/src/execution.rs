@@ -4,7 +4,7 @@
 //! iteration. A loop whose state runs out of ways back has that many iterations; one whose state
 //! repeats, or that takes too long, has no bound of its own.
 
-use crate::flow::Target;
+use crate::flow::{Flow, Target};
 use crate::loops::{Forest, Item};
 use crate::state::{Elapsed, State, ENDLESS};
 use crate::walk::Walker;
@@ -83,42 +83,48 @@ impl<'a, 'w> Execution<'a, 'w> {
 
     /// The scope's blocks once, in order, from its first block.
     fn pass(&mut self, scope: Option<usize>, first: usize, entry: State) -> Pass {
-        let mut states: BTreeMap<usize, State> = BTreeMap::from([(first, entry)]);
+        // Few at a time: a list is quicker than a map.
+        let mut states = vec![(first, entry)];
         let mut result = Pass {
             back: None,
             exits: Exits::new(),
         };
         let forest = self.forest;
         for item in forest.steps(scope) {
-            let leaving: Vec<((usize, usize), State)> = match item {
+            let header = match item {
+                Item::Block(block) => block,
+                Item::Loop(index) => forest.loops[index].header,
+            };
+            let Some(position) = states.iter().position(|(block, _)| *block == header) else {
+                continue;
+            };
+            let (_, state) = states.swap_remove(position);
+            let mut leave = |flow: &Flow, (block, edge): (usize, usize), state| match flow.blocks
+                [block]
+                .edges[edge]
+                .target
+            {
+                Target::Block(next) if scope.is_some() && next == first => {
+                    merge(&mut result.back, state);
+                }
+                Target::Block(next) if forest.contains(scope, next) => {
+                    match states.iter_mut().find(|(block, _)| *block == next) {
+                        Some((_, known)) => *known = known.join(&state),
+                        None => states.push((next, state)),
+                    }
+                }
+                _ => add_exit(&mut result.exits, (block, edge), state),
+            };
+            match item {
                 Item::Block(block) => {
-                    let Some(state) = states.remove(&block) else {
-                        continue;
-                    };
-                    let edges = self.walker.run(block, state).edges;
-                    edges
-                        .into_iter()
-                        .map(|(e, state)| ((block, e), state))
-                        .collect()
+                    for (edge, state) in self.walker.run(block, state).edges {
+                        leave(self.walker.flow, (block, edge), state);
+                    }
                 }
                 Item::Loop(index) => {
-                    let Some(state) = states.remove(&forest.loops[index].header) else {
-                        continue;
-                    };
-                    self.run_loop(index, state).into_iter().collect()
-                }
-            };
-            for ((block, edge), state) in leaving {
-                match self.walker.flow.blocks[block].edges[edge].target {
-                    Target::Block(next) if scope.is_some() && next == first => {
-                        merge(&mut result.back, state);
+                    for (edge, state) in self.run_loop(index, state) {
+                        leave(self.walker.flow, edge, state);
                     }
-                    Target::Block(next) if forest.contains(scope, next) => {
-                        let mut place = states.remove(&next);
-                        merge(&mut place, state);
-                        states.extend(place.map(|state| (next, state)));
-                    }
-                    _ => add_exit(&mut result.exits, (block, edge), state),
                 }
             }
         }
@@ -205,7 +211,7 @@ impl<'a, 'w> Execution<'a, 'w> {
                 return pass.exits;
             };
             let map = self.walker.world.map;
-            let wider = state.widen(&back, |value| map.pointer_region(value));
+            let wider = state.widen(&back, 0, |value| map.pointer_region(value));
             if wider == state {
                 let again = self.limits[index].map_or(ENDLESS, |limit| {
                     back.elapsed.0.saturating_mul(limit.max(1) - 1)

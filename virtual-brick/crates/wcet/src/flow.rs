@@ -29,6 +29,8 @@ pub enum Transfer {
     Jump(Vec<Node>),
     /// Call, then the next instruction.
     Call(Vec<Entry>),
+    /// Call by a local subroutine on behalf of the code that called it: where its return leads.
+    CallFor(Vec<Entry>, Node),
     /// Call whose return is the function's own.
     TailCall(Vec<Entry>),
     /// The function's return.
@@ -37,6 +39,16 @@ pub enum Transfer {
     Unresolved,
     /// Traps and places declared dead: no way on.
     Dead,
+}
+
+impl Transfer {
+    /// Functions that are called.
+    pub fn callees(&self) -> &[Entry] {
+        match self {
+            Self::Call(callees) | Self::CallFor(callees, _) | Self::TailCall(callees) => callees,
+            _ => &[],
+        }
+    }
 }
 
 /// Where an edge leads.
@@ -70,6 +82,19 @@ pub struct Block {
     pub transfer: Option<Transfer>,
     /// Ways out.
     pub edges: Vec<Edge>,
+}
+
+impl Block {
+    /// Where the function goes on after the call at its end.
+    pub fn resumes(&self) -> Option<Entry> {
+        match (&self.transfer, self.instructions.last()) {
+            (Some(Transfer::Call(_)), Some((address, instruction))) => {
+                Some((address.wrapping_add(instruction.size), self.node.thumb))
+            }
+            (Some(Transfer::CallFor(_, back)), _) => Some((back.address, back.thumb)),
+            _ => None,
+        }
+    }
 }
 
 /// The blocks of a function; the first is its entry.
@@ -133,12 +158,16 @@ impl Explorer<'_> {
     }
 
     /// A call of a place within the function: a local subroutine, which may also return for the
-    /// function itself, or in Thumb code a branch too far for B. It is copied for each call.
-    fn is_local(&self, site: u32, target: u32) -> bool {
+    /// function itself, or in Thumb code a branch too far for B; and of a BX behind the functions
+    /// of a file, with which Thumb code calls through a register. It is copied for each call.
+    fn is_local(&self, site: u32, (target, thumb): Entry) -> bool {
+        if self.image.starts_function(target) {
+            return false;
+        }
         let names = self.image.names_at(target);
-        !self.image.starts_function(target)
-            && !names.is_empty()
-            && names == self.image.names_at(site)
+        let first = self.image.instruction(target, thumb).map(|i| i.operation);
+        let calls = matches!(first, Some(Operation::BranchExchange { .. }));
+        calls || !names.is_empty() && names == self.image.names_at(site)
     }
 
     /// The kind of an instruction that may leave the straight line.
@@ -147,7 +176,7 @@ impl Explorer<'_> {
         Ok(Some(match &instruction.operation {
             Operation::Branch { offset, link } => {
                 let target = (pc.wrapping_add(*offset), node.thumb);
-                if *link && self.is_local(node.address, target.0) {
+                if *link && self.is_local(node.address, target) {
                     Transfer::Jump(vec![Node {
                         copy: node.address,
                         address: target.0,
@@ -166,7 +195,8 @@ impl Explorer<'_> {
                     return Err(Error::NoCode(self.image.place(node.address)));
                 };
                 let target = pc.wrapping_sub(2).wrapping_add(upper).wrapping_add(*offset);
-                if is_switch_helper(self.image, target) || self.is_local(node.address, target) {
+                let local = self.is_local(node.address, (target, true));
+                if local || is_switch_helper(self.image, target) {
                     Transfer::Jump(vec![Node {
                         copy: node.address,
                         address: target,
@@ -211,11 +241,16 @@ impl Explorer<'_> {
             Some(Transfer::Call(targets)) if targets.iter().any(|t| (self.returns)(*t)) => {
                 vec![(true, Some(next))]
             }
+            Some(Transfer::CallFor(targets, back))
+                if targets.iter().any(|t| (self.returns)(*t)) =>
+            {
+                vec![(true, Some(*back))]
+            }
             Some(Transfer::TailCall(targets)) if targets.iter().any(|t| (self.returns)(*t)) => {
                 vec![(true, None)]
             }
             Some(Transfer::Return) => vec![(true, None)],
-            Some(Transfer::Unresolved | Transfer::Call(_) | Transfer::TailCall(_)) => Vec::new(),
+            Some(_) => Vec::new(),
         };
         if explored.instruction.condition != ALWAYS {
             successors.push((false, Some(next)));
@@ -291,9 +326,8 @@ impl Explorer<'_> {
                 node = next;
                 continue;
             }
-            if let Some(Transfer::Call(targets) | Transfer::TailCall(targets)) = &explored.transfer
-            {
-                block.calls.clone_from(targets);
+            if let Some(transfer) = &explored.transfer {
+                block.calls.extend(transfer.callees());
             }
             block.transfer.clone_from(&explored.transfer);
             for (executed, successor) in self.successors(node, explored) {

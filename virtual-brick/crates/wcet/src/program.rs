@@ -16,7 +16,7 @@ use crate::summary::{summarise, Summary};
 use crate::transfer::World;
 use crate::value::Value;
 use crate::walk::any_arguments;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -47,6 +47,7 @@ pub struct Program<'a> {
     regions: RefCell<BTreeMap<u32, Option<u8>>>,
     open: RefCell<Vec<(Entry, u32)>>,
     bounding: RefCell<Vec<Entry>>,
+    steps: Cell<u64>,
 }
 
 impl<'a> Program<'a> {
@@ -84,6 +85,7 @@ impl<'a> Program<'a> {
             regions: RefCell::default(),
             open: RefCell::default(),
             bounding: RefCell::default(),
+            steps: Cell::default(),
         })
     }
 
@@ -223,6 +225,16 @@ impl<'a> Program<'a> {
             .borrow_mut()
             .insert(entry, Rc::clone(&summary));
         Ok(summary)
+    }
+
+    /// Counts instructions that were executed on abstract values.
+    pub fn note_steps(&self, steps: u64) {
+        self.steps.set(self.steps.get().saturating_add(steps));
+    }
+
+    /// Instructions that were executed on abstract values so far.
+    pub fn steps(&self) -> u64 {
+        self.steps.get()
     }
 
     /// Calls `see` for each function whose summary is known.

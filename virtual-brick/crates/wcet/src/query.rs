@@ -107,6 +107,38 @@ pub struct Call {
     pub arguments: [Option<u32>; 4],
 }
 
+/// What the analysis of functions and jobs went through.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Work {
+    /// Functions.
+    pub functions: usize,
+    /// Their blocks.
+    pub blocks: usize,
+    /// Their loops.
+    pub loops: usize,
+    /// Their instructions.
+    pub instructions: usize,
+    /// Instructions executed on abstract values.
+    pub steps: u64,
+}
+
+impl Work {
+    fn of(program: &Program<'_>) -> Self {
+        let mut work = Self {
+            steps: program.steps(),
+            ..Self::default()
+        };
+        program.summaries(|_, summary| {
+            let blocks = &summary.flow.blocks;
+            work.functions += 1;
+            work.blocks += blocks.len();
+            work.loops += summary.forest.loops.len();
+            work.instructions += blocks.iter().map(|b| b.instructions.len()).sum::<usize>();
+        });
+        work
+    }
+}
+
 /// All answers, in the order of the questions.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Response {
@@ -122,6 +154,8 @@ pub struct Response {
     pub calls: Vec<Call>,
     /// Bound of the last of the calls that nothing disturbs.
     pub closed: Option<Answer>,
+    /// What was gone through for `functions` and `jobs`.
+    pub work: Work,
 }
 
 fn reach(bound: &FunctionBound, seen: &mut BTreeSet<u32>) {
@@ -252,6 +286,7 @@ impl Request {
                 ..Answer::default()
             });
         }
+        response.work = Work::of(&program);
         if let Some(root) = &self.root {
             response.calls = calls(&program, root, &self.callees)?;
         }

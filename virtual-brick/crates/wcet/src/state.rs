@@ -44,6 +44,8 @@ pub const ENDLESS: u64 = u64::MAX;
 pub struct State {
     /// r0 to r14; r15 is not kept.
     pub registers: Box<[Value; 15]>,
+    /// Pairs of registers that hold the same, whatever it is.
+    pub copies: Vec<(u32, u32)>,
     /// Known words of the stack.
     pub slots: BTreeMap<i32, Value>,
     /// Bit n is set when the flags may be n (NZCV as a number).
@@ -174,6 +176,7 @@ impl State {
         registers[13] = Value::Stack(0);
         Self {
             registers,
+            copies: Vec::new(),
             slots: BTreeMap::new(),
             flags: ANY_FLAGS,
             comparison: None,
@@ -293,6 +296,7 @@ impl State {
                 }
             }
         }
+        self.copies.retain(|(a, b)| *a != number && *b != number);
         if number == 13 {
             self.lowest = match value {
                 Value::Stack(offset) => Some(offset),
@@ -301,6 +305,38 @@ impl State {
         }
         if let Some(register) = self.registers.get_mut(number as usize) {
             *register = value;
+        }
+    }
+
+    /// A register was copied to another one.
+    pub fn note_copy(&mut self, number: u32, from: u32) {
+        if number != from && number < 13 && from < 13 {
+            let copies = self.copies.iter();
+            let others = copies.filter_map(|pair| match *pair {
+                (a, b) if a == from => Some(b),
+                (a, b) if b == from => Some(a),
+                _ => None,
+            });
+            let others: Vec<u32> = others.chain([from]).collect();
+            self.copies
+                .extend(others.into_iter().map(|other| (number, other)));
+        }
+    }
+
+    /// What a register holds, which its copies then hold too.
+    fn learn(&mut self, number: u32, value: &Value) {
+        for (a, b) in &self.copies {
+            let other = if *a == number {
+                *b
+            } else if *b == number {
+                *a
+            } else {
+                continue;
+            };
+            self.registers[other as usize].clone_from(value);
+        }
+        if let Some(register) = self.registers.get_mut(number as usize) {
+            register.clone_from(value);
         }
     }
 
@@ -327,13 +363,22 @@ impl State {
         self.combine(other, Value::join)
     }
 
-    /// Like `join`, and growing ranges give up at once, so that repetition ends.
-    pub fn widen(&self, new: &Self, pointer_region: impl Fn(&Value) -> Option<u8>) -> Self {
+    /// Like `join`, and growing ranges give up at once, so that repetition ends; sets of up to
+    /// `kept` elements may grow.
+    pub fn widen(
+        &self,
+        new: &Self,
+        kept: usize,
+        pointer_region: impl Fn(&Value) -> Option<u8>,
+    ) -> Self {
         let mut wider = self.combine(new, |old, new| {
             if new.below(old) {
                 return old.clone();
             }
             let joined = old.join(new);
+            if matches!(&joined, Value::Set(elements) if elements.len() <= kept) {
+                return joined;
+            }
             if joined.in_stack() || joined == Value::Top {
                 let same = pointer_region(old).filter(|r| pointer_region(new) == Some(*r));
                 return same.map_or(joined, Value::Region);
@@ -370,8 +415,10 @@ impl State {
                 .any(|(offset, v)| v.in_stack() && !others.contains_key(offset))
         };
         escaped |= left_alone(&self.slots, &other.slots) || left_alone(&other.slots, &self.slots);
+        let copies = self.copies.iter().copied();
         Self {
             registers,
+            copies: copies.filter(|pair| other.copies.contains(pair)).collect(),
             slots,
             flags: self.flags | other.flags,
             comparison: if same { self.comparison.clone() } else { None },
@@ -468,7 +515,8 @@ impl State {
             self.flags >> flags & 1 != 0
         };
         let kept = elements.into_iter().filter(fits).collect();
-        self.registers[number] = Value::of_elements(kept)?;
+        let kept = Value::of_elements(kept)?;
+        self.learn(number as u32, &kept);
         Some(())
     }
 
@@ -499,8 +547,8 @@ impl State {
             return Some(());
         }
         let narrowed = side.1.within(low, high)?;
-        if let Some(register) = side.0.and_then(|n| self.registers.get_mut(n as usize)) {
-            *register = narrowed;
+        if let Some(number) = side.0 {
+            self.learn(number, &narrowed);
         }
         Some(())
     }

@@ -19,6 +19,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Visits of a block after which growing values give up.
 const PATIENCE: u32 = 4;
 
+/// Elements up to which a set may grow all the same, where a branch is not resolved otherwise: the
+/// entries of a jump table whose index is a loop's counter.
+const TABLE: usize = 64;
+
 /// What is true of a function whatever its arguments.
 #[derive(Debug)]
 pub struct Summary {
@@ -90,74 +94,111 @@ struct Fixpoint {
     returns: bool,
 }
 
-/// Computes the summary of a function; summaries of callees come from the program.
-pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> {
+/// A graph whose branches are resolved, and what its values are.
+struct Resolved {
+    flow: Flow,
+    fixpoint: Fixpoint,
+    /// What callees do not preserve.
+    changed: BTreeMap<Entry, u16>,
+    /// Elements up to which sets grew.
+    kept: usize,
+}
+
+/// Explores and finds values by turns.
+fn resolve_branches(program: &Program<'_>, entry: Entry) -> Result<Resolved, Error> {
     let mut resolved = BTreeMap::new();
     let mut returning: BTreeMap<Entry, bool> = BTreeMap::new();
     let mut changed = BTreeMap::new();
+    let mut kept = 0;
     loop {
-        let flow = explore(program, entry, &resolved, &returning)?;
-        let mut new = Vec::new();
-        for block in &flow.blocks {
-            let site = block
-                .instructions
-                .last()
-                .map_or(block.node.address, |(a, _)| *a);
-            let unknown = block
-                .calls
-                .iter()
-                .filter(|callee| !returning.contains_key(*callee));
-            new.extend(unknown.map(|callee| (*callee, site)));
+        let flow = match explore(program, entry, &resolved, &returning) {
+            Err(Error::NoCode(_)) if kept < TABLE && !resolved.is_empty() => {
+                kept = TABLE;
+                resolved.clear();
+                continue;
+            }
+            explored => explored?,
+        };
+        let new = new_callees(&flow, &returning);
+        for (callee, site) in &new {
+            let summary = program.summary(*callee, *site)?;
+            returning.insert(*callee, summary.returns);
+            changed.insert(*callee, summary.changed);
         }
         if !new.is_empty() {
-            for (callee, site) in new {
-                let summary = program.summary(callee, site)?;
-                returning.insert(callee, summary.returns);
-                changed.insert(callee, summary.changed);
+            continue;
+        }
+        let fixpoint = iterate(program, &flow, &changed, entry, kept)?;
+        if let Some(node) = unresolved(&fixpoint.transfers, &resolved) {
+            if kept == TABLE {
+                return Err(Error::UnresolvedBranch(program.image.place(node.address)));
             }
-            continue;
-        }
-        let mut fixpoint = iterate(program, &flow, &changed, entry)?;
-        if fixpoint.transfers != resolved {
+            kept = TABLE;
+            resolved.clear();
+        } else if fixpoint.transfers != resolved {
             resolved = fixpoint.transfers;
-            continue;
+        } else {
+            return Ok(Resolved {
+                flow,
+                fixpoint,
+                changed,
+                kept,
+            });
         }
-        let unresolved = resolved.iter().find(|(_, t)| **t == Transfer::Unresolved);
-        if let Some((node, _)) = unresolved {
-            return Err(Error::UnresolvedBranch(program.image.place(node.address)));
-        }
-        if program.given_recursion(entry).is_some() && fixpoint.changed & !SCRATCH != 0 {
-            return Err(Error::Recursion(vec![program.image.place(entry.0)]));
-        }
-        let block_count = flow.blocks.len();
-        let places: Vec<u32> = flow.blocks.iter().map(|block| block.node.address).collect();
-        let (flow, forest) = reducible(flow).map_err(|block| {
-            Error::Irreducible(
-                program
-                    .image
-                    .place(places.get(block).copied().unwrap_or(entry.0)),
-            )
-        })?;
-        if flow.blocks.len() > block_count {
-            fixpoint = iterate(program, &flow, &changed, entry)?;
-        }
-        let numbers = program.loop_numbers(&flow, &forest);
-        let (limits, limits_in) = program.given_bounds(&flow, &forest, &numbers);
-        return Ok(Summary {
-            costs: block_costs(program.map, &flow)?,
-            avoided: program.avoided(&flow),
-            limits,
-            limits_in,
-            visits: RefCell::default(),
-            numbers,
-            states: fixpoint.states,
-            flow,
-            forest,
-            returns: fixpoint.returns,
-            changed: fixpoint.changed,
-            callees: changed,
-        });
     }
+}
+
+/// Functions called for the first time, each with a place where that happens.
+fn new_callees(flow: &Flow, known: &BTreeMap<Entry, bool>) -> Vec<(Entry, u32)> {
+    let mut new = Vec::new();
+    for block in &flow.blocks {
+        let last = block.instructions.last();
+        let site = last.map_or(block.node.address, |(address, _)| *address);
+        let unknown = block
+            .calls
+            .iter()
+            .filter(|callee| !known.contains_key(*callee));
+        new.extend(unknown.map(|callee| (*callee, site)));
+    }
+    new
+}
+
+/// Computes the summary of a function; summaries of callees come from the program.
+pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> {
+    let Resolved {
+        flow,
+        mut fixpoint,
+        changed,
+        kept,
+    } = resolve_branches(program, entry)?;
+    if program.given_recursion(entry).is_some() && fixpoint.changed & !SCRATCH != 0 {
+        return Err(Error::Recursion(vec![program.image.place(entry.0)]));
+    }
+    let block_count = flow.blocks.len();
+    let places: Vec<u32> = flow.blocks.iter().map(|block| block.node.address).collect();
+    let (flow, forest) = reducible(flow).map_err(|block| {
+        let place = places.get(block).copied().unwrap_or(entry.0);
+        Error::Irreducible(program.image.place(place))
+    })?;
+    if flow.blocks.len() > block_count {
+        fixpoint = iterate(program, &flow, &changed, entry, kept)?;
+    }
+    let numbers = program.loop_numbers(&flow, &forest);
+    let (limits, limits_in) = program.given_bounds(&flow, &forest, &numbers);
+    Ok(Summary {
+        costs: block_costs(program.map, &flow)?,
+        avoided: program.avoided(&flow),
+        limits,
+        limits_in,
+        visits: RefCell::default(),
+        numbers,
+        states: fixpoint.states,
+        flow,
+        forest,
+        returns: fixpoint.returns,
+        changed: fixpoint.changed,
+        callees: changed,
+    })
 }
 
 fn explore(
@@ -177,12 +218,14 @@ fn explore(
     .explore()
 }
 
-/// States at all blocks for any arguments, and from them the targets of indirect branches.
+/// States at all blocks for any arguments, and from them the targets of indirect branches. Sets of
+/// up to `kept` elements may grow.
 fn iterate(
     program: &Program<'_>,
     flow: &Flow,
     changed: &BTreeMap<Entry, u16>,
     entry: Entry,
+    kept: usize,
 ) -> Result<Fixpoint, Error> {
     let region = |_| None;
     let mut walker = Walker::new(program.world(), flow, changed, &region);
@@ -219,7 +262,7 @@ fn iterate(
             let merged = match &states[next] {
                 None => state,
                 Some(old) if visits[next] < PATIENCE => old.join(&state),
-                Some(old) => old.widen(&state, |value| program.map.pointer_region(value)),
+                Some(old) => old.widen(&state, kept, |value| program.map.pointer_region(value)),
             };
             if states[next].as_ref() != Some(&merged) {
                 visits[next] += 1;
@@ -228,6 +271,7 @@ fn iterate(
             }
         }
     }
+    program.note_steps(walker.step_count);
     fixpoint.states = states;
     Ok(fixpoint)
 }
@@ -276,12 +320,8 @@ fn resolve(
     };
     let exchanges = matches!(instruction.operation, Operation::BranchExchange { .. });
     let next = address.wrapping_add(instruction.size);
-    let calls = outcome
-        .link
-        .as_ref()
-        .and_then(Value::constant)
-        .map(|link| link & !1)
-        == Some(next);
+    let link = outcome.link.as_ref().and_then(Value::constant);
+    let calls = link.is_some_and(|link| link & !1 == next);
     let transfer = if *value == Value::entry(14) {
         Transfer::Return
     } else if let Some(elements) = value.elements() {
@@ -295,14 +335,42 @@ fn resolve(
         });
         classify(program, entry, node, targets.collect(), calls)
     } else {
-        match program.given_targets(*address) {
+        let caller = Some(node.copy).filter(|site| *site != 0);
+        let for_it = || program.given_targets(caller?);
+        match program.given_targets(*address).or_else(for_it) {
             Some(targets) if calls => Transfer::Call(targets),
             _ if program.leaves(*address) => Transfer::Return,
             Some(targets) => Transfer::TailCall(targets),
             None => Transfer::Unresolved,
         }
     };
-    transfers.insert(node, transfer);
+    transfers.insert(node, for_caller(transfer, link));
+}
+
+/// What leaves the function with a link into the function comes back there.
+fn for_caller(transfer: Transfer, link: Option<u32>) -> Transfer {
+    match (transfer, link) {
+        (Transfer::TailCall(targets), Some(link)) => {
+            let back = Node {
+                copy: 0,
+                address: link & !1,
+                thumb: link & 1 != 0,
+            };
+            Transfer::CallFor(targets, back)
+        }
+        (transfer, _) => transfer,
+    }
+}
+
+/// A branch that stays unresolved, or becomes so when what it leads to is known.
+fn unresolved(
+    transfers: &BTreeMap<Node, Transfer>,
+    before: &BTreeMap<Node, Transfer>,
+) -> Option<Node> {
+    let unknown = transfers
+        .iter()
+        .find(|(node, transfer)| **transfer == Transfer::Unresolved && before.contains_key(*node));
+    unknown.map(|(node, _)| *node)
 }
 
 /// Is the branch at the end of a block to a function that takes the processor?

@@ -78,6 +78,24 @@ fn extended(value: &Value, sign_bits: u32) -> Value {
     }
 }
 
+/// The register that an instruction only copies.
+fn copied(processing: &DataProcessing) -> Option<u32> {
+    match (processing.operation, processing.second) {
+        (
+            AluOperation::Mov,
+            Operand::Shifted {
+                register,
+                kind: 0,
+                amount: 0,
+            },
+        ) => Some(register),
+        (AluOperation::Add | AluOperation::Sub, Operand::Constant { value: 0, .. }) => {
+            Some(processing.first)
+        }
+        _ => None,
+    }
+}
+
 /// Upper and lower half of a long product.
 fn long_product(product: &Multiply, a: u32, b: u32, added: Option<u64>) -> (Value, Value) {
     let Some(added) = added.filter(|_| product.low.is_some()) else {
@@ -265,7 +283,11 @@ impl Step<'_> {
             self.state.comparison = outcome.comparison;
         }
         if !processing.operation.compares() {
+            let known = outcome.value.constant().is_some();
             self.write(effects, destination, outcome.value);
+            if let Some(source) = copied(processing).filter(|_| !known) {
+                self.state.note_copy(destination, source);
+            }
             if let (true, Some(comparison)) = (processing.sets_flags, &mut self.state.comparison) {
                 comparison.result = Some(destination);
             }

@@ -10,6 +10,7 @@ use crate::value::Value;
 use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// Most states that are followed side by side within a block.
 const VARIANTS: usize = 8;
@@ -190,8 +191,38 @@ impl<'a> Walker<'a> {
         };
         self.step_count += block.instructions.len() as u64;
         self.note_visit(index);
-        let mut states = vec![state];
+        let mut outcome = Outcome {
+            edges: Vec::with_capacity(1),
+            target: None,
+            link: None,
+        };
+        let mut state = state;
         for position in 0..straight {
+            if !self.run_single(index, position, &mut state) {
+                for state in self.run_variants(index, position..straight, state) {
+                    self.leave(index, state, &mut outcome);
+                }
+                return outcome;
+            }
+        }
+        self.leave(index, state, &mut outcome);
+        outcome
+    }
+
+    /// Out of a block after all instructions but a transfer at its end.
+    fn leave(&mut self, index: usize, state: State, outcome: &mut Outcome) {
+        let flow = self.flow;
+        match &flow.blocks[index].transfer {
+            Some(transfer) => self.run_transfer(index, transfer, state, outcome),
+            None => self.fall_through(index, state, outcome),
+        }
+    }
+
+    /// The rest of a block from an instruction on of which it is not known whether it is executed.
+    fn run_variants(&mut self, index: usize, rest: Range<usize>, state: State) -> Vec<State> {
+        let block = &self.flow.blocks[index];
+        let mut states = vec![state];
+        for position in rest {
             if let [state] = states.as_mut_slice() {
                 if self.run_single(index, position, state) {
                     continue;
@@ -213,18 +244,7 @@ impl<'a> Walker<'a> {
                 self.run_straight(index, position, state, &mut states);
             }
         }
-        let mut outcome = Outcome {
-            edges: Vec::new(),
-            target: None,
-            link: None,
-        };
-        for state in states {
-            match &block.transfer {
-                Some(transfer) => self.run_transfer(index, transfer, state, &mut outcome),
-                None => self.fall_through(index, state, &mut outcome),
-            }
-        }
-        outcome
+        states
     }
 
     fn note_visit(&self, index: usize) {
@@ -379,7 +399,7 @@ impl<'a> Walker<'a> {
             let effects = self.perform(index, position, &mut state, address, &instruction);
             own_target.clone_from(&effects.target);
             outcome.reach(effects.target, link);
-            if matches!(transfer, Transfer::Call(_) | Transfer::TailCall(_)) {
+            if !transfer.callees().is_empty() {
                 let targets = own_target.as_ref().and_then(Value::elements);
                 return self.call(index, address, targets.as_deref(), state);
             }
@@ -449,7 +469,10 @@ impl<'a> Walker<'a> {
                     apart
                 }
             };
-            after = Some(after.map_or(found.clone(), |known| known.join(&found)));
+            after = Some(match after {
+                Some(known) => known.join(&found),
+                None => found,
+            });
         }
         let mut after = after?;
         after.urgencies = urgencies;

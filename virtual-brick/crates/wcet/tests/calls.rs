@@ -76,10 +76,7 @@ fn a_bound_for_any_content_of_an_input_holds_for_each_and_is_nearly_reached() {
         let closed = Closed {
             calls: vec!["prepare".into(), "highest".into()],
             stack_pointer: 0x3F_FFC0,
-            inputs: vec![Input {
-                symbol: "items".into(),
-                range: None,
-            }],
+            inputs: vec![Input::any("items".into())],
         };
         let (image, map) = (Image::read(&elf).unwrap(), MemoryMap::without_wait_states());
         let found = closed.bound(&image, &map, &Annotations::default()).unwrap();
@@ -132,4 +129,98 @@ fn an_avoided_call_and_a_given_cost_shorten_the_way() {
     let cost = "[[cost]]\nsymbol = \"counted\"\ncycles = 20\n";
     let cheap = bound(&elf, "either", cost).unwrap();
     assert!(seen < cheap && cheap < whole, "{seen} < {cheap} < {whole}");
+}
+
+#[test]
+fn a_jump_table_ends_where_the_counter_ends_that_is_its_index() {
+    let facts = "[[loop]]\nsymbol = \"turned\"\niterations = 8\n";
+    for flags in [["-mthumb", "-O1"], ["-mthumb", "-O2"], ["-marm", "-O2"]] {
+        let Some(elf) = elf(&flags) else { return };
+        let mut machine = Machine::new(&elf);
+        let turns = machine.address("turns");
+        machine.set_word(turns, 8);
+        let seen = machine.call("turned", [0; 4]).cycles;
+        let most = bound(&elf, "turned", facts).unwrap();
+        assert!(seen <= most, "{flags:?}: {seen} of {most}");
+        let closed = Closed {
+            calls: vec!["turned".into()],
+            stack_pointer: 0x3F_FFC0,
+            inputs: Vec::new(),
+        };
+        let (image, map) = (Image::read(&elf).unwrap(), MemoryMap::without_wait_states());
+        let found = closed.bound(&image, &map, &Annotations::default()).unwrap();
+        let idle = Machine::new(&elf).call("turned", [0; 4]).cycles;
+        assert_eq!(found.cycles + 2, idle, "{flags:?}");
+    }
+}
+
+#[test]
+fn a_call_through_a_pointer_comes_back_to_the_caller_of_the_piece_of_code_that_makes_it() {
+    let call = "[[call]]\nsymbol = \"through\"\ntargets = [\"counted\"]\n";
+    let count = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 6\n";
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let mut machine = Machine::new(&elf);
+        let callee = machine.address("counted");
+        let seen = machine.call("through", [callee, 6, 0, 0]).cycles;
+        let most = bound(&elf, "through", &format!("{call}{count}")).unwrap();
+        assert!(
+            seen <= most && most < seen * 3 / 2,
+            "{flags:?}: {seen} of {most}"
+        );
+    }
+}
+
+#[test]
+fn a_byte_that_may_be_anything_leaves_the_rest_of_its_word_known() {
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let closed = Closed {
+            calls: vec!["portion".into(), "portioned".into()],
+            stack_pointer: 0x3F_FFC0,
+            inputs: vec![Input {
+                offset_bytes: 1,
+                size_bytes: Some(1),
+                element_bytes: 1,
+                range: Some((0, 4)),
+                ..Input::any("portions".into())
+            }],
+        };
+        let (image, map) = (Image::read(&elf).unwrap(), MemoryMap::without_wait_states());
+        let found = closed.bound(&image, &map, &Annotations::default()).unwrap();
+        let mut machine = Machine::new(&elf);
+        machine.call("portion", [0; 4]);
+        let portions = machine.address("portions");
+        machine.set_bytes(portions + 1, &[4]);
+        let seen = machine.call("portioned", [0; 4]).cycles;
+        assert_eq!(found.cycles + 2, seen, "{flags:?}");
+    }
+}
+
+#[test]
+fn loops_that_depend_on_an_input_are_asked_for_and_inputs_outside_a_variable_refused() {
+    let Some(elf) = elf(&["-marm", "-O2"]) else {
+        return;
+    };
+    let (image, map) = (Image::read(&elf).unwrap(), MemoryMap::without_wait_states());
+    let sought = |input| {
+        let closed = Closed {
+            calls: vec!["portion".into(), "turned".into()],
+            stack_pointer: 0x3F_FFC0,
+            inputs: vec![input],
+        };
+        closed
+            .bound(&image, &map, &Annotations::default())
+            .map(|_| ())
+    };
+    let Err(Error::MissingBounds(loops)) = sought(Input::any("turns".into())) else {
+        panic!("the loop over 'turns' has no bound");
+    };
+    assert!(loops.iter().all(|l| l.place.to_string().contains("turned")));
+    let outside = Input {
+        size_bytes: Some(8),
+        ..Input::any("turns".into())
+    };
+    let refused = sought(outside).unwrap_err().to_string();
+    assert_eq!(refused, "input 'turns': ends behind the variable's end");
 }

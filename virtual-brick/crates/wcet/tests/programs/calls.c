@@ -84,3 +84,52 @@ int highest(void)
             highest_item = items[place];
     return highest_item;
 }
+
+volatile int turns, sink;
+
+/* A jump table whose index is a loop's counter: nothing else says where it ends. */
+int turned(void)
+{
+    for (int kind = 0; kind < 8; kind++) {
+        for (int turn = 0; turn < turns; turn++) {
+            switch (kind) {
+            case 0: sink += turn; break;
+            case 1: sink *= 3; break;
+            case 2: sink ^= turn; break;
+            case 3: sink -= 7; break;
+            case 4: sink |= turn; break;
+            case 5: sink = turn - sink; break;
+            case 6: sink = ~sink; break;
+            case 7: sink <<= 1; break;
+            }
+        }
+    }
+    return sink;
+}
+
+/* The callee is known to the caller only; in Thumb code, a branch within the function calls it. */
+__attribute__((noinline)) int through(int (*callee)(int), int count)
+{
+    int sum = 0;
+    for (int turn = 0; turn < 4; turn++)
+        sum += callee(count) + sink;
+    return sum;
+}
+
+unsigned char portions[4];
+
+/* Only one byte of the word is open. */
+int portioned(void)
+{
+    int sum = 0;
+    for (int place = 0; place < 4; place++)
+        for (int count = portions[place]; count > 0; count--)
+            sum += count;
+    return sum;
+}
+
+void portion(void)
+{
+    portions[0] = 3;
+    portions[2] = 5;
+}

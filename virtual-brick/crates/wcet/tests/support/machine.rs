@@ -128,13 +128,36 @@ impl<'a> Machine<'a> {
         u32::from_le_bytes(*self.memory.bytes[start..].first_chunk().expect("a word"))
     }
 
+    /// All memory, to begin again from it.
+    #[allow(dead_code)]
+    pub fn memory(&self) -> Vec<u8> {
+        self.memory.bytes.clone()
+    }
+
+    #[allow(dead_code)]
+    pub fn restore(&mut self, memory: &[u8]) {
+        self.memory.bytes.copy_from_slice(memory);
+    }
+
+    #[allow(dead_code)]
+    pub fn bytes(&self, address: u32, count: usize) -> Vec<u8> {
+        let start = (address - BASE) as usize;
+        self.memory.bytes[start..start + count].to_vec()
+    }
+
+    #[allow(dead_code)]
+    pub fn set_bytes(&mut self, address: u32, bytes: &[u8]) {
+        let start = (address - BASE) as usize;
+        self.memory.bytes[start..start + bytes.len()].copy_from_slice(bytes);
+    }
+
     /// Calls a function and counts, for each of the functions at `entries`, its most activations
     /// in one call from outside of it and its most activations at the same time.
     #[allow(dead_code)]
     pub fn activations(&mut self, symbol: &str, entries: &[u32]) -> Vec<(u64, usize)> {
         let mut open: Vec<(Vec<u32>, u64)> = vec![(Vec::new(), 0); entries.len()];
         let mut most = vec![(0, 0); entries.len()];
-        self.run(symbol, [0; 4], |address, stack_pointer| {
+        self.run(symbol, [0; 4], PATIENCE, |address, stack_pointer| {
             for (index, entry) in entries.iter().enumerate() {
                 if entry & !1 != address {
                     continue;
@@ -151,13 +174,20 @@ impl<'a> Machine<'a> {
 
     /// Calls a function and counts from its first instruction to the end of its return.
     pub fn call(&mut self, symbol: &str, arguments: [u32; 4]) -> Observation {
-        self.run(symbol, arguments, |_, _| {})
+        self.run(symbol, arguments, PATIENCE, |_, _| {})
+    }
+
+    /// The same; it is a mistake when the call takes longer than `limit` cycles.
+    #[allow(dead_code)]
+    pub fn call_within(&mut self, symbol: &str, arguments: [u32; 4], limit: u64) -> Observation {
+        self.run(symbol, arguments, limit.min(PATIENCE), |_, _| {})
     }
 
     fn run(
         &mut self,
         symbol: &str,
         arguments: [u32; 4],
+        limit: u64,
         mut before: impl FnMut(u32, u32),
     ) -> Observation {
         let address = self.address(symbol);
@@ -177,7 +207,7 @@ impl<'a> Machine<'a> {
             before(cpu.next_instruction_address(), cpu.register(13));
             let _ = cpu.step(&mut self.memory);
             lowest = lowest.min(cpu.register(13));
-            assert!(self.memory.cycles < PATIENCE, "{symbol} does not return");
+            assert!(self.memory.cycles < limit, "{symbol} does not return");
         }
         assert_eq!(
             cpu.register(13),

@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Searches inputs with which a function takes long: hill climbing with restarts at random, on the
+//! core, each access in one cycle.
+//!
+//! Usage: `cargo run --release -p wcet --example search -- ELF BEFORE SYMBOL CYCLES
+//! INPUT...`, where CYCLES is how long all runs together may take and INPUT is
+//! `NAME:OFFSET:COUNT:KIND:LOW:HIGH` with KIND `i8`, `i16`, `i32`, `u8`, `u16`, `u32`, `f32` or
+//! `f64`. Prints the cycles with the given data, the most cycles, the runs and the restarts.
+
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+#[path = "../tests/support/machine.rs"]
+#[allow(dead_code)]
+mod machine;
+#[path = "../tests/support/random.rs"]
+#[allow(dead_code)]
+mod random;
+
+use machine::Machine;
+use random::Random;
+
+/// Changes without a longer time after which the search begins anew.
+const PATIENCE: u32 = 150;
+
+/// Runs that are made whatever they take.
+const LEAST_RUNS: u32 = 20;
+
+/// A run may take this many times as long as with the given data.
+const LONGEST_RUN: u64 = 1000;
+
+/// Elements of one kind in a row.
+struct Input {
+    address: u32,
+    count: usize,
+    kind: Kind,
+    low: f64,
+    high: f64,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Integer { bytes: usize },
+    Single,
+    Double,
+}
+
+impl Kind {
+    fn parse(word: &str) -> Self {
+        match word {
+            "f32" => Self::Single,
+            "f64" => Self::Double,
+            _ => {
+                let bits: usize = word[1..].parse().expect("a kind such as i32");
+                Self::Integer { bytes: bits / 8 }
+            }
+        }
+    }
+
+    const fn size(self) -> usize {
+        match self {
+            Self::Integer { bytes } => bytes,
+            Self::Single => 4,
+            Self::Double => 8,
+        }
+    }
+
+    fn encoded(self, value: f64) -> Vec<u8> {
+        match self {
+            Self::Integer { bytes } => (value as i64).to_le_bytes()[..bytes].to_vec(),
+            Self::Single => (value as f32).to_le_bytes().to_vec(),
+            Self::Double => value.to_le_bytes().to_vec(),
+        }
+    }
+}
+
+impl Input {
+    fn parse(word: &str, machine: &Machine<'_>) -> Self {
+        let parts: Vec<&str> = word.split(':').collect();
+        let [name, offset, count, kind, low, high] = parts[..] else {
+            panic!("{word}: expected NAME:OFFSET:COUNT:KIND:LOW:HIGH");
+        };
+        let offset: u32 = offset.parse().expect("an offset in bytes");
+        Self {
+            address: machine.address(name) + offset,
+            count: count.parse().expect("a count"),
+            kind: Kind::parse(kind),
+            low: low.parse().expect("the least value"),
+            high: high.parse().expect("the greatest value"),
+        }
+    }
+
+    /// Any value, corners more often than others.
+    fn value(&self, random: &mut Random) -> f64 {
+        let width = self.high - self.low;
+        let share = f64::from(random.word()) / f64::from(u32::MAX);
+        let small = f64::from(random.word() % 17) - 8.0;
+        let power = 0.5_f64.powi((random.word() % 32) as i32);
+        let value = match random.word() % 8 {
+            0 => self.low,
+            1 => self.high,
+            2 => small,
+            3 => self.low + width * share * power,
+            4 => self.high - width * share * power,
+            _ => self.low + width * share,
+        };
+        let value = if matches!(self.kind, Kind::Integer { .. }) {
+            value.round()
+        } else {
+            value
+        };
+        value.clamp(self.low, self.high)
+    }
+}
+
+/// Bytes of all elements of an input.
+type Data = Vec<Vec<Vec<u8>>>;
+
+fn anything(inputs: &[Input], random: &mut Random) -> Data {
+    let each = inputs.iter().map(|input| {
+        let mut values: Vec<f64> = (0..input.count).map(|_| input.value(random)).collect();
+        match random.word() % 4 {
+            0 => values.sort_by(f64::total_cmp),
+            1 => values.sort_by(|a, b| b.total_cmp(a)),
+            2 => {
+                let first = values[0];
+                values.fill(first);
+            }
+            _ => {}
+        }
+        let encoded = values.iter().map(|value| input.kind.encoded(*value));
+        encoded.collect()
+    });
+    each.collect()
+}
+
+/// The same with some elements changed, copied or exchanged.
+fn changed(data: &Data, inputs: &[Input], random: &mut Random) -> Data {
+    let mut data = data.clone();
+    let most = 1 << (random.word() % 5);
+    for _ in 0..=random.word() % most {
+        let which = random.word() as usize % inputs.len();
+        let (input, elements) = (&inputs[which], &mut data[which]);
+        let one = random.word() as usize % input.count;
+        let other = random.word() as usize % input.count;
+        match random.word() % 6 {
+            0 => elements.swap(one, other),
+            1 => elements[one] = elements[other].clone(),
+            2 => {
+                let (first, last) = (one.min(other), one.max(other));
+                elements[first..=last].reverse();
+            }
+            _ => elements[one] = input.kind.encoded(input.value(random)),
+        }
+    }
+    data
+}
+
+struct Search<'a> {
+    machine: Machine<'a>,
+    memory: Vec<u8>,
+    symbol: String,
+    inputs: Vec<Input>,
+    longest_run: u64,
+}
+
+impl Search<'_> {
+    fn cycles(&mut self, data: &Data) -> u64 {
+        self.machine.restore(&self.memory);
+        for (input, elements) in self.inputs.iter().zip(data) {
+            for (address, bytes) in (input.address..).step_by(input.kind.size()).zip(elements) {
+                self.machine.set_bytes(address, bytes);
+            }
+        }
+        let limit = self.longest_run;
+        self.machine.call_within(&self.symbol, [0; 4], limit).cycles
+    }
+
+    fn given(&self) -> Data {
+        let each = self.inputs.iter().map(|input| {
+            let size = input.kind.size();
+            let places = (input.address..).step_by(size).take(input.count);
+            places
+                .map(|place| self.machine.bytes(place, size))
+                .collect()
+        });
+        each.collect()
+    }
+}
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let [path, before, symbol, budget, inputs @ ..] = &words[..] else {
+        panic!("expected ELF BEFORE SYMBOL CYCLES INPUT...");
+    };
+    let elf = std::fs::read(path).expect("a readable file");
+    let mut machine = Machine::new(&elf);
+    machine.call(before, [0; 4]);
+    let inputs: Vec<Input> = inputs.iter().map(|w| Input::parse(w, &machine)).collect();
+    let budget: u64 = budget.parse().expect("a number of cycles");
+    let mut search = Search {
+        memory: machine.memory(),
+        machine,
+        symbol: symbol.clone(),
+        inputs,
+        longest_run: u64::MAX,
+    };
+    let mut random = Random::new(1);
+    let mut best = search.given();
+    let given = search.cycles(&best);
+    search.longest_run = given * LONGEST_RUN;
+    let (mut here, mut most) = (given, given);
+    let (mut spent, mut runs, mut restarts, mut rejected) = (given, 1, 0, 0);
+    while spent < budget || runs < LEAST_RUNS {
+        let anew = rejected == PATIENCE;
+        let next = if anew {
+            anything(&search.inputs, &mut random)
+        } else {
+            changed(&best, &search.inputs, &mut random)
+        };
+        let cycles = search.cycles(&next);
+        (spent, runs) = (spent + cycles, runs + 1);
+        if anew || cycles >= here {
+            rejected = if anew || cycles > here {
+                0
+            } else {
+                rejected + 1
+            };
+            restarts += u32::from(anew);
+            (best, here) = (next, cycles);
+            most = most.max(cycles);
+        } else {
+            rejected += 1;
+        }
+    }
+    println!("{given} {most} {runs} {restarts}");
+}

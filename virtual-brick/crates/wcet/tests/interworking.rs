@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! A binary of ARM and Thumb code: bounds against times over each kind of change of state.
+
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+mod support;
+
+use support::machine::Machine;
+use support::random::Random;
+use support::toolchain::{build, program};
+use wcet::report::Report;
+use wcet::{Annotations, Image, MemoryMap, Program};
+
+const LEVELS: [&str; 4] = ["-O0", "-O1", "-O2", "-Os"];
+
+/// What the pointers of the table lead to, where the index has no bound in the frame.
+const TARGETS: &str = "[[call]]\nsymbol = \"arm_pointers\"\n\
+                       targets = [\"arm_weigh\", \"thumb_weigh\"]\n\
+                       [[call]]\nsymbol = \"thumb_pointers\"\n\
+                       targets = [\"arm_weigh\", \"thumb_weigh\"]\n";
+
+fn elf(level: &str) -> Option<Vec<u8>> {
+    build("interworking", &[program("interworking.c")], &[level])
+}
+
+fn report(elf: &[u8], symbol: &str) -> Report {
+    let image = Image::read(elf).unwrap();
+    let map = MemoryMap::without_wait_states();
+    let annotations = Annotations::parse(TARGETS, "targets.toml").unwrap();
+    let program = Program::new(&image, &map, &annotations).unwrap();
+    Report::new(&program, symbol).unwrap_or_else(|error| panic!("{symbol}: {error}"))
+}
+
+/// Does the image hold veneers, which the linker puts where a branch changes the state?
+fn has_veneers(elf: &[u8]) -> bool {
+    let image = Image::read(elf).unwrap();
+    let veneers = ["__thumb_weigh_from_arm", "__arm_weigh_from_thumb"];
+    veneers.iter().all(|name| image.function(name).is_some())
+}
+
+#[test]
+fn functions_of_one_path_over_both_states_take_their_bound() {
+    for level in LEVELS {
+        let Some(elf) = elf(level) else { return };
+        assert!(has_veneers(&elf), "{level}: the binary is not mixed");
+        let mut machine = Machine::new(&elf);
+        for symbol in [
+            "arm_to_thumb",
+            "thumb_to_arm",
+            "arm_tail",
+            "thumb_tail",
+            "three_deep",
+        ] {
+            let found = report(&elf, symbol);
+            let seen = machine.call(symbol, [2, 0, 0, 0]);
+            assert_eq!(seen.cycles, found.bound_cycles, "{level} {symbol}");
+            assert_eq!(
+                Some(seen.stack_bytes),
+                found.stack_bytes,
+                "{level} {symbol}"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_way_between_the_states_exceeds_the_bound_and_the_longest_is_nearly_it() {
+    for level in LEVELS {
+        let Some(elf) = elf(level) else { return };
+        let mut machine = Machine::new(&elf);
+        let mut random = Random::new(5);
+        for symbol in [
+            "arm_pointers",
+            "thumb_pointers",
+            "thumb_either",
+            "arm_either",
+        ] {
+            let found = report(&elf, symbol);
+            let seen = (0..500).map(|_| {
+                let seen = machine.call(symbol, [random.integer(), 0, 0, 0]);
+                assert!(seen.stack_bytes <= found.stack_bytes.unwrap());
+                seen.cycles
+            });
+            let longest = seen.max().unwrap();
+            assert!(longest <= found.bound_cycles, "{level} {symbol}");
+            assert!(
+                longest * 21 / 20 >= found.bound_cycles,
+                "{level} {symbol}: {longest} of {}",
+                found.bound_cycles
+            );
+        }
+    }
+}
