@@ -26,6 +26,9 @@ const PATIENCE: u32 = 150;
 /// Runs that are made whatever they take.
 const LEAST_RUNS: u32 = 20;
 
+/// Runs after which it is enough, whatever they took.
+const MOST_RUNS: u32 = 10_000;
+
 /// A run may take this many times as long as with the given data.
 const LONGEST_RUN: u64 = 1000;
 
@@ -211,7 +214,7 @@ fn main() {
     search.longest_run = given * LONGEST_RUN;
     let (mut here, mut most) = (given, given);
     let (mut spent, mut runs, mut restarts, mut rejected) = (given, 1, 0, 0);
-    while spent < budget || runs < LEAST_RUNS {
+    while runs < LEAST_RUNS || spent < budget && runs < MOST_RUNS {
         let anew = rejected == PATIENCE;
         let next = if anew {
             anything(&search.inputs, &mut random)
