@@ -5,7 +5,7 @@
 `python -m conformance.timing.input_search FOLDER [--code arm|thumb] [--level O1] [--table FILE]
 [NAME ...]` prints one JSON object. `tacle_inputs.toml` says what the inputs are and in which range.
 Four numbers of each program: the time with the given data and its bound, the longest time that a
-search finds (hill climbing with restarts, always the same), and the bound for any data in the range.
+search finds (hill climbing with restarts, always the same), and the bound for any data in range.
 Loops without a bound of their own take the program's pragmas, unless the file says more.
 """
 

@@ -145,8 +145,8 @@ def execution_times(
     what it calls. With `graphs`, bounds bring the graphs in which their longest paths were sought.
     With `closed`, functions called one after the other and their stack pointer, the last of them is
     bounded as it is, with memory as the image says and written by nothing else, but for `inputs`,
-    variables that may then have any content; `closed_lines` are the lines it executes. An input is a
-    name, or a dictionary with `symbol`, `offset_bytes`, `size_bytes`, `element_bytes` and `range`
+    variables that may then have any content; `closed_lines` are the lines it executes. An input is
+    a name, or a dictionary with `symbol`, `offset_bytes`, `size_bytes`, `element_bytes` and `range`
     (least and greatest element, without sign).
 
     Raises `ExecutionTimeError` when there is no bound, `UsageError` for a wrong image or
