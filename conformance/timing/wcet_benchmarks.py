@@ -195,8 +195,8 @@ class Facts:
         self._recursions: list[dict[str, Any]] = []
 
     def say(self, symbol: str, iterations: int) -> None:
-        """A fact about all loops of a function."""
-        self._loops.append({"symbol": symbol, "iterations": iterations})
+        """A fact about the first loop of a function."""
+        self._loops.append({"symbol": symbol, "index": 0, "iterations": iterations})
 
     def text(self) -> str:
         """As TOML."""

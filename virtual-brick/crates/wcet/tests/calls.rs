@@ -133,7 +133,8 @@ fn an_avoided_call_and_a_given_cost_shorten_the_way() {
 
 #[test]
 fn a_jump_table_ends_where_the_counter_ends_that_is_its_index() {
-    let facts = "[[loop]]\nsymbol = \"turned\"\niterations = 8\n";
+    let facts = "[[loop]]\nsymbol = \"turned\"\nindex = 0\niterations = 8\n\
+                 [[loop]]\nsymbol = \"turned\"\nindex = 1\niterations = 8\n";
     for flags in [["-mthumb", "-O1"], ["-mthumb", "-O2"], ["-marm", "-O2"]] {
         let Some(elf) = elf(&flags) else { return };
         let mut machine = Machine::new(&elf);
