@@ -53,10 +53,14 @@ impl EventKind {
     pub(crate) const TIMERS: [Self; 3] = [Self::Timer0, Self::Timer1, Self::Timer2];
 }
 
-/// The pending events and the time of the first.
+/// The pending events, and the first of them.
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule {
     earliest: Cycles,
+    /// Kind of the first event; any while none is pending.
+    first: EventKind,
+    /// Bit n: the event of kind n is pending.
+    pending: u32,
     due: [Cycles; EventKind::ALL.len()],
 }
 
@@ -64,6 +68,8 @@ impl Schedule {
     pub(crate) fn new() -> Self {
         Self {
             earliest: NEVER,
+            first: EventKind::Board,
+            pending: 0,
             due: [NEVER; EventKind::ALL.len()],
         }
     }
@@ -78,24 +84,42 @@ impl Schedule {
     #[inline]
     pub(crate) fn set(&mut self, kind: EventKind, at: Cycles) {
         let slot = &mut self.due[kind as usize];
-        let before = *slot;
-        if at == before {
+        if at == *slot {
             return;
         }
         *slot = at;
-        if at <= self.earliest {
-            self.earliest = at;
-        } else if before == self.earliest {
-            self.earliest = self.due.iter().copied().min().unwrap_or(NEVER);
+        let bit = 1 << kind as u32;
+        if at == NEVER {
+            self.pending &= !bit;
+        } else {
+            self.pending |= bit;
+        }
+        if (at, kind) < (self.earliest, self.first) {
+            (self.earliest, self.first) = (at, kind);
+        } else if kind == self.first {
+            self.find_first();
+        }
+    }
+
+    /// Of two events at one time the kind declared first is the first.
+    #[inline]
+    fn find_first(&mut self) {
+        (self.earliest, self.first) = (NEVER, EventKind::Board);
+        let mut left = self.pending;
+        while left != 0 {
+            let number = left.trailing_zeros() as usize;
+            left &= left - 1;
+            if let (Some(&at), Some(&kind)) = (self.due.get(number), EventKind::ALL.get(number)) {
+                if at < self.earliest {
+                    (self.earliest, self.first) = (at, kind);
+                }
+            }
         }
     }
 
     /// The first event: its kind and time.
     #[inline]
     pub(crate) fn first(&self) -> (EventKind, Cycles) {
-        let at = self.earliest;
-        let first = self.due.iter().position(|due| *due == at);
-        let kind = first.and_then(|index| EventKind::ALL.get(index));
-        (kind.copied().unwrap_or(EventKind::Board), at)
+        (self.first, self.earliest)
     }
 }

@@ -13,6 +13,8 @@ use crate::streams::SERIAL_CLOCKS;
 use crate::{pwmc, spi, ssc, twi};
 
 pub(crate) const SPI_BASE: u32 = 0xFFFE_0000;
+const TWI_BASE: u32 = 0xFFFB_8000;
+const AIC_BASE: u32 = 0xFFFF_F000;
 
 /// A peripheral that answers at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,13 +40,24 @@ enum Peripheral {
     Mc,
 }
 
-/// The peripheral at `address` and the register offset in it.
+/// The peripheral at `address` and the register offset in it. Interrupt controller and two-wire
+/// interface, which running programs access most, are found first.
+#[inline]
 fn decode(address: u32) -> Access<(Peripheral, u32)> {
+    match address & !0x1FF {
+        AIC_BASE => Ok((Peripheral::Aic, address - AIC_BASE)),
+        TWI_BASE => Ok((Peripheral::Twi, address - TWI_BASE)),
+        _ => decode_any(address),
+    }
+}
+
+#[inline(never)]
+fn decode_any(address: u32) -> Access<(Peripheral, u32)> {
     let slot = address & 0xFFFF_C000;
     let peripheral = match slot {
         0xFFFA_0000 => Peripheral::Tc,
         0xFFFB_0000 => Peripheral::Udp,
-        0xFFFB_8000 => Peripheral::Twi,
+        TWI_BASE => Peripheral::Twi,
         0xFFFC_0000 => Peripheral::Usart0,
         0xFFFC_4000 => Peripheral::Usart1,
         0xFFFC_C000 => Peripheral::Pwmc,
@@ -59,7 +72,7 @@ fn decode(address: u32) -> Access<(Peripheral, u32)> {
 
 fn decode_system(address: u32) -> Access<(Peripheral, u32)> {
     let (peripheral, base) = match address {
-        0xFFFF_F000..=0xFFFF_F1FF => (Peripheral::Aic, 0xFFFF_F000),
+        0xFFFF_F000..=0xFFFF_F1FF => (Peripheral::Aic, AIC_BASE),
         0xFFFF_F200..=0xFFFF_F3FF => (Peripheral::Dbgu, 0xFFFF_F200),
         0xFFFF_F400..=0xFFFF_F5FF => (Peripheral::Pioa, 0xFFFF_F400),
         0xFFFF_FC00..=0xFFFF_FCFF => (Peripheral::Pmc, 0xFFFF_FC00),

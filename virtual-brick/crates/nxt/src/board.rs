@@ -264,12 +264,14 @@ impl NxtBoard {
 
     /// Some event happened since the last call of [`Self::take_events`].
     #[must_use]
+    #[inline]
     pub fn has_events(&self) -> bool {
         !self.log.is_empty()
     }
 
     /// Events since the last call, in the order in which they happened, in place of what `taken`
     /// holds.
+    #[inline]
     pub fn take_events(&mut self, taken: &mut Vec<BoardEvent>) {
         self.log.take(taken);
     }

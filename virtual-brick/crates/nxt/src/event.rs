@@ -125,6 +125,7 @@ impl EventLog {
         self.add(at_cycles, BoardEventKind::Fault(fault));
     }
 
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.events.is_empty()
     }
@@ -134,6 +135,7 @@ impl EventLog {
     }
 
     /// Hands the events over; `taken` is emptied first, its room is used again.
+    #[inline]
     pub fn take(&mut self, taken: &mut Vec<BoardEvent>) {
         taken.clear();
         self.ends = false;

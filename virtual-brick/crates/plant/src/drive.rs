@@ -50,8 +50,8 @@ pub(crate) struct Winding {
 
 impl MotorDrive {
     /// Linear law of the mean current in the next step (trapezoidal rule).
-    pub(crate) fn step_current(self, motor: &MotorParameters, winding: Winding) -> StepCurrent {
-        match self {
+    pub(crate) fn step_current(&self, motor: &MotorParameters, winding: Winding) -> StepCurrent {
+        match *self {
             Self::Coast => StepCurrent::default(),
             Self::Brake => winding.driven(motor, 0.0),
             Self::Pwm {
@@ -69,13 +69,13 @@ impl MotorDrive {
 
     /// Mean voltage at the motor's terminals with this mean current and angular velocity.
     pub(crate) fn terminal_voltage(
-        self,
+        &self,
         motor: &MotorParameters,
         supply: f64,
         current: f64,
         velocity: f64,
     ) -> f64 {
-        match self {
+        match *self {
             Self::Brake => 0.0,
             Self::Pwm {
                 duty,
@@ -88,13 +88,13 @@ impl MotorDrive {
 
     /// Mean current drawn from the supply.
     pub(crate) fn supply_current(
-        self,
+        &self,
         motor: &MotorParameters,
         supply: f64,
         current: f64,
         velocity: f64,
     ) -> f64 {
-        match self {
+        match *self {
             Self::Coast | Self::Brake => 0.0,
             Self::Pwm {
                 duty,

@@ -4,7 +4,7 @@
 
 use crate::balancer::Pendulum;
 use crate::body::Vehicle;
-use crate::drive::{MotorDrive, StepCurrent, Winding};
+use crate::drive::{MotorDrive, StepCurrent};
 use crate::motor::Motor;
 use crate::parameters::MotorPort;
 use crate::solver::{
@@ -13,9 +13,10 @@ use crate::solver::{
 
 /// Angular velocity in rad/s below which a shaft held by friction is at rest.
 const AT_REST: f64 = 1e-6;
-/// Frictions of three motors, two stops each, and two of the body: rolling and castor, or the
-/// floor on both sides.
-const CONSTRAINTS: usize = 11;
+/// Most constraints: frictions of three motors and two of the body, rolling and castor; where there
+/// is more than gear trains, two stops of each motor besides, and the floor on both sides.
+pub(crate) const GEAR_CONSTRAINTS: usize = MOTORS + 2;
+pub(crate) const CONSTRAINTS: usize = GEAR_CONSTRAINTS + 2 * MOTORS;
 
 /// Three motor ports and a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,14 +43,6 @@ pub(crate) struct Answers<const N: usize> {
     inverse: MassMatrix<N>,
     gears: [Answer<N>; MOTORS],
     rolling: Option<Answer<N>>,
-}
-
-/// A motor's part of a step, before the impulses.
-#[derive(Clone, Copy)]
-struct Driven {
-    drive: MotorDrive,
-    law: StepCurrent,
-    winding: Winding,
 }
 
 /// What one step has found out before the impulses.
@@ -97,53 +90,36 @@ impl Mechanism {
     }
 
     /// Advances by `dt` s with the bridges in the given states at `supply` V.
-    pub fn step<const N: usize>(
+    pub fn step<const N: usize, const C: usize>(
         &mut self,
         answers: &mut Answers<N>,
         dt: f64,
         drives: &[MotorDrive; MOTORS],
         supply: f64,
     ) {
-        let driven = self.driven(dt, drives, supply);
-        let velocity = self.new_velocities(answers, dt, &driven);
+        let mut laws = [StepCurrent::default(); MOTORS];
+        let mut before = [0.0; MOTORS];
+        for (k, motor) in self.motors.iter().enumerate() {
+            if let Some(motor) = motor {
+                laws[k] = motor.step_current(&drives[k], supply, dt);
+                before[k] = motor.angular_velocity();
+            }
+        }
+        let velocity = self.new_velocities::<N, C>(answers, dt, &laws);
         let wheels = self.wheel_angles();
-        for (k, (motor, driven)) in self.motors.iter_mut().zip(driven).enumerate() {
-            let (Some(motor), Some(driven)) = (motor, driven) else {
+        for (k, motor) in self.motors.iter_mut().enumerate() {
+            let Some(motor) = motor else {
                 continue;
             };
+            let winding = motor.winding(before[k], supply, dt);
             if !motor.follow_hand(dt) {
                 let load = velocity.get(MOTORS + k).copied().unwrap_or_default();
                 motor.finish_step(velocity[k], load, dt);
             }
-            motor.finish_current(driven.drive, driven.law, driven.winding);
+            motor.finish_current(&drives[k], laws[k], winding);
         }
         let pitch_rate = velocity.get(PITCH).copied().unwrap_or_default();
         self.roll(wheels, pitch_rate, dt);
-    }
-
-    /// What the bridges do to the motors.
-    #[inline(always)]
-    fn driven(
-        &self,
-        dt: f64,
-        drives: &[MotorDrive; MOTORS],
-        supply: f64,
-    ) -> [Option<Driven>; MOTORS] {
-        let mut driven = [None; MOTORS];
-        for ((driven, motor), drive) in driven.iter_mut().zip(&self.motors).zip(drives) {
-            let Some(motor) = motor else {
-                continue;
-            };
-            let drive = motor.effective(*drive);
-            let winding = motor.winding(supply, dt);
-            let law = drive.step_current(motor.parameters(), winding);
-            *driven = Some(Driven {
-                drive,
-                law,
-                winding,
-            });
-        }
-        driven
     }
 
     /// Inertias of gear trains and body; 1 where there is nothing or a hand decides.
@@ -195,22 +171,19 @@ impl Mechanism {
 
     /// Velocities at the end of a step. Its linear part: M (w1 - w0) = dt (Kt i - b (w0 + w1) / 2 -
     /// load).
-    fn new_velocities<const N: usize>(
+    fn new_velocities<const N: usize, const C: usize>(
         &self,
         answers: &mut Answers<N>,
         dt: f64,
-        driven: &[Option<Driven>; MOTORS],
+        laws: &[StepCurrent; MOTORS],
     ) -> Vector<N> {
         let mut matrix = answers.masses.unwrap_or_else(|| self.masses());
         let before = self.velocities();
         let mut right = matrix.multiply(&before);
-        for (k, (motor, driven)) in self.motors.iter().zip(driven).enumerate() {
-            let (Some(motor), Some(Driven { law, .. })) = (motor, driven) else {
+        for (k, (motor, law)) in self.motors.iter().zip(laws).enumerate() {
+            let Some(motor) = motor.as_ref().filter(|motor| !motor.held_by_hand()) else {
                 continue;
             };
-            if motor.held_by_hand() {
-                continue;
-            }
             let parameters = motor.parameters();
             let torque = parameters.torque_constant;
             let viscous = parameters.viscous_friction / 2.0;
@@ -230,7 +203,7 @@ impl Mechanism {
             *answers = Answers::to(matrix, self, answers.masses);
         }
         let free = answers.inverse.multiply(&right);
-        self.constrained(&Step {
+        self.constrained::<N, C>(&Step {
             dt,
             answers,
             before,
@@ -239,9 +212,9 @@ impl Mechanism {
     }
 
     #[inline(always)]
-    fn constrained<const N: usize>(&self, step: &Step<'_, N>) -> Vector<N> {
+    fn constrained<const N: usize, const C: usize>(&self, step: &Step<'_, N>) -> Vector<N> {
         let mut velocity = step.free;
-        let mut constraints = [const { None }; CONSTRAINTS];
+        let mut constraints = [const { None }; C];
         let mut frictions = [None; MOTORS];
         let mut count = 0;
         let mut add = |constraint| {

@@ -103,12 +103,19 @@ impl Motor {
     }
 
     /// What the bridge can do to the winding: nothing while the fuse is open.
-    pub(crate) const fn effective(&self, drive: MotorDrive) -> MotorDrive {
+    const fn effective<'a>(&self, drive: &'a MotorDrive) -> &'a MotorDrive {
         if self.heat.is_open() {
-            MotorDrive::Coast
+            &MotorDrive::Coast
         } else {
             drive
         }
+    }
+
+    /// Law of the current in the step that begins.
+    pub(crate) fn step_current(&self, drive: &MotorDrive, supply: f64, dt: f64) -> StepCurrent {
+        let winding = self.winding(self.angular_velocity, supply, dt);
+        self.effective(drive)
+            .step_current(&self.parameters, winding)
     }
 
     /// Whether the shaft follows a hand.
@@ -202,9 +209,10 @@ impl Motor {
         ]
     }
 
-    pub(crate) fn winding(&self, supply: f64, dt: f64) -> Winding {
+    /// The winding when the velocity was this and the current what it still is.
+    pub(crate) const fn winding(&self, velocity: f64, supply: f64, dt: f64) -> Winding {
         Winding {
-            velocity: self.angular_velocity,
+            velocity,
             current: self.current,
             supply,
             dt,
@@ -228,7 +236,8 @@ impl Motor {
     }
 
     /// Records what the bridge did in the step that led from `before` to the velocity now.
-    pub(crate) fn finish_current(&mut self, drive: MotorDrive, law: StepCurrent, before: Winding) {
+    pub(crate) fn finish_current(&mut self, drive: &MotorDrive, law: StepCurrent, before: Winding) {
+        let drive = self.effective(drive);
         let mean = law.offset - law.slope * self.angular_velocity;
         let velocity = (before.velocity + self.angular_velocity) / 2.0;
         let motor = &self.parameters;
@@ -268,7 +277,7 @@ impl Motor {
 
 impl MotorDrive {
     /// The winding stays connected, so that its inductance carries the current on.
-    fn keeps_current(self) -> bool {
+    fn keeps_current(&self) -> bool {
         use crate::drive::Decay;
         matches!(
             self,

@@ -6,7 +6,7 @@ use crate::balancer::Pendulum;
 use crate::body::{Pose, Vehicle};
 use crate::drive::MotorDrive;
 use crate::error::ParameterError;
-use crate::mechanism::{load_coordinate, Answers, Body, Mechanism};
+use crate::mechanism::{load_coordinate, Answers, Body, Mechanism, CONSTRAINTS, GEAR_CONSTRAINTS};
 use crate::motor::Motor;
 use crate::parameters::{BodyParameters, MotorPort, RobotParameters};
 use crate::solver::{COORDINATES, MOTORS};
@@ -170,9 +170,14 @@ impl Robot {
 
     /// Advances by `dt` s with the bridges in the given states at `supply` V.
     pub fn step(&mut self, dt: f64, drives: &[MotorDrive; MOTORS], supply: f64) {
+        let mechanism = &mut self.mechanism;
         match &mut self.solver {
-            Solver::Gears(answers) => self.mechanism.step(answers, dt, drives, supply),
-            Solver::All(answers) => self.mechanism.step(answers, dt, drives, supply),
+            Solver::Gears(answers) => {
+                mechanism.step::<MOTORS, GEAR_CONSTRAINTS>(answers, dt, drives, supply);
+            }
+            Solver::All(answers) => {
+                mechanism.step::<COORDINATES, CONSTRAINTS>(answers, dt, drives, supply);
+            }
         }
     }
 }

@@ -57,11 +57,13 @@ pub(crate) fn load(chip: &mut Machine, image: &Image) -> Result<(), AddressError
 }
 
 /// Events of the board since the last call.
+#[inline]
 pub(crate) fn take_events(chip: &mut Machine, taken: &mut Vec<BoardEvent>) {
     chip.board_reports().take_events(taken);
 }
 
 /// Meaning of an event of the board.
+#[inline]
 pub(crate) fn observed(event: &BoardEvent) -> Observed {
     let at_cycles = event.at_cycles;
     let (kind, subject, value) = match event.kind {

@@ -160,10 +160,10 @@ impl Recorder {
         if self.pending.len() > 1 {
             self.pending.sort_by_key(|event| event.at_cycles);
         }
-        let mut events = self.pending.drain(..);
-        events
-            .try_for_each(|event| self.trace.record(event))
-            .map_err(|error| stop(now, &error))
+        let mut events = self.pending.iter();
+        let written = events.try_for_each(|event| self.trace.record(*event));
+        self.pending.clear();
+        written.map_err(|error| stop(now, &error))
     }
 
     fn observe_writes(&mut self, chip: &mut Machine) {
