@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,9 +20,14 @@ FONT_SIZE = WIDTH * len(LETTERS)
 UNKNOWN = "?"
 
 
+@lru_cache(maxsize=8)
+def _letters(font: bytes) -> dict[bytes, str]:
+    return {font[WIDTH * i : WIDTH * (i + 1)]: letter for i, letter in enumerate(LETTERS)}
+
+
 def lcd_text(pixels: NDArray[np.bool_], font: bytes) -> tuple[str, ...]:
     """Eight lines without trailing blanks; a cell that holds no letter reads '?'."""
-    letters = {font[WIDTH * i : WIDTH * (i + 1)]: letter for i, letter in enumerate(LETTERS)}
+    letters = _letters(font)
     lines = []
     for top in range(0, pixels.shape[0], CELL_HEIGHT):
         band = pixels[top : top + CELL_HEIGHT]

@@ -337,11 +337,11 @@ class _Play:
         for at_ms in self._instants():
             at_cycles = MASTER_CLOCK.cycles_of_ms(at_ms)
             if link is None or peer is None:
-                self._visit(at_ms, self._brick.run_until(at_cycles))
+                self._visit(at_ms, at_cycles, self._brick.run_until(at_cycles))
             else:
                 stops = link.run_until(at_cycles)
-                self._visit(at_ms, stops[0])
-                peer._visit(at_ms, stops[1])
+                self._visit(at_ms, at_cycles, stops[0])
+                peer._visit(at_ms, at_cycles, stops[1])
             if at_ms % PROGRESS_MS == 0:
                 progress(at_ms / self._scenario.duration_ms)
             if self._stop.reason != "reached":
@@ -354,9 +354,9 @@ class _Play:
         """What was played so far."""
         save_sound(self._brick, path)
 
-    def _visit(self, at_ms: int, stop: Any) -> None:
+    def _visit(self, at_ms: int, at_cycles: int, stop: Any) -> None:
         self._stop = stop
-        self._visited.append(MASTER_CLOCK.cycles_of_ms(at_ms))
+        self._visited.append(at_cycles)
         self._look()
         if stop.reason == "reached" and at_ms in self._scenario.pictures_ms:
             self._pictures.append(_picture(self._brick, self._image))

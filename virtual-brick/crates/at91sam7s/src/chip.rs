@@ -240,17 +240,27 @@ impl<B: Board> Chip<B> {
     /// # Errors
     /// The range is not wholly inside SRAM or flash.
     pub fn peek(&self, address: u32, length: usize) -> Result<Vec<u8>, AddressError> {
-        let in_sram = self.memory(address, length)?;
-        let byte = |offset: usize| {
-            let at = address.wrapping_add(offset as u32);
+        self.memory(address, length)?;
+        let mut bytes = vec![0; length];
+        self.peek_into(address, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// Read as many bytes of SRAM or flash as there is room for, without side effects.
+    ///
+    /// # Errors
+    /// The range is not wholly inside SRAM or flash.
+    pub fn peek_into(&self, address: u32, bytes: &mut [u8]) -> Result<(), AddressError> {
+        let in_sram = self.memory(address, bytes.len())?;
+        for (at, byte) in (address..).zip(bytes) {
             let word = if in_sram {
                 self.sram.word(at)
             } else {
                 self.flash.word(at)
             };
-            (word >> ((at & 3) * 8)) as u8
-        };
-        Ok((0..length).map(byte).collect())
+            *byte = (word >> ((at & 3) * 8)) as u8;
+        }
+        Ok(())
     }
 
     /// Read one aligned word of SRAM or flash without side effects.

@@ -15,13 +15,7 @@ pub(crate) struct ChipMemory<'a>(pub &'a Machine);
 
 impl Memory for ChipMemory<'_> {
     fn read(&self, address: u32, bytes: &mut [u8]) -> bool {
-        match self.0.peek(address, bytes.len()) {
-            Ok(found) => {
-                bytes.copy_from_slice(&found);
-                true
-            }
-            Err(_) => false,
-        }
+        self.0.peek_into(address, bytes).is_ok()
     }
 
     fn word(&self, address: u32) -> Option<u32> {
