@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Branches to targets that are known only at run time: through the table of places.
 
-use std::mem::offset_of;
-
 use arm7tdmi::NativeReach;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{types, AliasRegion, InstBuilder, MemFlags, SigRef, Value};
 
 use crate::function::Function;
-use crate::table::Entry;
+use crate::table::{Entry, CODE, INDEX, KEY, REFILL_CYCLES};
 
 /// Accesses to the table.
 fn of_table() -> MemFlags {
@@ -36,21 +34,16 @@ impl Function<'_> {
     }
 
     pub fn entry_key(&mut self, entry: Value) -> Value {
-        let offset = offset_of!(Entry, key) as i32;
-        self.builder
-            .ins()
-            .load(types::I32, of_table(), entry, offset)
+        self.builder.ins().load(types::I32, of_table(), entry, KEY)
     }
 
     /// Goes on in other code.
     pub fn go_to(&mut self, ways: &Ways, entry: Value, left: Value) {
-        let index = offset_of!(Entry, index) as i32;
         let index = self
             .builder
             .ins()
-            .uload16(types::I32, of_table(), entry, index);
-        let code = offset_of!(Entry, code) as i32;
-        let code = self.builder.ins().load(types::I64, of_table(), entry, code);
+            .uload16(types::I32, of_table(), entry, INDEX);
+        let code = self.builder.ins().load(types::I64, of_table(), entry, CODE);
         let arguments = self.arguments;
         let values = [
             arguments.state,
@@ -99,11 +92,10 @@ impl Function<'_> {
     pub fn branch_to_entry(&mut self, ways: &Ways, entry: Value, through_cycles: u32) {
         self.clean();
         let left = self.left_after(through_cycles);
-        let offset = offset_of!(Entry, refill_cycles) as i32;
         let refill = self
             .builder
             .ins()
-            .uload16(types::I32, of_table(), entry, offset);
+            .uload16(types::I32, of_table(), entry, REFILL_CYCLES);
         let left = self.builder.ins().isub(left, refill);
         self.go_to(ways, entry, left);
     }

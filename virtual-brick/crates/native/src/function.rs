@@ -9,6 +9,7 @@ use cranelift_codegen::ir::{types, AliasRegion, Block, BlockArg, InstBuilder, Me
 use cranelift_frontend::FunctionBuilder;
 
 use crate::flags::Flags;
+use crate::reach::Reach;
 use crate::table::{AfterStore, Exit};
 
 /// A flag's place in the state.
@@ -64,6 +65,18 @@ pub(crate) struct Position {
     pub address: u32,
 }
 
+/// Bytes around a base that are in RAM.
+#[derive(Clone, Copy)]
+pub(crate) struct Checked {
+    pub base: Value,
+    pub reach: Reach,
+    /// Offset of the first in RAM, its address in the host's memory, and that of its mark if it was
+    /// asked for.
+    pub offset: Value,
+    pub start: Value,
+    pub mark: Option<Value>,
+}
+
 /// What is known where code is made.
 #[derive(Clone, Copy)]
 pub(crate) struct Known {
@@ -71,12 +84,16 @@ pub(crate) struct Known {
     pub registers: [Option<Value>; 16],
     /// Registers that the state does not have.
     pub dirty: u16,
+    /// Registers that were written.
+    written: u16,
     pub flags: Flags,
     /// Cycles left, but for those of fetches in this block and those pending.
     pub left: Value,
     /// Cycles besides fetches that were not yet taken from those left.
     pub pending: u32,
     pub after_store: AfterStore,
+    /// The last ones.
+    pub checked: [Option<Checked>; 4],
 }
 
 /// A function while it is made.
@@ -88,26 +105,40 @@ pub(crate) struct Function<'a> {
     /// Nothing comes behind what was made.
     pub ended: bool,
     exits: &'a mut Vec<Exit>,
+    /// Returns to the caller.
+    back: Block,
+}
+
+impl Known {
+    /// At the beginning of a block.
+    const fn at_start(left: Value) -> Self {
+        Self {
+            registers: [None; 16],
+            dirty: 0,
+            written: 0,
+            flags: Flags::IN_STATE,
+            left,
+            pending: 0,
+            after_store: AfterStore::Not,
+            checked: [None; 4],
+        }
+    }
 }
 
 impl<'a> Function<'a> {
     pub fn new(
-        builder: FunctionBuilder<'a>,
+        mut builder: FunctionBuilder<'a>,
         arguments: Arguments,
         left: Value,
         exits: &'a mut Vec<Exit>,
     ) -> Self {
+        let back = builder.create_block();
+        builder.append_block_param(back, types::I32);
+        builder.append_block_param(back, types::I32);
         Self {
             builder,
             arguments,
-            known: Known {
-                registers: [None; 16],
-                dirty: 0,
-                flags: Flags::IN_STATE,
-                left,
-                pending: 0,
-                after_store: AfterStore::Not,
-            },
+            known: Known::at_start(left),
             position: Position {
                 block: 0,
                 key: 0,
@@ -116,20 +147,14 @@ impl<'a> Function<'a> {
             },
             ended: false,
             exits,
+            back,
         }
     }
 
     /// A block of the region begins, with so many cycles left.
     pub fn begin(&mut self, left: Value) {
         self.ended = false;
-        self.known = Known {
-            registers: [None; 16],
-            dirty: 0,
-            flags: Flags::IN_STATE,
-            left,
-            pending: 0,
-            after_store: AfterStore::Not,
-        };
+        self.known = Known::at_start(left);
     }
 
     pub fn constant(&mut self, value: u32) -> Value {
@@ -167,10 +192,11 @@ impl<'a> Function<'a> {
     pub fn set(&mut self, register: u32, value: Value) {
         self.known.registers[register as usize & 15] = Some(value);
         self.known.dirty |= 1 << (register & 15);
+        self.known.written |= 1 << (register & 15);
     }
 
-    /// Brings the state up to date, without taking note of it.
-    pub fn store_dirty(&mut self) {
+    /// The state has all registers.
+    pub fn clean_registers(&mut self) {
         let state = self.arguments.state;
         for register in 0..16 {
             let value = self.known.registers[register as usize];
@@ -179,7 +205,12 @@ impl<'a> Function<'a> {
                 self.builder.ins().store(of_state(), value, state, offset);
             }
         }
-        let flags = self.known.flags;
+        self.known.dirty = 0;
+    }
+
+    /// Stores the flags that the state does not have, on one of several ways on from here.
+    pub fn store_flags(&mut self) {
+        let (state, flags) = (self.arguments.state, self.known.flags);
         for (field, flag) in flags.each() {
             if flags.dirty >> field as u8 & 1 != 0 {
                 let value = self.flag(field, flag);
@@ -191,8 +222,8 @@ impl<'a> Function<'a> {
 
     /// The state is up to date.
     pub fn clean(&mut self) {
-        self.store_dirty();
-        self.known.dirty = 0;
+        self.clean_registers();
+        self.store_flags();
         self.known.flags.dirty = 0;
     }
 
@@ -217,36 +248,55 @@ impl<'a> Function<'a> {
         self.builder.ins().isub(self.known.left, cycles)
     }
 
-    /// Returns to the caller with cycles left.
+    /// Returns to the caller with cycles left, from which the exit's are still to be taken.
     pub fn leave_with(&mut self, left: Value, exit: Exit) {
         let number = self.exits.len() as u32;
         self.exits.push(exit);
         let number = self.constant(number);
-        self.builder.ins().return_(&[left, number]);
+        let back = self.back;
+        self.builder.ins().jump(back, &[left.into(), number.into()]);
         self.ended = true;
     }
 
-    /// Leaves the code before the instruction.
-    pub fn leave(&mut self) {
-        self.store_dirty();
-        let left = self.left_after(0);
+    /// The way back to the caller.
+    pub fn finish(mut self) {
+        let back = self.back;
+        self.builder.switch_to_block(back);
+        self.builder.set_cold_block(back);
+        let results = self.builder.block_params(back).to_vec();
+        self.builder.ins().return_(&results);
+        self.builder.seal_all_blocks();
+        self.builder.finalize();
+    }
+
+    /// Leaves the code before the instruction. The state has all registers.
+    fn leave_here(&mut self) {
+        self.store_flags();
         let exit = Exit {
             block: self.position.block,
             operation: self.position.operation,
             next: self.position.key,
+            pending_cycles: self.known.pending,
             after_store: self.known.after_store,
         };
-        self.leave_with(left, exit);
+        self.leave_with(self.known.left, exit);
+    }
+
+    /// Leaves the code before the instruction.
+    pub fn leave(&mut self) {
+        self.clean_registers();
+        self.leave_here();
     }
 
     /// Leaves the code before the instruction if a value is not zero.
     pub fn leave_if(&mut self, condition: Value) {
+        self.clean_registers();
         let leave = self.builder.create_block();
         let on = self.builder.create_block();
         self.builder.ins().brif(condition, leave, &[], on, &[]);
         self.builder.set_cold_block(leave);
         self.builder.switch_to_block(leave);
-        self.leave();
+        self.leave_here();
         self.builder.switch_to_block(on);
         self.ended = false;
     }
@@ -258,10 +308,9 @@ impl<'a> Function<'a> {
         let skip = self.builder.create_block();
         self.builder.ins().brif(holds, then, &[], skip, &[]);
         self.builder.switch_to_block(then);
-        Passed {
-            skip,
-            known: self.known,
-        }
+        let known = self.known;
+        self.known.written = 0;
+        Passed { skip, known }
     }
 
     /// What comes next runs in any case.
@@ -281,7 +330,8 @@ impl<'a> Function<'a> {
         let join = self.builder.create_block();
         let arguments = self.values(&changes);
         self.builder.ins().jump(join, &arguments);
-        let dirty = (self.known.dirty, self.known.flags.dirty);
+        let (dirty, flags_dirty) = (self.known.dirty, self.known.flags.dirty);
+        let written = self.known.written;
         self.known = known;
         self.builder.switch_to_block(skip);
         if stored {
@@ -291,7 +341,9 @@ impl<'a> Function<'a> {
         self.builder.ins().jump(join, &arguments);
         self.builder.switch_to_block(join);
         self.take(&changes, join);
-        (self.known.dirty, self.known.flags.dirty) = dirty;
+        self.known.dirty |= dirty;
+        self.known.flags.dirty |= flags_dirty;
+        self.known.written |= written;
         if stored {
             self.known.after_store = AfterStore::Told;
         }
@@ -301,7 +353,7 @@ impl<'a> Function<'a> {
         let now = &self.known;
         let registers = (0..16).filter(|&number: &u32| {
             let index = number as usize;
-            now.dirty >> number & 1 != 0 && now.registers[index] != before.registers[index]
+            now.written >> number & 1 != 0 && now.registers[index] != before.registers[index]
         });
         let flags = now.flags.each().into_iter().zip(before.flags.each());
         Changes {

@@ -17,6 +17,7 @@ mod flags;
 mod function;
 mod machine;
 mod multiply;
+mod reach;
 mod region;
 mod shift;
 mod table;

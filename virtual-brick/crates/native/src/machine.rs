@@ -185,8 +185,8 @@ impl Machine {
         marks: &[u8],
     ) -> Option<u32> {
         let enter = self.enter?;
-        let (left, code) = (state.left, entry.code as *const u8);
-        let index = u32::from(entry.index);
+        let (left, code) = (state.left, entry[1] as *const u8);
+        let index = (entry[0] >> 48) as u32;
         // SAFETY: see the top of the file.
         Some(unsafe { enter(state, left, words.as_mut_ptr(), marks.as_ptr(), index, code) })
     }

@@ -15,6 +15,7 @@ use crate::block_transfer::is_plain;
 use crate::branch::Ways;
 use crate::function::{Arguments, Function, Position};
 use crate::machine::Machine;
+use crate::reach::{reach, Reach};
 use crate::table::{AfterStore, Exit};
 use crate::transfer::Ram;
 
@@ -34,6 +35,8 @@ pub(crate) struct RegionCompiler<'a> {
     region: &'a NativeRegion,
     ways: Ways,
     ram: Ram,
+    /// What the instruction and those behind it access around its base.
+    around: Option<Reach>,
     /// The code of each block, by key.
     blocks: BTreeMap<u32, Block>,
     /// Ways out to other code, by key, with the block that asked first.
@@ -95,6 +98,7 @@ impl<'a> RegionCompiler<'a> {
                 bytes: 4 * layout.words,
                 cycles: region.ram_cycles,
             },
+            around: None,
             blocks: BTreeMap::new(),
             outward: BTreeMap::new(),
         };
@@ -131,8 +135,7 @@ impl<'a> RegionCompiler<'a> {
         for (_, (code, jump, block)) in std::mem::take(&mut self.outward) {
             self.leave_to(code, jump, block);
         }
-        self.function.builder.seal_all_blocks();
-        self.function.builder.finalize();
+        self.function.finish();
     }
 
     fn block(&mut self, block: &NativeBlock) {
@@ -151,7 +154,8 @@ impl<'a> RegionCompiler<'a> {
         let below = IntCC::UnsignedLessThan;
         let short = function.builder.ins().icmp(below, left, worst);
         function.leave_if(short);
-        for instruction in &block.instructions {
+        for (index, instruction) in block.instructions.iter().enumerate() {
+            self.around = reach(&block.instructions[index..]);
             self.function.position.operation = instruction.operation;
             self.function.position.address = instruction.address;
             self.instruction(instruction);
@@ -184,6 +188,7 @@ impl<'a> RegionCompiler<'a> {
                     block: block.number,
                     operation: BRANCHED,
                     next: end | block.key & 1,
+                    pending_cycles: 0,
                     after_store: function.known.after_store,
                 };
                 function.leave_with(left, exit);
@@ -193,7 +198,8 @@ impl<'a> RegionCompiler<'a> {
 
     /// Goes on at a known target.
     fn branch(&mut self, jump: NativeJump, through_cycles: u32) {
-        self.function.store_dirty();
+        self.function.clean_registers();
+        self.function.store_flags();
         let left = self
             .function
             .left_after(through_cycles + jump.refill_cycles);
@@ -235,6 +241,7 @@ impl<'a> RegionCompiler<'a> {
             block: from,
             operation: BRANCHED,
             next: jump.key,
+            pending_cycles: 0,
             after_store: AfterStore::Not,
         };
         function.leave_with(left, exit);
@@ -273,6 +280,7 @@ impl<'a> RegionCompiler<'a> {
     }
 
     fn branch_if(&mut self, condition: u32, jump: NativeJump, through_cycles: u32) {
+        self.function.clean_registers();
         let holds = self.function.condition(condition);
         let taken = self.function.builder.create_block();
         let on = self.function.builder.create_block();
@@ -311,7 +319,8 @@ impl<'a> RegionCompiler<'a> {
             }
             Operation::Transfer(transfer) if transfer.register == 15 => self.load_jump(one, pc),
             Operation::Transfer(transfer) => {
-                self.function.transfer(transfer, pc, one.literal, self.ram)
+                let known = (one.literal, self.around);
+                self.function.transfer(transfer, pc, known, self.ram)
             }
             Operation::BlockTransfer(block) if is_plain(block) => {
                 self.block_transfer(one);

@@ -4,9 +4,11 @@
 
 use arm7tdmi::bus::Width;
 use arm7tdmi::instruction::{Operand, Transfer};
+use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{types, AliasRegion, InstBuilder, MemFlags, Value};
 
-use crate::function::Function;
+use crate::function::{Checked, Function};
+use crate::reach::{alignment, distance, Reach};
 use crate::table::AfterStore;
 
 /// Accesses to RAM.
@@ -27,6 +29,8 @@ pub(crate) struct Ram {
 enum Place {
     Fixed(u32),
     At(Value),
+    /// So far from a base.
+    Around(Value, i32),
 }
 
 /// An access: its place and the moved base, if that is kept.
@@ -35,21 +39,13 @@ struct Access {
     moved: Option<Value>,
 }
 
-const fn alignment(width: Width) -> u32 {
-    match width {
-        Width::Byte => 0,
-        Width::Halfword => 1,
-        Width::Word => 3,
-    }
-}
-
 impl Function<'_> {
     /// A load or store; false if it is not one that the code makes.
     pub fn transfer(
         &mut self,
         transfer: &Transfer,
         pc: u32,
-        literal: Option<(u32, u32)>,
+        (literal, around): (Option<(u32, u32)>, Option<Reach>),
         ram: Ram,
     ) -> bool {
         if transfer.register == 15 {
@@ -65,17 +61,17 @@ impl Function<'_> {
             return false;
         };
         if transfer.load {
-            let Some(value) = self.loaded(transfer, access.place, ram) else {
+            let Some(value) = self.loaded(transfer, access.place, around, ram) else {
                 return false;
             };
             self.move_base(transfer, &access);
             self.set(transfer.register, value);
             return true;
         }
-        let Place::At(at) = access.place else {
+        if matches!(access.place, Place::Fixed(_)) {
             return false;
-        };
-        self.store(transfer, at, ram);
+        }
+        self.store(transfer, access.place, around, ram);
         self.move_base(transfer, &access);
         true
     }
@@ -89,7 +85,7 @@ impl Function<'_> {
     /// The word that a load to r15 brings, and the base that goes with it, which is not yet moved.
     pub fn loaded_target(&mut self, transfer: &Transfer, pc: u32, ram: Ram) -> Option<Target> {
         let access = self.access(transfer, pc)?;
-        let value = self.loaded(transfer, access.place, ram)?;
+        let value = self.loaded(transfer, access.place, None, ram)?;
         Some(Target {
             value,
             moved: access.moved,
@@ -102,6 +98,12 @@ impl Function<'_> {
             return (!moves).then(|| self.relative(transfer, pc)).flatten();
         }
         let base = self.get(transfer.base);
+        if let Some(distance) = distance(transfer) {
+            return Some(Access {
+                place: Place::Around(base, distance),
+                moved: None,
+            });
+        }
         let offset = match transfer.offset {
             Operand::Constant { value: 0, .. } => None,
             Operand::Constant { value, .. } => Some(self.constant(value)),
@@ -160,13 +162,84 @@ impl Function<'_> {
         offset
     }
 
+    /// What is known of the bytes that an access around a base reaches, with those behind it;
+    /// leaves the code unless all are in RAM.
+    fn checked(&mut self, base: Value, own: Reach, around: Option<Reach>, ram: Ram) -> usize {
+        let covers = |checked: &Option<Checked>| {
+            checked.is_some_and(|known| known.base == base && known.reach.covers(&own))
+        };
+        if let Some(found) = self.known.checked.iter().position(covers) {
+            return found;
+        }
+        let reach = around.filter(|around| around.covers(&own)).unwrap_or(own);
+        let first = self.constant((reach.first as u32).wrapping_sub(ram.address));
+        let offset = self.builder.ins().iadd(base, first);
+        // Bits that are not zero in a misaligned address come to the top.
+        let bits = reach.alignment.count_ones();
+        let units = if bits == 0 {
+            offset
+        } else {
+            self.builder.ins().rotr_imm(offset, i64::from(bits))
+        };
+        let last = self.constant((ram.bytes - (reach.end - reach.first) as u32) >> bits);
+        let above = IntCC::UnsignedGreaterThan;
+        let outside = self.builder.ins().icmp(above, units, last);
+        self.leave_if(outside);
+        let start = self.behind(self.arguments.words, offset);
+        self.known.checked.rotate_right(1);
+        self.known.checked[0] = Some(Checked {
+            base,
+            reach,
+            offset,
+            start,
+            mark: None,
+        });
+        0
+    }
+
+    /// Leaves the code if the word of an access is marked.
+    fn leave_if_marked_around(&mut self, index: usize, distance: i32) {
+        let Some(mut checked) = self.known.checked[index] else {
+            return;
+        };
+        let behind = distance - checked.reach.first;
+        let mark = if checked.reach.alignment == 3 {
+            let start = checked.mark.unwrap_or_else(|| {
+                let word = self.builder.ins().ushr_imm(checked.offset, 2);
+                self.behind(self.arguments.marks, word)
+            });
+            checked.mark = Some(start);
+            self.known.checked[index] = Some(checked);
+            let ins = self.builder.ins();
+            ins.load(types::I8, of_memory(), start, behind >> 2)
+        } else {
+            let behind = self.constant(behind as u32);
+            let offset = self.builder.ins().iadd(checked.offset, behind);
+            self.mark_at(offset)
+        };
+        self.leave_if(mark);
+    }
+
+    /// The mark of the word at an offset in RAM.
+    fn mark_at(&mut self, offset: Value) -> Value {
+        let word = self.builder.ins().ushr_imm(offset, 2);
+        let mark = self.behind(self.arguments.marks, word);
+        self.builder.ins().load(types::I8, of_memory(), mark, 0)
+    }
+
     /// Address in the host's memory: so many bytes behind `start`.
     pub fn behind(&mut self, start: Value, offset: Value) -> Value {
         let offset = self.builder.ins().uextend(types::I64, offset);
         self.builder.ins().iadd(start, offset)
     }
 
-    fn loaded(&mut self, transfer: &Transfer, place: Place, ram: Ram) -> Option<Value> {
+    fn loaded(
+        &mut self,
+        transfer: &Transfer,
+        place: Place,
+        around: Option<Reach>,
+        ram: Ram,
+    ) -> Option<Value> {
         let words = self.arguments.words;
         let (start, offset) = match place {
             Place::Fixed(at) => {
@@ -180,6 +253,12 @@ impl Function<'_> {
                 let offset = self.ram_offset(at, transfer.width, ram);
                 (self.behind(words, offset), 0)
             }
+            Place::Around(base, distance) => {
+                let own = Reach::of(distance, transfer.width);
+                let index = self.checked(base, own, around, ram);
+                let checked = self.known.checked[index]?;
+                (checked.start, distance - checked.reach.first)
+            }
         };
         self.known.pending += ram.cycles + 1;
         let (ins, flags) = (self.builder.ins(), of_memory());
@@ -192,19 +271,31 @@ impl Function<'_> {
         })
     }
 
-    fn store(&mut self, transfer: &Transfer, at: Value, ram: Ram) {
+    fn store(&mut self, transfer: &Transfer, place: Place, around: Option<Reach>, ram: Ram) {
         let value = self.get(transfer.register);
-        let offset = self.ram_offset(at, transfer.width, ram);
-        let word = self.builder.ins().ushr_imm(offset, 2);
-        let mark = self.behind(self.arguments.marks, word);
-        let mark = self.builder.ins().load(types::I8, of_memory(), mark, 0);
-        self.leave_if(mark);
-        let place = self.behind(self.arguments.words, offset);
+        let (start, behind) = match place {
+            Place::Fixed(_) => return,
+            Place::At(at) => {
+                let offset = self.ram_offset(at, transfer.width, ram);
+                let mark = self.mark_at(offset);
+                self.leave_if(mark);
+                (self.behind(self.arguments.words, offset), 0)
+            }
+            Place::Around(base, distance) => {
+                let own = Reach::of(distance, transfer.width);
+                let index = self.checked(base, own, around, ram);
+                self.leave_if_marked_around(index, distance);
+                let Some(checked) = self.known.checked[index] else {
+                    return;
+                };
+                (checked.start, distance - checked.reach.first)
+            }
+        };
         let (ins, flags) = (self.builder.ins(), of_memory());
         match transfer.width {
-            Width::Word => ins.store(flags, value, place, 0),
-            Width::Halfword => ins.istore16(flags, value, place, 0),
-            Width::Byte => ins.istore8(flags, value, place, 0),
+            Width::Word => ins.store(flags, value, start, behind),
+            Width::Halfword => ins.istore16(flags, value, start, behind),
+            Width::Byte => ins.istore8(flags, value, start, behind),
         };
         self.known.pending += ram.cycles;
         self.known.after_store = AfterStore::At(self.position.address);

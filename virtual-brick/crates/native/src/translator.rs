@@ -12,7 +12,7 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use crate::function::offset_of_left;
 use crate::machine::{host, Machine};
 use crate::region::{Layout, RegionCompiler};
-use crate::table::{AfterStore, Entry, Exit};
+use crate::table::{entry, no_entries, no_entry, AfterStore, Entry, Exit};
 
 /// Places of code that can have entries: all halfwords of RAM and flash.
 const PLACES: usize = 0x8000 + 0x2_0000;
@@ -90,7 +90,7 @@ impl Translator {
 
     fn compile(&mut self, region: &NativeRegion, address: u32) -> Option<()> {
         if self.table.is_empty() {
-            self.table = vec![Entry::NONE; PLACES].into_boxed_slice();
+            self.table = no_entries(PLACES);
         }
         if !self.machine.can_enter() {
             self.define_enter()?;
@@ -108,13 +108,9 @@ impl Translator {
         RegionCompiler::new(builder, region, layout, &mut self.exits).compile();
         let code = self.machine.define(&mut self.context)?;
         for (index, block) in region.blocks.iter().enumerate() {
-            if let Some(entry) = self.table.get_mut(block.halfword as usize) {
-                *entry = Entry {
-                    key: block.key,
-                    refill_cycles: block.refill_cycles as u16,
-                    index: index as u16,
-                    code: code.address(),
-                };
+            if let Some(place) = self.table.get_mut(block.halfword as usize) {
+                let refill_cycles = block.refill_cycles as u16;
+                *place = entry(block.key, refill_cycles, index as u16, code.address());
             }
         }
         Some(())
@@ -138,12 +134,12 @@ impl Native for Translator {
 
     fn forget(&mut self, halfword: u32) {
         if let Some(entry) = self.table.get_mut(halfword as usize) {
-            *entry = Entry::NONE;
+            *entry = no_entry(halfword as usize);
         }
     }
 
     fn forget_all(&mut self) {
-        self.table.fill(Entry::NONE);
+        self.table = Box::default();
         self.exits.clear();
         self.machine.clear();
     }
@@ -162,7 +158,7 @@ impl Native for Translator {
         let entry = self
             .table
             .get(halfword as usize)
-            .filter(|entry| entry.code != 0 && words.len() == WORDS && marks.len() == WORDS);
+            .filter(|entry| entry[1] != 0 && words.len() == WORDS && marks.len() == WORDS);
         let exit = entry
             .and_then(|entry| self.machine.run(entry, &self.table, state, words, marks))
             .and_then(|exit| self.exits.get(exit as usize));
@@ -173,6 +169,7 @@ impl Native for Translator {
             };
         };
         state.next = exit.next;
+        state.left -= exit.pending_cycles;
         match exit.after_store {
             AfterStore::Not => state.after_store = NOWHERE,
             AfterStore::At(address) => state.after_store = address,

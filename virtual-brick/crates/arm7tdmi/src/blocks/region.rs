@@ -16,7 +16,7 @@ use crate::instruction::{Instruction, Operand, Operation};
 /// Blocks that are made into code together at most.
 const BLOCKS_MAX: usize = 16;
 /// A block joins a region if it ran at least this part of the runs that make code worthwhile.
-const JOINS_PART: u16 = 8;
+const JOINS_PART: u16 = 2;
 /// So many entries in a row did nothing.
 const FUTILE_ENTRIES: u8 = 4;
 pub(super) const NO_REGION: u32 = u32::MAX;
