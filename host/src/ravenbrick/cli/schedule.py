@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,6 +20,7 @@ from ravenbrick.schedule.task_file import Rule, read_task_file
 
 __all__ = ["schedule_command"]
 
+LONG_DIGITS = 3
 _HEAD = ("task", "P", "T", "D", "C", "I", "B", "overhead", "R", "slack", "C max")
 
 
@@ -27,19 +31,21 @@ def _row(task: dict[str, Any]) -> list[str]:
         interference = _sum(part["time"] for part in terms["interference"])
         blocking = terms["blocking"]["time"]
         overheads = _sum(terms[k] for k in ("context_switches", "interrupt_entries", "clock"))
+    times = (task["period"], task["deadline"], task["wcet"], interference, blocking, overheads)
     return [
         task["name"],
         str(task["priority"]),
-        task["period"],
-        task["deadline"],
-        task["wcet"],
-        interference,
-        blocking,
-        overheads,
-        task["response_time_bound"] or "no bound",
-        task["slack"] or "-",
-        task["wcet_max"] or "-",
+        *(_whole(text, round) for text in times),
+        _whole(task["response_time_bound"] or "no bound", math.ceil),
+        _whole(task["slack"] or "-", math.floor),
+        _whole(task["wcet_max"] or "-", math.floor),
     ]
+
+
+def _whole(text: str, to_whole: Callable[[Fraction], int]) -> str:
+    """Long decimals as whole numbers: times in cycles need no fraction."""
+    whole, point, _ = text.partition(".")
+    return str(to_whole(Fraction(text))) if point and len(whole) > LONG_DIGITS else text
 
 
 def _sum(times: Any) -> str:

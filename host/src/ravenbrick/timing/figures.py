@@ -4,17 +4,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.simulation import simulate
 from ravenbrick.target.robot import Robot
-from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.analysis import Analysis, TaskTiming
 from ravenbrick.timing.chain import ChainDelay, LoopFigures, phase_margin
-from ravenbrick.timing.observed import worst_job_release
+from ravenbrick.timing.observed import worst_job
 from ravenbrick.timing.result import microseconds
 from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.trace.recording import Recording
@@ -44,6 +46,8 @@ def terms_figure(result: dict[str, Any]) -> Figure:
             name = label if row == 0 else None
             axis.barh(row, width, left=left, height=0.5, color=colour, label=name)
             left += width
+        bound = microseconds(task["response_bound_cycles"])
+        axis.text(left + 0.8, row, f"{bound:.0f} us", va="center", fontsize=8)
         if task["observed"] is not None:
             seen = 100 * microseconds(task["observed"]["response_cycles"]) / deadline
             name = "observed maximum" if row == 0 else None
@@ -55,15 +59,44 @@ def terms_figure(result: dict[str, Any]) -> Figure:
     return figure
 
 
-def _critical(axis: Axes, analysis: Analysis, lanes: dict[str, int], length: float) -> None:
-    end = int(length) + 1
-    run = simulate(analysis.task_set, end, releases=critical_instant)
+def _in_window(analysis: Analysis, met: dict[str, Any], length: float) -> TaskSet:
+    """The task set with what comes of each interrupt in the window as one burst."""
+    seldom = 2 * int(length) + 2
+    interrupts = (task for task in analysis.task_set if task.release == "interrupt")
+    bursts = [
+        replace(task, wcet=met[task.name], period=seldom, deadline=seldom, limits=())
+        for task in interrupts
+        if met.get(task.name)
+    ]
+    tasks = (task for task in analysis.task_set if task.release != "interrupt")
+    return TaskSet((*bursts, *tasks))
+
+
+def _critical(
+    axis: Axes, analysis: Analysis, lanes: dict[str, int], timing: TaskTiming, length: float
+) -> None:
+    """The blocking first, then all jobs as early and as long as they can be."""
+    blocking = timing.blocking.cycles * (1 + timing.suspension_count)
+    if blocking:
+        lane = lanes.get(timing.blocking.task, lanes["interrupts"])
+        width = microseconds(blocking)
+        axis.barh(lane, width, height=0.6, color=COLOURS["right"], label="blocking")
+    terms = analysis.bounds[timing.task.name].terms
+    met = {} if terms is None else {part.task: part.time for part in terms.interference}
+    run = simulate(_in_window(analysis, met, length), int(length) + 1, releases=critical_instant)
     for part in run.intervals:
         lane = lanes.get(part.task, lanes["interrupts"])
-        begin, width = microseconds(part.begin), microseconds(part.end - part.begin)
+        begin, width = microseconds(part.begin + blocking), microseconds(part.end - part.begin)
         colour = task_colour(lane) if part.task in lanes else COLOURS["interrupts"]
         axis.barh(lane, width, left=begin, height=0.6, color=colour)
-    axis.set_title("critical instant of the analysis, without overheads", fontsize=9)
+    more = 0.0 if terms is None else microseconds(terms.overheads + terms.release_jitter)
+    axis.axvline(
+        microseconds(length), color="#000000", label=f"bound: {microseconds(length):.0f} us"
+    )
+    axis.set_title(
+        f"critical instant of the analysis; {more:.0f} us of overheads and jitter come on top",
+        fontsize=9,
+    )
 
 
 def _observed(
@@ -85,7 +118,7 @@ def _observed(
         last = min(part.end_cycles, begin + int(length))
         start, width = microseconds(first - begin), microseconds(last - first)
         axis.barh(lane, width, left=start, height=0.6, color=colour)
-    axis.set_title(f"worst window of the run, {microseconds(begin) / 1e6:.6f} s", fontsize=9)
+    axis.set_title(f"worst window of the run, at {microseconds(begin) / 1e6:.6f} s", fontsize=9)
 
 
 def windows_figure(
@@ -93,24 +126,27 @@ def windows_figure(
 ) -> Figure | None:
     """The critical instant of a task above its worst job of the run, on the same scale."""
     bound = analysis.bounds[task].bound
-    begin = worst_job_release(robot, recording, task)
-    if bound is None or begin is None:
+    worst = worst_job(robot, recording, task)
+    if bound is None or worst is None or worst.response_time_cycles is None:
         return None
+    begin, seen = worst.release_cycles, microseconds(worst.response_time_cycles)
     order = sorted(analysis.tasks, key=lambda timing: timing.task.priority)
     lanes = {timing.task.name: lane for lane, timing in enumerate(order)}
     lanes["interrupts"] = len(lanes)
     figure, axes = new_figure(10.0, 1.6 + 0.7 * len(lanes), rows=2)
     length = float(bound)
-    _critical(axes[0], analysis, lanes, length)
+    timing = next(timing for timing in order if timing.task.name == task)
+    _critical(axes[0], analysis, lanes, timing, length)
     _observed(axes[1], recording, lanes, begin, length)
+    axes[1].axvline(seen, color="#000000", linestyle=":", label=f"response: {seen:.0f} us")
     deadline = microseconds(analysis.bounds[task].task.deadline)
     for axis in axes:
         if deadline < microseconds(bound):
             axis.axvline(deadline, color=COLOURS["right"], linestyle="--", label="deadline")
-            legend(axis, "lower right")
+        axis.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
         axis.set_yticks(list(lanes.values()), list(lanes))
         axis.set_ylim(-0.6, len(lanes) - 0.4)
-        axis.set_xlim(0, microseconds(bound))
+        axis.set_xlim(0, 1.02 * microseconds(bound))
     axes[1].set_xlabel(f"time after the release of {task} (us)")
     return figure
 
@@ -161,5 +197,5 @@ def margin_figure(loop: LoopFigures, chain: ChainDelay) -> Figure:
     axis.set_xlim(0, end)
     axis.set_xlabel("delay from sample to motor voltage (ms)")
     axis.set_ylabel("phase margin (degrees)")
-    legend(axis, "lower left")
+    legend(axis, "upper right")
     return figure

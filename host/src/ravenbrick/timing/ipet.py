@@ -78,6 +78,16 @@ def _loop_row(loop: dict[str, Any], edges: Sequence[Edge]) -> _Row:
     return _Row(tuple(terms), bound - 1 if loop["header"] == 0 else 0)
 
 
+def _repeats_row(graph: dict[str, Any], loop: dict[str, Any], edges: Sequence[Edge]) -> _Row:
+    """Ways back to a header, in all so many for each entry of the loop around."""
+    most, around = loop["repeats"]
+    outside = next(each for each in graph["loops"] if each["header"] == around)
+    inner, outer = set(loop["blocks"]), set(outside["blocks"])
+    terms = [(n, 1) for n, e in enumerate(edges) if e[1] == loop["header"] and e[0] in inner]
+    terms += [(n, -most) for n, e in enumerate(edges) if e[1] == around and e[0] not in outer]
+    return _Row(tuple(terms), most if around == 0 else 0)
+
+
 def _fact_row(graph: dict[str, Any], edges: Sequence[Edge], fact: FlowFact) -> _Row:
     terms, most = [], fact.at_most
     for line in fact.lines:
@@ -103,6 +113,7 @@ def longest_path(graph: dict[str, Any], facts: Sequence[FlowFact] = ()) -> int:
     rows = [
         *_flow_rows(graph, edges),
         *(_loop_row(loop, edges) for loop in graph["loops"]),
+        *(_repeats_row(graph, loop, edges) for loop in graph["loops"] if loop["repeats"]),
         *(_fact_row(graph, edges, fact) for fact in facts),
     ]
     matrix = lil_matrix((len(rows), len(edges)))

@@ -21,7 +21,7 @@ from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.plots import cyclic_begin_cycles
 from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import jobs_of
+from ravenbrick.trace.schedule import Job, jobs_of
 
 __all__ = [
     "Observed",
@@ -31,7 +31,7 @@ __all__ = [
     "exceeded",
     "observe",
     "ratio",
-    "worst_job_release",
+    "worst_job",
 ]
 
 # An early call of the alarm comes at most this long before the one that releases.
@@ -94,16 +94,15 @@ def observe(robot: Robot, recording: Recording) -> dict[str, Observed]:
     return result
 
 
-def worst_job_release(robot: Robot, recording: Recording, task: str) -> int | None:
-    """Nominal release of the job with the longest response time after the start of all tasks."""
+def worst_job(robot: Robot, recording: Recording, task: str) -> Job | None:
+    """The job with the longest response time after the start of all tasks."""
     names = [thread.name.lower() for thread in recording.threads]
     since = cyclic_begin_cycles(robot, recording)
     jobs = jobs_of(recording, names.index(task.lower()))[1:]
     done = [
         job for job in jobs if job.response_time_cycles is not None and job.release_cycles >= since
     ]
-    worst = max(done, key=lambda job: job.response_time_cycles or 0, default=None)
-    return None if worst is None else worst.release_cycles
+    return max(done, key=lambda job: job.response_time_cycles or 0, default=None)
 
 
 def _expiries(robot: Robot, recording: Recording) -> NDArray[np.int64]:

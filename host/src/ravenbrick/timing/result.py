@@ -161,8 +161,10 @@ def advice(result: dict[str, Any]) -> list[str]:
     for task in result["tasks"]:
         limit, own = task["execution_max_cycles"], task["execution_bound_cycles"]
         if limit is not None:
+            fastest = task["smallest_period_us"]
+            faster = f", or come each {fastest} us" if fastest else ""
             lines.append(
-                f"a job of {task['name']} may take {limit - own} cycles more before "
+                f"a job of {task['name']} may take {limit - own} cycles more{faster} before "
                 f"{task['limited_by'] or 'it'} can miss a deadline"
             )
     return lines

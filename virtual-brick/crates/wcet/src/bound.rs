@@ -43,6 +43,9 @@ pub struct LoopBound {
     pub header: usize,
     /// All its blocks.
     pub blocks: Vec<usize>,
+    /// Header executions beyond the first of each entry, in all for one entry of the loop around
+    /// it, and the position of that loop's header.
+    pub repeats: Option<(u64, usize)>,
 }
 
 /// A block as the longest path passes it.
@@ -236,8 +239,14 @@ fn loop_bounds(
     bounds: &[Option<u64>],
 ) -> Vec<LoopBound> {
     let loops = summary.forest.loops.iter().enumerate();
+    let repeats = repeats(findings, &summary.forest);
+    let around = |index: usize| {
+        let parent = summary.forest.loops[index].parent?;
+        Some((repeats[index]?, summary.forest.loops[parent].header))
+    };
     loops
         .map(|(index, found)| LoopBound {
+            repeats: around(index),
             address: summary.flow.blocks[found.header].node.address,
             number: summary.numbers[index],
             header_executions: bounds[index],

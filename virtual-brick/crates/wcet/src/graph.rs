@@ -37,6 +37,9 @@ pub struct Cycle {
     pub blocks: Vec<usize>,
     /// Most executions of the header for one entry.
     pub header_executions: Option<u64>,
+    /// Header executions beyond the first of each entry, in all for one entry of the loop around
+    /// it, and the position of that loop's header.
+    pub repeats: Option<(u64, usize)>,
 }
 
 /// A function; the first block is its entry.
@@ -75,6 +78,7 @@ impl Graph {
             header: found.header,
             blocks: found.blocks.clone(),
             header_executions: found.header_executions,
+            repeats: found.repeats,
         };
         Self {
             blocks: bound.blocks.iter().map(node).collect(),
