@@ -344,10 +344,11 @@ fn resolve(
             None => Transfer::Unresolved,
         }
     };
+    let link = link.filter(|_| node.copy != 0);
     transfers.insert(node, for_caller(transfer, link));
 }
 
-/// What leaves the function with a link into the function comes back there.
+/// A local subroutine that leaves the function with a link into it comes back there.
 fn for_caller(transfer: Transfer, link: Option<u32>) -> Transfer {
     match (transfer, link) {
         (Transfer::TailCall(targets), Some(link)) => {
