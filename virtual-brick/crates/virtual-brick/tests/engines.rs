@@ -142,3 +142,42 @@ fn a_store_changes_only_what_was_not_fetched() {
     assert_eq!(fast.processor().register(6), 0);
     assert_eq!(fast.processor().register(4), 7);
 }
+
+/// MOVS with each kind of shift and amount; sums take the carry that it leaves.
+#[test]
+fn native_code_shifts_as_the_reference_does() {
+    let mut program = Program::new();
+    program.load(1, 0x8123_4567).load(7, 40);
+    let again = program.here();
+    let amounts = [0, 1, 8, 31, 32, 33, 63, 64, 255];
+    for kind in 0..4 {
+        for amount in [0, 1, 17, 31] {
+            program.raw(0xE1B0_4001 | amount << 7 | kind << 5); // movs r4, r1, <shift> #amount
+            program.raw(0xE0B5_5004).raw(0xE0D6_6004); // adcs r5, r5, r4; sbcs r6, r6, r4
+        }
+        for amount in amounts {
+            program.raw(0xE3A0_2000 | amount); // mov r2, #amount
+            program.raw(0xE1B0_4211 | kind << 5); // movs r4, r1, <shift> r2
+            program.raw(0xE0B5_5004).raw(0x20F6_6004); // adcs r5, r5, r4; rsccs r6, r6, r4
+        }
+    }
+    program.raw(0xE081_11E5); // add r1, r1, r5, ror #3
+    program.subs(7, 1).branch(NE, again).stop();
+    compare(&image(&program).build(), 3, 30, 2_000);
+}
+
+/// A branch by register to itself is the end of a program whose interrupts are masked.
+#[test]
+fn native_code_does_not_run_past_a_branch_to_itself() {
+    let mut program = Program::new();
+    program.status(0xD3).load(7, 60);
+    let again = program.here() + 2;
+    let branch = again + 4;
+    program.load(1, support::RAM + 4 * again as u32);
+    program.load(2, support::RAM + 4 * branch as u32);
+    assert_eq!(program.here(), again);
+    program.subs(7, 1);
+    program.raw(0x11A0_0001).raw(0x01A0_0002); // movne r0, r1; moveq r0, r2
+    program.raw(0xEAFF_FFFF).raw(0xE12F_FF10); // b to the next instruction; bx r0
+    compare(&image(&program).build(), 3, 20, 400);
+}

@@ -197,15 +197,22 @@ impl<B: BlockBus> Blocks<B> {
 
 /// Where branches of the block can go, and those of others in the same memory.
 fn reach<B: BlockBus>(bus: &B, block: &NativeBlock) -> NativeReach {
-    let (address, width) = (block.key & !1, width_of(block.key));
+    let address = block.key & !3;
     let region = bus.code_place(address).map_or(0, |place| place.region);
     let (first_halfword, mask) = bus.code_reach(region);
-    let onward = bus.refill_cycles(address, address, width);
-    let afar = bus.refill_cycles(address.wrapping_add(64), address, width);
+    let differs = |(target, width): (u32, Width)| {
+        let afar = bus.refill_cycles(address.wrapping_add(64), target, width);
+        bus.refill_cycles(target, target, width) != afar
+    };
+    let targets = [
+        (address, Width::Word),
+        (address, Width::Halfword),
+        (address + 2, Width::Halfword),
+    ];
     NativeReach {
         first_halfword,
         mask,
-        sequence_differs: onward != afar,
+        sequence_differs: targets.into_iter().any(differs),
     }
 }
 
