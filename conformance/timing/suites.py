@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from conformance.timing.just_missed import MISSED, REACHED
+from conformance.timing.kernel_services import NOT_STAGED
 from tools.tables import Row
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "lowest_tasks",
     "program_campaign",
     "random_sets",
+    "thumb_services",
     "timing_events",
     "wcet_benchmarks",
 ]
@@ -34,6 +36,7 @@ TACLE = "RAVENBRICK_TACLE"
 SETS, SIMSO_SETS, PROGRAMS = 10_000, 1_000, 1_000
 TACLE_PROGRAMS = 57
 TACLE_TABLE = ROOT / "conformance" / "timing" / "tacle.md"
+SEARCH_TABLE = ROOT / "conformance" / "timing" / "tacle_searched.md"
 
 
 def _answer(module: str, *options: str) -> Any:
@@ -105,12 +108,47 @@ def wcet_benchmarks(code: str, level: str) -> Row:
     return _row(suite, result["programs"], passed, without)
 
 
+def input_search(code: str, level: str) -> Row:
+    """TACLe programs whose longest run that a search finds stays below their bound for any data."""
+    suite = f"wcet: TACLeBench, {code} -{level}, inputs searched, bound for any data not exceeded"
+    folder = os.environ.get(TACLE)
+    if folder is None:
+        reason = f"{TACLE} does not name the folder 'bench' of github.com/tacle/tacle-bench"
+        excluded: list[Row] = [{"count": TACLE_PROGRAMS, "reason": reason}]
+        return _row(suite, TACLE_PROGRAMS, 0, excluded)
+    options = ("--code", code, "--level", level, "--table", str(SEARCH_TABLE), "--seconds", "300")
+    result = _answer("input_search", folder, *options)
+    passed = result["bounded"] - len(result["exceeded"])
+    without: list[Row] = [
+        {"count": 1, "reason": f"{outcome['name']}: {outcome['none']}"}
+        for outcome in result["outcomes"]
+        if outcome["none"]
+    ]
+    return _row(suite, result["programs"], passed, without)
+
+
 def kernel_services() -> Row:
     """Services of the run-time between their longest observed time and a tenth above it."""
-    rows = _answer("kernel_services")
+    rows = [row for row in _service_times() if row["code"] == "ARM"]
+    rows = [row for row in rows if row["service"] not in NOT_STAGED]
     passed = sum(row["observed"] <= row["bound"] <= 1.10 * row["observed"] for row in rows)
     suite = "wcet: services of the run-time, bounds not exceeded and at most 10 % above"
     return _row(suite, len(rows), passed)
+
+
+def thumb_services() -> Row:
+    """Services of the run-time in Thumb code, and what no program brings to its longest way."""
+    rows = _service_times()
+    rows = [row for row in rows if row["code"] == "Thumb" or row["service"] in NOT_STAGED]
+    passed = sum(0 < row["observed"] <= row["bound"] for row in rows)
+    suite = "wcet: services of the run-time in Thumb code, alarm's interrupt: bounds not exceeded"
+    return _row(suite, len(rows), passed)
+
+
+@cache
+def _service_times() -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = _answer("kernel_services")
+    return rows
 
 
 def integer_program() -> Row:

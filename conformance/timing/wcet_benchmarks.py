@@ -194,9 +194,12 @@ class Facts:
         self._loops: list[dict[str, Any]] = []
         self._recursions: list[dict[str, Any]] = []
 
-    def say(self, symbol: str, iterations: int) -> None:
-        """A fact about the first loop of a function."""
-        self._loops.append({"symbol": symbol, "index": 0, "iterations": iterations})
+    def say(self, symbol: str, iterations: Sequence[int]) -> None:
+        """Facts about the loops of a function."""
+        self._loops += [
+            {"symbol": symbol, "index": index, "iterations": count}
+            for index, count in enumerate(iterations)
+        ]
 
     def text(self) -> str:
         """As TOML."""

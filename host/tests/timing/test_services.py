@@ -20,7 +20,9 @@ from conformance.timing.kernel_services import LARGEST_RATIO, service_times
 
 def test_no_service_takes_longer_than_its_bound_and_each_nearly_as_long() -> None:
     found = service_times()
-    assert len(found) == 15
+    assert len(found) == 18
     for row in found:
         assert row.count > 0, row
-        assert row.observed <= row.bound <= LARGEST_RATIO * row.observed, row
+        assert row.observed <= row.bound, row
+        assert not row.is_staged or row.bound <= LARGEST_RATIO * row.observed, row
+    assert sum(row.is_staged for row in found) == 15
