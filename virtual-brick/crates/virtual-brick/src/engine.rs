@@ -20,7 +20,7 @@ pub enum Engine {
 }
 
 /// Runs of a block's operations that cost about as much as making code of the host of it.
-pub(crate) const NATIVE_AFTER_RUNS: u32 = 1500;
+pub(crate) const NATIVE_AFTER_RUNS: u32 = 600;
 
 impl Engine {
     /// Decoded blocks as the engine uses them, none yet.

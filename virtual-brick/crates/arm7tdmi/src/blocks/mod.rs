@@ -41,6 +41,8 @@ use translate::{translate, Block};
 
 /// Blocks kept at most; with more, all are forgotten.
 const BLOCKS_MAX: usize = 0x4000;
+/// Runs count for code of the host by half after so many entries into blocks.
+const ENTRIES_PER_AGE: u32 = 512;
 const NO_KEY: u32 = u32::MAX;
 const NO_BLOCK: u32 = u32::MAX;
 /// So many times in a row the first instruction was no plain access: so it will be.
@@ -56,6 +58,9 @@ pub struct Blocks<B: BlockBus> {
     native: Option<Box<dyn Native>>,
     /// Runs of a block's operations before code of the host is made of it; else 0.
     worthwhile_runs: u16,
+    /// Entries into blocks; what runs often in few of them is worth code, what runs now and then in
+    /// each is not.
+    entries: u32,
     /// Numbers of the blocks that were made into code together.
     regions: Vec<Box<[u32]>>,
 }
@@ -81,6 +86,7 @@ impl<B: BlockBus> Default for Blocks<B> {
             epoch: 0,
             native: None,
             worthwhile_runs: 0,
+            entries: 0,
             regions: Vec::new(),
         }
     }
@@ -288,6 +294,7 @@ impl Cpu {
         if blocks.likely_refuses(first) || !self.pipeline_follows(bus, start, place.region) {
             return BlocksRun::default();
         }
+        blocks.entries = blocks.entries.wrapping_add(1);
         let mut run = self.begin(bus, start, place.region);
         execute(&mut run, blocks, first, (budget, limit));
         let done = run.done();
@@ -502,6 +509,7 @@ fn run_once<B: BlockBus>(
     budget: u32,
 ) -> Option<bool> {
     let worthwhile_runs = blocks.worthwhile_runs;
+    let age = (blocks.entries / ENTRIES_PER_AGE) as u16;
     let mut block = blocks.blocks.get_mut(*number as usize)?;
     if run.state.cycles + block.worst > budget {
         execute_part(run, block, budget - run.state.cycles);
@@ -510,6 +518,10 @@ fn run_once<B: BlockBus>(
     if block.native.enters {
         *number = blocks.run_native(run, *number, budget)?;
         return Some(false);
+    }
+    if block.native.age != age {
+        block.native.age = age;
+        block.native.heat /= 2;
     }
     block.native.heat = block.native.heat.wrapping_add(1);
     if block.native.heat == worthwhile_runs {

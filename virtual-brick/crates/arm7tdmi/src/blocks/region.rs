@@ -26,8 +26,10 @@ pub(super) const NO_REGION: u32 = u32::MAX;
 pub(super) struct Nativeness {
     /// Place of the block.
     pub halfword: u32,
-    /// Runs of its operations.
+    /// Runs of its operations in the present age, with half of those before.
     pub heat: u16,
+    /// When that was counted last.
+    pub age: u16,
     /// Entries in a row that did nothing.
     pub futile: u8,
     /// Code of the host is entered here.
@@ -41,6 +43,7 @@ impl Nativeness {
         Self {
             halfword,
             heat: 0,
+            age: 0,
             futile: 0,
             enters: false,
             region: NO_REGION,
