@@ -8,7 +8,7 @@ import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +30,20 @@ from ravenbrick.trace.recording import Recording, Screen
 from ravenbrick.trace.schedule import TaskMeasures
 from ravenbrick.trace.units import UNITS, signal_unit
 
-if TYPE_CHECKING:
-    from ravenbrick.trace.measures import RunMeasures
-
-__all__ = ["Verdict", "expects_fault", "judge"]
+__all__ = ["Measured", "Verdict", "expects_fault", "judge"]
 
 ALIVE = ("reached", "power_off")
+
+
+class Measured(Protocol):
+    """What a run was measured to be, as far as expectations ask for it."""
+
+    @property
+    def tasks(self) -> tuple[TaskMeasures, ...]:
+        """Its tasks."""
+
+    def value(self, measure: str) -> float | None:
+        """A measure by its name; None when the run did not reach it."""
 
 
 @dataclass(frozen=True)
@@ -118,13 +126,13 @@ def _distance(values: NDArray[np.float64], bound: SignalBound) -> NDArray[np.flo
 
 
 @functools.singledispatch
-def judge(expectation: Expectation, recording: Recording, measures: RunMeasures) -> Verdict:
+def judge(expectation: Expectation, recording: Recording, measures: Measured) -> Verdict:
     """Judge one expectation; raises `ScenarioError` when the run can never show it."""
     raise TypeError(f"no judgement for {type(expectation).__name__}")
 
 
 @judge.register(SignalBound)
-def _signal(expectation: SignalBound, recording: Recording, measures: RunMeasures) -> Verdict:
+def _signal(expectation: SignalBound, recording: Recording, measures: Measured) -> Verdict:
     if expectation.signal not in recording.signals:
         known = ", ".join(sorted(recording.signals))
         raise _unreachable(
@@ -149,7 +157,7 @@ def _signal(expectation: SignalBound, recording: Recording, measures: RunMeasure
 
 
 @judge.register(MeasureBound)
-def _measure(expectation: MeasureBound, recording: Recording, measures: RunMeasures) -> Verdict:
+def _measure(expectation: MeasureBound, recording: Recording, measures: Measured) -> Verdict:
     value = measures.value(expectation.measure)
     if value is None:
         raise _unreachable(
@@ -180,7 +188,7 @@ def _screens(expectation: Expectation, recording: Recording) -> list[tuple[float
 
 
 @judge.register(LcdShows)
-def _lcd(expectation: LcdShows, recording: Recording, measures: RunMeasures) -> Verdict:
+def _lcd(expectation: LcdShows, recording: Recording, measures: Measured) -> Verdict:
     wanted = _words(expectation.wanted)
     seen = _screens(expectation, recording)
     for at, screen in seen:
@@ -196,7 +204,7 @@ def _text(screen: Screen) -> str:
     return " / ".join(_words(line) for line in screen.text if line.strip()) or "(empty)"
 
 
-def _tasks(expectation: Expectation, name: str | None, measures: RunMeasures) -> list[TaskMeasures]:
+def _tasks(expectation: Expectation, name: str | None, measures: Measured) -> list[TaskMeasures]:
     found = [t for t in measures.tasks if name is None or t.name.lower() == name.lower()]
     if not found:
         known = ", ".join(task.name for task in measures.tasks) or "none"
@@ -205,7 +213,7 @@ def _tasks(expectation: Expectation, name: str | None, measures: RunMeasures) ->
 
 
 @judge.register(DeadlinesMet)
-def _deadlines(expectation: DeadlinesMet, recording: Recording, measures: RunMeasures) -> Verdict:
+def _deadlines(expectation: DeadlinesMet, recording: Recording, measures: Measured) -> Verdict:
     tasks = _tasks(expectation, expectation.task, measures)
     bounded = [task for task in tasks if task.deadline_cycles is not None]
     if not bounded:
@@ -215,7 +223,7 @@ def _deadlines(expectation: DeadlinesMet, recording: Recording, measures: RunMea
 
 
 @judge.register(ResponseBound)
-def _response(expectation: ResponseBound, recording: Recording, measures: RunMeasures) -> Verdict:
+def _response(expectation: ResponseBound, recording: Recording, measures: Measured) -> Verdict:
     (task,) = _tasks(expectation, expectation.task, measures)[:1]
     if task.response_time_cycles_max is None:
         raise _unreachable(expectation, "no job of the task completed; lengthen the run")
@@ -224,7 +232,7 @@ def _response(expectation: ResponseBound, recording: Recording, measures: RunMea
 
 
 @judge.register(PathEnd)
-def _path(expectation: PathEnd, recording: Recording, measures: RunMeasures) -> Verdict:
+def _path(expectation: PathEnd, recording: Recording, measures: Measured) -> Verdict:
     if "body.x" not in recording.signals:
         raise _unreachable(expectation, "nothing drives: the scenario is on the bench")
     _, x = recording.signal("body.x")
@@ -235,7 +243,7 @@ def _path(expectation: PathEnd, recording: Recording, measures: RunMeasures) -> 
 
 
 @judge.register(PoweredOff)
-def _power(expectation: PoweredOff, recording: Recording, measures: RunMeasures) -> Verdict:
+def _power(expectation: PoweredOff, recording: Recording, measures: Measured) -> Verdict:
     end = recording.clock.seconds(recording.stop.at_cycles)
     off = recording.stop.reason == "power_off"
     window = expectation.window
@@ -245,7 +253,7 @@ def _power(expectation: PoweredOff, recording: Recording, measures: RunMeasures)
 
 
 @judge.register(FaultExpected)
-def _fault(expectation: FaultExpected, recording: Recording, measures: RunMeasures) -> Verdict:
+def _fault(expectation: FaultExpected, recording: Recording, measures: Measured) -> Verdict:
     stop = recording.stop
     alive = stop.reason in ALIVE
     end: Any = None if alive else recording.clock.seconds(stop.at_cycles)
