@@ -228,10 +228,14 @@ impl ModuleScript {
     }
 
     fn answer(&mut self, now: Cycles) {
-        while let Some(turn) = self
+        while self
             .turns
-            .pop_front_if(|turn| turn.after_bytes <= self.heard)
+            .front()
+            .is_some_and(|turn| turn.after_bytes <= self.heard)
         {
+            let Some(turn) = self.turns.pop_front() else {
+                return;
+            };
             self.heard = 0;
             let free_at = self.outgoing.back().map_or(now, |(at, _)| *at);
             let mut ends = free_at.max(now) + turn.delay_cycles;
