@@ -151,7 +151,7 @@ def test_a_function_that_nothing_disturbs_is_bounded_as_it_is_with_its_lines(
     assert own.closed_cycles is not None and 0 < own.closed_cycles <= any_data.cycles
     assert own.closed_lines
     assert all(line.rpartition("/")[2].startswith("functional.c:") for line, _ in own.closed_lines)
-    with pytest.raises(ExecutionTimeError, match="no variable 'nothing'"):
+    with pytest.raises(ExecutionTimeError, match="'nothing': the image has no such variable"):
         execution_times(image.content, closed=closed, inputs=["nothing"])
 
 
