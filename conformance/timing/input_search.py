@@ -11,7 +11,6 @@ Loops without a bound of their own take the program's pragmas, unless the file s
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import struct
@@ -29,14 +28,15 @@ from typing import Any
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 
 from conformance.timing.wcet_benchmarks import (
-    ROOT,
     ROUNDS,
     STACK_POINTER,
     Facts,
     Outcome,
     analysis_digest,
+    campaign_parser,
     closed_bound,
     compiled,
+    example,
     kept_columns,
     programs,
     source_loops,
@@ -65,20 +65,9 @@ def declared() -> dict[str, dict[str, Any]]:
     return tomllib.loads(INPUTS.read_text())
 
 
-@cache
-def searcher() -> Path:
-    """The program that searches."""
-    subprocess.run(
-        ["cargo", "build", "--locked", "--quiet", "--release", "-p", "wcet", "--example=search"],
-        cwd=ROOT / "virtual-brick",
-        check=True,
-    )
-    return ROOT / "virtual-brick" / "target" / "release" / "examples" / "search"
-
-
 def searched(elf: Path, name: str, inputs: Sequence[str], outcome: Searched) -> None:
     """The longest run that is found."""
-    command = [str(searcher()), str(elf), f"{name}_init", f"{name}_main", str(BUDGET_CYCLES)]
+    command = [str(example("search")), str(elf), f"{name}_init", f"{name}_main", str(BUDGET_CYCLES)]
     done = subprocess.run([*command, *inputs], capture_output=True, text=True, check=True)
     outcome.given_observed, outcome.observed, outcome.runs, outcome.restarts = (
         int(word) for word in done.stdout.split()
@@ -158,7 +147,7 @@ def judge(
         known = kept.get(folder.name, {})
         if known.get("key") == outcome.key and known.get("bound"):
             return Searched(**known)
-        searcher()
+        example("search")
         return within(seconds, lambda o: _judge(folder, elf, content, o), outcome)
 
 
@@ -247,14 +236,7 @@ def campaign(
 
 def main() -> int:
     """Print the result; 1 when a program with inputs has no bound or exceeds it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("names", nargs="*")
-    parser.add_argument("--code", choices=("arm", "thumb"), default="arm")
-    parser.add_argument("--level", default="O1")
-    parser.add_argument("--table", type=Path, help="file for the table")
-    parser.add_argument("--seconds", type=float, help="longest time for one program")
-    options = parser.parse_args()
+    options = campaign_parser(__doc__).parse_args()
     choice = (options.code, options.level)
     result = campaign(options.folder, choice, options.names, options.table, options.seconds)
     print(json.dumps(result, indent=1))

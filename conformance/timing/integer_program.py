@@ -14,13 +14,14 @@ import sys
 from typing import Any
 
 import virtual_brick
-from conformance.timing.examples import EXAMPLES, ROOT
 from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import WAITS, body_of, known_facts
 from ravenbrick.timing.facts import read_facts
 from ravenbrick.timing.ipet import longest_path
+
+from conformance.timing.examples import EXAMPLES, ROOT
 
 __all__ = ["compared"]
 

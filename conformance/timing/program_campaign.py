@@ -12,20 +12,16 @@ from __future__ import annotations
 import argparse
 import io
 import json
-import os
 import random
 import struct
-import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import virtual_brick
-from conformance.timing.just_missed import CLOSE, Outcome, explain
 from elftools.elf.elffile import ELFFile
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
@@ -33,7 +29,7 @@ from ravenbrick.schedule.offsets import synchronous_bound
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.alarm import AlarmCosts, alarm_costs
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
@@ -49,8 +45,9 @@ from ravenbrick.timing.kernel import (
 from ravenbrick.timing.started import Handler
 from ravenbrick.trace.recording import EventKind, decode_events
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "conformance" / "timing" / "campaign"
+from conformance.timing import ada_programs
+from conformance.timing.just_missed import CLOSE, Outcome, explain
+
 SLOTS = 8
 FIRST_PRIORITY = 11
 CEILING = 18
@@ -118,18 +115,7 @@ class Costs:
 @cache
 def built() -> ElfImage:
     """The image that all programs share."""
-    build = ROOT / "build" / "conformance" / "campaign"
-    environment = os.environ | {
-        "LC_ALL": "C",
-        "RAVENBRICK_RTS": str(ROOT / "build" / "runtime" / "ravenscar"),
-    }
-    subprocess.run(
-        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
-         "-P", str(PROGRAM / "campaign.gpr"), f"-XBUILD={build}"],
-        check=True,
-        env=environment,
-    )  # fmt: skip
-    return read_image(build / "periodic_load.elf")
+    return ada_programs.built("campaign", "periodic_load")
 
 
 def _job(image: ElfImage, known: Sequence[tuple[str, str]], rounds: int, locked: int) -> Bound:

@@ -10,6 +10,7 @@ import os
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from tools.tables import Row
 
 __all__ = [
     "examples",
+    "input_search",
     "integer_program",
     "kernel_services",
     "lowest_tasks",
@@ -89,42 +91,51 @@ def random_sets() -> Row:
     return _row(suite, equal + different + simulated, equal + simulated - above, excluded)
 
 
-def wcet_benchmarks(code: str, level: str) -> Row:
-    """TACLe programs with a bound for their own data that their run does not exceed."""
-    suite = f"wcet: TACLeBench, {code} -{level}, own data, bounded and not exceeded"
+def _campaign_row(
+    suite: str,
+    module: str,
+    options: Sequence[str],
+    judged: Callable[[dict[str, Any]], tuple[int, list[Row]]],
+) -> Row:
+    """A campaign over the TACLe programs; `judged` gives those that passed and those left out."""
     folder = os.environ.get(TACLE)
     if folder is None:
         reason = f"{TACLE} does not name the folder 'bench' of github.com/tacle/tacle-bench"
-        excluded: list[Row] = [{"count": TACLE_PROGRAMS, "reason": reason}]
-        return _row(suite, TACLE_PROGRAMS, 0, excluded)
+        return _row(suite, TACLE_PROGRAMS, 0, [{"count": TACLE_PROGRAMS, "reason": reason}])
+    result = _answer(module, folder, *options)
+    return _row(suite, result["programs"], *judged(result))
+
+
+def wcet_benchmarks(code: str, level: str) -> Row:
+    """TACLe programs with a bound for their own data that their run does not exceed."""
+
+    def judged(result: dict[str, Any]) -> tuple[int, list[Row]]:
+        without: list[Row] = [
+            {"count": 1, "reason": f"{outcome['name']}: no bound: {outcome['error'][:160]}"}
+            for outcome in result["outcomes"]
+            if not outcome["bound"]
+        ]
+        return result["analysed"] - len(result["below_observed"]), without
+
+    suite = f"wcet: TACLeBench, {code} -{level}, own data, bounded and not exceeded"
     options = ("--code", code, "--level", level, "--table", str(TACLE_TABLE), "--seconds", "900")
-    result = _answer("wcet_benchmarks", folder, *options)
-    passed = result["analysed"] - len(result["below_observed"])
-    without: list[Row] = [
-        {"count": 1, "reason": f"{outcome['name']}: no bound: {outcome['error'][:160]}"}
-        for outcome in result["outcomes"]
-        if not outcome["bound"]
-    ]
-    return _row(suite, result["programs"], passed, without)
+    return _campaign_row(suite, "wcet_benchmarks", options, judged)
 
 
 def input_search(code: str, level: str) -> Row:
     """TACLe programs whose longest run that a search finds stays below their bound for any data."""
+
+    def judged(result: dict[str, Any]) -> tuple[int, list[Row]]:
+        without: list[Row] = [
+            {"count": 1, "reason": f"{outcome['name']}: {outcome['none']}"}
+            for outcome in result["outcomes"]
+            if outcome["none"]
+        ]
+        return result["bounded"] - len(result["exceeded"]), without
+
     suite = f"wcet: TACLeBench, {code} -{level}, inputs searched, bound for any data not exceeded"
-    folder = os.environ.get(TACLE)
-    if folder is None:
-        reason = f"{TACLE} does not name the folder 'bench' of github.com/tacle/tacle-bench"
-        excluded: list[Row] = [{"count": TACLE_PROGRAMS, "reason": reason}]
-        return _row(suite, TACLE_PROGRAMS, 0, excluded)
     options = ("--code", code, "--level", level, "--table", str(SEARCH_TABLE), "--seconds", "300")
-    result = _answer("input_search", folder, *options)
-    passed = result["bounded"] - len(result["exceeded"])
-    without: list[Row] = [
-        {"count": 1, "reason": f"{outcome['name']}: {outcome['none']}"}
-        for outcome in result["outcomes"]
-        if outcome["none"]
-    ]
-    return _row(suite, result["programs"], passed, without)
+    return _campaign_row(suite, "input_search", options, judged)
 
 
 def kernel_services() -> Row:

@@ -8,8 +8,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 import sys
 from dataclasses import dataclass
 from functools import cache
@@ -17,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
@@ -26,10 +24,11 @@ from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.observed import check_event_rates, observe
 from ravenbrick.trace.recording import Recording
 
+from conformance.timing.ada_programs import built
+
 __all__ = ["Subject", "analysed", "compared", "subject"]
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "conformance" / "timing" / "events"
+PROGRAM = Path(__file__).with_name("events")
 ELABORATED_MS = 100
 
 
@@ -50,20 +49,9 @@ class Subject:
 @cache
 def subject() -> Subject:
     """Build the program."""
-    build = ROOT / "build" / "conformance" / "events"
-    environment = os.environ | {
-        "LC_ALL": "C",
-        "RAVENBRICK_RTS": str(ROOT / "build" / "runtime" / "ravenscar"),
-    }
-    subprocess.run(
-        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
-         "-P", str(PROGRAM / "events.gpr"), f"-XBUILD={build}"],
-        check=True,
-        env=environment,
-    )  # fmt: skip
     robot = read_robot(PROGRAM)
     scenario = read_scenario(scenario_path(PROGRAM, "steady"), robot)
-    return Subject(robot, read_image(build / "expiring_load.elf"), scenario, read_facts(robot))
+    return Subject(robot, built("events", "expiring_load"), scenario, read_facts(robot))
 
 
 def analysed(program: Subject, facts: Facts) -> Analysis:

@@ -100,20 +100,20 @@ def compiled(folder: Path, output: Path, code: str, level: str) -> bytes:
 
 
 @cache
-def observer() -> Path:
-    """The program that runs functions on the core."""
+def example(name: str) -> Path:
+    """A program of the crate: `observe` runs functions on the core, `search` looks for inputs."""
     subprocess.run(
-        ["cargo", "build", "--locked", "--quiet", "--release", "-p", "wcet", "--example=observe"],
+        ["cargo", "build", "--locked", "--quiet", "--release", "-p", "wcet", f"--example={name}"],
         cwd=ROOT / "virtual-brick",
         check=True,
     )
-    return ROOT / "virtual-brick" / "target" / "release" / "examples" / "observe"
+    return ROOT / "virtual-brick" / "target" / "release" / "examples" / name
 
 
 def run(elf: Path, name: str, recursive: Sequence[str] = ()) -> list[str]:
     """Lines of the observer."""
     options = [word for function in recursive for word in ("--recursive", function)]
-    command = [str(observer()), str(elf), f"{name}_init", f"{name}_main", *options]
+    command = [str(example("observe")), str(elf), f"{name}_init", f"{name}_main", *options]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return done.stdout.strip().split("\n")
 
@@ -325,7 +325,7 @@ def judge(
         known = kept.get(folder.name, {})
         if known.get("key") == outcome.key and known.get("bound"):
             return Outcome(**known)
-        observer()
+        example("observe")
         return within(seconds, lambda o: _judge(folder, elf, content, data, o), outcome)
 
 
@@ -414,16 +414,22 @@ def _cells(row: dict[str, Any]) -> list[str]:
     return [str(bound or "-"), str(seen or "-"), ratio, str(row.get("from_pragmas", "-"))]
 
 
-def main() -> int:
-    """Print the result; 1 when a program has no bound or exceeds it."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def campaign_parser(description: str | None) -> argparse.ArgumentParser:
+    """The options of a campaign over the programs."""
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("folder", type=Path)
     parser.add_argument("names", nargs="*")
     parser.add_argument("--code", choices=("arm", "thumb"), default="arm")
     parser.add_argument("--level", default="O1")
-    parser.add_argument("--data", choices=("own", "any"), default="own")
     parser.add_argument("--table", type=Path, help="file for the table")
     parser.add_argument("--seconds", type=float, help="longest time for one program")
+    return parser
+
+
+def main() -> int:
+    """Print the result; 1 when a program has no bound or exceeds it."""
+    parser = campaign_parser(__doc__)
+    parser.add_argument("--data", choices=("own", "any"), default="own")
     options = parser.parse_args()
     choice = (options.code, options.level, options.data)
     result = campaign(options.folder, choice, options.names, options.table, options.seconds)
