@@ -98,6 +98,17 @@ pub enum Operation {
     Undefined,
 }
 
+impl Operation {
+    /// Writes memory with a store.
+    pub const fn stores(&self) -> bool {
+        match self {
+            Self::Transfer(transfer) => !transfer.load,
+            Self::BlockTransfer(block) => !block.load,
+            _ => false,
+        }
+    }
+}
+
 /// The sixteen operations of the data processing format, in the order of their codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
@@ -145,6 +156,11 @@ impl AluOperation {
     pub const fn compares(self) -> bool {
         matches!(self, Self::Tst | Self::Teq | Self::Cmp | Self::Cmn)
     }
+
+    /// Has a second operand only.
+    pub const fn moves(self) -> bool {
+        matches!(self, Self::Mov | Self::Mvn)
+    }
 }
 
 /// An operation of the arithmetic unit.
@@ -160,6 +176,13 @@ pub struct DataProcessing {
     pub first: u32,
     /// The second operand.
     pub second: Operand,
+}
+
+impl DataProcessing {
+    /// Is the register an operand?
+    pub const fn reads(&self, register: u32) -> bool {
+        !self.operation.moves() && self.first == register || self.second.reads(register)
+    }
 }
 
 /// Second operand of an arithmetic operation, or offset of a transfer.
@@ -206,6 +229,17 @@ impl Operand {
     pub const fn constant(value: u32) -> Self {
         Self::Constant { value, carry: None }
     }
+
+    /// Does it depend on this register?
+    pub const fn reads(&self, wanted: u32) -> bool {
+        match *self {
+            Self::Constant { .. } => false,
+            Self::Shifted { register, .. } => register == wanted,
+            Self::ShiftedByRegister {
+                register, amount, ..
+            } => register == wanted || amount == wanted,
+        }
+    }
 }
 
 /// A multiplication.
@@ -225,6 +259,24 @@ pub struct Multiply {
     pub addend: Option<u32>,
     /// N and Z follow the result.
     pub sets_flags: bool,
+}
+
+impl Multiply {
+    /// The register of the lower half or of the addend, which one field encodes; else r0.
+    pub fn third(&self) -> u32 {
+        self.low.or(self.addend).unwrap_or(0)
+    }
+
+    /// Does it read or write the register?
+    pub fn uses(&self, register: u32) -> bool {
+        let used = [
+            self.destination,
+            self.multiplicand,
+            self.multiplier,
+            self.third(),
+        ];
+        used.contains(&register)
+    }
 }
 
 /// What the cycles of a multiplication depend on besides the multiplier's value.
@@ -259,6 +311,13 @@ pub struct Transfer {
     pub before: bool,
     /// The base register receives the moved address.
     pub write_back: bool,
+}
+
+impl Transfer {
+    /// Does the base register move? Behind a transfer at the base itself it always does.
+    pub const fn moves_base(&self) -> bool {
+        self.write_back || !self.before
+    }
 }
 
 /// Load or store of several words, the lowest register at the lowest address.

@@ -30,11 +30,6 @@ impl Outcome {
     }
 }
 
-/// Is the result of no use but for flags?
-const fn is_plain(operation: AluOperation) -> bool {
-    !operation.compares()
-}
-
 /// An operation whose result can be computed and thrown away: it takes no cycles of its own and
 /// sets no flags.
 pub(crate) const fn is_free(processing: &DataProcessing, flags: bool) -> bool {
@@ -46,19 +41,20 @@ impl Function<'_> {
     pub fn data_processing(&mut self, processing: &DataProcessing, flags: bool) {
         let by_register = matches!(processing.second, Operand::ShiftedByRegister { .. });
         self.known.pending += u32::from(by_register);
-        if !flags && !is_plain(processing.operation) {
+        if !flags && processing.operation.compares() {
             return;
         }
         let second = self.operand(processing.second, flags);
-        let first = match processing.operation {
-            AluOperation::Mov | AluOperation::Mvn => second.value,
-            _ => self.get(processing.first),
+        let first = if processing.operation.moves() {
+            second.value
+        } else {
+            self.get(processing.first)
         };
         let outcome = self.outcome(processing.operation, first, second.value);
         if flags {
             self.set_flags(&outcome, second.carry);
         }
-        if is_plain(processing.operation) {
+        if !processing.operation.compares() {
             self.set(processing.destination, outcome.result());
         }
     }
@@ -119,7 +115,7 @@ impl Function<'_> {
 
     /// An operation that is free, whose result is kept only if the condition holds.
     pub fn data_processing_if(&mut self, processing: &DataProcessing, condition: u32) {
-        if !is_plain(processing.operation) {
+        if processing.operation.compares() {
             return;
         }
         let holds = self.condition(condition);

@@ -30,9 +30,7 @@ pub(crate) const fn alignment(width: Width) -> u32 {
 /// Distance from the base of an access that leaves it as it is.
 pub(crate) const fn distance(transfer: &Transfer) -> Option<i32> {
     match transfer.offset {
-        Operand::Constant { value, .. }
-            if transfer.before && !transfer.write_back && transfer.base != 15 =>
-        {
+        Operand::Constant { value, .. } if !transfer.moves_base() && transfer.base != 15 => {
             let distance = value as i32;
             Some(if transfer.add { distance } else { -distance })
         }
@@ -114,8 +112,8 @@ fn may_write(operation: &Operation, register: u32) -> bool {
             product.destination == register || product.low == Some(register)
         }
         Operation::Transfer(transfer) => {
-            let moves = transfer.write_back || !transfer.before;
-            transfer.load && transfer.register == register || moves && transfer.base == register
+            transfer.load && transfer.register == register
+                || transfer.moves_base() && transfer.base == register
         }
         Operation::BlockTransfer(block) => {
             block.load && block.list >> register & 1 != 0

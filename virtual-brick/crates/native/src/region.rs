@@ -43,29 +43,6 @@ pub(crate) struct RegionCompiler<'a> {
     outward: BTreeMap<u32, (Block, NativeJump, u32)>,
 }
 
-fn second_reads_pc(operand: Operand) -> bool {
-    match operand {
-        Operand::Constant { .. } => false,
-        Operand::Shifted { register, .. } => register == 15,
-        Operand::ShiftedByRegister {
-            register, amount, ..
-        } => register == 15 || amount == 15,
-    }
-}
-
-fn reads_pc(processing: &DataProcessing) -> bool {
-    let moves = matches!(processing.operation, AluOperation::Mov | AluOperation::Mvn);
-    !moves && processing.first == 15 || second_reads_pc(processing.second)
-}
-
-const fn stores(operation: &Operation) -> bool {
-    match operation {
-        Operation::Transfer(transfer) => !transfer.load,
-        Operation::BlockTransfer(block) => !block.load,
-        _ => false,
-    }
-}
-
 impl<'a> RegionCompiler<'a> {
     pub fn new(
         mut builder: FunctionBuilder<'a>,
@@ -162,7 +139,7 @@ impl<'a> RegionCompiler<'a> {
             if self.function.ended {
                 return;
             }
-            if !stores(&instruction.instruction.operation) {
+            if !instruction.instruction.operation.stores() {
                 self.function.known.after_store = AfterStore::Not;
             }
         }
@@ -263,7 +240,7 @@ impl<'a> RegionCompiler<'a> {
             }
             (Operation::DataProcessing(processing), _)
                 if processing.destination != 15
-                    && !reads_pc(processing)
+                    && !processing.reads(15)
                     && is_free(processing, one.flags) =>
             {
                 self.function.data_processing_if(processing, condition);
@@ -304,14 +281,7 @@ impl<'a> RegionCompiler<'a> {
                 self.set_constant(14, pc.wrapping_add(*offset))
             }
             Operation::Multiply(product) => {
-                let third = product.low.or(product.addend).unwrap_or(0);
-                let used = [
-                    product.destination,
-                    product.multiplicand,
-                    product.multiplier,
-                    third,
-                ];
-                let plain = !used.contains(&15);
+                let plain = !product.uses(15);
                 if plain {
                     self.function.multiply(product, one.flags);
                 }
@@ -366,7 +336,7 @@ impl<'a> RegionCompiler<'a> {
             } if plain_move && processing.destination != 15 => {
                 self.set_constant(processing.destination, pc)
             }
-            _ if processing.destination == 15 || reads_pc(processing) => false,
+            _ if processing.destination == 15 || processing.reads(15) => false,
             _ => {
                 self.function.data_processing(processing, one.flags);
                 true

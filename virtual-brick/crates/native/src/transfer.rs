@@ -93,7 +93,7 @@ impl Function<'_> {
     }
 
     fn access(&mut self, transfer: &Transfer, pc: u32) -> Option<Access> {
-        let moves = transfer.write_back || !transfer.before;
+        let moves = transfer.moves_base();
         if transfer.base == 15 {
             return (!moves).then(|| self.relative(transfer, pc)).flatten();
         }

@@ -198,7 +198,7 @@ fn elementwise(
     second: &Shifted,
     carry: Option<bool>,
 ) -> Option<(Value, u16)> {
-    let moves = matches!(operation, AluOperation::Mov | AluOperation::Mvn);
+    let moves = operation.moves();
     let carry = if uses_carry(operation) {
         carry
     } else {

@@ -66,22 +66,16 @@ fn flags(instruction: &Instruction) -> Flags {
                 flags.writes = N | Z | possible;
                 flags.replaces = N | Z | certain;
             }
-            let second = of_operand(processing.second) >> 15 != 0;
+            let second = processing.second.reads(15);
             flags.exits = processing.destination == 15 || processing.first == 15 || second;
             flags
         }
         Operation::Multiply(product) => {
             let written = if product.sets_flags { N | Z } else { 0 };
-            let third = product.low.or(product.addend).unwrap_or(0);
-            let used = [
-                product.destination,
-                product.multiplicand,
-                product.multiplier,
-            ];
             Flags {
                 writes: written,
                 replaces: written,
-                exits: used.contains(&15) || third == 15,
+                exits: product.uses(15),
                 ..Flags::default()
             }
         }
@@ -172,9 +166,10 @@ fn of_operand(operand: Operand) -> u32 {
 fn registers(instruction: &Instruction) -> Option<Registers> {
     let (reads, writes) = match &instruction.operation {
         Operation::DataProcessing(processing) if processing.destination != 15 => {
-            let first = match processing.operation {
-                AluOperation::Mov | AluOperation::Mvn => 0,
-                _ => 1 << processing.first,
+            let first = if processing.operation.moves() {
+                0
+            } else {
+                1 << processing.first
             };
             let written = if processing.operation.compares() {
                 0

@@ -13,25 +13,14 @@ pub(super) fn comparison(instruction: &Instruction, flags: bool) -> Option<(AluO
         return None;
     };
     let plain = flags && instruction.condition == ALWAYS && processing.destination != 15;
-    let reads_pc = processing.first == 15 || operand_reads_pc(processing.second);
-    (plain && !reads_pc).then(|| (processing.operation, operand_parts(processing.second).0))
+    (plain && !processing.reads(15))
+        .then(|| (processing.operation, operand_parts(processing.second).0))
 }
 
 pub(super) fn mode_of(transfer: &Transfer, mode: u8) -> u8 {
-    let moves = transfer.write_back || !transfer.before;
     mode | u8::from(transfer.add) * transfer::UP
         | u8::from(transfer.before) * transfer::BEFORE
-        | u8::from(moves) * transfer::WRITE_BACK
-}
-
-pub(super) fn operand_reads_pc(operand: Operand) -> bool {
-    match operand {
-        Operand::Constant { .. } => false,
-        Operand::Shifted { register, .. } => register == 15,
-        Operand::ShiftedByRegister {
-            register, amount, ..
-        } => register == 15 || amount == 15,
-    }
+        | u8::from(transfer.moves_base()) * transfer::WRITE_BACK
 }
 
 /// Kind, value, register, amount and mode of a second operand.

@@ -47,15 +47,6 @@ pub(super) fn ends(instruction: &Instruction) -> bool {
     operation && instruction.condition == ALWAYS
 }
 
-/// Writes memory.
-pub(super) fn stores(instruction: &Instruction) -> bool {
-    match &instruction.operation {
-        Operation::Transfer(transfer) => !transfer.load,
-        Operation::BlockTransfer(block) => !block.load,
-        _ => false,
-    }
-}
-
 /// The instructions from `key` on, as far as one block can have them.
 pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most: u32) -> Source {
     let (start, size, width) = (key & !1, size_of(key), width_of(key));
@@ -84,7 +75,10 @@ pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most
         }
     }
     // A block that goes on elsewhere ends behind a store only if it has nothing else.
-    let last = source.instructions.iter().rposition(|one| !stores(one));
+    let last = source
+        .instructions
+        .iter()
+        .rposition(|one| !one.operation.stores());
     source
         .instructions
         .truncate(last.map_or(usize::MAX, |last| last + 1));

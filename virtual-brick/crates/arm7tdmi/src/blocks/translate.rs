@@ -12,10 +12,10 @@ use super::bus::{BlockBus, CodePlace};
 use super::data::{
     self, data_and_branch_handler, data_handler, data_if_handler, multiply, multiply_long, nothing,
 };
-use super::operand::{comparison, mode_of, operand_parts, operand_reads_pc};
+use super::operand::{comparison, mode_of, operand_parts};
 use super::region::Nativeness;
 use super::run::{size_of, width_of, Handler, Op, Register};
-use super::source::{ends, most_cycles, read_source, stores, Source};
+use super::source::{ends, most_cycles, read_source, Source};
 use super::transfer::{self, load_block, load_handler, store_block, store_handler};
 use crate::bus::Width;
 use crate::instruction::{
@@ -79,7 +79,8 @@ pub(super) fn translate<B: BlockBus>(bus: &mut B, key: u32, place: CodePlace) ->
         .map(|instruction| most_cycles(instruction, most))
         .sum();
     // Stores near the end could change what was fetched ahead already.
-    let near_end = source.instructions.iter().rev().take(2).any(stores);
+    let mut last = source.instructions.iter().rev().take(2);
+    let near_end = last.any(|instruction| instruction.operation.stores());
     let covered = size * if near_end { count + 2 } else { count };
     for offset in (0..covered).step_by(2) {
         bus.mark_code((key & !1).wrapping_add(offset));
@@ -341,12 +342,10 @@ impl<B: BlockBus> Builder<'_, B> {
             second,
             sets_flags,
         } = *processing;
-        let moves = matches!(operation, AluOperation::Mov | AluOperation::Mvn);
-        let reads_pc = !moves && first == 15 || operand_reads_pc(second);
         if destination == 15 {
             return self.jump(processing);
         }
-        if reads_pc {
+        if processing.reads(15) {
             return match self.pc_relative(processing) {
                 Some(value) if !sets_flags => self.constant(destination, value),
                 _ => {
@@ -377,9 +376,7 @@ impl<B: BlockBus> Builder<'_, B> {
         condition: u32,
     ) -> bool {
         let (kind, value, register, amount, mode) = operand_parts(processing.second);
-        let moves = matches!(processing.operation, AluOperation::Mov | AluOperation::Mvn);
-        let reads_pc = !moves && processing.first == 15 || operand_reads_pc(processing.second);
-        if flags || reads_pc || processing.destination == 15 {
+        if flags || processing.reads(15) || processing.destination == 15 {
             return false;
         }
         let Some(handler) = data_if_handler(processing.operation, kind) else {
@@ -406,7 +403,7 @@ impl<B: BlockBus> Builder<'_, B> {
 
     /// MSR.
     fn write_status(&mut self, saved: bool, operand: Operand) {
-        if operand_reads_pc(operand) {
+        if operand.reads(15) {
             self.push(leave);
             return;
         }
@@ -501,14 +498,7 @@ impl<B: BlockBus> Builder<'_, B> {
     }
 
     fn multiply(&mut self, product: &Multiply, flags: bool) {
-        let third = product.low.or(product.addend).unwrap_or(0);
-        let used = [
-            product.destination,
-            product.multiplicand,
-            product.multiplier,
-            third,
-        ];
-        if used.contains(&15) {
+        if product.uses(15) {
             self.push(leave);
             return;
         }
@@ -527,15 +517,15 @@ impl<B: BlockBus> Builder<'_, B> {
         op.destination = Register::number(product.destination);
         op.first = Register::number(product.multiplicand);
         op.second = Register::number(product.multiplier);
-        op.third = Register::number(third);
+        op.third = Register::number(product.third());
         op.mode = u8::from(flags);
     }
 
     fn transfer(&mut self, transfer: &Transfer) {
-        let pc_moves = transfer.base == 15 && (transfer.write_back || !transfer.before);
+        let pc_moves = transfer.base == 15 && transfer.moves_base();
         let jumps = transfer.register == 15;
         let jumps_oddly = jumps && !(transfer.load && transfer.width == Width::Word);
-        if jumps_oddly || pc_moves || operand_reads_pc(transfer.offset) {
+        if jumps_oddly || pc_moves || transfer.offset.reads(15) {
             self.push(leave);
             return;
         }
