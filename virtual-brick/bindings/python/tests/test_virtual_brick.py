@@ -6,6 +6,7 @@ import ast
 import json
 import socket
 import struct
+import sys
 import threading
 from itertools import pairwise
 from pathlib import Path
@@ -178,16 +179,25 @@ def test_a_restored_run_repeats_itself() -> None:
 
 
 def test_other_python_threads_run_during_a_run() -> None:
-    """The interpreter lock is released: a thread finishes while the brick runs."""
+    """The interpreter lock is released: another thread gets its turn only out of a run."""
     brick = counting()
-    done = threading.Event()
-    runner = threading.Thread(target=lambda: (brick.run_until(400 * MILLISECOND), done.set()))
-    runner.start()
-    turns = 0
-    while not done.wait(0.0005):
-        turns += 1
-    runner.join()
-    assert turns > 2
+    turn = threading.Event()
+    longest = 60_000 * MILLISECOND
+
+    def run_until_turn() -> None:
+        while not turn.is_set() and brick.cycles < longest:
+            brick.run_until(brick.cycles + 10 * MILLISECOND)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1_000.0)
+    try:
+        runner = threading.Thread(target=run_until_turn)
+        runner.start()
+        turn.set()
+        runner.join()
+    finally:
+        sys.setswitchinterval(interval)
+    assert brick.cycles < longest
 
 
 def test_the_picture_has_a_byte_per_pixel() -> None:
