@@ -31,7 +31,8 @@ test: setup style test-rust test-python ## Run all tests
 style: ## Check style, borders between the parts, and generated tables
 	@$(PYTHON) -m tools.tidy
 	@$(PYTHON) -m tools.tables --check
-	@$(PYTHON) -m ruff check --quiet host tools runtime drivers examples virtual-brick/bindings
+	@$(PYTHON) -m ruff check --quiet host tools runtime drivers examples benchmarks conformance \
+		virtual-brick/bindings
 	@$(PYTHON) -m mypy --no-error-summary --config-file host/pyproject.toml host/src
 
 .PHONY: test-rust

@@ -213,7 +213,6 @@ def page_speed() -> Iterator[Row]:
 
 def timing_analysis() -> Iterator[Row]:
     """Seconds of `ravenbrick analyse` without the run, in a small and in a large program."""
-    from conformance.timing.program_campaign import built, costs
     from ravenbrick.target.clock import MASTER_CLOCK
     from ravenbrick.target.elf_image import read_image
     from ravenbrick.target.robot import read_robot
@@ -221,6 +220,8 @@ def timing_analysis() -> Iterator[Row]:
     from ravenbrick.target.virtual import VirtualTarget
     from ravenbrick.timing.analysis import analyse
     from ravenbrick.timing.facts import read_facts
+
+    from conformance.timing.program_campaign import built, costs
 
     small = built()
     start = time.perf_counter()

@@ -125,8 +125,7 @@ def page(ways: list[Way], count: int) -> str:
         "run with two seeds and",
         "judged. Medians of the slices, quartiles in brackets; the speed is beside the slice of "
         "one worker next to it,",
-        "on a machine with two processors. Processor time is that of "
-        "grader, compiler and",
+        "on a machine with two processors. Processor time is that of grader, compiler and",
         "runs together, over all slices.",
         "",
         "| Way | Submissions per minute | Speed | Processor time of one, s | Results as with one |",
