@@ -4,6 +4,9 @@
 
 import ast
 import json
+import os
+import select
+import signal
 import socket
 import struct
 import sys
@@ -198,6 +201,33 @@ def test_other_python_threads_run_during_a_run() -> None:
     finally:
         sys.setswitchinterval(interval)
     assert brick.cycles < longest
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork:DeprecationWarning")
+def test_a_brick_runs_on_alike_in_a_forked_process_and_ends_there() -> None:
+    """A fork copies the brick, but not the thread that makes its native code."""
+    brick = counting()
+    brick.run_until(MILLISECOND)
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            brick.run_until(100 * MILLISECOND)
+            digest = brick.trace_digest()
+            del brick
+            os.write(writing, digest.encode())
+        finally:
+            os._exit(0)
+    os.close(writing)
+    brick.run_until(100 * MILLISECOND)
+    try:
+        assert select.select([reading], [], [], 60)[0], "the forked process does not end"
+        assert os.read(reading, 64).decode() == brick.trace_digest()
+    finally:
+        os.close(reading)
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
 
 
 def test_the_picture_has_a_byte_per_pixel() -> None:

@@ -34,9 +34,9 @@ mod thumb_transfer;
 mod timing;
 
 pub use blocks::{
-    BlockBus, Blocks, BlocksRun, BusAccess, CodePlace, Native, NativeBlock, NativeExit,
-    NativeInstruction, NativeJump, NativeMemory, NativeReach, NativeRegion, NativeState, PlainRead,
-    PlainWords, BRANCHED,
+    BlockBus, Blocks, BlocksRun, BusAccess, CodePlace, Native, NativeAnswer, NativeBlock,
+    NativeExit, NativeInstruction, NativeJump, NativeMemory, NativeReach, NativeRegion,
+    NativeState, PlainRead, PlainWords, BRANCHED,
 };
 pub use bus::{Abort, Bus, Cycle, Width};
 pub use cpu::{Cpu, Step};

@@ -13,6 +13,7 @@
 mod alu;
 mod block_transfer;
 mod branch;
+mod compiler;
 mod flags;
 mod function;
 mod machine;
@@ -23,5 +24,6 @@ mod shift;
 mod table;
 mod transfer;
 mod translator;
+mod workshop;
 
-pub use translator::Translator;
+pub use translator::{Making, Translator};

@@ -4,10 +4,11 @@
 //!
 //! Why the calls are sound:
 //!
-//! - The code called was made by this crate for this signature, is finished before its address is
-//!   known to anybody, and lies in memory that is freed only with the [`Machine`], which is
-//!   borrowed during the call. [`Code`] cannot be made elsewhere, and [`Machine::clear`] is
-//!   called together with the removal of all entries that name code.
+//! - The code called was made by this crate's [compiler](crate::compiler) for this signature and
+//!   names no place of its own, is finished before its address is known to anybody, and lies in
+//!   memory that is freed only with the [`Machine`], which is borrowed during the call. [`Code`]
+//!   cannot be made elsewhere, and [`Machine::clear`] is called together with the removal of all
+//!   entries that name code.
 //! - It accesses four things: the state, which is borrowed mutably and has a fixed layout; the
 //!   words of RAM, borrowed mutably, and their marks, borrowed, both of the length that is
 //!   compared before each call with the length the code was made for, and with each offset
@@ -25,10 +26,10 @@ use arm7tdmi::NativeState;
 use cranelift_codegen::ir::{types, AbiParam, Signature};
 use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
-use cranelift_codegen::Context;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{default_libcall_names, Module};
 
+use crate::compiler::Instructions;
 use crate::table::Entry;
 
 /// From the host's calling convention to that of the code. The last argument is the code.
@@ -103,7 +104,7 @@ impl Machine {
         &self.isa
     }
 
-    /// Bytes of code.
+    /// Bytes of the code of regions.
     pub const fn bytes(&self) -> usize {
         self.bytes
     }
@@ -119,8 +120,8 @@ impl Machine {
     }
 
     /// Of [`Enter`].
-    pub fn enter_signature(&self) -> Signature {
-        let mut signature = Signature::new(self.isa.default_call_conv());
+    pub fn enter_signature(isa: &OwnedTargetIsa) -> Signature {
+        let mut signature = Signature::new(isa.default_call_conv());
         let parameters = [types::I64, types::I32, types::I64, types::I64, types::I32];
         signature.params.extend(parameters.map(AbiParam::new));
         signature.params.push(AbiParam::new(types::I64));
@@ -145,31 +146,35 @@ impl Machine {
         self.enter.is_some()
     }
 
-    /// Takes the code of a function with [`Machine::enter_signature`] to enter others through.
-    pub fn define_enter(&mut self, context: &mut Context) -> Option<()> {
-        let code = self.finished(context)?;
+    /// Takes a function with [`Machine::enter_signature`] to enter others through.
+    pub fn define_enter(&mut self, instructions: &Instructions) -> Option<()> {
+        let signature = Self::enter_signature(&self.isa);
+        let code = self.placed(&signature, instructions)?;
         // SAFETY: the function has this signature in the host's calling convention, and stays
         // until `enter` is reset.
         self.enter = Some(unsafe { mem::transmute::<*const u8, Enter>(code) });
         Some(())
     }
 
-    /// Takes the code of a function with [`Machine::signature`].
-    pub fn define(&mut self, context: &mut Context) -> Option<Code> {
-        self.finished(context).map(|code| Code(code as usize))
+    /// Takes a function with [`Machine::signature`].
+    pub fn define(&mut self, instructions: &Instructions) -> Option<Code> {
+        let code = self.placed(&Self::signature(), instructions)?;
+        self.bytes += instructions.bytes.len();
+        Some(Code(code as usize))
     }
 
-    fn finished(&mut self, context: &mut Context) -> Option<*const u8> {
+    fn placed(&mut self, signature: &Signature, instructions: &Instructions) -> Option<*const u8> {
         let isa = &self.isa;
         let module = self.module.get_or_insert_with(|| {
             let builder = JITBuilder::with_isa(isa.clone(), default_libcall_names());
             Mutex::new(Memory(JITModule::new(builder)))
         });
         let module = &mut module.get_mut().ok()?.0;
-        let signature = context.func.signature.clone();
-        let function = module.declare_anonymous_function(&signature).ok()?;
-        module.define_function(function, context).ok()?;
-        self.bytes += context.compiled_code()?.code_buffer().len();
+        let function = module.declare_anonymous_function(signature).ok()?;
+        let Instructions { bytes, alignment } = instructions;
+        module
+            .define_function_bytes(function, *alignment, bytes, &[])
+            .ok()?;
         module.finalize_definitions().ok()?;
         Some(module.get_finalized_function(function))
     }

@@ -2,17 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Code of all regions and where it is entered.
 
+use std::collections::VecDeque;
 use std::fmt;
 
-use arm7tdmi::{Native, NativeExit, NativeMemory, NativeRegion, NativeState, BRANCHED};
-use cranelift_codegen::ir::{types, InstBuilder, MemFlags};
-use cranelift_codegen::Context;
-use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
+use arm7tdmi::{
+    Native, NativeAnswer, NativeExit, NativeMemory, NativeRegion, NativeState, BRANCHED,
+};
 
-use crate::function::offset_of_left;
+use crate::compiler::{Compiler, Made, Request};
 use crate::machine::{host, Machine};
-use crate::region::{Layout, RegionCompiler};
+use crate::region::Layout;
 use crate::table::{entry, no_entries, no_entry, AfterStore, Entry, Exit};
+use crate::workshop::Workshop;
 
 /// Places of code that can have entries: all halfwords of RAM and flash.
 const PLACES: usize = 0x8000 + 0x2_0000;
@@ -23,6 +24,15 @@ const BYTES_MAX: usize = 8 << 20;
 /// No instruction has this address.
 const NOWHERE: u32 = u32::MAX;
 
+/// When code is made of what has become worth it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Making {
+    /// Before the run goes on.
+    AtOnce,
+    /// By a thread, while the blocks' own operations go on.
+    Beside,
+}
+
 /// Makes, keeps and runs code of the host.
 pub struct Translator {
     machine: Machine,
@@ -30,8 +40,13 @@ pub struct Translator {
     table: Box<[Entry]>,
     exits: Vec<Exit>,
     worthwhile_runs: u32,
-    context: Context,
-    builder: FunctionBuilderContext,
+    making: Making,
+    compiler: Compiler,
+    workshop: Option<Workshop>,
+    /// Code and requests of others are forgotten.
+    generation: u32,
+    /// What has been made and not been settled.
+    made: VecDeque<Made>,
 }
 
 impl fmt::Debug for Translator {
@@ -45,72 +60,71 @@ impl fmt::Debug for Translator {
 impl Translator {
     /// Without code yet, of which some is made of a block after so many runs of its operations;
     /// none where the host is not one that code can be made for.
-    pub fn new(worthwhile_runs: u32) -> Option<Self> {
+    pub fn new(worthwhile_runs: u32, making: Making) -> Option<Self> {
         let fits = cfg!(all(target_pointer_width = "64", target_endian = "little"));
         let isa = host().filter(|_| fits)?;
-        Some(Self::with(Machine::new(isa), worthwhile_runs))
+        Some(Self::with(Machine::new(isa), worthwhile_runs, making))
     }
 
-    fn with(machine: Machine, worthwhile_runs: u32) -> Self {
+    fn with(machine: Machine, worthwhile_runs: u32, making: Making) -> Self {
         Self {
+            compiler: Compiler::new(machine.isa().clone()),
             machine,
             table: Box::default(),
             exits: Vec::new(),
             worthwhile_runs,
-            context: Context::new(),
-            builder: FunctionBuilderContext::new(),
+            making,
+            workshop: None,
+            generation: 0,
+            made: VecDeque::new(),
         }
     }
 
-    /// The code that takes arguments as the host passes them and hands them on to a region's.
-    fn define_enter(&mut self) -> Option<()> {
-        self.context.clear();
-        self.context.func.signature = self.machine.enter_signature();
-        let mut builder = FunctionBuilder::new(&mut self.context.func, &mut self.builder);
-        let block = builder.create_block();
-        builder.append_block_params_for_function_params(block);
-        builder.switch_to_block(block);
-        builder.seal_all_blocks();
-        let arguments = builder.block_params(block).to_vec();
-        let (&code, arguments) = arguments.split_last()?;
-        let signature = builder.import_signature(Machine::signature());
-        let call = builder.ins().call_indirect(signature, code, arguments);
-        let (left, exit) = match builder.inst_results(call) {
-            [left, exit] => (*left, *exit),
-            _ => return None,
-        };
-        let state = *arguments.first()?;
-        builder
-            .ins()
-            .store(MemFlags::trusted(), left, state, offset_of_left());
-        builder.ins().return_(&[exit]);
-        builder.finalize();
-        self.machine.define_enter(&mut self.context)
-    }
-
-    fn compile(&mut self, region: &NativeRegion, address: u32) -> Option<()> {
+    /// Table and way in, which all code needs.
+    fn prepare(&mut self) -> Option<()> {
         if self.table.is_empty() {
             self.table = no_entries(PLACES);
         }
         if !self.machine.can_enter() {
-            self.define_enter()?;
+            let instructions = self.compiler.enter()?;
+            self.machine.define_enter(&instructions)?;
         }
-        self.context.clear();
-        self.context.func.signature = Machine::signature();
-        let layout = Layout {
-            address,
-            words: WORDS as u32,
-            table: self.table.as_ptr() as usize,
-        };
-        let builder = FunctionBuilder::new(&mut self.context.func, &mut self.builder);
-        let pointer = self.machine.isa().pointer_type();
-        debug_assert_eq!(pointer, types::I64);
-        RegionCompiler::new(builder, region, layout, &mut self.exits).compile();
-        let code = self.machine.define(&mut self.context)?;
-        for (index, block) in region.blocks.iter().enumerate() {
-            if let Some(place) = self.table.get_mut(block.halfword as usize) {
-                let refill_cycles = block.refill_cycles as u16;
-                *place = entry(block.key, refill_cycles, index as u16, code.address());
+        Some(())
+    }
+
+    fn ask(&mut self, request: Request) -> NativeAnswer {
+        self.gather();
+        if self.making == Making::Beside && self.workshop.is_none() {
+            let mut compiler = Compiler::new(self.machine.isa().clone());
+            self.workshop = Workshop::open(move |request| compiler.make(request));
+        }
+        if let Some(workshop) = &self.workshop {
+            return match workshop.ask(request) {
+                true => NativeAnswer::Comes,
+                false => NativeAnswer::NotNow,
+            };
+        }
+        // The host gives no thread, or none was wanted.
+        self.making = Making::AtOnce;
+        let made = self.compiler.make(&request);
+        self.made.push_back(made);
+        NativeAnswer::Comes
+    }
+
+    /// The answers of this generation that have come.
+    fn gather(&mut self) {
+        while let Some(made) = self.workshop.as_mut().and_then(Workshop::answer) {
+            if made.generation == self.generation {
+                self.made.push_back(made);
+            }
+        }
+    }
+
+    fn install(&mut self, made: &Made) -> Option<()> {
+        let code = self.machine.define(made.instructions.as_ref()?)?;
+        for (index, &(key, halfword, refill_cycles)) in made.blocks.iter().enumerate() {
+            if let Some(place) = self.table.get_mut(halfword as usize) {
+                *place = entry(key, refill_cycles as u16, index as u16, code.address());
             }
         }
         Some(())
@@ -120,16 +134,41 @@ impl Translator {
 impl Native for Translator {
     fn fresh(&self) -> Box<dyn Native> {
         let machine = Machine::new(self.machine.isa().clone());
-        Box::new(Self::with(machine, self.worthwhile_runs))
+        Box::new(Self::with(machine, self.worthwhile_runs, self.making))
     }
 
     fn worthwhile_runs(&self) -> u32 {
         self.worthwhile_runs
     }
 
-    fn translate(&mut self, region: &NativeRegion, memory: &NativeMemory<'_>) -> bool {
+    fn translate(&mut self, region: NativeRegion, memory: &NativeMemory<'_>) -> NativeAnswer {
         let fits = memory.words.len() == WORDS && memory.marks.len() == WORDS;
-        fits && self.compile(region, memory.address).is_some()
+        if !fits || self.prepare().is_none() {
+            return NativeAnswer::Never;
+        }
+        let layout = Layout {
+            address: memory.address,
+            words: WORDS as u32,
+            table: self.table.as_ptr() as usize,
+        };
+        self.ask(Request {
+            generation: self.generation,
+            region,
+            layout,
+        })
+    }
+
+    fn finished(&mut self) -> Option<u32> {
+        self.gather();
+        self.made.front().map(|made| made.number)
+    }
+
+    fn settle(&mut self, wanted: bool) -> bool {
+        let Some(made) = self.made.pop_front() else {
+            return false;
+        };
+        self.exits.extend_from_slice(&made.exits);
+        wanted && self.install(&made).is_some()
     }
 
     fn forget(&mut self, halfword: u32) {
@@ -139,13 +178,24 @@ impl Native for Translator {
     }
 
     fn forget_all(&mut self) {
+        self.generation = self.generation.wrapping_add(1);
+        self.workshop.take_if(|workshop| workshop.is_lost());
+        if let Some(workshop) = &self.workshop {
+            workshop.want_only(self.generation);
+        }
+        self.made.clear();
         self.table = Box::default();
         self.exits.clear();
         self.machine.clear();
     }
 
-    fn is_full(&self) -> bool {
-        self.machine.bytes() >= BYTES_MAX
+    fn bytes(&self) -> usize {
+        self.machine.bytes()
+    }
+
+    fn is_spent(&self) -> bool {
+        let lost = self.workshop.as_ref().is_some_and(Workshop::is_lost);
+        lost || self.machine.bytes() >= BYTES_MAX
     }
 
     fn run(

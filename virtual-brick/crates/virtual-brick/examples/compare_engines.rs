@@ -55,9 +55,11 @@ fn compare(seed: u64, kind: Kind, longest: u32) -> Result<(), String> {
         let mut configuration = support::vehicle();
         configuration.engine = engine;
         configuration.native_after_runs = native_after_runs;
+        configuration.native_at_once = seed % 3 != 0;
         VirtualBrick::new(&configuration, &elf).map_err(|error| error.to_string())
     };
-    // Code of the host is made so early that most of what runs is such code.
+    // Code of the host is made so early that most of what runs is such code; now and then a thread
+    // makes it.
     let mut native = brick(Engine::Fast, 1 + (seed % 8) as u32)?;
     let mut blocks = brick(Engine::Blocks, 0)?;
     let mut reference = brick(Engine::Reference, 0)?;

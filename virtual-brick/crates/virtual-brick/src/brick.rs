@@ -121,7 +121,7 @@ impl VirtualBrick {
             endless_loops: EndlessLoops::default(),
             ended: None,
             engine: configuration.engine,
-            blocks: configuration.engine.blocks(configuration.native_after_runs),
+            blocks: configuration.engine.blocks(configuration),
             monitor: None,
             console: None,
             threads_unobserved,
@@ -263,6 +263,13 @@ impl VirtualBrick {
     #[must_use]
     pub fn threads_unobserved(&self) -> Option<&str> {
         self.threads_unobserved.as_deref()
+    }
+
+    /// Bytes of the host's code that the fast engine uses for the program by now: how much is no
+    /// part of the state and depends on the host.
+    #[must_use]
+    pub fn native_code_bytes(&self) -> usize {
+        self.blocks.native_bytes()
     }
 
     /// The whole state now.

@@ -5,6 +5,8 @@
 use arm7tdmi::{BlockBus, Blocks};
 use serde::Deserialize;
 
+use crate::configuration::Configuration;
+
 /// Which engine executes instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -20,26 +22,32 @@ pub enum Engine {
 }
 
 /// Runs of a block's operations that cost about as much as making code of the host of it.
-pub(crate) const NATIVE_AFTER_RUNS: u32 = 600;
+pub(crate) const NATIVE_AFTER_RUNS: u32 = 100;
 
 impl Engine {
     /// Decoded blocks as the engine uses them, none yet.
-    pub(crate) fn blocks<B: BlockBus>(self, native_after_runs: u32) -> Blocks<B> {
+    pub(crate) fn blocks<B: BlockBus>(self, configuration: &Configuration) -> Blocks<B> {
         match self {
-            Self::Fast => native_blocks(native_after_runs),
+            Self::Fast => native_blocks(configuration),
             Self::Blocks | Self::Reference => Blocks::default(),
         }
     }
 }
 
 #[cfg(target_family = "wasm")]
-fn native_blocks<B: BlockBus>(_after_runs: u32) -> Blocks<B> {
+fn native_blocks<B: BlockBus>(_configuration: &Configuration) -> Blocks<B> {
     Blocks::default()
 }
 
 #[cfg(not(target_family = "wasm"))]
-fn native_blocks<B: BlockBus>(after_runs: u32) -> Blocks<B> {
-    native::Translator::new(after_runs).map_or_else(Blocks::default, |translator| {
+fn native_blocks<B: BlockBus>(configuration: &Configuration) -> Blocks<B> {
+    let making = if configuration.native_at_once {
+        native::Making::AtOnce
+    } else {
+        native::Making::Beside
+    };
+    let after_runs = configuration.native_after_runs;
+    native::Translator::new(after_runs, making).map_or_else(Blocks::default, |translator| {
         Blocks::with_native(Box::new(translator))
     })
 }

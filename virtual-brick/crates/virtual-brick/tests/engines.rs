@@ -16,6 +16,7 @@ fn brick(elf: &[u8], engine: Engine, native_after_runs: u32) -> VirtualBrick {
     let mut configuration = vehicle();
     configuration.engine = engine;
     configuration.native_after_runs = native_after_runs;
+    configuration.native_at_once = true;
     VirtualBrick::new(&configuration, elf).unwrap()
 }
 

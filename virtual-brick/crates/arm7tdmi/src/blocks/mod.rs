@@ -27,8 +27,8 @@ use std::fmt;
 
 pub use bus::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords};
 pub use native::{
-    Native, NativeBlock, NativeExit, NativeInstruction, NativeJump, NativeMemory, NativeReach,
-    NativeRegion, NativeState, BRANCHED,
+    Native, NativeAnswer, NativeBlock, NativeExit, NativeInstruction, NativeJump, NativeMemory,
+    NativeReach, NativeRegion, NativeState, BRANCHED,
 };
 
 use crate::bus::Cycle;
@@ -42,7 +42,11 @@ use translate::{translate, Block};
 /// Blocks kept at most; with more, all are forgotten.
 const BLOCKS_MAX: usize = 0x4000;
 /// Runs count for code of the host by half after so many entries into blocks.
-const ENTRIES_PER_AGE: u32 = 512;
+const ENTRIES_PER_AGE: u32 = 4096;
+/// So often it is looked whether code has been made in the meantime: in entries, and in runs of a
+/// block.
+const ENTRIES_PER_LOOK: u32 = 32;
+const RUNS_PER_LOOK: u16 = 128;
 const NO_KEY: u32 = u32::MAX;
 const NO_BLOCK: u32 = u32::MAX;
 /// So many times in a row the first instruction was no plain access: so it will be.
@@ -63,6 +67,8 @@ pub struct Blocks<B: BlockBus> {
     entries: u32,
     /// Numbers of the blocks that were made into code together.
     regions: Vec<Box<[u32]>>,
+    /// Of these, those whose code is still being made.
+    unsettled: u32,
 }
 
 /// What a run of blocks did.
@@ -88,6 +94,7 @@ impl<B: BlockBus> Default for Blocks<B> {
             worthwhile_runs: 0,
             entries: 0,
             regions: Vec::new(),
+            unsettled: 0,
         }
     }
 }
@@ -295,6 +302,9 @@ impl Cpu {
             return BlocksRun::default();
         }
         blocks.entries = blocks.entries.wrapping_add(1);
+        if blocks.unsettled != 0 && blocks.entries % ENTRIES_PER_LOOK == 0 {
+            blocks.take_native();
+        }
         let mut run = self.begin(bus, start, place.region);
         execute(&mut run, blocks, first, (budget, limit));
         let done = run.done();
@@ -524,8 +534,8 @@ fn run_once<B: BlockBus>(
         block.native.heat /= 2;
     }
     block.native.heat = block.native.heat.wrapping_add(1);
-    if block.native.heat == worthwhile_runs {
-        blocks.make_native(run.bus, *number);
+    if block.native.heat.wrapping_sub(worthwhile_runs) % RUNS_PER_LOOK == 0 {
+        blocks.look_for_native(run.bus, *number);
         block = blocks.blocks.get_mut(*number as usize)?;
     }
     let mut ops = block.ops.iter();

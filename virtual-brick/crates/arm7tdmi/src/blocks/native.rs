@@ -121,12 +121,25 @@ pub struct NativeBlock {
 /// Blocks that are made into code together.
 #[derive(Clone, Debug)]
 pub struct NativeRegion {
+    /// Its number, until all is forgotten.
+    pub number: u32,
     /// The blocks; the first was the cause.
     pub blocks: Vec<NativeBlock>,
     /// Where its branches can go.
     pub reach: NativeReach,
     /// Cycles of an access to RAM.
     pub ram_cycles: u32,
+}
+
+/// What becomes of a request for code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NativeAnswer {
+    /// It is settled later.
+    Comes,
+    /// Too much is asked for at present.
+    NotNow,
+    /// There is none for these blocks.
+    Never,
 }
 
 /// Makes code of the host from blocks, keeps and runs it.
@@ -138,14 +151,21 @@ pub trait Native: fmt::Debug + Send + Sync {
     fn fresh(&self) -> Box<dyn Native>;
     /// Times that a block runs before code is made of it.
     fn worthwhile_runs(&self) -> u32;
-    /// Code for the blocks of a region, in place of what is entered there; false if there is none.
-    fn translate(&mut self, region: &NativeRegion, memory: &NativeMemory<'_>) -> bool;
+    /// Asks for code for the blocks of a region.
+    fn translate(&mut self, region: NativeRegion, memory: &NativeMemory<'_>) -> NativeAnswer;
+    /// Number of the region that is the next to be settled, if one is by now.
+    fn finished(&mut self) -> Option<u32>;
+    /// Takes the code of that region, in place of what is entered at its blocks, or lets it go;
+    /// false if it is not entered.
+    fn settle(&mut self, wanted: bool) -> bool;
     /// The block there is entered no more.
     fn forget(&mut self, halfword: u32);
     /// Nothing is entered any more.
     fn forget_all(&mut self);
-    /// So much code was made that it is time to forget all.
-    fn is_full(&self) -> bool;
+    /// Bytes of the code that can be entered.
+    fn bytes(&self) -> usize;
+    /// It is time to forget all: so much code was made, or what was asked for will not come.
+    fn is_spent(&self) -> bool;
     /// Runs the block at a place of which there is code, and those that follow.
     fn run(
         &mut self,

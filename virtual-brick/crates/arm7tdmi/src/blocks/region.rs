@@ -4,7 +4,7 @@
 
 use super::bus::BlockBus;
 use super::native::{
-    NativeBlock, NativeInstruction, NativeJump, NativeReach, NativeRegion, BRANCHED,
+    NativeAnswer, NativeBlock, NativeInstruction, NativeJump, NativeReach, NativeRegion, BRANCHED,
 };
 use super::run::{size_of, width_of, Run, NOWHERE};
 use super::source::{ends, read_source, Source};
@@ -52,18 +52,37 @@ impl Nativeness {
 }
 
 impl<B: BlockBus> Blocks<B> {
-    /// Makes code of a block that has become worth it, and of those around it.
+    /// Bytes of the host's code made of blocks so far.
+    pub fn native_bytes(&self) -> usize {
+        self.native.as_ref().map_or(0, |native| native.bytes())
+    }
+
+    /// Asks for code of a block that has become worth it; else takes what has been made by now.
     #[cold]
     #[inline(never)]
-    pub(super) fn make_native(&mut self, bus: &mut B, number: u32) {
-        if self.native.as_ref().is_some_and(|native| native.is_full()) {
+    pub(super) fn look_for_native(&mut self, bus: &mut B, number: u32) {
+        let block = self.blocks.get(number as usize);
+        if block.is_some_and(|block| block.native.heat == self.worthwhile_runs) {
+            self.ask_native(bus, number);
+        }
+        if self.unsettled != 0 {
+            self.take_native();
+        }
+    }
+
+    /// Asks for code of a block and of those around it.
+    fn ask_native(&mut self, bus: &mut B, number: u32) {
+        if self.native.as_ref().is_some_and(|native| native.is_spent()) {
             self.forget_native();
         }
         let blocks = self.related(bus, number);
         let Some(first) = blocks.first() else {
             return;
         };
+        let known = self.regions.len() as u32;
+        let numbers: Box<[u32]> = blocks.iter().map(|block| block.number).collect();
         let region = NativeRegion {
+            number: known,
             reach: reach(bus, first),
             ram_cycles: bus.ram_cycles(),
             blocks,
@@ -71,18 +90,45 @@ impl<B: BlockBus> Blocks<B> {
         let (Some(native), Some(memory)) = (&mut self.native, bus.native_memory()) else {
             return;
         };
-        if !native.translate(&region, &memory) {
-            return;
+        match native.translate(region, &memory) {
+            NativeAnswer::Comes => self.expect_native(known, numbers),
+            NativeAnswer::NotNow => self.blocks[number as usize].native.heat = 0,
+            NativeAnswer::Never => {}
         }
-        let known = self.regions.len() as u32;
-        for block in &region.blocks {
-            if let Some(block) = self.blocks.get_mut(block.number as usize) {
-                block.native.enters = true;
-                block.native.region = known;
+    }
+
+    fn expect_native(&mut self, region: u32, numbers: Box<[u32]>) {
+        for &number in &numbers {
+            if let Some(block) = self.blocks.get_mut(number as usize) {
+                block.native.region = region;
             }
         }
-        let numbers = region.blocks.iter().map(|block| block.number);
-        self.regions.push(numbers.collect());
+        self.regions.push(numbers);
+        self.unsettled += 1;
+    }
+
+    /// Takes what has been made by now. What has changed in the meantime is let go.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn take_native(&mut self) {
+        while let Some(native) = &mut self.native {
+            if native.is_spent() {
+                self.forget_native();
+                return;
+            }
+            let Some(region) = native.finished() else {
+                return;
+            };
+            self.unsettled -= 1;
+            let numbers = self.regions.get(region as usize);
+            let numbers = numbers.map_or(&[][..], |numbers| numbers);
+            let enters = native.settle(!numbers.is_empty());
+            for &number in numbers {
+                if let Some(block) = self.blocks.get_mut(number as usize) {
+                    block.native.enters = enters;
+                }
+            }
+        }
     }
 
     /// The block and those that it leads to, as far as they run often enough.
@@ -123,12 +169,15 @@ impl<B: BlockBus> Blocks<B> {
     /// The block as code is made of it; none where that is of no use.
     fn described(&self, bus: &B, number: u32) -> Option<NativeBlock> {
         let block = self.blocks.get(number as usize)?;
+        if block.native.region != NO_REGION {
+            return None;
+        }
         let place = bus.target_place(block.key & !1)?;
         let source = read_source(bus, block.key, place, bus.access_cycles_max());
         let native = describe(bus, block, number, &source);
         let mut jumps = native.instructions.iter().filter_map(|one| one.jump);
         let waits = block.repeats && jumps.any(|jump| jump.key == block.key);
-        (!waits && block.native.region == NO_REGION).then_some(native)
+        (!waits).then_some(native)
     }
 
     /// The region's blocks have changed, or are not entered any more.
@@ -148,6 +197,7 @@ impl<B: BlockBus> Blocks<B> {
     /// Forgets all code of the host; the blocks stay.
     pub(super) fn forget_native(&mut self) {
         self.regions.clear();
+        self.unsettled = 0;
         for block in &mut self.blocks {
             block.native = Nativeness::none(block.native.halfword);
         }

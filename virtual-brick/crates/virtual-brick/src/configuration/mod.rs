@@ -36,6 +36,9 @@ pub struct Configuration {
     pub engine: Engine,
     /// Runs of a block of instructions before the fast engine makes code of the host of it.
     pub native_after_runs: u32,
+    /// The run waits while such code is made; else it goes on with the blocks, which is faster, and
+    /// it depends on the host when the code is there.
+    pub native_at_once: bool,
     /// Timing that no document fixes.
     pub timing: Timing,
 }
@@ -132,6 +135,7 @@ impl Fields {
             },
             engine: timing.engine(self.engine),
             native_after_runs: NATIVE_AFTER_RUNS,
+            native_at_once: false,
             timing,
         })
     }

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Native code that a thread makes beside the run: nobody can tell when it came, and the thread
+//! ends with its brick.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+use std::sync::{Mutex, MutexGuard};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use support::arm::{Program, ALWAYS, NE};
+use support::random::{self, Kind, Numbers};
+use support::{image, vehicle};
+use virtual_brick::{Engine, VirtualBrick};
+
+/// What is waited for comes at once, or never.
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// Bricks of one test at a time, since threads are counted.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(|held| held.into_inner())
+}
+
+fn brick(elf: &[u8], engine: Engine) -> VirtualBrick {
+    let mut configuration = vehicle();
+    configuration.engine = engine;
+    configuration.native_after_runs = 2;
+    VirtualBrick::new(&configuration, elf).unwrap()
+}
+
+/// A loop in a loop, without end.
+fn busy() -> Vec<u8> {
+    let mut program = Program::new();
+    let outer = program.here();
+    program.raw(0xE3A0_7064); // mov r7, #100
+    let inner = program.here();
+    program.add(0, 1).subs(7, 1).branch(NE, inner);
+    program.add(1, 1).branch(ALWAYS, outer);
+    image(&program).build()
+}
+
+/// Lets the brick run in small pieces until it uses native code.
+fn run_into_native_code(brick: &mut VirtualBrick) {
+    let begun = Instant::now();
+    while brick.native_code_bytes() == 0 {
+        assert!(begun.elapsed() < LONGEST, "no native code comes");
+        brick.run_until(brick.cycles() + 1_000);
+        thread::yield_now();
+    }
+}
+
+/// Threads of this process that make native code.
+#[cfg(target_os = "linux")]
+fn makers() -> usize {
+    let threads = fs::read_dir("/proc/self/task").unwrap().flatten();
+    let names = threads.filter_map(|thread| fs::read_to_string(thread.path().join("comm")).ok());
+    names
+        .filter(|name| name.trim_end() == "native code")
+        .count()
+}
+
+/// The system shows a thread a little after it has begun, and after it has ended.
+#[cfg(target_os = "linux")]
+fn wait_for_makers(count: usize) {
+    let begun = Instant::now();
+    while makers() != count {
+        assert!(begun.elapsed() < LONGEST, "{} threads", makers());
+        thread::yield_now();
+    }
+}
+
+fn assert_same(one: &VirtualBrick, other: &VirtualBrick, what: &str) {
+    assert_eq!(one.cycles(), other.cycles(), "{what}");
+    assert_eq!(one.processor(), other.processor(), "{what}");
+    assert_eq!(one.trace().digest(), other.trace().digest(), "{what}");
+}
+
+#[test]
+fn random_programs_run_alike_whenever_their_code_comes() {
+    let _alone = alone();
+    for (seed, kind) in (0..24).zip([Kind::Ram, Kind::Flash].into_iter().cycle()) {
+        let elf = random::image(seed, kind);
+        let (mut fast, mut blocks) = (brick(&elf, Engine::Fast), brick(&elf, Engine::Blocks));
+        let mut numbers = Numbers::new(seed ^ 0xBE51DE);
+        let mut until = 0;
+        for _ in 0..20 {
+            until += u64::from(1 + numbers.below(40_000));
+            assert_eq!(fast.run_until(until), blocks.run_until(until));
+            assert_same(&fast, &blocks, &format!("seed {seed} at {until}"));
+            // The thread may be anywhere.
+            (0..numbers.below(8)).for_each(|_| thread::yield_now());
+        }
+    }
+}
+
+/// A loop that calls one function by its address, and after 50 turns another, whose first
+/// instruction it changes in each turn.
+fn changing() -> Vec<u8> {
+    let mut program = Program::new();
+    program.raw(0xEA00_0003); // b to the fifth instruction from here
+    let (first, second) = (support::RAM + 4, support::RAM + 12);
+    program.raw(0xE3A0_0000).raw(0xE12F_FF1E); // mov r0, #0; bx lr
+    program.raw(0xE3A0_0001).raw(0xE12F_FF1E); // mov r0, #1; bx lr
+    program.load(9, first).load(8, second).load(11, 0xE3A0_0001);
+    let outer = program.here();
+    program.str(11, 8, 0).raw(0xE22B_B003); // eor r11, r11, #3: mov r0, #1 and #2 in turn
+    program.raw(0xE3A0_7014); // mov r7, #20
+    let inner = program.here();
+    program.raw(0xE1A0_E00F).raw(0xE12F_FF19); // mov lr, pc; bx r9
+    program.raw(0xE081_1000); // add r1, r1, r0
+    program.subs(7, 1).branch(NE, inner);
+    program.add(4, 1).raw(0xE354_0032).raw(0x01A0_9008); // cmp r4, #50; moveq r9, r8
+    program.branch(ALWAYS, outer);
+    image(&program).build()
+}
+
+#[test]
+fn code_that_comes_when_its_source_has_changed_is_not_used() {
+    let _alone = alone();
+    let elf = changing();
+    let (mut fast, mut blocks) = (brick(&elf, Engine::Fast), brick(&elf, Engine::Blocks));
+    fast.run_until(20_000);
+    run_into_native_code(&mut fast);
+    let end = fast.cycles() + 1_000_000;
+    fast.run_until(end);
+    blocks.run_until(end);
+    assert_same(&fast, &blocks, "changing");
+    assert!(fast.processor().register(4) > 50, "too few turns");
+}
+
+#[test]
+fn a_brick_gets_code_by_and_by_and_runs_on_alike() {
+    let _alone = alone();
+    let elf = busy();
+    let mut fast = brick(&elf, Engine::Fast);
+    run_into_native_code(&mut fast);
+    let mut reference = brick(&elf, Engine::Reference);
+    reference.run_until(fast.cycles());
+    assert_same(&fast, &reference, "with native code");
+}
+
+#[test]
+fn snapshots_and_copies_begin_without_code_and_run_alike() {
+    let _alone = alone();
+    let elf = busy();
+    let mut brick = brick(&elf, Engine::Fast);
+    brick.run_until(20_000);
+    let early = brick.snapshot();
+    run_into_native_code(&mut brick);
+    let mut copy = brick.clone();
+    assert_eq!(copy.native_code_bytes(), 0);
+    let end = brick.cycles() + 50_000;
+    brick.run_until(end);
+    copy.run_until(end);
+    assert_same(&brick, &copy, "copy");
+    copy.restore(&early);
+    assert_eq!((copy.cycles(), copy.native_code_bytes()), (20_000, 0));
+    copy.run_until(end);
+    assert_same(&brick, &copy, "restored");
+}
+
+/// Also while it is at work, and if the brick is dropped by another thread.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_thread_ends_with_its_brick() {
+    let _alone = alone();
+    let elf = busy();
+    for count in 0..1_000 {
+        let mut brick = brick(&elf, Engine::Fast);
+        brick.run_until(5_000);
+        if count % 10 == 0 {
+            wait_for_makers(1);
+            run_into_native_code(&mut brick);
+            thread::spawn(move || drop(brick)).join().unwrap();
+        } else {
+            drop(brick);
+        }
+        wait_for_makers(0);
+    }
+}
