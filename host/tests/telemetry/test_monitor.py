@@ -103,10 +103,23 @@ def test_a_pseudo_terminal_is_a_serial_device() -> None:
     assert monitor.losses == 0
 
 
-def test_the_command_records_and_changes(server: Server, tmp_path: Path) -> None:
+class Patient(Monitor):
+    """Its thousand seconds are over when the first run is whole and the wish is granted."""
+
+    @property
+    def now_s(self) -> float:
+        values = self.session.values.values()
+        whole = bool(self.session.runs) and self.session.runs[0].sample_count >= 20
+        return super().now_s + (1_000 if whole and set(values) == {0.5, 12.0} else 0)
+
+
+def test_the_command_records_and_changes(
+    server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """`ravenbrick monitor` writes record, recording and picture, and says what it did."""
+    monkeypatch.setattr("ravenbrick.cli.monitor.Monitor", Patient)
     record, stem = tmp_path / "live.rbt", tmp_path / "out" / "live"
-    arguments = ["monitor", f"tcp:{server.port}", "--seconds", "0.5", "--set", "ki=12"]
+    arguments = ["monitor", f"tcp:{server.port}", "--seconds", "1000", "--set", "ki=12"]
     result = CliRunner().invoke(
         app, [*arguments, "--record", str(record), "--out", str(stem), "--json"]
     )
@@ -141,20 +154,28 @@ def test_wrong_arguments_are_named(arguments: list[str], text: str) -> None:
     assert text in result.output
 
 
-def test_the_live_page_is_served_on_this_computer(server: Server) -> None:
-    """The page answers while the command runs, and the command ends by itself."""
+def page_during(seconds: int, server: Server) -> tuple[str, int]:
+    """What the live page says while the command runs so long, and the command's exit code."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     code = "from ravenbrick.cli import main; main()"
-    arguments = ["monitor", f"tcp:{server.port}", "--page", str(port), "--seconds", "6"]
+    arguments = ["monitor", f"tcp:{server.port}", "--page", str(port), "--seconds", str(seconds)]
     process = subprocess.Popen([sys.executable, "-c", code, *arguments], text=True)
     page = ""
-    deadline = time.monotonic() + 60
-    while not page and process.poll() is None and time.monotonic() < deadline:
+    while not page and process.poll() is None:
         try:
-            with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=5) as answer:
+            with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=60) as answer:
                 page = answer.read().decode("utf-8")
         except OSError:
             time.sleep(0.1)
+    return page, process.wait(timeout=60 + seconds)
+
+
+def test_the_live_page_is_served_on_this_computer(server: Server) -> None:
+    """The page answers while the command runs, and the command ends by itself."""
+    page, code = page_during(4, server)
+    if not page:
+        # A busy computer needs longer for the first page.
+        page, code = page_during(60, server)
     assert "Ravenbrick monitor" in page or "figure" in page
-    assert process.wait(timeout=60) == 0
+    assert code == 0

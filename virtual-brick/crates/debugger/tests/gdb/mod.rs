@@ -75,7 +75,7 @@ pub fn talk(target: &mut DebugTarget, bodies: &[&str]) -> Vec<String> {
 }
 
 /// Undo the protocol's run-length encoding.
-fn expand(reply: &str) -> String {
+pub fn expand(reply: &str) -> String {
     let mut text = String::new();
     let mut letters = reply.chars();
     while let Some(letter) = letters.next() {
