@@ -88,7 +88,11 @@ def ravenbrick(*arguments: str) -> Row:
 
 
 def vehicle_speed() -> Iterator[Row]:
-    """Virtual seconds per second of processor time for the drive, recorded, nothing drawn."""
+    """Virtual seconds per second for the drive, recorded, nothing drawn.
+
+    Times real time is what a user waits for, so it is taken by the clock on the wall. A thread
+    makes native code beside the run: the second figure counts what both cost the processors.
+    """
     from ravenbrick.target.elf_image import read_image
     from ravenbrick.target.robot import read_robot
     from ravenbrick.target.scenario import read_scenario, scenario_path
@@ -98,14 +102,16 @@ def vehicle_speed() -> Iterator[Row]:
     robot = read_robot(VEHICLE)
     scenario = read_scenario(scenario_path(VEHICLE, "drive"), robot)
     image = read_image(ROOT / "build" / "vehicle" / "ram" / "vehicle.elf")
-    ratios = []
+    waited, worked = [], []
     for _ in range(REPEATS):
-        start = time.process_time()
+        start, start_worked = time.perf_counter(), time.process_time()
         recording = VirtualTarget().run(robot, scenario, image)
-        elapsed = time.process_time() - start
-        ratios.append(recording.clock.seconds(recording.stop.at_cycles) / elapsed)
-    value = statistics.median(ratios)
-    yield figure_row("vehicle drive, traced", value, "virtual s per s", "the brick", 1.0)
+        virtual_seconds = recording.clock.seconds(recording.stop.at_cycles)
+        waited.append(virtual_seconds / (time.perf_counter() - start))
+        worked.append(virtual_seconds / (time.process_time() - start_worked))
+    brick = ("virtual s per s", "the brick", 1.0)
+    yield figure_row("vehicle drive, traced", statistics.median(waited), *brick)
+    yield figure_row("vehicle drive, traced, by processor time", statistics.median(worked), *brick)
 
 
 def vehicle_memory() -> Iterator[Row]:

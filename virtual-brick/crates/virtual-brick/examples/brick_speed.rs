@@ -32,7 +32,8 @@ impl StepObserver for Counter {
     }
 }
 
-/// Processor time of the thread where the system tells it, else elapsed time.
+/// Processor time of all threads where the system tells it, else elapsed time: the one that makes
+/// native code beside the run counts.
 struct Start {
     elapsed: Instant,
     processor: Option<u64>,
@@ -47,8 +48,11 @@ impl Start {
     }
 
     fn nanoseconds() -> Option<u64> {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-        text.split(' ').next()?.parse().ok()
+        let threads = std::fs::read_dir("/proc/self/task").ok()?.flatten();
+        let texts = threads.map(|thread| std::fs::read_to_string(thread.path().join("schedstat")));
+        texts
+            .map(|text| text.ok()?.split(' ').next()?.parse::<u64>().ok())
+            .sum()
     }
 
     fn seconds(&self) -> f64 {
