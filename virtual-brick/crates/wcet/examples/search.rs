@@ -21,13 +21,16 @@ use machine::Machine;
 use random::Random;
 
 /// Changes without a longer time after which the search begins anew.
-const PATIENCE: u32 = 150;
+const PATIENCE: u32 = 250;
+
+/// Runs with data that are alike, before others.
+const UNIFORM: u32 = 9;
 
 /// Runs that are made whatever they take.
 const LEAST_RUNS: u32 = 20;
 
 /// Runs after which it is enough, whatever they took.
-const MOST_RUNS: u32 = 10_000;
+const MOST_RUNS: u32 = 20_000;
 
 /// A run may take this many times as long as with the given data.
 const LONGEST_RUN: u64 = 1000;
@@ -68,6 +71,25 @@ impl Kind {
         }
     }
 
+    /// Least positive value, least normal value and distance of 1 to the next value.
+    const fn corners(self) -> Option<[f64; 3]> {
+        match self {
+            Self::Integer { .. } => None,
+            Self::Single => Some([1.4e-45, f32::MIN_POSITIVE as f64, f32::EPSILON as f64]),
+            Self::Double => Some([5e-324, f64::MIN_POSITIVE, f64::EPSILON]),
+        }
+    }
+
+    fn decoded(self, bytes: &[u8]) -> f64 {
+        match (self, bytes) {
+            (Self::Single, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
+            (Self::Double, &[a, b, c, d, e, f, g, h]) => {
+                f64::from_le_bytes([a, b, c, d, e, f, g, h])
+            }
+            _ => 0.0,
+        }
+    }
+
     fn encoded(self, value: f64) -> Vec<u8> {
         match self {
             Self::Integer { bytes } => (value as i64).to_le_bytes()[..bytes].to_vec(),
@@ -95,6 +117,9 @@ impl Input {
 
     /// Any value, corners more often than others.
     fn value(&self, random: &mut Random) -> f64 {
+        if let Some(corners) = self.kind.corners().filter(|_| random.word() % 2 == 0) {
+            return self.corner(corners, random).clamp(self.low, self.high);
+        }
         let width = self.high - self.low;
         let share = f64::from(random.word()) / f64::from(u32::MAX);
         let small = f64::from(random.word() % 17) - 8.0;
@@ -113,6 +138,43 @@ impl Input {
             value
         };
         value.clamp(self.low, self.high)
+    }
+}
+
+impl Input {
+    /// Values at which floating-point operations take other ways: denormal ones with few digits,
+    /// the least normal ones, powers of two and their neighbours, any exponent.
+    fn corner(&self, [least, normal, step]: [f64; 3], random: &mut Random) -> f64 {
+        let power = 2_f64.powi((random.word() % 64) as i32 - 32);
+        let share = f64::from(random.word()) / f64::from(u32::MAX);
+        let most = self.high.abs().max(self.low.abs());
+        let value = match random.word() % 10 {
+            0..=2 => least * f64::from(1 + random.word() % 4),
+            3 => normal * share,
+            4 => normal - least,
+            5 => normal * f64::from(1 + random.word() % 4),
+            6 => power * (1.0 + step),
+            7 => power * (1.0 - step / 2.0),
+            8 => 0.0,
+            _ => most * (least / most).powf(share),
+        };
+        if random.word() % 2 == 0 {
+            value
+        } else {
+            -value
+        }
+    }
+
+    /// An element that cancels another one, or nearly.
+    fn near(&self, bytes: &[u8], random: &mut Random) -> Vec<u8> {
+        let Some([least, _, step]) = self.kind.corners() else {
+            return bytes.to_vec();
+        };
+        let value = self.kind.decoded(bytes);
+        let off = f64::from(random.word() % 5) - 2.0;
+        let near = value + off * (value.abs() * step).max(least);
+        let sign = if random.word() % 2 == 0 { 1.0 } else { -1.0 };
+        self.kind.encoded((sign * near).clamp(self.low, self.high))
     }
 }
 
@@ -137,17 +199,47 @@ fn anything(inputs: &[Input], random: &mut Random) -> Data {
     each.collect()
 }
 
-/// The same with some elements changed, copied or exchanged.
+/// Data in which all elements of an input, or every other one, are alike: the least, the greatest,
+/// none, and what floating-point operations take long for.
+fn uniform(inputs: &[Input], number: usize) -> Data {
+    let each = inputs.iter().map(|input| {
+        let [least, normal, step] = input.kind.corners().unwrap_or([1.0, 2.0, 0.5]);
+        let (one, other) = match number {
+            0 => (input.low, input.low),
+            1 => (input.high, input.high),
+            2 => (input.low, input.high),
+            3 => (0.0, input.high),
+            4 => (least, least),
+            5 => (least, -least),
+            6 => (least, input.high),
+            7 => (1.0, -1.0 - step),
+            _ => (normal - least, least),
+        };
+        let pair = [one, other].map(|v| input.kind.encoded(v.clamp(input.low, input.high)));
+        (0..input.count)
+            .map(|index| pair[index % 2].clone())
+            .collect()
+    });
+    each.collect()
+}
+
+/// The same with some elements changed, copied, exchanged or filled with one value.
 fn changed(data: &Data, inputs: &[Input], random: &mut Random) -> Data {
     let mut data = data.clone();
-    let most = 1 << (random.word() % 5);
+    let largest = inputs.iter().map(|input| input.count).max().unwrap_or(1);
+    let most = 1 << (random.word() % (4 + largest.ilog2() / 2));
     for _ in 0..=random.word() % most {
         let which = random.word() as usize % inputs.len();
         let (input, elements) = (&inputs[which], &mut data[which]);
         let one = random.word() as usize % input.count;
         let other = random.word() as usize % input.count;
-        match random.word() % 6 {
+        match random.word() % 8 {
             0 => elements.swap(one, other),
+            7 => {
+                let (first, last) = (one.min(other), one.max(other));
+                elements[first..=last].fill(input.kind.encoded(input.value(random)));
+            }
+            6 => elements[one] = input.near(&elements[other], random),
             1 => elements[one] = elements[other].clone(),
             2 => {
                 let (first, last) = (one.min(other), one.max(other));
@@ -212,11 +304,18 @@ fn main() {
     let mut best = search.given();
     let given = search.cycles(&best);
     search.longest_run = given * LONGEST_RUN;
-    let (mut here, mut most) = (given, given);
+    let (mut top, mut here, mut most) = (best.clone(), given, given);
     let (mut spent, mut runs, mut restarts, mut rejected) = (given, 1, 0, 0);
     while runs < LEAST_RUNS || spent < budget && runs < MOST_RUNS {
         let anew = rejected == PATIENCE;
-        let next = if anew {
+        if anew && restarts % 2 == 1 {
+            (best, here, rejected) = (top.clone(), most, 0);
+            restarts += 1;
+            continue;
+        }
+        let next = if runs <= UNIFORM {
+            uniform(&search.inputs, runs as usize - 1)
+        } else if anew {
             anything(&search.inputs, &mut random)
         } else {
             changed(&best, &search.inputs, &mut random)
@@ -231,7 +330,9 @@ fn main() {
             };
             restarts += u32::from(anew);
             (best, here) = (next, cycles);
-            most = most.max(cycles);
+            if cycles > most {
+                (top, most) = (best.clone(), cycles);
+            }
         } else {
             rejected += 1;
         }

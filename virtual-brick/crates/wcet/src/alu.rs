@@ -151,6 +151,7 @@ pub fn compute(
             left: (Some(processing.first), first.clone()),
             right: (second.register, second.value.clone()),
             result: None,
+            moved: None,
         });
     let (value, flags) = match exact {
         Some(outcome) => outcome,

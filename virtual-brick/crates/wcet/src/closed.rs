@@ -7,7 +7,7 @@
 
 use crate::annotations::Annotations;
 use crate::contents::Contents;
-use crate::context::Follower;
+use crate::context::{Follower, STACK_BYTES};
 use crate::error::Error;
 use crate::image::Image;
 use crate::memory::MemoryMap;
@@ -18,9 +18,6 @@ use crate::value::Value;
 use crate::walk::any_arguments;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Stack of the analysis itself, which follows calls by calls of its own.
-const STACK_BYTES: usize = 1 << 30;
 
 /// A variable that may have any content when the last function is called.
 #[derive(Clone, Debug, Deserialize)]

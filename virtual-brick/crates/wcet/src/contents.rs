@@ -184,12 +184,20 @@ impl Contents {
         if places.iter().any(|place| place % size != 0) {
             return None;
         }
-        let mut found = places.iter().map(|place| self.at(*place, size));
-        let first = found.next()?;
-        found.try_fold(first, |all, value| match all.join(&value) {
-            Value::Top => None,
-            joined => Some(joined),
-        })
+        let mut constants = Vec::with_capacity(places.len());
+        let mut others: Option<Value> = None;
+        for place in places {
+            match self.at(place, size) {
+                Value::Top => return None,
+                Value::Constant(value) => constants.push(value),
+                value => others = Some(others.map_or(value.clone(), |known| known.join(&value))),
+            }
+        }
+        let joined = match (Value::of_constants(constants), others) {
+            (Some(constants), Some(others)) => constants.join(&others),
+            (constants, others) => constants.or(others)?,
+        };
+        (joined != Value::Top).then_some(joined)
     }
 
     /// A store of `size` bytes.

@@ -16,6 +16,9 @@ use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
+/// Stack of the analysis of a closed program, which follows calls by calls of its own.
+pub const STACK_BYTES: usize = 1 << 30;
+
 /// Most calls that are open at the same time.
 const DEPTH: usize = 2_000;
 
@@ -33,6 +36,8 @@ const OPEN_PATIENCE: u64 = 2_000_000;
 pub struct Follower<'p, 'a> {
     program: &'p Program<'a>,
     left: Cell<u64>,
+    /// Where the analysis' own stack was at the beginning.
+    stack_begin: usize,
     open: RefCell<Vec<Entry>>,
     /// Nothing but the program writes to memory, and recursion is followed too.
     closed: bool,
@@ -50,6 +55,7 @@ impl<'p, 'a> Follower<'p, 'a> {
         Self {
             program,
             left: Cell::new(if closed { CLOSED_PATIENCE } else { PATIENCE }),
+            stack_begin: stack_place(),
             open: RefCell::new(vec![root]),
             closed,
             patience: Cell::new(CLOSED_PATIENCE),
@@ -145,7 +151,10 @@ impl<'p, 'a> Follower<'p, 'a> {
             self.open.borrow().contains(&callee) || self.program.given_recursion(callee).is_some();
         // A way that has no bound gets none by being followed.
         let endless = state.elapsed.0 == ENDLESS && !self.closed;
-        let tired = endless || self.left.get() == 0 || self.open.borrow().len() >= DEPTH;
+        let deep = self.open.borrow().len() >= DEPTH
+            || self.stack_begin.abs_diff(stack_place()) > STACK_BYTES / 4 * 3;
+        let failed = self.failed.borrow().is_some();
+        let tired = endless || failed || self.left.get() == 0 || deep;
         if tired || (recursive && !self.closed) {
             return None;
         }
@@ -227,6 +236,12 @@ impl Calls for Follower<'_, '_> {
     }
 }
 
+/// About where the analysis' own stack is.
+fn stack_place() -> usize {
+    let here = 0_u8;
+    std::ptr::from_ref(&here).addr()
+}
+
 /// What a callee preserves is again as its caller had it.
 fn restore(after: &mut State, before: &State, changed: u16, pointer: i32) {
     for number in (4..12).filter(|number| changed >> number & 1 == 0) {
@@ -242,7 +257,7 @@ fn restore(after: &mut State, before: &State, changed: u16, pointer: i32) {
     after.lowest = before.lowest;
     after.parked = before.parked;
     after.comparison = None;
-    after.copies.clear();
+    after.relations.clear();
     if matches!(before.registers[13], Value::Stack(_)) {
         after.slots.retain(|offset, _| *offset >= pointer);
     }

@@ -146,12 +146,21 @@ impl<'a, 'w> Execution<'a, 'w> {
             count += 1;
             let compared = !self.rarely_repeats || count.is_power_of_two();
             let before = compared.then(|| state.clone());
-            let pass = self.pass(Some(index), header, state);
+            let repeats_before = self.inner_repeats(index);
+            let mut pass = self.pass(Some(index), header, state);
             undecided = if pass.exits.len() == exit_count {
                 undecided + 1
             } else {
                 0
             };
+            if before.is_some() && before == pass.back {
+                if let Some(limit) = self.limits[index].filter(|limit| *limit > count) {
+                    let again = limit - count;
+                    self.repeat(index, &repeats_before, again);
+                    spend_again(&mut pass, before.as_ref(), again);
+                    count = limit;
+                }
+            }
             add_exits(&mut exits, pass.exits);
             let cut = self.limits[index].is_some_and(|limit| count >= limit);
             let finding = &mut self.findings[index];
@@ -192,6 +201,19 @@ impl<'a, 'w> Execution<'a, 'w> {
         }
     }
 
+    fn inner_repeats(&self, index: usize) -> Vec<u64> {
+        let inner = self.inner(index).into_iter();
+        inner.map(|i| self.findings[i].repeats_so_far).collect()
+    }
+
+    /// The last pass is made `again` times more, each time in the same state.
+    fn repeat(&mut self, index: usize, before: &[u64], again: u64) {
+        for (inner, before) in self.inner(index).into_iter().zip(before) {
+            let so_far = &mut self.findings[inner].repeats_so_far;
+            *so_far = so_far.saturating_add(again.saturating_mul(*so_far - before));
+        }
+    }
+
     fn end_inner(&mut self, index: usize) {
         for inner in self.inner(index) {
             let finding = &mut self.findings[inner];
@@ -222,6 +244,17 @@ impl<'a, 'w> Execution<'a, 'w> {
             state = wider;
         }
     }
+}
+
+/// What is left by the ways out after as many passes more, each as long as this one.
+fn spend_again(pass: &mut Pass, before: Option<&State>, again: u64) {
+    let (Some(before), Some(back)) = (before, &pass.back) else {
+        return;
+    };
+    let one = back.elapsed.0.saturating_sub(before.elapsed.0);
+    let more = one.saturating_mul(again);
+    let ways = pass.exits.values_mut().chain(&mut pass.back);
+    ways.for_each(|state| state.spend(more));
 }
 
 fn add_exit(exits: &mut Exits, edge: (usize, usize), state: State) {

@@ -44,6 +44,7 @@ pub mod memory;
 pub mod path;
 pub mod program;
 pub mod query;
+pub mod relations;
 pub mod report;
 pub mod section;
 pub mod split;

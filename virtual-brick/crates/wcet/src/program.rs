@@ -248,8 +248,11 @@ impl<'a> Program<'a> {
     /// return.
     pub fn bound(&self, entry: Entry, arguments: &Arguments) -> Known {
         let recursive = self.given_recursion(entry).is_some();
-        if recursive && self.bounding.borrow().contains(&entry) {
-            return Ok(Rc::new(recursive_call(entry)));
+        if self.bounding.borrow().contains(&entry) {
+            if recursive {
+                return Ok(Rc::new(recursive_call(entry)));
+            }
+            return Err(Error::Recursion(vec![self.image.place(entry.0)]));
         }
         let any = any_arguments();
         let arguments = if recursive { &any } else { arguments };

@@ -4,6 +4,7 @@
 
 use crate::alu::difference_flags;
 use crate::contents::Contents;
+use crate::relations::{narrowed, Place, Relations};
 use crate::value::{Value, RUNNING};
 use arm7tdmi::condition_passes;
 use arm7tdmi::instruction::ALWAYS;
@@ -21,6 +22,8 @@ pub struct Comparison {
     pub right: (Option<u32>, Value),
     /// The register that holds the difference.
     pub result: Option<u32>,
+    /// A register that holds the minuend plus a distance.
+    pub moved: Option<(u32, u32)>,
 }
 
 /// Cycles on the longest way to a point, counted where calls are followed; two states that differ
@@ -44,8 +47,8 @@ pub const ENDLESS: u64 = u64::MAX;
 pub struct State {
     /// r0 to r14; r15 is not kept.
     pub registers: Box<[Value; 15]>,
-    /// Pairs of registers that hold the same, whatever it is.
-    pub copies: Vec<(u32, u32)>,
+    /// Registers and words that differ by a known distance, whatever they hold.
+    pub relations: Relations,
     /// Known words of the stack.
     pub slots: BTreeMap<i32, Value>,
     /// Bit n is set when the flags may be n (NZCV as a number).
@@ -176,7 +179,7 @@ impl State {
         registers[13] = Value::Stack(0);
         Self {
             registers,
-            copies: Vec::new(),
+            relations: Relations::default(),
             slots: BTreeMap::new(),
             flags: ANY_FLAGS,
             comparison: None,
@@ -295,8 +298,9 @@ impl State {
                     *side = None;
                 }
             }
+            comparison.moved = comparison.moved.filter(|(held, _)| *held != number);
         }
-        self.copies.retain(|(a, b)| *a != number && *b != number);
+        self.relations.forget(Place::Register(number));
         if number == 13 {
             self.lowest = match value {
                 Value::Stack(offset) => Some(offset),
@@ -308,35 +312,41 @@ impl State {
         }
     }
 
-    /// A register was copied to another one.
-    pub fn note_copy(&mut self, number: u32, from: u32) {
-        if number != from && number < 13 && from < 13 {
-            let copies = self.copies.iter();
-            let others = copies.filter_map(|pair| match *pair {
-                (a, b) if a == from => Some(b),
-                (a, b) if b == from => Some(a),
-                _ => None,
-            });
-            let others: Vec<u32> = others.chain([from]).collect();
-            self.copies
-                .extend(others.into_iter().map(|other| (number, other)));
-        }
+    /// By how much a register differs from the minuend of the last comparison.
+    pub fn compared(&self, number: u32) -> Option<u32> {
+        let comparison = self.comparison.as_ref()?;
+        let moved = comparison.moved.filter(|(held, _)| *held == number);
+        let left = (comparison.left.0 == Some(number)).then_some(0);
+        left.or(moved.map(|(_, distance)| distance))
     }
 
-    /// What a register holds, which its copies then hold too.
+    /// What a register holds, and with it those that are related to it.
     fn learn(&mut self, number: u32, value: &Value) {
-        for (a, b) in &self.copies {
-            let other = if *a == number {
-                *b
-            } else if *b == number {
-                *a
-            } else {
-                continue;
-            };
-            self.registers[other as usize].clone_from(value);
+        let related: Vec<_> = self.relations.of(Place::Register(number)).collect();
+        for (place, distance) in related {
+            match place {
+                Place::Register(other) => {
+                    let known = &mut self.registers[other as usize];
+                    if let Some(narrower) = narrowed(known, value, distance) {
+                        *known = narrower;
+                    }
+                }
+                Place::Word(address) => self.learn_word(address, value, distance),
+            }
         }
         if let Some(register) = self.registers.get_mut(number as usize) {
             register.clone_from(value);
+        }
+    }
+
+    fn learn_word(&mut self, address: u32, value: &Value, distance: u32) {
+        let Some(memory) = &mut self.memory else {
+            return;
+        };
+        let place = Value::Constant(address);
+        let known = memory.load(&place, 4).unwrap_or(Value::Top);
+        if let Some(narrower) = narrowed(&known, value, distance) {
+            memory.store(&place, 4, &narrower);
         }
     }
 
@@ -415,10 +425,9 @@ impl State {
                 .any(|(offset, v)| v.in_stack() && !others.contains_key(offset))
         };
         escaped |= left_alone(&self.slots, &other.slots) || left_alone(&other.slots, &self.slots);
-        let copies = self.copies.iter().copied();
         Self {
             registers,
-            copies: copies.filter(|pair| other.copies.contains(pair)).collect(),
+            relations: self.relations.common(&other.relations),
             slots,
             flags: self.flags | other.flags,
             comparison: if same { self.comparison.clone() } else { None },
@@ -483,6 +492,9 @@ impl State {
         if let Some(constant) = comparison.right.1.constant() {
             self.keep_fitting(comparison.left.0, 0, constant)?;
             self.keep_fitting(comparison.result, constant, constant)?;
+            if let Some((register, distance)) = comparison.moved {
+                self.keep_fitting(Some(register), distance.wrapping_neg(), constant)?;
+            }
         }
         let numbers = [&comparison.left, &comparison.right].map(|side| side.1.bounds().is_some());
         if numbers == [false, false] {
@@ -543,7 +555,11 @@ impl State {
             return Some(());
         }
         if let (Value::Based(..), true) = (&side.1, bounded) {
-            self.replace(&side.1, &Value::range(low, high));
+            let known = Value::range(low, high);
+            self.replace(&side.1, &known);
+            if let Some(number) = side.0 {
+                self.learn(number, &known);
+            }
             return Some(());
         }
         let narrowed = side.1.within(low, high)?;
@@ -582,6 +598,12 @@ impl State {
             self.forget_frame();
         }
         self.escaped |= passed;
+        self.forget_memory();
+    }
+
+    /// Any word of memory may be written.
+    pub fn forget_memory(&mut self) {
+        self.relations.forget_words();
         if let Some(memory) = &mut self.memory {
             memory.forget();
         }

@@ -6,6 +6,7 @@ use crate::alu::{compute, second};
 use crate::conventions::Conventions;
 use crate::image::Image;
 use crate::memory::MemoryMap;
+use crate::relations::Place;
 use crate::state::{State, ANY_FLAGS};
 use crate::value::{Value, RUNNING};
 use arm7tdmi::instruction::{
@@ -78,9 +79,9 @@ fn extended(value: &Value, sign_bits: u32) -> Value {
     }
 }
 
-/// The register that an instruction only copies.
-fn copied(processing: &DataProcessing) -> Option<u32> {
-    match (processing.operation, processing.second) {
+/// The register from which the result of an instruction differs by a known distance.
+fn moved(processing: &DataProcessing) -> Option<(u32, u32)> {
+    let (from, distance) = match (processing.operation, processing.second) {
         (
             AluOperation::Mov,
             Operand::Shifted {
@@ -88,12 +89,14 @@ fn copied(processing: &DataProcessing) -> Option<u32> {
                 kind: 0,
                 amount: 0,
             },
-        ) => Some(register),
-        (AluOperation::Add | AluOperation::Sub, Operand::Constant { value: 0, .. }) => {
-            Some(processing.first)
+        ) => (register, 0),
+        (AluOperation::Add, Operand::Constant { value, .. }) => (processing.first, value),
+        (AluOperation::Sub, Operand::Constant { value, .. }) => {
+            (processing.first, value.wrapping_neg())
         }
-        _ => None,
-    }
+        _ => return None,
+    };
+    (from < 13 && processing.destination < 13).then_some((from, distance))
 }
 
 /// Upper and lower half of a long product.
@@ -207,9 +210,7 @@ impl Step<'_> {
                 let address = self.read(*base);
                 let stored = self.read(*source);
                 self.store(&address, Width::Byte, stored);
-                if let Some(memory) = &mut self.state.memory {
-                    memory.forget();
-                }
+                self.state.forget_memory();
                 effects.address = Some(address);
                 self.write(&mut effects, *destination, Value::Top);
             }
@@ -283,14 +284,35 @@ impl Step<'_> {
             self.state.comparison = outcome.comparison;
         }
         if !processing.operation.compares() {
-            let known = outcome.value.constant().is_some();
-            self.write(effects, destination, outcome.value);
-            if let Some(source) = copied(processing).filter(|_| !known) {
-                self.state.note_copy(destination, source);
-            }
+            self.write_moved(effects, processing, outcome.value);
             if let (true, Some(comparison)) = (processing.sets_flags, &mut self.state.comparison) {
                 comparison.result = Some(destination);
             }
+        }
+    }
+
+    /// Writes a result with what relates it to its operand.
+    fn write_moved(&mut self, effects: &mut Effects, processing: &DataProcessing, value: Value) {
+        let place = Place::Register(processing.destination);
+        let known = value.constant().is_some();
+        let moved = moved(processing).filter(|_| !known);
+        match moved {
+            Some((from, distance)) if from == processing.destination => {
+                let mut relations = self.state.relations.clone();
+                let compared = self.state.compared(from);
+                self.write(effects, from, value);
+                relations.move_by(place, distance);
+                self.state.relations = relations;
+                if let (Some(more), Some(comparison)) = (compared, &mut self.state.comparison) {
+                    comparison.moved = Some((from, more.wrapping_add(distance)));
+                }
+            }
+            Some((from, distance)) => {
+                self.write(effects, processing.destination, value);
+                let relations = &mut self.state.relations;
+                relations.note(place, Place::Register(from), distance);
+            }
+            None => self.write(effects, processing.destination, value),
         }
     }
 
@@ -375,7 +397,11 @@ impl Step<'_> {
                 self.state.set(transfer.base, moved);
             }
             let unknown = loaded == Value::Top && transfer.register != 15;
+            let known = loaded.constant().is_some();
             self.write(effects, transfer.register, loaded);
+            if !known {
+                self.relate(transfer, &address);
+            }
             if let (Value::Stack(offset), true, Width::Word) = (&address, unknown, transfer.width) {
                 if offset % 4 == 0 {
                     self.state
@@ -385,10 +411,32 @@ impl Step<'_> {
             }
         } else {
             let stored = self.read(transfer.register);
+            let known = stored.constant().is_some();
             self.store(&address, transfer.width, stored);
+            if !known {
+                self.relate(transfer, &address);
+            }
             if transfer.write_back {
                 self.state.set(transfer.base, moved);
             }
+        }
+    }
+
+    /// A register and a word of memory hold the same after one was copied to the other.
+    fn relate(&mut self, transfer: &Transfer, address: &Value) {
+        let word = address.constant().filter(|word| word % 4 == 0);
+        let (Some(word), Width::Word, 0..13) = (word, transfer.width, transfer.register) else {
+            return;
+        };
+        if self.state.memory.is_none() {
+            return;
+        }
+        let (register, word) = (Place::Register(transfer.register), Place::Word(word));
+        let relations = &mut self.state.relations;
+        if transfer.load {
+            relations.note(register, word, 0);
+        } else {
+            relations.note(word, register, 0);
         }
     }
 
@@ -480,6 +528,10 @@ impl Step<'_> {
     }
 
     fn store(&mut self, address: &Value, width: Width, value: Value) {
+        match address {
+            Value::Constant(address) => self.state.relations.forget(Place::Word(address & !3)),
+            _ => self.state.relations.forget_words(),
+        }
         if let (Some(memory), false) = (&mut self.state.memory, address.in_stack()) {
             let size = match width {
                 Width::Byte => 1,

@@ -50,6 +50,12 @@ impl Value {
         }
     }
 
+    /// The least value above all of a list; `None` when it is empty.
+    pub fn of_constants(elements: Vec<u32>) -> Option<Self> {
+        let (low, high) = (*elements.iter().min()?, *elements.iter().max()?);
+        Self::of_elements(elements).or_else(|| Some(Self::range(low, high)))
+    }
+
     /// The elements, if they are few.
     pub fn elements(&self) -> Option<Vec<u32>> {
         match self {

@@ -198,6 +198,75 @@ fn a_byte_that_may_be_anything_leaves_the_rest_of_its_word_known() {
     }
 }
 
+fn sought(elf: &[u8], calls: [&str; 2], input: Input, facts: &str) -> Result<u64, Error> {
+    let closed = Closed {
+        calls: calls.map(String::from).into(),
+        stack_pointer: 0x3F_FFC0,
+        inputs: vec![input],
+    };
+    let (image, map) = (Image::read(elf)?, MemoryMap::without_wait_states());
+    let facts = Annotations::parse(facts, "facts.toml")?;
+    Ok(closed.bound(&image, &map, &facts)?.cycles + 2)
+}
+
+#[test]
+fn what_is_compared_is_known_of_what_differs_from_it_by_a_constant() {
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let input = Input {
+            range: Some((2, 20)),
+            ..Input::any("stairs".into())
+        };
+        let most = sought(&elf, ["portion", "climbed"], input, "").unwrap();
+        let longest = (2..=20).map(|count| {
+            let mut machine = Machine::new(&elf);
+            let stairs = machine.address("stairs");
+            machine.set_word(stairs, count);
+            machine.call("climbed", [0; 4]).cycles
+        });
+        let longest = longest.max().unwrap();
+        assert!(
+            longest <= most && most <= longest + 3,
+            "{flags:?}: {longest} {most}"
+        );
+    }
+}
+
+#[test]
+fn a_recursion_that_depends_on_an_input_is_refused() {
+    for flags in [FLAGS[0], FLAGS[2]] {
+        let Some(elf) = elf(&flags) else { return };
+        let input = Input::any("stairs".into());
+        let refused = sought(&elf, ["portion", "descended"], input, "").unwrap_err();
+        assert!(
+            matches!(refused, Error::Recursion(_)),
+            "{flags:?}: {refused}"
+        );
+    }
+}
+
+#[test]
+fn memory_is_still_known_after_a_loop_that_ends_because_the_user_says_so() {
+    let facts = "[[loop]]\nsymbol = \"awaited\"\nindex = 0\niterations = 5\n";
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let once = "[[loop]]\nsymbol = \"awaited\"\nindex = 0\niterations = 4\n";
+        let wait = |facts| {
+            let input = Input::any("signals".into());
+            sought(&elf, ["portion", "awaited"], input, facts).unwrap()
+        };
+        let (four, five) = (wait(once), wait(facts));
+        let mut machine = Machine::new(&elf);
+        machine.call("portion", [0; 4]);
+        let least = machine.call("awaited", [0; 4]).cycles;
+        let bound = least + 5 * (five - four);
+        assert!(
+            five.abs_diff(bound) <= 6,
+            "{flags:?}: {least} {four} {five}"
+        );
+    }
+}
+
 #[test]
 fn loops_that_depend_on_an_input_are_asked_for_and_inputs_outside_a_variable_refused() {
     let Some(elf) = elf(&["-marm", "-O2"]) else {

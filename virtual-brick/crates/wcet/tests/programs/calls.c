@@ -133,3 +133,35 @@ void portion(void)
     portions[0] = 3;
     portions[2] = 5;
 }
+
+unsigned stairs;
+
+/* One is compared before, the other after something is taken off. */
+unsigned climbed(void)
+{
+    unsigned left = stairs, steps = 0, next;
+    do {
+        next = left - 2;
+        if (left == 2)
+            return steps;
+        steps += sink;
+        left = next;
+    } while (left != 1);
+    return steps + 1;
+}
+
+/* Calls itself as often as nobody knows. */
+unsigned descended(unsigned left)
+{
+    return left == stairs ? 1 : descended(left - 1) + descended(left - 2);
+}
+
+volatile int signals;
+
+/* How long it waits is not known; what it does then is. */
+int awaited(void)
+{
+    while (signals & 1)
+        sink += portions[0];
+    return portioned();
+}
