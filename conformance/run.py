@@ -487,7 +487,6 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("timing", lambda: suites.input_search("arm", "O1")),
     ("timing", lambda: suites.input_search("thumb", "O2")),
     ("timing", suites.kernel_services),
-    ("timing", suites.thumb_services),
     ("timing", suites.integer_program),
     ("timing", suites.program_campaign),
     ("timing", suites.lowest_tasks),

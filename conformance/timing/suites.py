@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from conformance.timing.just_missed import MISSED, REACHED
-from conformance.timing.kernel_services import NOT_STAGED
 from tools.tables import Row
 
 __all__ = [
@@ -27,7 +26,6 @@ __all__ = [
     "lowest_tasks",
     "program_campaign",
     "random_sets",
-    "thumb_services",
     "timing_events",
     "wcet_benchmarks",
 ]
@@ -140,26 +138,10 @@ def input_search(code: str, level: str) -> Row:
 
 def kernel_services() -> Row:
     """Services of the run-time between their longest observed time and a tenth above it."""
-    rows = [row for row in _service_times() if row["code"] == "ARM"]
-    rows = [row for row in rows if row["service"] not in NOT_STAGED]
+    rows = _answer("kernel_services")
     passed = sum(row["observed"] <= row["bound"] <= 1.10 * row["observed"] for row in rows)
     suite = "wcet: services of the run-time, bounds not exceeded and at most 10 % above"
     return _row(suite, len(rows), passed)
-
-
-def thumb_services() -> Row:
-    """Services of the run-time in Thumb code, and what no program brings to its longest way."""
-    rows = _service_times()
-    rows = [row for row in rows if row["code"] == "Thumb" or row["service"] in NOT_STAGED]
-    passed = sum(0 < row["observed"] <= row["bound"] for row in rows)
-    suite = "wcet: services of the run-time in Thumb code, alarm's interrupt: bounds not exceeded"
-    return _row(suite, len(rows), passed)
-
-
-@cache
-def _service_times() -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = _answer("kernel_services")
-    return rows
 
 
 def integer_program() -> Row:

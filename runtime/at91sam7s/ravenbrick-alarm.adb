@@ -28,6 +28,19 @@ package body Ravenbrick.Alarm is
    Longest_Coarse : constant := 65_000;
    Longest_Units  : constant := (Longest_Coarse + Coarse_Margin) * Units_Per_Coarse;
 
+   --  Both quotients are products with a reciprocal in 32 bits: a division would be a loop of up to
+   --  230 cycles in Thumb code, with interrupts masked
+
+   function Ticks (Span : Word) return Word is
+     (Shift_Right ((Span + Clock.Units_Per_Tick - 1) * 74_899, 19))
+     with Inline_Always;
+   --  Span / 7, rounded up: exact below Fine_Limit because 7 * 74_899 = 2**19 + 5
+
+   function Coarse_Counts (Span : Word) return Word is
+     (Shift_Right (Shift_Right (Span, 6) * 9_362, 16))
+     with Inline_Always;
+   --  At most Span / 448, at least 2 less, and 127 from Fine_Limit on: 7 * 9_362 = 2**16 - 2
+
    Handler_Lead : constant := 16;
    --  Fine counts that surely pass from the request until the handler reads the clock
 
@@ -49,28 +62,30 @@ package body Ravenbrick.Alarm is
    end Initialize;
 
    procedure Set (Remaining : Threads.Units; Spent : Fine_Count) is
-      Near  : Word;
       Early : constant Word := Word (Spent + Handler_Lead);
+      Mode  : Word := Coarse_Mode;
+      Count : Word := Longest_Coarse;
    begin
-      if Remaining >= Longest_Units then
-         Trigger (Coarse_Mode, Longest_Coarse);
-      elsif Remaining >= Fine_Limit then
-         Trigger (Coarse_Mode, Word (Remaining) / Units_Per_Coarse - Coarse_Margin);
-      elsif Remaining <= 0 then
-         Trigger (Fine_Mode, Shortest_Fine);
-      else
-         Near := (Word (Remaining) + Clock.Units_Per_Tick - 1) / Clock.Units_Per_Tick
-           * Fine_Counts_Per_Tick;
-         Trigger
-           (Fine_Mode,
-            (if Near > Early + Shortest_Fine then Near - Early else Shortest_Fine));
+      if Remaining < Longest_Units then
+         if Remaining >= Fine_Limit then
+            Count := Coarse_Counts (Word (Remaining)) - Coarse_Margin;
+         else
+            Mode := Fine_Mode;
+            Count := Shortest_Fine;
+            if Remaining > 0 then
+               Count := Word'Max
+                 (Ticks (Word (Remaining)) * Fine_Counts_Per_Tick, Early + Shortest_Fine) - Early;
+            end if;
+         end if;
       end if;
+      Trigger (Mode, Count);
    end Set;
 
    procedure Acknowledge is
-      Discarded : Word with Volatile;
+      Discarded : constant Word := TC0.Status;
+      pragma Unreferenced (Discarded);
    begin
-      Discarded := TC0.Status;
+      null;
    end Acknowledge;
 
 end Ravenbrick.Alarm;

@@ -30,7 +30,7 @@ private
    Head : Thread_Id with Volatile, Suppress_Initialization;
    --  Delayed threads by wake-up time, equal times by arrival
 
-   Spent_In_Ring : constant := 29;
+   Spent_In_Ring : constant := 28;
    --  Times 2 cycles pass between the reading of the clock and the start of the alarm, in ARM
    --  state from RAM; from flash it is more
 

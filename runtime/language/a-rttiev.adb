@@ -22,7 +22,18 @@ package body Ada.Real_Time.Timing_Events is
 
    function Is_Set (Event : Timing_Event) return Boolean is
      (System."/=" (Event.Alarm.Entry_Parameters, System.Null_Address));
-   --  With interrupts masked, when a comparison of the handler would take 110 cycles
+   --  With interrupts masked, when a comparison of both words of the handler would be a call of
+   --  memcmp in Thumb code, up to 110 cycles; Is_Null is for the same reason
+
+   type Address_Pair is record
+      Object, Code : System.Address;
+   end record;
+
+   function To_Pair is new Ada.Unchecked_Conversion (Timing_Event_Handler, Address_Pair);
+
+   function Is_Null (Handler : Timing_Event_Handler) return Boolean is
+     (System."=" (To_Pair (Handler).Code, System.Null_Address))
+     with Inline_Always;
 
    procedure Clear (Event : in out Timing_Event);
    --  Interrupts are masked
@@ -43,7 +54,7 @@ package body Ada.Real_Time.Timing_Events is
    begin
       Mask_Interrupts (Previous);
       Clear (Event);
-      if Handler /= null then
+      if not Is_Null (Handler) then
          Event.Handler := Handler;
          Event.Alarm.Entry_Parameters := Event'Address;
          Events.Set (Event.Alarm'Unchecked_Access, Units (At_Time));

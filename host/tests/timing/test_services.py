@@ -15,14 +15,13 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from conformance.timing.kernel_services import LARGEST_RATIO, service_times
+from conformance.timing.kernel_services import service_times
 
 
-def test_no_service_takes_longer_than_its_bound_and_each_nearly_as_long() -> None:
-    found = service_times()
+@pytest.mark.parametrize("code", ["arm", "thumb"])
+def test_no_service_takes_longer_than_its_bound_and_each_nearly_as_long(code: str) -> None:
+    found = service_times(code)
     assert len(found) == 18
     for row in found:
         assert row.count > 0, row
-        assert row.observed <= row.bound, row
-        assert not row.is_staged or row.bound <= LARGEST_RATIO * row.observed, row
-    assert sum(row.is_staged for row in found) == 15
+        assert row.is_close, row

@@ -30,8 +30,17 @@ package body Stage is
    --  In counts of two cycles: while the action that started the timer lasts
 
    First_Phase : constant Timers.Word := 480;
-   Phases      : constant := 160;
-   --  About the end of the action
+   Phase_Step  : constant Timers.Word := 3;
+   Phases      : constant := 200;
+   --  About the end of the action, in ARM and in Thumb code
+
+   Before_Alarm : constant Time_Span := Microseconds (7);
+   Hold_Turns   : constant := 60;
+   --  From a reading of the clock until the alarm, and more turns than fit between them
+
+   Shifts : constant := 3;
+   --  Of the alarm, by one tick: a turn takes 7 cycles and a tick 16, so that the end of the action
+   --  meets the alarm at each second cycle
 
    First_Cued : Actor_Number := 1 with Volatile;
    Last_Cued  : Actor_Number := Actor_Number'Last with Volatile;
@@ -47,6 +56,8 @@ package body Stage is
    protected Object with Priority => 20 is
       procedure Touch;
       procedure Hold (Turns : Cycles);
+      procedure Hold_Until (At_Time : Time; Turns : Natural);
+      --  And some cycles for each turn
    private
       Count : Cycles := 0;
    end Object;
@@ -73,6 +84,7 @@ package body Stage is
    Marked : Boolean := False with Volatile;
    Read   : Time := Time_First with Volatile;
 
+   procedure Mark (Turns : Natural) with No_Inline;
    procedure Dwell with No_Inline;
    --  Longer than the timer runs until its interrupt, in a time that depends on nothing
 
@@ -83,6 +95,13 @@ package body Stage is
    procedure Pass_Gate with No_Inline;
    procedure Read_Clock with No_Inline;
    --  Services that are bounded for one object
+
+   procedure Mark (Turns : Natural) is
+   begin
+      for Turn in 1 .. Turns loop
+         Marked := True;
+      end loop;
+   end Mark;
 
    procedure Dwell is
    begin
@@ -120,6 +139,14 @@ package body Stage is
       begin
          Spend (Turns);
       end Hold;
+
+      procedure Hold_Until (At_Time : Time; Turns : Natural) is
+      begin
+         while Clock < At_Time loop
+            null;
+         end loop;
+         Mark (Turns);
+      end Hold_Until;
    end Object;
 
    protected body Masking is
@@ -231,10 +258,29 @@ package body Stage is
    begin
       for Phase in Timers.Word range 0 .. Phases - 1 loop
          Cue_From (1, Last => 3);
-         Start_Once (Channel_2, First_Phase + Phase);
+         Start_Once (Channel_2, First_Phase + Phase_Step * Phase);
          Touch_Object;
       end loop;
    end Play_Phases;
+
+   --  The same with the alarm in place of the last actor's source
+
+   procedure Play_Alarm_Phases is
+      Looked : Time;
+   begin
+      for Shift in 1 .. Shifts loop
+         for Turns in 1 .. Hold_Turns loop
+            Looked := Clock + Microseconds (80) - Before_Alarm;
+            Parts (1) := Sleep;
+            Wakes (1) := Looked + Before_Alarm + Shift * Tick;
+            Set_True (Cues (1));
+            Cue_From (2);
+            Object.Hold_Until (Looked, Turns);
+            delay until Wakes (1) + Microseconds (40);
+         end loop;
+      end loop;
+      Parts (1) := Return_At_Once;
+   end Play_Alarm_Phases;
 
    --  One waits on the entry that the director opens, the others become ready before
 
@@ -321,10 +367,11 @@ package body Stage is
          declare
             At_Time : constant Time := Time_Of (0, Whole_Count * Wrap);
          begin
-            delay until At_Time - Milliseconds (30);
+            delay until At_Time - Milliseconds (60);
             Play_Protected_Actions;
             if Wrap = 1 then
                Play_Phases;
+               Play_Alarm_Phases;
             end if;
             Play_Entry;
             Play_Suspension;

@@ -17,9 +17,8 @@ from ravenbrick.schedule.model import Task as ScheduledTask
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.timing.bounds import Bound, execution_times
+from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.facts import annotations_of
-from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import INTERRUPT, InterruptCost, Services, interrupt_costs
 
 __all__ = ["COARSE_ALARM", "AlarmCosts", "alarm_costs", "coarse_alarm"]
@@ -27,9 +26,9 @@ __all__ = ["COARSE_ALARM", "AlarmCosts", "alarm_costs", "coarse_alarm"]
 # Where the way out of an interrupt goes when a more urgent thread has become ready.
 PREEMPTION = "preempt"
 COARSE_ALARM = "alarm, coarse stretch"
-# A coarse stretch is set for at least 57 000 of the kernel's units of 1/21.024 us, three of its
-# counts of 448 units shorter than the time that remains, and for at most 65 000 counts.
-COARSE_PERIOD_US = int((57_000 - 3 * 448) / 21.024)
+# A coarse stretch is set when at least 57 000 of the kernel's units of 1/21.024 us remain, for at
+# least 125 and at most 65 000 counts of 448 units (runtime/at91sam7s/ravenbrick-alarm.adb).
+COARSE_PERIOD_US = int(125 * 448 / 21.024)
 LONGEST_STRETCH_US = int(65_000 * 448 / 21.024)
 
 
@@ -58,15 +57,16 @@ def _cycles(microseconds: int) -> Any:
     return exact(microseconds * MASTER_CLOCK.hertz / 1_000_000)
 
 
-def _without_release(body: Bound) -> int:
-    """Longest way through the alarm's handler that does not enter its loop."""
-    graph = body.graph or {"blocks": [], "loops": []}
-    header = min((found["header"] for found in graph["loops"]), default=None)
-    blocks = [
-        {**block, "ways": [way for way in block["ways"] if way["to"] != header or header is None]}
-        for block in graph["blocks"]
-    ]
-    return min(body.cycles, longest_path({**graph, "blocks": blocks}))
+def _without_release(image: ElfImage, body: Bound) -> str:
+    """The loop of the alarm's handler releases nobody: one that first looks whether to is left at
+    once, one that is entered for a release is not entered."""
+    own = next(found for found in body.report["functions"] if found["symbol"] == body.symbol)
+    loop = next(found for found in own["loops"] if found["index"] == 0)
+    if loop["header_executions"] > 1:
+        again = {"symbol": body.symbol, "index": 0, "iterations": 0}
+        return annotations_of({"loop": [again]})
+    offset = loop["at"]["address"] - (image.symbols[body.symbol].address & ~1)
+    return annotations_of({"never": [{"symbol": body.symbol, "offset": offset}]})
 
 
 def alarm_costs(
@@ -79,17 +79,13 @@ def alarm_costs(
     tasks. Where one is shorter than a coarse stretch, no call comes early, given that this task
     meets its deadline."""
     symbol = alarm.handler.symbol
-    loop = {"symbol": symbol, "index": 0, "header_executions": 2}
+    loop = {"symbol": symbol, "index": 0, "iterations": 2}
     twice = ("two releases", annotations_of({"loop": [loop]}))
     two = interrupt_costs(image, [alarm.handler], [twice, *annotations])[0]
-    body = execution_times(
-        image.content, functions=[symbol], annotations=annotations, graphs=True
-    ).functions[0]
     offset = image.symbols[PREEMPTION].address - image.symbols[INTERRUPT].address
-    never = {"symbol": INTERRUPT, "offset": offset}
-    none_ready = ("no release", annotations_of({"never": [never]}))
-    back = interrupt_costs(image, [alarm.handler], [none_ready, *annotations])[0]
-    early = back.cycles - body.cycles + _without_release(body)
+    never = annotations_of({"never": [{"symbol": INTERRUPT, "offset": offset}]})
+    none = [("nobody ready", never), ("no release", _without_release(image, alarm.body))]
+    early = interrupt_costs(image, [alarm.handler], [*none, *annotations])[0].cycles
     if min(periods_us, default=COARSE_PERIOD_US) < COARSE_PERIOD_US:
         early = 0
     return AlarmCosts(alarm.cycles, two.cycles - alarm.cycles, early)

@@ -32,6 +32,7 @@ __all__ = [
     "InterruptCost",
     "Services",
     "expiry_facts",
+    "handler_facts",
     "interrupt_costs",
     "kernel_facts",
     "run_time_facts",
@@ -120,12 +121,18 @@ def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
     is more than the share of a call that releases several.
     """
     loops: list[dict[str, object]] = [
-        {"symbol": ring, "index": 0, "header_executions": 1} for ring in RINGS
+        {"symbol": ring, "index": 0, "iterations": 1} for ring in RINGS
     ]
     # The search of the ready queue that is compiled into the handler.
     loops += [{"symbol": ring, "index": 1, "header_executions": thread_count} for ring in RINGS]
     loops += [{"file": file, "header_executions": thread_count, "every": True} for file in QUEUES]
     return annotations_of({"loop": loops, "word": [dict(w) for w in object_words(objects)]})
+
+
+def handler_facts() -> tuple[str, str]:
+    """What is executed by handlers only never gives the processor away at the end of a protected
+    action: no thread is as urgent as a handler, which `attached_handlers` checks."""
+    return "handlers", annotations_of({"never": [{"symbol": DISPATCH}]})
 
 
 def expiry_facts(handlers: Sequence[str]) -> tuple[str, str]:
@@ -183,7 +190,7 @@ def interrupt_costs(
         times = execution_times(
             image.content,
             functions=[INTERRUPT, handler.symbol],
-            annotations=[*annotations, ("interrupt entry", target)],
+            annotations=[*annotations, handler_facts(), ("interrupt entry", target)],
         )
         whole, body = times.functions
         cycles = EXCEPTION_CYCLES + whole.cycles + times.return_cycles

@@ -79,8 +79,24 @@ def _code_name(brick: Any, address: int) -> str:
     return found[0] if found is not None and found[1] == 0 else f"0x{address:08x}"
 
 
+def _check_threads(brick: Any, image: ElfImage) -> None:
+    """The run-time masks no interrupts for a task, so one of an interrupt priority has no bound."""
+    for thread in brick.threads():
+        if thread.base_priority >= FIRST_INTERRUPT_PRIORITY:
+            raise ImageFileError(
+                f"{image.path}: the task '{thread.name}' has the interrupt priority "
+                f"{thread.base_priority}, for which the run-time masks no interrupts; give it one "
+                f"of at most {PRIORITY_LAST}"
+            )
+
+
 def attached_handlers(brick: Any, image: ElfImage) -> tuple[Handler, ...]:
-    """Handlers by source, the alarm's included; `brick` has elaborated the program."""
+    """Handlers by source, the alarm's included; `brick` has elaborated the program.
+
+    Raises `ImageFileError` for a program without a run-time, or with a task that is as urgent as a
+    handler.
+    """
+    _check_threads(brick, image)
     table = image.symbols.get(HANDLERS)
     if table is None:
         raise ImageFileError(f"{image.path}: has no '{HANDLERS}'; link it with the run-time")
