@@ -21,5 +21,5 @@ def test_a_task_as_urgent_as_a_handler_is_refused_by_name() -> None:
     ]
     brick = SimpleNamespace(threads=lambda: threads)
     image = ElfImage(Path("robot.elf"), b"", next(iter(ImageKind)), 0, (), {})
-    with pytest.raises(ImageFileError, match="robot.elf: the task 'siren' .* priority 31, .* 30"):
+    with pytest.raises(ImageFileError, match=r"the task 'siren' .* 31, .* at most 30"):
         attached_handlers(brick, image)
