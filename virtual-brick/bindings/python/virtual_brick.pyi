@@ -206,6 +206,13 @@ class VirtualBrick:
 
         Releases the interpreter lock; Ctrl-C interrupts the run, which can then go on.
         """
+    def run_until_picture(self, instants: list[int], first: int, end: int) -> tuple[Stop, int]:
+        """Run to `instants[first]`, in cycles, the next and so on, until the program has sent
+        something to the display, the run ends, or the last before `end`: why, and the index of the
+        instant then.
+
+        At least one is run to. Interrupts as `run_until`; the instants before it are not told then.
+        """
     @property
     def lcd_version(self) -> int:
         """Grows when the program sends to the display: while it stays, so does the picture."""

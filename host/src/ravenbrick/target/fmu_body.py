@@ -149,6 +149,16 @@ class CoSimulation:
             if self._brick.cycles >= cycles:
                 return stop
 
+    def run_until_picture(self, instants: list[int], first: int, end: int) -> tuple[Any, int]:
+        """As the brick's, in the same steps."""
+        version, index = self._brick.lcd_version, first
+        while True:
+            stop = self.run_until(instants[index])
+            changed = self._brick.lcd_version != version
+            if stop.reason != "reached" or changed or index + 1 >= end:
+                return stop, index
+            index += 1
+
     def _exchange(self) -> None:
         quantities = dict(self._brick.quantities())
         voltages = [quantities[f"motor.{port}.voltage"] for port in self._body.ports]

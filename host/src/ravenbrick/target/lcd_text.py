@@ -28,11 +28,10 @@ def _letters(font: bytes) -> dict[bytes, str]:
 def lcd_text(pixels: NDArray[np.bool_], font: bytes) -> tuple[str, ...]:
     """Eight lines without trailing blanks; a cell that holds no letter reads '?'."""
     letters = _letters(font)
-    lines = []
-    for top in range(0, pixels.shape[0], CELL_HEIGHT):
-        band = pixels[top : top + CELL_HEIGHT]
-        columns = np.packbits(band, axis=0, bitorder="little")[0]
-        lefts = range(MARGIN, MARGIN + CELL_WIDTH * COLUMNS, CELL_WIDTH)
-        cells = [columns[left : left + WIDTH].tobytes() for left in lefts]
-        lines.append("".join(letters.get(cell, UNKNOWN) for cell in cells).rstrip())
-    return tuple(lines)
+    bands = pixels.reshape(-1, CELL_HEIGHT, pixels.shape[1])
+    columns = np.packbits(bands, axis=1, bitorder="little")[:, 0]
+    inked = columns[:, MARGIN : MARGIN + CELL_WIDTH * COLUMNS].reshape(-1, COLUMNS, CELL_WIDTH)
+    data = inked[:, :, :WIDTH].tobytes()
+    cells = [data[at : at + WIDTH] for at in range(0, len(data), WIDTH)]
+    text = "".join([letters.get(cell, UNKNOWN) for cell in cells])
+    return tuple(text[at : at + COLUMNS].rstrip() for at in range(0, len(text), COLUMNS))

@@ -307,14 +307,15 @@ class _Play:
         self._inputs: list[TimedInput] = []
         self._kept: tuple[SnapshotWishes, str, tuple[tuple[str, str], ...]] | None = None
 
-    def _instants(self) -> list[int]:
+    def _occasions(self) -> set[int]:
+        """Milliseconds at which there is something to do besides looking at the display."""
         end = self._scenario.duration_ms
-        instants = {end, *range(SLICE_MS, end, SLICE_MS), *self._scenario.pictures_ms}
+        occasions = {end, *range(PROGRESS_MS, end, PROGRESS_MS), *self._scenario.pictures_ms}
         if self._callback is not None:
-            instants |= set(range(0, end, self._callback.period_ms))
+            occasions |= set(range(0, end, self._callback.period_ms))
         if self._kept is not None:
-            instants.add(self._kept[0].save_ms)
-        return sorted(instants)
+            occasions.add(self._kept[0].save_ms)
+        return occasions
 
     def keep(
         self, wishes: SnapshotWishes, configuration: str, probes: tuple[tuple[str, str], ...]
@@ -334,31 +335,44 @@ class _Play:
     def run(self, progress: Progress, peer: _Play | None = None) -> None:
         """To the end of the scenario or of the run; `peer` is in range and runs beside."""
         link = BluetoothLink(self._brick, peer._brick) if peer is not None else None
-        for at_ms in self._instants():
-            at_cycles = MASTER_CLOCK.cycles_of_ms(at_ms)
-            if link is None or peer is None:
-                self._visit(at_ms, at_cycles, self._brick.run_until(at_cycles))
-            else:
-                stops = link.run_until(at_cycles)
-                self._visit(at_ms, at_cycles, stops[0])
-                peer._visit(at_ms, at_cycles, stops[1])
-            if at_ms % PROGRESS_MS == 0:
-                progress(at_ms / self._scenario.duration_ms)
-            if self._stop.reason != "reached":
-                break
-            self._save_snapshot(at_ms)
-            if self._callback is not None and at_ms % self._callback.period_ms == 0:
-                self._ask(self._callback)
+        occasions = self._occasions()
+        instants = sorted({*range(SLICE_MS, self._scenario.duration_ms, SLICE_MS), *occasions})
+        cycles = [MASTER_CLOCK.cycles_of_ms(at_ms) for at_ms in instants]
+        next_one = 0
+        for occasion_ms in sorted(occasions):
+            due = bisect_left(instants, occasion_ms)
+            while next_one <= due:
+                first, last = next_one, next_one
+                if link is None or peer is None:
+                    stop, last = self._brick.run_until_picture(cycles, first, due + 1)
+                else:
+                    stop, other = link.run_until(cycles[first])
+                    peer._visit(instants[first], cycles[first : first + 1], other)
+                self._visit(instants[last], cycles[first : last + 1], stop)
+                if stop.reason != "reached":
+                    return
+                next_one = last + 1
+            self._attend(occasion_ms, progress)
+
+    def _attend(self, at_ms: int, progress: Progress) -> None:
+        if at_ms % PROGRESS_MS == 0:
+            progress(at_ms / self._scenario.duration_ms)
+        self._save_snapshot(at_ms)
+        if self._callback is not None and at_ms % self._callback.period_ms == 0:
+            self._ask(self._callback)
 
     def save_sound(self, path: Path) -> None:
         """What was played so far."""
         save_sound(self._brick, path)
 
-    def _visit(self, at_ms: int, at_cycles: int, stop: Any) -> None:
+    def _visit(self, at_ms: int, visited_cycles: list[int], stop: Any) -> None:
         self._stop = stop
-        self._visited.append(at_cycles)
-        self._look()
-        if stop.reason == "reached" and at_ms in self._scenario.pictures_ms:
+        self._visited += visited_cycles
+        version = self._brick.lcd_version
+        if version != self._version:
+            self._version = version
+            self._look()
+        if at_ms in self._scenario.pictures_ms and stop.reason == "reached":
             self._pictures.append(_picture(self._brick, self._image))
 
     def recording(self) -> Recording:
@@ -381,9 +395,6 @@ class _Play:
         )
 
     def _look(self) -> None:
-        if self._brick.lcd_version == self._version:
-            return
-        self._version = self._brick.lcd_version
         content = self._brick.lcd()
         if content != self._content:
             self._content = content

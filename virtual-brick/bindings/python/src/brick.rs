@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyList};
 use trace::{EventKind, NameSpace};
 use virtual_brick_facade::{BrickError, Configuration, Image, ScalarKind, CLOCK_HZ};
 
@@ -216,6 +216,24 @@ impl VirtualBrick {
                 return Ok(stop.into());
             }
             py.check_signals()?;
+        }
+    }
+
+    fn run_until_picture(
+        &mut self,
+        py: Python<'_>,
+        instants: &Bound<'_, PyList>,
+        first: usize,
+        end: usize,
+    ) -> PyResult<(Stop, usize)> {
+        let version = self.0.lcd_version();
+        let mut index = first;
+        loop {
+            let stop = self.run_until(py, instants.get_item(index)?.extract()?)?;
+            if !stop.reached() || self.0.lcd_version() != version || index + 1 >= end {
+                return Ok((stop, index));
+            }
+            index += 1;
         }
     }
 

@@ -23,6 +23,13 @@ impl Stop {
     }
 }
 
+impl Stop {
+    /// The run can go on.
+    pub fn reached(&self) -> bool {
+        self.reason == virtual_brick_facade::StopReason::Reached.name()
+    }
+}
+
 impl From<virtual_brick_facade::Stop> for Stop {
     fn from(stop: virtual_brick_facade::Stop) -> Self {
         Self {

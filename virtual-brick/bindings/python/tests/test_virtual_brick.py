@@ -57,6 +57,22 @@ def test_a_run_reaches_its_instant() -> None:
     assert RAM <= brick.program_counter < RAM + 4 * len(COUNTING)
 
 
+def test_a_run_over_instants_ends_at_the_last_or_where_the_run_does() -> None:
+    """The stop and the index of the instant that was reached; the run is the same."""
+    instants = [MILLISECOND * count for count in range(1, 9)]
+    brick, whole = counting(), counting()
+    stop, index = brick.run_until_picture(instants, 0, 4)
+    assert (stop.reason, index) == ("reached", 3)
+    assert instants[3] <= brick.cycles < instants[3] + 4
+    whole.run_until(instants[3])
+    assert brick.trace_digest() == whole.trace_digest()
+    assert brick.run_until_picture(instants, 4, 8)[1] == 7
+    with pytest.raises(IndexError):
+        brick.run_until_picture(instants, 8, 9)
+    stop, index = VirtualBrick(configuration(), elf([0xE7FFFFFF])).run_until_picture(instants, 2, 8)
+    assert (stop.reason != "reached", index) == (True, 2)
+
+
 def test_the_clock_is_an_exact_fraction() -> None:
     """The master clock is 18.432 MHz times 73 over 28."""
     assert counting().clock_hz == (336_384_000, 7)
