@@ -245,7 +245,7 @@ def test_a_monitored_run_over_the_cable_plays_again(image: Callable[[str, str], 
     listener = threading.Thread(target=listen)
     listener.start()
     try:
-        LiveRun(fresh(), port, record, None, speed=10.0).run(100.0, enough)
+        LiveRun(fresh(), port, record, None, speed=10.0).run(1_000.0, enough)
     finally:
         finished.set()
         listener.join()
