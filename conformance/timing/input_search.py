@@ -44,7 +44,7 @@ from conformance.timing.wcet_benchmarks import (
 )
 
 INPUTS = Path(__file__).with_name("tacle_inputs.toml")
-BUDGET_CYCLES = 300_000_000
+BUDGET_CYCLES = 1_000_000_000
 SIZES = {"8": 1, "16": 2, "32": 4, "64": 4}
 
 

@@ -26,6 +26,9 @@ const PATIENCE: u32 = 250;
 /// Runs with data that are alike, before others.
 const UNIFORM: u32 = 9;
 
+/// Elements of which some are changed in a row more often than one alone.
+const MANY: usize = 64;
+
 /// Runs that are made whatever they take.
 const LEAST_RUNS: u32 = 20;
 
@@ -184,12 +187,14 @@ type Data = Vec<Vec<Vec<u8>>>;
 fn anything(inputs: &[Input], random: &mut Random) -> Data {
     let each = inputs.iter().map(|input| {
         let mut values: Vec<f64> = (0..input.count).map(|_| input.value(random)).collect();
-        match random.word() % 4 {
+        match random.word() % 6 {
             0 => values.sort_by(f64::total_cmp),
             1 => values.sort_by(|a, b| b.total_cmp(a)),
-            2 => {
-                let first = values[0];
-                values.fill(first);
+            2 | 3 => {
+                let period = 1 + random.word() as usize % 4;
+                for index in period..values.len() {
+                    values[index] = values[index - period];
+                }
             }
             _ => {}
         }
@@ -233,11 +238,18 @@ fn changed(data: &Data, inputs: &[Input], random: &mut Random) -> Data {
         let (input, elements) = (&inputs[which], &mut data[which]);
         let one = random.word() as usize % input.count;
         let other = random.word() as usize % input.count;
-        match random.word() % 8 {
+        // Of many elements, one alone changes little.
+        let choices = if input.count < MANY { 8 } else { 10 };
+        match random.word() % choices {
             0 => elements.swap(one, other),
-            7 => {
+            7.. => {
                 let (first, last) = (one.min(other), one.max(other));
-                elements[first..=last].fill(input.kind.encoded(input.value(random)));
+                let pair = [0; 2].map(|_| input.kind.encoded(input.value(random)));
+                let step = 1 + random.word() as usize % 2;
+                for (index, element) in elements[first..=last].iter_mut().step_by(step).enumerate()
+                {
+                    element.clone_from(&pair[index % 2 * (step - 1)]);
+                }
             }
             6 => elements[one] = input.near(&elements[other], random),
             1 => elements[one] = elements[other].clone(),
