@@ -22,6 +22,7 @@ from ravenbrick.target.scenario import read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.steps import live_steps
+from ravenbrick.trace.schedule import jobs_of
 from typer.testing import CliRunner
 
 from tools.live_steps import monitored_steps, steps_and_design
@@ -120,6 +121,24 @@ def test_a_monitored_run_plays_again(image: Any, tmp_path: Path, kind: str) -> N
     assert len(live_steps(recording, "setpoint", "speed")) >= 1
     record.save(tmp_path / "run.json")
     assert replay_live(prepared(image), LiveRecord.load(tmp_path / "run.json"))
+
+
+def test_a_scenario_s_monitor_takes_samples_from_its_begin_to_its_end(image: Any) -> None:
+    """The talker works while the monitor listens, and every run of the scenario is the same."""
+    robot = read_robot(BENCH)
+    scenario = read_scenario(scenario_path(BENCH, "monitored"), robot)
+    recording = VirtualTarget().run(robot, scenario, image)
+    assert VirtualTarget().run(robot, scenario, image).digest == recording.digest
+    talker = [thread.name.lower() for thread in recording.threads].index("talker")
+    jobs = [job for job in jobs_of(recording, talker)[1:] if job.response_time_cycles]
+    second = MASTER_CLOCK.hertz
+
+    def longest(begin_s: float, end_s: float) -> int:
+        chosen = [j for j in jobs if begin_s * second <= j.release_cycles < end_s * second]
+        return max(job.response_time_cycles or 0 for job in chosen)
+
+    assert longest(2.0, 5.0) > 2 * longest(0.5, 1.0)
+    assert longest(5.5, 6.0) < longest(2.0, 5.0) / 2
 
 
 def test_live_steps_lie_on_the_design() -> None:

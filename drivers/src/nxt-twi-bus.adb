@@ -18,9 +18,9 @@ package body NXT.TWI.Bus is
    Half_Period_Reads : constant := 20;
 
    --  A device that is stopped in the middle of a byte lets the data line go after at most eight
-   --  bits and its acknowledge.
-   Least_Clocks : constant := 9;
-   Most_Clocks  : constant := 27;
+   --  bits and its acknowledge (NXP UM10204, section 3.1.16, bus clear). One that does not is met
+   --  again by the next reset.
+   Clearing_Clocks : constant := 9;
 
    --  Polls before a silent interface is given up: far more than a byte at 400 kHz lasts.
    Patience : constant := 20_000;
@@ -61,9 +61,8 @@ package body NXT.TWI.Bus is
       PIOA.Set_Output := Data or Clock;
       PIOA.Enable_Output := Data or Clock;
       PIOA.Take_Line := Data or Clock;
-      for Count in 1 .. Most_Clocks loop
+      for Count in 1 .. Clearing_Clocks loop
          Pulse_Clock;
-         exit when Count >= Least_Clocks and then Has (PIOA.Pin_Levels, Data);
       end loop;
       Send_Stop_Condition;
    end Free_Bus;

@@ -127,3 +127,17 @@ def test_a_peer_that_is_no_project_is_named_with_its_line(
     with pytest.raises(ProjectFileError, match=r"joystick' has no robot.toml") as caught:
         _read(project, robot)
     assert caught.value.line == line + 1
+
+
+def test_a_monitor_that_hangs_up_before_it_connects_is_named_with_its_line(
+    project: Path, robot: Robot, edit: Edit
+) -> None:
+    """And one beside a peer is one too many."""
+    monitor = '[monitor]\npin = "1234"\nfrom_ms = 900\nuntil_ms = 800\n\n'
+    line = edit(DRIVE, "[straight]", f"{monitor}[straight]")
+    with pytest.raises(ProjectFileError, match="expected more than from_ms = 900") as caught:
+        _read(project, robot)
+    assert caught.value.line == line + 3
+    edit(DRIVE, "[monitor]", '[peer]\nproject = ".."\nscenario = "x"\n\n[monitor]')
+    with pytest.raises(ProjectFileError, match="a peer or a monitor; leave one out"):
+        _read(project, robot)

@@ -25,6 +25,7 @@ from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.chain import ChainDelay, LoopFigures, chain_delay
+from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.figures import (
     margin_figure,
@@ -133,21 +134,22 @@ def _search(
     attempts: int,
     hours: float,
     reporter: Reporter,
-) -> tuple[dict[str, Observed], dict[str, Any]]:
-    """The largest values of the run and of a hunt, and what hunt and long run showed."""
-    seen = observe(robot, recording)
+) -> tuple[dict[str, Observed], dict[str, Observed], dict[str, Any]]:
+    """The largest values of the run and of a hunt, in all and undisturbed, and what hunt and long
+    run showed."""
+    seen = calm = observe(robot, recording)
     more: dict[str, Any] = {}
     if attempts:
         with reporter.step(f"hunt in {attempts} variants of '{scenario.name}'") as step:
             found = hunt(robot, scenario, image, attempts, step.progress)
-        seen = largest(seen, found)
+        seen, calm = largest(seen, found.catches), largest(seen, found.calm)
         more["hunt"] = found.plain()
     if hours:
         with reporter.step(f"observe '{scenario.name}' over and over") as step:
             run = long_run(robot, scenario, image, 3600 * hours, step.progress)
             step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
         more["long_run"] = run.plain()
-    return seen, more
+    return seen, calm, more
 
 
 def _print(reporter: Reporter, result: dict[str, Any], chains: Sequence[ChainDelay]) -> None:
@@ -195,14 +197,14 @@ def analyse_command(
     recording = _recording(workspace, robot, chosen, elf, reporter)
     check_interrupt_rates(robot, facts, recording)
     check_event_rates(robot, facts, recording)
-    seen, more = _search(robot, chosen, elf, recording, hunt_attempts, hours, reporter)
+    seen, calm, more = _search(robot, chosen, elf, recording, hunt_attempts, hours, reporter)
     check_bounds(analysis, seen, more.get("long_run"))
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
         "scenario": chosen.name,
         "image_sha256": image_digest(elf),
         "effort": effort,
-        **result_of(analysis, seen),
+        **result_of(analysis, seen, calm),
         "chains": [{**vars(chain), "jitter_cycles": chain.jitter_cycles} for chain in chains],
         **more,
     }
@@ -225,6 +227,7 @@ def analyse_command(
     return {
         **result,
         "advice": advice(result),
+        "why_apart": why_apart(result),
         "report": str(report),
         "task_set": str(task_file),
     }

@@ -167,9 +167,10 @@ def _outcome(run: Run, beside: Run | None, kept: Path) -> dict[str, Any]:
 def _wishes(
     scenario: Scenario, body: Path | None, save: Path | None, at_s: float, start: Path | None
 ) -> SnapshotWishes:
-    if (save or start) and (body or scenario.peer):
+    if (save or start) and (body or scenario.peer or scenario.monitor):
         raise UsageError(
-            "a snapshot holds one brick: leave --body out and take a scenario without a peer"
+            "a snapshot holds one brick: leave --body out and take a scenario without peer and "
+            "monitor"
         )
     at_ms = round(1000 * at_s)
     if save is not None and at_ms > scenario.duration_ms:

@@ -90,11 +90,15 @@ class BluetoothComputer:
         """The connection stands."""
         return self._connected
 
-    def connect(self, timeout_ms: int = CONNECT_MS) -> None:
-        """Open the connection. Raises PeerError when the brick refuses or does not answer."""
+    def page(self) -> None:
+        """Ask for the connection, without waiting."""
         self._brick.bluetooth_send(
             self._brick.cycles, self.address, "page", name=self._name, pin=self._pin
         )
+
+    def connect(self, timeout_ms: int = CONNECT_MS) -> None:
+        """Open the connection. Raises PeerError when the brick refuses or does not answer."""
+        self.page()
         for _ in range(0, timeout_ms, STEP_MS):
             _run(self._brick, STEP_MS)
             kinds = self.collect()
@@ -142,11 +146,16 @@ class BluetoothComputer:
         self._received.clear()
         return data
 
-    def close(self) -> None:
-        """End the connection; does nothing without one."""
+    def hang_up(self) -> None:
+        """End the connection, without waiting; does nothing without one."""
         if self._connected:
             self._brick.bluetooth_send(self._brick.cycles, self.address, "close")
             self._connected = False
+
+    def close(self) -> None:
+        """End the connection; does nothing without one."""
+        if self._connected:
+            self.hang_up()
             _run(self._brick, STEP_MS)
 
 

@@ -22,6 +22,7 @@ from ravenbrick.trace.expectation_text import ExpectationSyntaxError, parse_expe
 __all__ = [
     "Criterion",
     "Input",
+    "MonitorWindow",
     "Peer",
     "Scenario",
     "StepWindow",
@@ -84,6 +85,16 @@ class Peer:
 
 
 @dataclass(frozen=True)
+class MonitorWindow:
+    """When a computer in range listens to the telemetry over Bluetooth, and its PIN; to the end
+    without `until_ms`."""
+
+    pin: str
+    from_ms: int
+    until_ms: int | None
+
+
+@dataclass(frozen=True)
 class Scenario:
     """One run; `deviations` maps port and motor parameter to the value used instead.
 
@@ -108,6 +119,7 @@ class Scenario:
     stimuli: tuple[TimedInput, ...]
     expectations: tuple[Expectation, ...]
     peer: Peer | None = None
+    monitor: MonitorWindow | None = None
 
     def timed_inputs(self) -> tuple[TimedInput, ...]:
         """All inputs of the run in the order of time; the file's own first at one instant."""
@@ -368,6 +380,20 @@ def _peer(document: LocatedToml) -> Peer | None:
     return Peer(project, table["scenario"])
 
 
+def _monitor(document: LocatedToml) -> MonitorWindow | None:
+    table = document.values.get("monitor")
+    if table is None:
+        return None
+    begin, end = table.get("from_ms", 0), table.get("until_ms")
+    if "peer" in document.values:
+        raise document.error(("monitor",), "a scenario has a peer or a monitor; leave one out")
+    if end is not None and end <= begin:
+        raise document.error(
+            ("monitor", "until_ms"), f"is {end}; expected more than from_ms = {begin}"
+        )
+    return MonitorWindow(table["pin"], begin, end)
+
+
 def read_scenario(path: Path, robot: Robot) -> Scenario:
     """Read a scenario; raises `ProjectFileError`, or `ScenarioError` for what cannot happen."""
     if not path.is_file():
@@ -398,6 +424,7 @@ def read_scenario(path: Path, robot: Robot) -> Scenario:
         stimuli=_stimuli(document, robot),
         expectations=read_expectations(document),
         peer=_peer(document),
+        monitor=_monitor(document),
     )
     _check_reachable(scenario)
     return scenario

@@ -111,7 +111,7 @@ class VirtualTarget:
         image: ElfImage,
         progress: Progress = no_progress,
     ) -> Recording:
-        """See `Target.run`. The scenario's peer, if any, runs beside."""
+        """See `Target.run`. The scenario's peer or monitor, if any, runs beside."""
         return self.run_with_peer(robot, scenario, image, progress)[0]
 
     def run_with_peer(
@@ -185,7 +185,7 @@ class VirtualTarget:
         """A brick with the image and the scenario's inputs, for others to run; errors as `run`.
 
         With `any_program` it need not be linked with the run-time: then it has no tasks.
-        A peer of the scenario is not there.
+        A peer or a monitor of the scenario is not there.
         """
         brick = self._assemble(robot, scenario, image, any_program)
         self._schedule(brick, scenario)
@@ -306,6 +306,7 @@ class _Play:
         self._pictures: list[Picture] = []
         self._inputs: list[TimedInput] = []
         self._kept: tuple[SnapshotWishes, str, tuple[tuple[str, str], ...]] | None = None
+        self._listener = _listener(brick, scenario)
 
     def _occasions(self) -> set[int]:
         """Milliseconds at which there is something to do besides looking at the display."""
@@ -315,6 +316,8 @@ class _Play:
             occasions |= set(range(0, end, self._callback.period_ms))
         if self._kept is not None:
             occasions.add(self._kept[0].save_ms)
+        if self._listener is not None:
+            occasions |= set(range(SLICE_MS, end, SLICE_MS))
         return occasions
 
     def keep(
@@ -358,6 +361,8 @@ class _Play:
         if at_ms % PROGRESS_MS == 0:
             progress(at_ms / self._scenario.duration_ms)
         self._save_snapshot(at_ms)
+        if self._listener is not None:
+            self._listener.look(at_ms)
         if self._callback is not None and at_ms % self._callback.period_ms == 0:
             self._ask(self._callback)
 
@@ -421,6 +426,15 @@ class _Play:
             if not screens or screens[-1].text != text:
                 screens.append(Screen(at, text))
         return tuple(screens)
+
+
+def _listener(brick: Any, scenario: Scenario) -> Any:
+    """The scenario's monitor, if there is one; telemetry is loaded only then."""
+    if scenario.monitor is None:
+        return None
+    from ravenbrick.target.monitored import Listener
+
+    return Listener(brick, scenario.monitor)
 
 
 def _picture(brick: Any, image: ElfImage) -> Picture:

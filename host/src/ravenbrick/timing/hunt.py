@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
 """The longest response times, hunted: the inputs of a scenario are moved in time, added and
-changed, at random and from the best variant found so far."""
+changed, at random and from the best variant found so far. In every other variant the link to the
+co-processor is disturbed too, so that jobs set it up again."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage
@@ -19,14 +21,22 @@ from ravenbrick.target.robot import Robot
 from ravenbrick.target.scenario import Scenario
 from ravenbrick.target.stimulus import TimedInput
 from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.timing.long_run import cyclic_begin
 from ravenbrick.timing.observed import Observed, observe
-from ravenbrick.trace.recording import EventKind, decode_events
+from ravenbrick.trace.recording import EventKind, Recording, decode_events
 
 __all__ = ["Catch", "Hunt", "hunt", "largest"]
 
 SHIFT_MS = 20
 FRESH = 0.3
 SIGNAL_PERIOD_US = 100_000
+SWITCHES = (
+    *(f"button.{name}" for name in ("left", "right", "orange", "grey")),
+    *(f"touch.{port}" for port in range(1, 5)),
+)
+WRONG_SUMS, STUCK = "fault.coprocessor_checksum", "fault.twi_stuck"
+# More wrong sums than the link tolerates, and longer than its quiet time.
+MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
 
 
 @dataclass(frozen=True)
@@ -42,10 +52,12 @@ class Catch:
 
 @dataclass(frozen=True)
 class Hunt:
-    """All catches, and the longest responses of the scenario as it is, by the task's name."""
+    """All catches, those of the variants without disturbances, and the longest responses of the
+    scenario as it is, by the task's name."""
 
     attempts: int
     catches: Mapping[str, Catch]
+    calm: Mapping[str, Catch]
     unvaried: Mapping[str, int]
 
     def plain(self) -> dict[str, Any]:
@@ -56,12 +68,16 @@ class Hunt:
                 name: {
                     "response_cycles": found.response_cycles,
                     "unvaried_cycles": self.unvaried.get(name),
+                    "undisturbed_cycles": self._undisturbed(name),
                     "attempt": found.attempt,
                     "inputs": [[i.at_cycles, i.name, i.value] for i in found.inputs],
                 }
                 for name, found in self.catches.items()
             },
         }
+
+    def _undisturbed(self, name: str) -> int | None:
+        return self.calm[name].response_cycles if name in self.calm else None
 
 
 def _varied(
@@ -74,7 +90,8 @@ def _varied(
     if found:
         place = rng.randrange(len(found))
         alone = found[place]
-        scaled = alone.value if alone.value in (0.0, 1.0) else alone.value * rng.uniform(-1.5, 1.5)
+        fixed = alone.value in (0.0, 1.0) or alone.name == WRONG_SUMS
+        scaled = alone.value if fixed else alone.value * rng.uniform(-1.5, 1.5)
         moved = alone.at_cycles + rng.randrange(-10 * span, 10 * span)
         found[place] = replace(alone, at_cycles=moved, value=scaled)
     if names and rng.random() < 0.5:
@@ -86,19 +103,86 @@ def _varied(
     return tuple(sorted(kept, key=lambda timed: timed.at_cycles))
 
 
-def _responses(robot: Robot, brick: Any) -> dict[str, int]:
-    """Longest response of each task after its second release."""
-    events = decode_events(brick.events())
-    done = events[events["kind"] == int(EventKind.COMPLETION)]
-    found = {}
-    for index, thread in enumerate(brick.threads()):
-        task = robot.task(thread.name)
-        mine = done[done["subject"] == index]
-        if task is None or mine.size < 3:
+def _disturbed(
+    inputs: Sequence[TimedInput], end: int, rng: random.Random
+) -> tuple[TimedInput, ...]:
+    """Some wrong checksums, or a bus that is held for a while."""
+    begin = rng.randrange(1, end)
+    if rng.random() < 0.5:
+        wrong = float(rng.randrange(1, MOST_WRONG_SUMS))
+        found = [*inputs, TimedInput(begin, WRONG_SUMS, wrong)]
+    else:
+        length = rng.randrange(1, MASTER_CLOCK.cycles_of_ms(STUCK_AT_MOST_MS))
+        back = min(begin + length, end)
+        found = [*inputs, TimedInput(begin, STUCK, 1.0), TimedInput(back, STUCK, 0.0)]
+    return tuple(sorted(found, key=lambda timed: timed.at_cycles))
+
+
+def _taken(brick: Any, inputs: Sequence[TimedInput]) -> tuple[TimedInput, ...]:
+    """Inputs that the brick has and whose values it can take."""
+    found = []
+    for timed in inputs:
+        try:
+            brick.schedule_input(timed.at_cycles, timed.name, timed.value)
+        except ValueError:
             continue
-        spans = mine["at_cycles"].astype(np.int64) - mine["value"]
-        found[task.name] = int(spans[2:].max())
-    return found
+        found.append(timed)
+    return tuple(found)
+
+
+class _Hunter:
+    """Plays variants of one scenario."""
+
+    def __init__(self, robot: Robot, scenario: Scenario, image: ElfImage) -> None:
+        self._robot, self._image, self._target = robot, image, VirtualTarget()
+        period_us = SIGNAL_PERIOD_US
+        self._quiet = replace(scenario, inputs=(), signal_period_us=period_us, pictures_ms=())
+        self.end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
+        self._judge = self._target.prepare(robot, replace(self._quiet, stimuli=()), image)
+        presses = _taken(self._judge, [TimedInput(1, name, 1.0) for name in SWITCHES])
+        self.switches = [timed.name for timed in presses]
+
+    def variant(
+        self, base: Sequence[TimedInput], disturbed: bool, rng: random.Random
+    ) -> tuple[TimedInput, ...]:
+        """Inputs that differ a little from others."""
+        inputs = _varied(base, self.end, self.switches, rng)
+        return _taken(self._judge, _disturbed(inputs, self.end, rng) if disturbed else inputs)
+
+    def recording(self, inputs: Sequence[TimedInput]) -> Recording:
+        """The whole run; the scenario's peer or monitor, if any, runs beside."""
+        scenario = replace(self._quiet, stimuli=tuple(inputs))
+        return self._target.run(self._robot, scenario, self._image)
+
+    def responses(self, inputs: Sequence[TimedInput]) -> dict[str, int]:
+        """Longest response of each task after the start of all of them."""
+        if self._quiet.peer is not None or self._quiet.monitor is not None:
+            found = self.recording(inputs)
+            return self._longest(found.events, [thread.name for thread in found.threads])
+        scenario = replace(self._quiet, stimuli=tuple(inputs))
+        brick = self._target.prepare(self._robot, scenario, self._image)
+        brick.run_until(self.end)
+        names = [thread.name for thread in brick.threads()]
+        return self._longest(decode_events(brick.events()), names)
+
+    def _longest(self, events: NDArray[np.void], names: list[str]) -> dict[str, int]:
+        since = cyclic_begin(events, names, self._robot)
+        done = events[events["kind"] == int(EventKind.COMPLETION)]
+        done = done[done["value"] >= since]
+        found = {}
+        for index, name in enumerate(names):
+            task, mine = self._robot.task(name), done[done["subject"] == index]
+            if task is not None and mine.size:
+                spans = mine["at_cycles"].astype(np.int64) - mine["value"]
+                found[task.name] = int(spans.max())
+        return found
+
+
+def _keep(catches: dict[str, Catch], found: Mapping[str, int], attempt: int, inputs: Any) -> None:
+    for name, response in found.items():
+        known = catches.get(name)
+        if known is None or known.response_cycles < response:
+            catches[name] = Catch(name, response, attempt, inputs)
 
 
 def hunt(
@@ -109,38 +193,38 @@ def hunt(
     progress: Progress = no_progress,
     seed: int = 1,
 ) -> Hunt:
-    """Play variants of a scenario and keep, for each task, the one with its longest response."""
-    rng, target = random.Random(seed), VirtualTarget()
-    end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
+    """Play variants of a scenario and keep, for each task, those with its longest responses."""
+    rng, hunter = random.Random(seed), _Hunter(robot, scenario, image)
     original = scenario.timed_inputs()
-    switches = sorted({i.name for i in original if i.value in (0.0, 1.0)})
-    quiet = replace(scenario, inputs=(), signal_period_us=SIGNAL_PERIOD_US, pictures_ms=())
     catches: dict[str, Catch] = {}
+    calm: dict[str, Catch] = {}
     unvaried: dict[str, int] = {}
+    rounds = attempts + 2 * len(robot.tasks)
     for attempt in range(attempts):
-        best = [catch.inputs for catch in catches.values()]
+        disturbed = attempt % 2 == 1
+        best = [catch.inputs for catch in (catches if disturbed else calm).values()]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
-        inputs = original if attempt == 0 else _varied(base, end, switches, rng)
-        brick = target.prepare(robot, replace(quiet, stimuli=inputs), image)
-        brick.run_until(end)
-        responses = _responses(robot, brick)
+        inputs = hunter.variant(base, disturbed, rng) if attempt else original
+        responses = hunter.responses(inputs)
         unvaried = unvaried or responses
-        for name, response in responses.items():
-            known = catches.get(name)
-            if known is None or known.response_cycles < response:
-                catches[name] = Catch(name, response, attempt, inputs)
-        progress((attempt + 1) / (attempts + len(robot.tasks)))
-    for count, (name, catch) in enumerate(sorted(catches.items())):
-        recording = target.run(robot, replace(quiet, stimuli=catch.inputs), image)
-        catches[name] = replace(catch, observed=observe(robot, recording).get(name))
-        progress((attempts + count + 1) / (attempts + len(robot.tasks)))
-    return Hunt(attempts, catches, unvaried)
+        _keep(catches, responses, attempt, inputs)
+        if not disturbed:
+            _keep(calm, responses, attempt, inputs)
+        progress((attempt + 1) / rounds)
+    seen: dict[int, Mapping[str, Observed]] = {}
+    for count, (kept, name) in enumerate((k, n) for k in (catches, calm) for n in sorted(k)):
+        catch = kept[name]
+        if catch.attempt not in seen:
+            seen[catch.attempt] = observe(robot, hunter.recording(catch.inputs))
+        kept[name] = replace(catch, observed=seen[catch.attempt].get(name))
+        progress((attempts + count + 1) / rounds)
+    return Hunt(attempts, catches, calm, unvaried)
 
 
-def largest(seen: Mapping[str, Observed], found: Hunt) -> dict[str, Observed]:
+def largest(seen: Mapping[str, Observed], catches: Mapping[str, Catch]) -> dict[str, Observed]:
     """The larger of both, value by value; numbers of jobs and misses are added."""
     result = dict(seen)
-    for name, catch in found.catches.items():
+    for name, catch in catches.items():
         more, known = catch.observed, seen.get(name)
         if more is None or known is None:
             continue

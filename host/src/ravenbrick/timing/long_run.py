@@ -23,7 +23,7 @@ from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, decode_events
 
-__all__ = ["LongRun", "Spread", "long_run"]
+__all__ = ["LongRun", "Spread", "cyclic_begin", "long_run"]
 
 Cycles = NDArray[np.int64]
 PIECE_MS = 5_000
@@ -192,7 +192,7 @@ def long_run(
             events = np.concatenate([rest, decode_events(content)])
             names = [thread.name.lower() for thread in brick.threads()]
             if since is None:
-                since = _cyclic_begin(events, names, robot)
+                since = cyclic_begin(events, names, robot)
             place = _last_idle(events)
             result.take(events[:place], names, robot, since)
             rest = events[place:]
@@ -204,7 +204,7 @@ def long_run(
     return result
 
 
-def _cyclic_begin(events: NDArray[np.void], names: list[str], robot: Robot) -> int:
+def cyclic_begin(events: NDArray[np.void], names: list[str], robot: Robot) -> int:
     """When the last cyclic task begins its cycle: its second release."""
     begins = []
     releases = events[events["kind"] == int(EventKind.RELEASE)]

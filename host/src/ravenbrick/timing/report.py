@@ -13,6 +13,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.result import advice, microseconds
 from ravenbrick.trace.plots.style import data_uri, png_bytes
 
@@ -79,13 +80,13 @@ def task_rows(result: dict[str, Any]) -> list[list[str]]:
             task["stack_bytes"],
         ]
         rows.append([_text(cell) for cell in cells])
-        rows += [_mode_row(mode, seen) for mode in task["modes"]]
+        rows += [_mode_row(mode) for mode in task["modes"]]
     return rows
 
 
-def _mode_row(mode: dict[str, Any], seen: dict[str, Any]) -> list[str]:
+def _mode_row(mode: dict[str, Any]) -> list[str]:
     empty = [""] * 5
-    bounds = [mode["response_bound_cycles"], seen.get("response_cycles"), mode["ratio"]]
+    bounds = [mode["response_bound_cycles"], mode["response_max_seen_cycles"], mode["ratio"]]
     cells = [f"- {mode['name']}", "", mode["execution_bound_cycles"], *empty, *bounds, "", "", ""]
     return [_text(cell) for cell in cells]
 
@@ -145,6 +146,7 @@ def _page(name: str, result: dict[str, Any], figures: Sequence[tuple[str, Figure
     css = resources.files("ravenbrick.trace").joinpath("report.css").read_text("utf-8")
     verdict = "All deadlines are met." if result["schedulable"] else "A deadline can be missed."
     lines = "".join(f"<li>{escape(line)}</li>" for line in advice(result))
+    differences = "".join(f"<li>{escape(line)}.</li>" for line in why_apart(result))
     services = [
         (key.removesuffix("_cycles").replace("__", "."), _text(value))
         for key, value in result["services"].items()
@@ -162,6 +164,10 @@ def _page(name: str, result: dict[str, Any], figures: Sequence[tuple[str, Figure
         "<h2>Each term beside what was seen</h2>",
         "<p>The largest values of a row need not belong to one job.</p>",
         _table(OBSERVED_HEAD, _observed_rows(result)),
+        "<h2>Why bound and observation differ</h2>",
+        "<p>The bound takes all terms at their worst in one job. A run meets them together only "
+        "when inputs and phases fall so; <code>--hunt</code> looks for such runs.</p>",
+        f"<ul>{differences}</ul>",
         "<h2>Interrupts</h2>",
         _table(INTERRUPT_HEAD, interrupt_rows(result)),
         *([_table(EVENT_HEAD, event_rows(result))] if result["timing_events"] else []),

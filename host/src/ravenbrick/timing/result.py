@@ -49,7 +49,9 @@ def _terms(analysis: Analysis, timing: TaskTiming) -> dict[str, Any] | None:
     }
 
 
-def _task(analysis: Analysis, timing: TaskTiming, seen: Observed | None) -> dict[str, Any]:
+def _task(
+    analysis: Analysis, timing: TaskTiming, seen: Observed | None, calm: Observed | None
+) -> dict[str, Any]:
     name = timing.task.name
     found = analysis.bounds[name]
     bound = _up(found.bound)
@@ -73,7 +75,7 @@ def _task(analysis: Analysis, timing: TaskTiming, seen: Observed | None) -> dict
         "terms": _terms(analysis, timing),
         "observed": None if seen is None else dict(vars(seen)),
         "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
-        "modes": [_in_mode(found, name, seen) for found in analysis.modes],
+        "modes": [_in_mode(found, name, calm) for found in analysis.modes],
         "stack_bytes": timing.task.stack_bytes,
         "stack_bound_bytes": timing.stack_bound_bytes,
     }
@@ -83,15 +85,26 @@ def _in_mode(mode: ModeBounds, name: str, seen: Observed | None) -> dict[str, An
     bound = _up(mode.bounds[name].bound)
     return {
         "name": mode.mode.name,
+        "reason": mode.mode.reason,
         "execution_bound_cycles": mode.jobs[name],
         "response_bound_cycles": bound,
         "meets_deadline": mode.bounds[name].meets_deadline,
+        "execution_max_seen_cycles": None if seen is None else seen.execution_cycles,
+        "response_max_seen_cycles": None if seen is None else seen.response_cycles,
         "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
     }
 
 
-def result_of(analysis: Analysis, observed: dict[str, Observed]) -> dict[str, Any]:
-    """All of it; times in cycles unless the name says otherwise."""
+def result_of(
+    analysis: Analysis,
+    observed: dict[str, Observed],
+    undisturbed: dict[str, Observed] | None = None,
+) -> dict[str, Any]:
+    """All of it; times in cycles unless the name says otherwise.
+
+    `undisturbed` stands beside the bounds of modes, where it is not `observed`.
+    """
+    calm = observed if undisturbed is None else undisturbed
     scaling = largest_scaling(analysis.task_set, analysis.overheads)
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
@@ -99,7 +112,9 @@ def result_of(analysis: Analysis, observed: dict[str, Observed]) -> dict[str, An
         "largest_scaling": None if scaling.factor is None else float(scaling.factor),
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
-        "tasks": [_task(analysis, timing, observed.get(timing.task.name)) for timing in order],
+        "tasks": [
+            _task(analysis, t, observed.get(t.task.name), calm.get(t.task.name)) for t in order
+        ],
         "interrupts": [
             {
                 "source": source_name(cost.handler.source),

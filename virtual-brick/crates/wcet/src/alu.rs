@@ -6,7 +6,7 @@
 use crate::memory::MemoryMap;
 use crate::state::{Comparison, State, ANY_FLAGS};
 use crate::value::Value;
-use arm7tdmi::alu::{add, shift_by_constant, shift_by_register, LSL, LSR};
+use arm7tdmi::alu::{add, shift_by_constant, shift_by_register, LSL, LSR, ROR};
 use arm7tdmi::instruction::{AluOperation, DataProcessing, Operand};
 
 /// Most pairs of elements that are computed one by one.
@@ -144,6 +144,13 @@ pub fn compute(
     second: Shifted,
 ) -> Outcome {
     let operation = processing.operation;
+    if let Some(value) = with_itself(processing, &first) {
+        return Outcome {
+            value,
+            flags: ANY_FLAGS,
+            comparison: None,
+        };
+    }
     let carry = carry_in(state);
     let exact = elementwise(state, operation, &first, &second, carry);
     let comparison =
@@ -169,6 +176,30 @@ pub fn compute(
         flags,
         comparison,
     }
+}
+
+/// A register with itself shifted, as compilers multiply by constants: both hold the same element.
+/// `None` where flags are set or the carry is used.
+fn with_itself(processing: &DataProcessing, value: &Value) -> Option<Value> {
+    let operation = processing.operation;
+    let Operand::Shifted {
+        register,
+        kind,
+        amount,
+    } = processing.second
+    else {
+        return None;
+    };
+    let extends = kind == ROR && amount == 0;
+    let carried = extends || uses_carry(operation) || processing.sets_flags;
+    if register != processing.first || carried || operation.moves() {
+        return None;
+    }
+    let one = |element: &u32| {
+        let shifted = shift_by_constant(kind, *element, amount, false).value;
+        scalar(operation, *element, shifted, false).0
+    };
+    Value::of_elements(value.elements()?.iter().map(one).collect())
 }
 
 const fn is_logical(operation: AluOperation) -> bool {
@@ -424,4 +455,32 @@ fn masked(map: &MemoryMap, operation: AluOperation, a: &Value, b: &Value) -> Val
         }
     }
     Value::range(0, mask.min(value.unsigned().1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_register_and_itself_shifted_hold_the_same_element() {
+        let fivefold = DataProcessing {
+            operation: AluOperation::Add,
+            sets_flags: false,
+            destination: 3,
+            first: 3,
+            second: Operand::Shifted {
+                register: 3,
+                kind: LSL,
+                amount: 2,
+            },
+        };
+        let fives = (0..=255).map(|element| 5 * element).collect();
+        let found = with_itself(&fivefold, &Value::Range(0, 255));
+        assert_eq!(found, Value::of_elements(fives));
+        let other = DataProcessing {
+            first: 2,
+            ..fivefold
+        };
+        assert_eq!(with_itself(&other, &Value::Range(0, 255)), None);
+    }
 }

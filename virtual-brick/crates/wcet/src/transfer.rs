@@ -522,8 +522,15 @@ impl Step<'_> {
         });
         match constants {
             Some(value) => value,
-            None if signed || size == 4 => Value::Top,
-            None => Value::range(0, u32::MAX >> sign_bits),
+            None if size == 4 => Value::Top,
+            None => {
+                let part = Value::range(0, u32::MAX >> sign_bits);
+                if signed {
+                    extended(&part, sign_bits)
+                } else {
+                    part
+                }
+            }
         }
     }
 
