@@ -263,6 +263,9 @@ def test_a_hunt_and_a_long_run_find_no_response_above_its_bound(
     assert min(gained.values()) >= 0 and max(gained.values()) > 0, gained
     reset = "coprocessor_task"
     assert found.catches[reset].response_cycles > 1.5 * found.calm[reset].response_cycles
+    for caught in found.catches.values():
+        assert caught.recording is not None
+        check_interrupt_rates(robot, read_facts(robot), caught.recording)
     both = largest(observe(robot, recording), found.catches)
     run = long_run(robot, short, image, seconds=2.6)
     assert exceeded(analysis, both, run.plain()) == []

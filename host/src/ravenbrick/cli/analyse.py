@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 from typing import Annotated, Any
 
 import typer
+from matplotlib.figure import Figure
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
@@ -24,7 +26,7 @@ from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
-from ravenbrick.timing.chain import ChainDelay, LoopFigures, chain_delay
+from ravenbrick.timing.chain import ChainDelay, chain_delay
 from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.figures import (
@@ -33,14 +35,16 @@ from ravenbrick.timing.figures import (
     terms_figure,
     windows_figure,
 )
-from ravenbrick.timing.hunt import hunt, largest
+from ravenbrick.timing.hunt import Catch, hunt, largest
 from ravenbrick.timing.long_run import long_run
+from ravenbrick.timing.loop import Loop, margin_words, margins_of, read_loop
 from ravenbrick.timing.observed import (
     Observed,
     check_bounds,
     check_event_rates,
     check_interrupt_rates,
     observe,
+    worst_job,
 )
 from ravenbrick.timing.report import (
     EVENT_HEAD,
@@ -53,7 +57,6 @@ from ravenbrick.timing.report import (
 )
 from ravenbrick.timing.result import advice, microseconds, result_of
 from ravenbrick.timing.task_set_file import task_set_text
-from ravenbrick.trace.design import read_design
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
@@ -89,41 +92,27 @@ def _recording(
     return recording
 
 
-def _loop(workspace: Workspace, robot: Robot) -> LoopFigures | None:
-    """The loop that design.py left behind, if it says what is needed; speeds in volts."""
-    if not workspace.design_file.is_file() or not robot.setpoints:
-        return None
-    found = read_design(workspace.design_file).figures
-    keys = (
-        "plant_gain",
-        "plant_time_constant",
-        "proportional_gain",
-        "integral_gain",
-        "sample_time",
-        "estimator_window",
-        "actuator_delay",
-        "phase_margin_deg",
-    )
-    if not all(key in found for key in keys):
-        return None
-    gain, *rest = (found[key] for key in keys)
-    time_constant, proportional, integral, sample_time, window, delay, margin = rest
-    speed = gain / robot.setpoints[0].scale.value
-    return LoopFigures(
-        speed, time_constant, proportional, integral, sample_time, int(window), delay, margin
-    )
-
-
 def _chain_line(chain: ChainDelay) -> str:
     def shown(cycles: int | None) -> str:
         return "unknown" if cycles is None else f"{microseconds(cycles) / 1000:.3f} ms"
 
+    seen = "" if chain.edge_max_cycles is None else f", seen {shown(chain.edge_max_cycles)}"
     return (
-        f"{chain.name}: at most {shown(chain.edge_bound_cycles)}, "
-        f"seen {shown(chain.edge_max_cycles)}; from the sample at most "
+        f"{chain.name}: at most {shown(chain.edge_bound_cycles)}{seen}; from the sample at most "
         f"{shown(chain.sample_bound_cycles)}, seen "
         f"{shown(chain.sample_min_cycles)} to {shown(chain.sample_max_cycles)}"
     )
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The largest values of the run and of a hunt, in all and undisturbed, the runs of the hunt's
+    catches, and what hunt and long run showed."""
+
+    seen: dict[str, Observed]
+    calm: dict[str, Observed]
+    catches: Mapping[str, Catch]
+    more: dict[str, Any]
 
 
 def _search(
@@ -131,36 +120,77 @@ def _search(
     scenario: Scenario,
     image: ElfImage,
     recording: Recording,
-    attempts: int,
-    hours: float,
+    wanted: tuple[int, float],
     reporter: Reporter,
-) -> tuple[dict[str, Observed], dict[str, Observed], dict[str, Any]]:
-    """The largest values of the run and of a hunt, in all and undisturbed, and what hunt and long
-    run showed."""
+) -> _Search:
+    """`wanted` are variants to hunt in, and hours to observe."""
+    attempts, hours = wanted
     seen = calm = observe(robot, recording)
+    catches: Mapping[str, Catch] = {}
     more: dict[str, Any] = {}
     if attempts:
         with reporter.step(f"hunt in {attempts} variants of '{scenario.name}'") as step:
             found = hunt(robot, scenario, image, attempts, step.progress)
-        seen, calm = largest(seen, found.catches), largest(seen, found.calm)
+        catches = found.catches
+        seen, calm = largest(seen, catches), largest(seen, found.calm)
         more["hunt"] = found.plain()
     if hours:
         with reporter.step(f"observe '{scenario.name}' over and over") as step:
             run = long_run(robot, scenario, image, 3600 * hours, step.progress)
             step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
         more["long_run"] = run.plain()
-    return seen, calm, more
+    return _Search(seen, calm, catches, more)
 
 
-def _print(reporter: Reporter, result: dict[str, Any], chains: Sequence[ChainDelay]) -> None:
+def _check_rates(
+    robot: Robot, facts: Facts, recording: Recording, catches: Mapping[str, Catch]
+) -> None:
+    """Raise `ExecutionTimeError` when interrupts or timing events came more often than said."""
+    hunted = {catch.attempt: catch.recording for catch in catches.values()}
+    for run in (recording, *hunted.values()):
+        if run is not None:
+            check_interrupt_rates(robot, facts, run)
+            check_event_rates(robot, facts, run)
+
+
+def _chain_result(chain: ChainDelay, loop: Loop | None) -> dict[str, Any]:
+    margins = None if loop is None else margins_of(loop, chain)
+    return {**vars(chain), "jitter_cycles": chain.jitter_cycles, "phase_margin": margins}
+
+
+def _window(
+    robot: Robot, analysis: Analysis, recording: Recording, catches: Mapping[str, Catch], name: str
+) -> Figure | None:
+    """From the longest response of run and hunt."""
+    catch, own = catches.get(name), worst_job(robot, recording, name)
+    longest = 0 if own is None else own.response_time_cycles or 0
+    if catch is None or catch.recording is None or catch.response_cycles <= longest:
+        return windows_figure(robot, analysis, recording, name)
+    what = f"variant {catch.attempt} of the hunt"
+    return windows_figure(robot, analysis, catch.recording, name, what)
+
+
+def _chain_notes(
+    chains: Sequence[ChainDelay], result: dict[str, Any], directory: Path
+) -> list[str]:
+    """Delays of the chains, and what they cost the loop."""
+    notes = []
+    for chain, found in zip(chains, result["chains"], strict=True):
+        margins = found["phase_margin"]
+        advised = f"what it costs the loop is shown after 'ravenbrick design {directory}'"
+        notes += [_chain_line(chain), margin_words(margins) if margins else advised]
+    return notes
+
+
+def _print(reporter: Reporter, result: dict[str, Any], notes: Sequence[str]) -> None:
     reporter.print("cycles and bytes; deadlines in us")
     reporter.table(SHORT_HEAD, short_rows(result))
     reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
     if result["timing_events"]:
         reporter.table(EVENT_HEAD, event_rows(result))
     reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
-    for chain in chains:
-        reporter.print(f"  {_chain_line(chain)}")
+    for line in notes:
+        reporter.print(f"  {line}")
     for line in advice(result):
         reporter.print(f"  {line}")
 
@@ -195,35 +225,35 @@ def analyse_command(
         analysis = _bounds(robot, chosen, elf, facts)
         effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
     recording = _recording(workspace, robot, chosen, elf, reporter)
-    check_interrupt_rates(robot, facts, recording)
-    check_event_rates(robot, facts, recording)
-    seen, calm, more = _search(robot, chosen, elf, recording, hunt_attempts, hours, reporter)
-    check_bounds(analysis, seen, more.get("long_run"))
+    found = _search(robot, chosen, elf, recording, (hunt_attempts, hours), reporter)
+    _check_rates(robot, facts, recording, found.catches)
+    check_bounds(analysis, found.seen, found.more.get("long_run"))
+    loop = read_loop(workspace.design_file)
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
         "scenario": chosen.name,
         "image_sha256": image_digest(elf),
         "effort": effort,
-        **result_of(analysis, seen, calm),
-        "chains": [{**vars(chain), "jitter_cycles": chain.jitter_cycles} for chain in chains],
-        **more,
+        **result_of(analysis, found.seen, found.calm),
+        "chains": [_chain_result(chain, loop) for chain in chains],
+        **found.more,
     }
+    notes = _chain_notes(chains, result, directory)
     with reporter.step("write the report") as step:
         figures = [("Bounds by term", terms_figure(result))]
         if hours:
             figures.append(("Responses and jitter of the long run", spreads_figure(result)))
         for timing in analysis.tasks:
-            figure = windows_figure(robot, analysis, recording, timing.task.name)
+            figure = _window(robot, analysis, recording, found.catches, timing.task.name)
             if figure is not None:
                 figures.append((f"Worst windows of {timing.task.name}", figure))
-        loop = _loop(workspace, robot)
         if loop is not None:
             figures += [(f"What delay costs: {c.name}", margin_figure(loop, c)) for c in chains]
-        report = write_timing_report(robot.name, result, figures, workspace.results)
+        report = write_timing_report(robot.name, result, figures, notes, workspace.results)
         step.note = workspace.shown(report)
         task_file = workspace.results / "taskset.toml"
         task_file.write_text(task_set_text(robot.name, analysis.task_set, analysis.overheads))
-    _print(reporter, result, chains)
+    _print(reporter, result, notes)
     return {
         **result,
         "advice": advice(result),

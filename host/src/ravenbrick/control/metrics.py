@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from ravenbrick.control.flow import FlowMatrix, Segment, largest_value, settling_time
 from ravenbrick.errors import DesignError
 
-__all__ = ["SETTLING_BAND", "Margins", "StepMetrics", "margins", "step_metrics"]
+__all__ = ["SETTLING_BAND", "Margins", "StepMetrics", "crossovers", "margins", "step_metrics"]
 
 SETTLING_BAND = 0.02
 _REMAINDER = 1e-10
@@ -86,22 +86,48 @@ def margins(open_loop: control.lti.LTI) -> Margins:
     return Margins(float(gain), float(phase), float(crossover))
 
 
+class _Sampled:
+    """Frequency response of a discrete loop, and its values on a grid up to half the sampling
+    frequency."""
+
+    def __init__(self, open_loop: control.lti.LTI) -> None:
+        self._loop, self._period = open_loop, float(open_loop.dt)
+        self.nyquist = math.pi / self._period
+        self.grid = np.geomspace(self.nyquist * 1e-5, self.nyquist * (1 - 1e-9), _FREQUENCIES)
+        self.values = np.squeeze(open_loop(np.exp(1j * self.grid * self._period)))
+
+    def __call__(self, frequency: float) -> complex:
+        return complex(np.squeeze(self._loop(cmath.exp(1j * frequency * self._period))))
+
+    def crossover(self, left: float, right: float) -> float:
+        """The gain crossover (rad/s) between these two."""
+        return float(brentq(lambda w: abs(self(w)) - 1, left, right))
+
+
+def crossovers(open_loop: control.lti.LTI) -> tuple[tuple[float, float], ...]:
+    """All gain crossovers of a discrete loop: rad/s, and the phase above -180 degrees there, from 0
+    to 360, which is what more delay may take away before the loop gets unstable."""
+    found = []
+    response = _Sampled(open_loop)
+    for (left, right), (first, last) in zip(
+        pairwise(response.grid), pairwise(response.values), strict=True
+    ):
+        if (abs(first) > 1) != (abs(last) > 1):
+            root = response.crossover(left, right)
+            found.append((root, math.degrees(cmath.phase(-response(root))) % 360))
+    return tuple(found)
+
+
 def _discrete_margins(open_loop: control.lti.LTI) -> Margins:
-    sample_time = float(open_loop.dt)
-    nyquist = math.pi / sample_time
-
-    def response(frequency: float) -> complex:
-        return complex(np.squeeze(open_loop(cmath.exp(1j * frequency * sample_time))))
-
-    grid = np.geomspace(nyquist * 1e-5, nyquist * (1 - 1e-9), _FREQUENCIES)
-    values = np.squeeze(open_loop(np.exp(1j * grid * sample_time)))
+    response = _Sampled(open_loop)
+    nyquist, grid, values = response.nyquist, response.grid, response.values
     gain, phase, crossover = math.inf, math.inf, math.nan
     at_nyquist = response(nyquist).real
     if at_nyquist < -_REMAINDER:
         gain = -1 / at_nyquist
     for (left, right), (first, last) in zip(pairwise(grid), pairwise(values), strict=True):
         if (abs(first) > 1) != (abs(last) > 1):
-            root = float(brentq(lambda w: abs(response(w)) - 1, left, right))
+            root = response.crossover(left, right)
             own = math.degrees(cmath.phase(-response(root)))
             if abs(own) < abs(phase):
                 phase, crossover = own, root

@@ -399,7 +399,8 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     modes = []
     for mode in facts.modes:
         in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
-        timings, _, _, bounds = _scheduled(costs, alarm, events, kernel, facts, in_mode)
+        rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
+        timings, _, _, bounds = _scheduled(costs, alarm, events, kernel, rates, in_mode)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
     timings, task_set, overheads, bounds = _scheduled(costs, alarm, events, kernel, facts, jobs)
     return Analysis(

@@ -15,7 +15,7 @@ from ravenbrick.timing.facts import SOURCE_NUMBERS, Chain
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, jobs_of
 
-__all__ = ["ChainDelay", "LoopFigures", "chain_delay", "crossover", "phase_margin"]
+__all__ = ["ChainDelay", "chain_delay"]
 
 
 @dataclass(frozen=True)
@@ -124,42 +124,3 @@ def chain_delay(analysis: Analysis, recording: Recording, chain: Chain) -> Chain
         max(edges, default=None),
         len(delays),
     )
-
-
-@dataclass(frozen=True)
-class LoopFigures:
-    """The loop as its design left it: PI, motor of first order, speed over a window; SI."""
-
-    gain: float
-    time_constant: float
-    proportional: float
-    integral: float
-    sample_time: float
-    window: int
-    designed_delay: float
-    designed_margin_deg: float
-
-
-def _magnitude(loop: LoopFigures, frequency: float) -> float:
-    """|L(j w)|; the mean over the window included."""
-    controller = abs(complex(loop.proportional, -loop.integral / frequency))
-    motor = loop.gain / abs(complex(1.0, loop.time_constant * frequency))
-    half = frequency * loop.window * loop.sample_time / 2
-    return controller * motor * abs(math.sin(half) / half)
-
-
-def crossover(loop: LoopFigures) -> float:
-    """Lowest frequency in rad/s at which the open loop's gain falls to 1, by bisection."""
-    low = high = 1e-3
-    while _magnitude(loop, high) > 1 and high < math.pi / loop.sample_time:
-        low, high = high, high * 1.05
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if _magnitude(loop, middle) > 1 else (low, middle)
-    return high
-
-
-def phase_margin(loop: LoopFigures, delay: float) -> float:
-    """Phase margin in degrees with another delay (s) than the designed: a delay turns the open
-    loop's phase by its product with the crossover frequency and leaves the gain alone."""
-    return loop.designed_margin_deg - math.degrees(crossover(loop) * (delay - loop.designed_delay))

@@ -18,7 +18,8 @@ CLOSE = 1.1
 def _own(task: dict[str, Any]) -> tuple[int, str]:
     bound, seen = task["execution_bound_cycles"], task["observed"]["execution_cycles"]
     text = f"the longest path of its job needs {bound} cycles, the longest job seen {seen}"
-    modes = [mode for mode in task["modes"] if bound - mode["execution_bound_cycles"] > 0]
+    least = LEAST_SHARE * (bound - seen)
+    modes = [mode for mode in task["modes"] if bound - mode["execution_bound_cycles"] > least]
     if modes:
         mode = min(modes, key=lambda mode: int(mode["execution_bound_cycles"]))
         path = f"{mode['execution_bound_cycles']} in mode '{mode['name']}' ({mode['reason']})"

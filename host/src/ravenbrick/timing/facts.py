@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.target.located_toml import LocatedToml, read_toml
+from ravenbrick.target.located_toml import KeyPath, LocatedToml, read_toml
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.validation import validate
 from ravenbrick.target.workspace import tree
@@ -101,11 +101,13 @@ class Chain:
 
 @dataclass(frozen=True)
 class Mode:
-    """How the program runs most of the time: `annotations` hold only then."""
+    """How the program runs most of the time: `annotations` and the rates of `interrupts` hold only
+    then."""
 
     name: str
     reason: str
     annotations: str
+    interrupts: tuple[InterruptLoad, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,7 @@ def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
 
 
 def _check_tasks(document: LocatedToml, robot: Robot) -> None:
-    named = [
+    named: list[tuple[KeyPath, str]] = [
         ((table, index, "task"), row["task"])
         for table in ("suspension", "body", "interrupt")
         for index, row in enumerate(document.values.get(table, []))
@@ -182,6 +184,12 @@ def _check_tasks(document: LocatedToml, robot: Robot) -> None:
         (("chain", index, "stages"), stage["task"])
         for index, row in enumerate(document.values.get("chain", []))
         for stage in row["stages"]
+    ]
+    named += [
+        (("mode", index, "interrupt", number, "task"), load["task"])
+        for index, row in enumerate(document.values.get("mode", []))
+        for number, load in enumerate(row.get("interrupt", []))
+        if "task" in load
     ]
     for place, name in named:
         if robot.task(name) is None:
@@ -194,12 +202,15 @@ def _chain(row: dict[str, Any]) -> Chain:
     return Chain(row["name"], stages, row["transfer_us"], row.get("edge", ""))
 
 
-def _mode(row: dict[str, Any]) -> Mode:
+def _mode(row: dict[str, Any], path: Path, robot: Robot) -> Mode:
     tables = {"avoided": row.get("never", []), "loop": row.get("loop", [])}
-    return Mode(row["name"], row["reason"], annotations_of(tables))
+    loads = _interrupts(row.get("interrupt", []), path, robot)
+    return Mode(row["name"], row["reason"], annotations_of(tables), loads)
 
 
-def _interrupts(document: LocatedToml, robot: Robot) -> tuple[InterruptLoad, ...]:
+def _interrupts(
+    rows: Sequence[dict[str, Any]], path: Path, robot: Robot
+) -> tuple[InterruptLoad, ...]:
     """Those of windows from the releases of a task that the robot does not have are left out."""
     return tuple(
         InterruptLoad(
@@ -208,9 +219,9 @@ def _interrupts(document: LocatedToml, robot: Robot) -> tuple[InterruptLoad, ...
             row["window_us"],
             row["reason"],
             row.get("task"),
-            str(document.path),
+            str(path),
         )
-        for row in document.values.get("interrupt", [])
+        for row in rows
         if "task" not in row or robot.task(row["task"]) is not None
     )
 
@@ -243,13 +254,18 @@ def read_facts(robot: Robot) -> Facts:
     def rows(table: str) -> list[dict[str, Any]]:
         return [row for document in documents for row in document.values.get(table, [])]
 
-    modes = {row["name"]: row for row in reversed(rows("mode"))}
+    told = [(row, d.path) for d in documents for row in d.values.get("mode", [])]
+    modes = {row["name"]: (row, path) for row, path in reversed(told)}
     return Facts(
         own,
         "" if own is None else _annotations(own),
         () if drivers is None else ((str(drivers.path), _annotations(drivers)),),
         annotations_of({"avoided": rows("outside")}),
-        tuple(load for document in documents for load in _interrupts(document, robot)),
+        tuple(
+            load
+            for document in documents
+            for load in _interrupts(document.values.get("interrupt", []), document.path, robot)
+        ),
         _event_loads(rows("timing_event")),
         tuple(
             Suspension(row["task"], row.get("count", 1), row["longest_us"], row["reason"])
@@ -257,7 +273,7 @@ def read_facts(robot: Robot) -> Facts:
         ),
         tuple((row["task"].lower(), row["symbol"]) for row in rows("body")),
         tuple(_chain(row) for row in rows("chain")),
-        tuple(_mode(row) for row in reversed(modes.values())),
+        tuple(_mode(row, path, robot) for row, path in reversed(modes.values())),
         tuple(
             FlowFact(row["symbol"], tuple(row["lines"]), row["at_most"], row["reason"])
             for row in rows("flow")

@@ -15,7 +15,8 @@ from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.simulation import simulate
 from ravenbrick.target.robot import Robot
 from ravenbrick.timing.analysis import Analysis, TaskTiming
-from ravenbrick.timing.chain import ChainDelay, LoopFigures, phase_margin
+from ravenbrick.timing.chain import ChainDelay
+from ravenbrick.timing.loop import Loop, phase_margin
 from ravenbrick.timing.observed import worst_job
 from ravenbrick.timing.result import microseconds
 from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
@@ -36,27 +37,62 @@ TERMS = (
 
 
 def terms_figure(result: dict[str, Any]) -> Figure:
-    """Each response-time bound as its terms, with the observed maximum as a mark."""
-    tasks = [task for task in result["tasks"] if task["terms"] is not None]
-    figure, (axis,) = new_figure(9.0, 1.0 + 0.7 * len(tasks))
-    for row, task in enumerate(reversed(tasks)):
-        left, deadline = 0.0, task["deadline_us"]
-        for key, label, colour in TERMS:
-            width = 100 * microseconds(task["terms"][key]) / deadline
-            name = label if row == 0 else None
-            axis.barh(row, width, left=left, height=0.5, color=colour, label=name)
-            left += width
-        bound = microseconds(task["response_bound_cycles"])
-        axis.text(left + 0.8, row, f"{bound:.0f} us", va="center", fontsize=8)
-        if task["observed"] is not None:
-            seen = 100 * microseconds(task["observed"]["response_cycles"]) / deadline
-            name = "observed maximum" if row == 0 else None
-            axis.plot([seen, seen], [row - 0.36, row + 0.36], color="#000000", label=name)
-    axis.axvline(100, color=COLOURS["right"], linestyle="--", label="deadline")
-    axis.set_yticks(range(len(tasks)), [task["name"] for task in reversed(tasks)])
-    axis.set_xlabel("response time (% of the deadline)")
-    axis.legend(frameon=False, fontsize=8, ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.3))
+    """Each bound as shares of its terms with the observed maximum as a mark, beside the share of
+    the deadline that bound and observed maximum take."""
+    tasks = [task for task in reversed(result["tasks"]) if task["terms"] is not None]
+    figure = Figure(figsize=(10.0, 1.3 + 0.6 * len(tasks)), layout="constrained")
+    shares, times = figure.subplots(1, 2, sharey=True, width_ratios=(5, 3))
+    for axis in (shares, times):
+        axis.grid(visible=True, axis="x", color=COLOURS["grid"], linewidth=0.7)
+        axis.set_axisbelow(True)
+        axis.spines[["top", "right"]].set_visible(False)
+        axis.tick_params(labelsize=9)
+    _share_bars(shares, tasks)
+    _deadline_bars(times, tasks)
+    shares.set_yticks(range(len(tasks)), [task["name"] for task in tasks])
+    handles, labels = shares.get_legend_handles_labels()
+    figure.legend(
+        handles, labels, frameon=False, fontsize=8.5, ncols=8, loc="outside lower center"
+    )
     return figure
+
+
+def _share_bars(axis: Axes, tasks: list[dict[str, Any]]) -> None:
+    """What each bound consists of, and how much of it was seen."""
+    shown = [term for term in TERMS if any(task["terms"][term[0]] for task in tasks)]
+    left = [0.0] * len(tasks)
+    for key, label, colour in shown:
+        widths = [100 * task["terms"][key] / task["response_bound_cycles"] for task in tasks]
+        axis.barh(range(len(tasks)), widths, left=left, height=0.5, color=colour, label=label)
+        left = [before + width for before, width in zip(left, widths, strict=True)]
+    name: str | None = "observed maximum"
+    for row, task in enumerate(tasks):
+        if task["observed"] is not None:
+            seen = 100 * task["observed"]["response_cycles"] / task["response_bound_cycles"]
+            axis.plot([seen, seen], [row - 0.32, row + 0.32], color="#000000", label=name)
+            name = None
+    axis.set_xlim(0, max([102.0, *left]))
+    axis.set_xlabel("share of the response-time bound (%)")
+
+
+def _deadline_bars(axis: Axes, tasks: list[dict[str, Any]]) -> None:
+    """Bounds and observed maxima over the deadline, on a log scale."""
+    for row, task in enumerate(tasks):
+        bound = microseconds(task["response_bound_cycles"])
+        share = 100 * bound / task["deadline_us"]
+        colour = COLOURS["right"] if share > 100 else COLOURS["faint"]
+        axis.barh(row, share, height=0.5, color=colour)
+        text = f"{bound:.0f} of {task['deadline_us']} us"
+        axis.text(0.012, row + 0.28, text, va="bottom", fontsize=8)
+        if task["observed"] is not None:
+            seen = 100 * microseconds(task["observed"]["response_cycles"]) / task["deadline_us"]
+            axis.plot([seen, seen], [row - 0.32, row + 0.32], color="#000000")
+    axis.axvline(100, color=COLOURS["right"], linestyle="--")
+    axis.set_xscale("log")
+    highest = max(axis.get_xlim()[1], 150)
+    axis.set_xlim(0.01, highest)
+    axis.set_xticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
+    axis.set_xlabel("share of the deadline (%)")
 
 
 def _in_window(analysis: Analysis, met: dict[str, Any], length: float) -> TaskSet:
@@ -84,7 +120,10 @@ def _critical(
     terms = analysis.bounds[timing.task.name].terms
     met = {} if terms is None else {part.task: part.time for part in terms.interference}
     run = simulate(_in_window(analysis, met, length), int(length) + 1, releases=critical_instant)
+    hidden = {t.task.name for t in analysis.tasks if t.task.priority < timing.task.priority}
     for part in run.intervals:
+        if part.task in hidden:
+            continue
         lane = lanes.get(part.task, lanes["interrupts"])
         begin, width = microseconds(part.begin + blocking), microseconds(part.end - part.begin)
         colour = task_colour(lane) if part.task in lanes else COLOURS["interrupts"]
@@ -100,7 +139,12 @@ def _critical(
 
 
 def _observed(
-    axis: Axes, recording: Recording, lanes: dict[str, int], begin: int, length: float
+    axis: Axes,
+    recording: Recording,
+    lanes: dict[str, int],
+    begin: int,
+    length: float,
+    what: str,
 ) -> None:
     names = [thread.name.lower() for thread in recording.threads]
     by_name = {name.lower(): lane for name, lane in lanes.items()}
@@ -118,13 +162,15 @@ def _observed(
         last = min(part.end_cycles, begin + int(length))
         start, width = microseconds(first - begin), microseconds(last - first)
         axis.barh(lane, width, left=start, height=0.6, color=colour)
-    axis.set_title(f"worst window of the run, at {microseconds(begin) / 1e6:.6f} s", fontsize=9)
+    place = f"at {microseconds(begin) / 1e6:.6f} s"
+    axis.set_title(f"worst window of {what}, {place}", fontsize=9)
 
 
 def windows_figure(
-    robot: Robot, analysis: Analysis, recording: Recording, task: str
+    robot: Robot, analysis: Analysis, recording: Recording, task: str, what: str = "the run"
 ) -> Figure | None:
-    """The critical instant of a task above its worst job of the run, on the same scale."""
+    """The critical instant of a task above its worst job of the run, on the same scale; `what` is
+    the run in words."""
     bound = analysis.bounds[task].bound
     worst = worst_job(robot, recording, task)
     if bound is None or worst is None or worst.response_time_cycles is None:
@@ -137,7 +183,7 @@ def windows_figure(
     length = float(bound)
     timing = next(timing for timing in order if timing.task.name == task)
     _critical(axes[0], analysis, lanes, timing, length)
-    _observed(axes[1], recording, lanes, begin, length)
+    _observed(axes[1], recording, lanes, begin, length, what)
     axes[1].axvline(seen, color="#000000", linestyle=":", label=f"response: {seen:.0f} us")
     deadline = microseconds(analysis.bounds[task].task.deadline)
     for axis in axes:
@@ -177,9 +223,9 @@ def spreads_figure(result: dict[str, Any]) -> Figure:
     return figure
 
 
-def margin_figure(loop: LoopFigures, chain: ChainDelay) -> Figure:
+def margin_figure(loop: Loop, chain: ChainDelay) -> Figure:
     """Phase margin against the delay from sample to output; jitter is the width of the band."""
-    figure, (axis,) = new_figure(8.0, 3.6)
+    figure, (axis,) = new_figure(8.0, 4.0)
     marks = [("designed", 1000 * loop.designed_delay, COLOURS["design"])]
     if chain.sample_bound_cycles is not None:
         bound = microseconds(chain.sample_bound_cycles) / 1000
@@ -187,15 +233,20 @@ def margin_figure(loop: LoopFigures, chain: ChainDelay) -> Figure:
     if chain.sample_min_cycles is not None and chain.sample_max_cycles is not None:
         low = microseconds(chain.sample_min_cycles) / 1000
         high = microseconds(chain.sample_max_cycles) / 1000
-        axis.axvspan(low, high, color=COLOURS["faint"], label="seen: width is the jitter")
-    end = 1.2 * max(delay for _, delay, _ in marks)
+        label = f"seen: {low:.2f} to {high:.2f} ms, the width is the jitter"
+        axis.axvspan(low, high, color=COLOURS["faint"], label=label)
+    end = 1.2 * max(delay for _, delay, _ in marks) or 1.0
     delays = [end * step / 100 for step in range(101)]
-    axis.plot(delays, [phase_margin(loop, delay / 1000) for delay in delays], color="#000000")
+    margins = [phase_margin(loop, delay / 1000) for delay in delays]
+    axis.plot(delays, margins, color="#000000", label="the designed loop with another delay")
     for name, delay, colour in marks:
         margin = phase_margin(loop, delay / 1000)
-        axis.axvline(delay, color=colour, label=f"{name}: {delay:.2f} ms, {margin:.1f} degrees")
+        text = f"{name}: {delay:.2f} ms, {margin:.1f} degrees"
+        axis.plot([delay, delay], [0, margin], color=colour, label=text)
+        axis.plot([delay], [margin], "o", color=colour, markersize=5, clip_on=False)
     axis.set_xlim(0, end)
+    axis.set_ylim(min(0, *margins), 1.15 * max(margins))
     axis.set_xlabel("delay from sample to motor voltage (ms)")
     axis.set_ylabel("phase margin (degrees)")
-    legend(axis, "upper right")
+    figure.legend(frameon=False, fontsize=8.5, ncols=2, loc="outside lower center")
     return figure

@@ -41,13 +41,14 @@ MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
 
 @dataclass(frozen=True)
 class Catch:
-    """The longest response of one task, and the inputs that led to it."""
+    """The longest response of one task, the inputs that led to it, and the run with them."""
 
     task: str
     response_cycles: int
     attempt: int
     inputs: tuple[TimedInput, ...]
     observed: Observed | None = None
+    recording: Recording | None = None
 
 
 @dataclass(frozen=True)
@@ -211,12 +212,14 @@ def hunt(
         if not disturbed:
             _keep(calm, responses, attempt, inputs)
         progress((attempt + 1) / rounds)
-    seen: dict[int, Mapping[str, Observed]] = {}
+    seen: dict[int, tuple[Mapping[str, Observed], Recording]] = {}
     for count, (kept, name) in enumerate((k, n) for k in (catches, calm) for n in sorted(k)):
         catch = kept[name]
         if catch.attempt not in seen:
-            seen[catch.attempt] = observe(robot, hunter.recording(catch.inputs))
-        kept[name] = replace(catch, observed=seen[catch.attempt].get(name))
+            recording = hunter.recording(catch.inputs)
+            seen[catch.attempt] = observe(robot, recording), recording
+        values, recording = seen[catch.attempt]
+        kept[name] = replace(catch, observed=values.get(name), recording=recording)
         progress((attempts + count + 1) / rounds)
     return Hunt(attempts, catches, calm, unvaried)
 

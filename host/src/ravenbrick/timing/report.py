@@ -21,23 +21,16 @@ __all__ = [
     "EVENT_HEAD",
     "INTERRUPT_HEAD",
     "SHORT_HEAD",
-    "TASK_HEAD",
     "event_rows",
     "interrupt_rows",
     "short_rows",
-    "task_rows",
     "write_timing_report",
 ]
 
-TASK_HEAD = (
+REPORT_HEAD = (
     "task",
     "deadline (us)",
     "job at most",
-    "interference",
-    "interrupts",
-    "blocking",
-    "overheads",
-    "jitter",
     "bound",
     "observed",
     "bound/observed",
@@ -46,10 +39,19 @@ TASK_HEAD = (
     "Storage_Size",
 )
 SHORT_HEAD = ("task", "deadline", "job", "bound", "seen", "ratio", "stack", "seen", "size")
-SHORT_COLUMNS = (0, 1, 2, 8, 9, 10, 11, 12, 13)
 INTERRUPT_HEAD = ("interrupt", "handler", "priority", "at most, all in all", "handler alone")
 EVENT_HEAD = ("timing event's handler", "at most, all in all", "done after its time")
-OBSERVED_HEAD = ("task", "", "own", "interference", "interrupts", "blocking", "response")
+OBSERVED_HEAD = (
+    "task",
+    "",
+    "own",
+    "interference",
+    "interrupts",
+    "blocking",
+    "overheads",
+    "release jitter",
+    "response",
+)
 
 
 def _text(value: Any) -> str:
@@ -58,20 +60,16 @@ def _text(value: Any) -> str:
     return f"{value:.2f}" if isinstance(value, float) else str(value)
 
 
-def task_rows(result: dict[str, Any]) -> list[list[str]]:
-    """One row for each task; cycles."""
+def short_rows(result: dict[str, Any]) -> list[list[str]]:
+    """The columns of `SHORT_HEAD` and `REPORT_HEAD`: a row for each task, those of its modes below;
+    cycles."""
     rows = []
     for task in result["tasks"]:
-        terms, seen = task["terms"] or {}, task["observed"] or {}
+        seen = task["observed"] or {}
         cells = [
             task["name"],
             task["deadline_us"],
             task["execution_bound_cycles"],
-            terms.get("interference_cycles"),
-            terms.get("interrupts_cycles"),
-            terms.get("blocking_cycles"),
-            terms.get("overheads_cycles"),
-            terms.get("release_jitter_cycles"),
             task["response_bound_cycles"],
             seen.get("response_cycles"),
             task["ratio"],
@@ -85,15 +83,9 @@ def task_rows(result: dict[str, Any]) -> list[list[str]]:
 
 
 def _mode_row(mode: dict[str, Any]) -> list[str]:
-    empty = [""] * 5
     bounds = [mode["response_bound_cycles"], mode["response_max_seen_cycles"], mode["ratio"]]
-    cells = [f"- {mode['name']}", "", mode["execution_bound_cycles"], *empty, *bounds, "", "", ""]
+    cells = [f"- {mode['name']}", "", mode["execution_bound_cycles"], *bounds, "", "", ""]
     return [_text(cell) for cell in cells]
-
-
-def short_rows(result: dict[str, Any]) -> list[list[str]]:
-    """The columns of `SHORT_HEAD`."""
-    return [[row[column] for column in SHORT_COLUMNS] for row in task_rows(result)]
 
 
 def interrupt_rows(result: dict[str, Any]) -> list[list[str]]:
@@ -117,9 +109,10 @@ def _observed_rows(result: dict[str, Any]) -> list[list[str]]:
         if terms is None or seen is None:
             continue
         bounds = [terms["own_cycles"], *(terms[key] for key in keys)]
+        bounds += [terms["overheads_cycles"], terms["release_jitter_cycles"]]
         bounds.append(task["response_bound_cycles"])
         largest = [seen["execution_cycles"], *(seen[key] for key in seen_keys)]
-        largest.append(seen["response_cycles"])
+        largest += ["", "", seen["response_cycles"]]
         rows.append([task["name"], "bound", *(_text(value) for value in bounds)])
         rows.append(["", "largest seen", *(_text(value) for value in largest)])
     return rows
@@ -142,10 +135,15 @@ def _image(figure: Figure, caption: str) -> str:
     )
 
 
-def _page(name: str, result: dict[str, Any], figures: Sequence[tuple[str, Figure]]) -> str:
+def _page(
+    name: str,
+    result: dict[str, Any],
+    figures: Sequence[tuple[str, Figure]],
+    notes: Sequence[str],
+) -> str:
     css = resources.files("ravenbrick.trace").joinpath("report.css").read_text("utf-8")
     verdict = "All deadlines are met." if result["schedulable"] else "A deadline can be missed."
-    lines = "".join(f"<li>{escape(line)}</li>" for line in advice(result))
+    lines = "".join(f"<li>{escape(line)}</li>" for line in (*advice(result), *notes))
     differences = "".join(f"<li>{escape(line)}.</li>" for line in why_apart(result))
     services = [
         (key.removesuffix("_cycles").replace("__", "."), _text(value))
@@ -159,7 +157,7 @@ def _page(name: str, result: dict[str, Any], figures: Sequence[tuple[str, Figure
         "before the run; what is seen comes from the run.</p>",
         f"<ul>{lines}</ul>",
         "<h2>Response times</h2>",
-        _table(TASK_HEAD, task_rows(result)),
+        _table(REPORT_HEAD, short_rows(result)),
         *(_image(figure, caption) for caption, figure in figures),
         "<h2>Each term beside what was seen</h2>",
         "<p>The largest values of a row need not belong to one job.</p>",
@@ -188,11 +186,16 @@ def _page(name: str, result: dict[str, Any], figures: Sequence[tuple[str, Figure
 
 
 def write_timing_report(
-    name: str, result: dict[str, Any], figures: Sequence[tuple[str, Figure]], folder: Path
+    name: str,
+    result: dict[str, Any],
+    figures: Sequence[tuple[str, Figure]],
+    notes: Sequence[str],
+    folder: Path,
 ) -> Path:
-    """Write timing.html and timing.json; returns the report's file."""
+    """Write timing.html, with `notes` below the advice, and timing.json; returns the report's
+    file."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "timing.json").write_text(json.dumps(result, indent=1) + "\n")
     report = folder / "timing.html"
-    report.write_text(_page(name, result, figures), "utf-8")
+    report.write_text(_page(name, result, figures, notes), "utf-8")
     return report
