@@ -3,25 +3,34 @@
 """How the work of the execution-time analysis grows with the size of the program.
 
 `python -m benchmarks.analysis_growth` generates programs of 1 to 720 controllers, each with a
-filter, a state machine, a table search and calls of a shared library, compiles them, bounds each
-and writes docs/reference/analysis-growth.{md,svg}. Counted are the instructions that the analysis
-executes on abstract values; times are relative to the smallest program, the least of two runs.
+filter, a state machine, a table search and calls of a shared library, compiles them, bounds each,
+bounds the jobs of all examples, and writes docs/reference/analysis-growth.{md,svg}. Counted are the
+instructions that the analysis executes on abstract values; times are relative to the smallest
+program, the least of two runs. `make bench` does the same and keeps the fitted exponents.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import random
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import matplotlib as mpl
 from elftools.elf.elffile import ELFFile
-from ravenbrick.timing.bounds import execution_times
+from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.timing.analysis import WAITS, body_of, known_facts
+from ravenbrick.timing.bounds import Bounds, execution_times
+from ravenbrick.timing.facts import read_facts
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -36,12 +45,15 @@ OPTIONS = (
 )  # fmt: skip
 FLASH_BYTES = 256 * 1024
 RUNS = 2
+EXAMPLES = ("blank", "balancer", "line-follower", "remote-joystick", "vehicle", "remote-vehicle",
+            "motor-bench")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Point:
-    """One program and what its analysis went through."""
+    """One program and what its analysis went through; `name` is that of an example, else empty."""
 
+    name: str
     controllers: int
     text_bytes: int
     functions: int
@@ -116,45 +128,80 @@ def _compiled(count: int, folder: Path) -> tuple[bytes, int]:
     return output.read_bytes(), size
 
 
+def _timed(analyse: Callable[[], Bounds]) -> tuple[Bounds, float]:
+    """What is found, and the least of the processor's seconds."""
+    spent = []
+    for _ in range(RUNS):
+        begin = time.process_time()
+        found = analyse()
+        spent.append(time.process_time() - begin)
+    return found, min(spent)
+
+
+def _point(name: str, count: int, size: int, found: Bounds, relative_time: float) -> Point:
+    work = found.work
+    cycles = sum(bound.cycles for bound in (*found.functions, *found.jobs))
+    sizes = (work[key] for key in ("functions", "blocks", "loops", "instructions", "steps"))
+    point = Point(name, count, size, *sizes, cycles, round(relative_time, 1))
+    print(asdict(point), file=sys.stderr, flush=True)
+    return point
+
+
+def _example(name: str) -> tuple[int, Callable[[], Bounds]]:
+    """Size of an example's code, and how its jobs are bounded."""
+    project = ROOT / "examples" / name
+    robot = read_robot(project)
+    facts = read_facts(robot)
+    image = read_image(Workspace.of(project).image("ram", robot.name))
+    _, annotations = known_facts(robot, image, facts)
+    jobs = [(body_of(image, facts, task), WAITS[task.release]) for task in robot.tasks]
+    known = [*annotations, (f"{facts.name}, [[outside]]", facts.outside)]
+    return image.size_of("text"), lambda: execution_times(
+        image.content, jobs=jobs, annotations=known
+    )
+
+
 def measured() -> list[Point]:
-    """All programs."""
-    points, times = [], []
+    """All programs, then the examples, which must have been built."""
+    points: list[Point] = []
+    first = 0.0
     for count in COUNTS:
         with tempfile.TemporaryDirectory() as folder:
             elf, size = _compiled(count, Path(folder))
         if size > FLASH_BYTES:
             raise SystemExit(f"{count} controllers: {size} bytes do not fit the flash")
-        spent = []
-        for _ in range(RUNS):
-            begin = time.process_time()
-            found = execution_times(elf, functions=["step"])
-            spent.append(time.process_time() - begin)
-        times.append(min(spent))
-        work = found.work
-        points.append(
-            Point(
-                count,
-                size,
-                work["functions"],
-                work["blocks"],
-                work["loops"],
-                work["instructions"],
-                work["steps"],
-                found.functions[0].cycles,
-                round(times[-1] / times[0], 1),
-            )
-        )
-        print(asdict(points[-1]), file=sys.stderr, flush=True)
+        found, seconds = _timed(lambda elf=elf: execution_times(elf, functions=["step"]))
+        first = first or seconds
+        points.append(_point("", count, size, found, seconds / first))
+    for name in EXAMPLES:
+        size, analyse = _example(name)
+        found, seconds = _timed(analyse)
+        points.append(_point(name, 0, size, found, seconds / first))
     return points
 
 
-def _draw(points: list[Point]) -> None:
+def exponent(points: Sequence[Point], value: Callable[[Point], float]) -> float:
+    """Slope of the value over the size, both as logarithms, by least squares; programs only."""
+    chosen = [point for point in points if not point.name]
+    sizes = [math.log(point.text_bytes) for point in chosen]
+    fitted = statistics.linear_regression(sizes, [math.log(value(point)) for point in chosen])
+    return fitted.slope
+
+
+def _draw(points: Sequence[Point]) -> None:
+    programs = [point for point in points if not point.name]
+    examples = [point for point in points if point.name]
     figure, axes = plt.subplots(figsize=(7, 4.2))
-    sizes = [point.text_bytes / 1024 for point in points]
-    first = points[0]
-    axes.loglog(sizes, [p.steps / first.steps for p in points], "o-", label="abstract steps")
-    axes.loglog(sizes, [p.relative_time for p in points], "s-", label="processor time")
-    straight = [p.text_bytes / first.text_bytes for p in points]
+    first = programs[0]
+    for shown, label, mark in ((programs, "", "-"), (examples, ", examples", "")):
+        sizes = [point.text_bytes / 1024 for point in shown]
+        face = None if mark else "none"
+        steps = [p.steps / first.steps for p in shown]
+        axes.loglog(sizes, steps, f"C0o{mark}", mfc=face, label=f"abstract steps{label}")
+        times = [p.relative_time for p in shown]
+        axes.loglog(sizes, times, f"C1s{mark}", mfc=face, label=f"processor time{label}")
+    sizes = [point.text_bytes / 1024 for point in programs]
+    straight = [p.text_bytes / first.text_bytes for p in programs]
     axes.loglog(sizes, straight, "k:", label="in proportion to the size")
     axes.set_xlabel("machine code, KB")
     axes.set_ylabel("times the smallest program")
@@ -166,7 +213,18 @@ def _draw(points: list[Point]) -> None:
     plt.close(figure)
 
 
-def _page(points: list[Point]) -> str:
+def _row(point: Point) -> str:
+    each = f"{point.steps / point.instructions:.1f}"
+    cells = (point.name or point.controllers, point.text_bytes, point.functions, point.blocks)
+    more = (point.loops, point.instructions, point.steps, each, point.relative_time)
+    return "| " + " | ".join(map(str, (*cells, *more))) + " |"
+
+
+def _page(points: Sequence[Point]) -> str:
+    columns = "bytes | functions | blocks | loops | instructions | steps | each | time |"
+    rule = "| ---: " * 9 + "|"
+    steps = exponent(points, lambda point: point.steps)
+    times = exponent(points, lambda point: point.relative_time)
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
@@ -179,22 +237,32 @@ def _page(points: list[Point]) -> str:
         "",
         "![Growth](analysis-growth.svg)",
         "",
-        "| controllers | bytes | functions | blocks | loops | instructions | steps | each | time |",
-        "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    lines += [
-        f"| {p.controllers} | {p.text_bytes} | {p.functions} | {p.blocks} | {p.loops} | "
-        f"{p.instructions} | {p.steps} | {p.steps / p.instructions:.1f} | {p.relative_time} |"
-        for p in points
+        f"Fitted over the programs, steps grow with the size to the power of {steps:.2f} and the",
+        f"processor time to the power of {times:.2f}.",
+        "",
+        f"| controllers | {columns}",
+        rule,
+        *(_row(point) for point in points if not point.name),
+        "",
+        "The examples, jobs of all tasks with the run-time's services in them:",
+        "",
+        f"| example | {columns}",
+        rule.replace("---:", ":---", 1),
+        *(_row(point) for point in points if point.name),
     ]
     return "\n".join(lines) + "\n"
+
+
+def write(points: Sequence[Point]) -> None:
+    """The page and the picture."""
+    _draw(points)
+    PAGE.write_text(_page(points))
 
 
 def main() -> int:
     """Write the page and the picture, print the points."""
     points = measured()
-    _draw(points)
-    PAGE.write_text(_page(points))
+    write(points)
     print(json.dumps([asdict(point) for point in points], indent=1))
     return 0
 

@@ -18,6 +18,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.timing.loop import margin_words
+
 from conformance.timing.just_missed import MISSED, REACHED, UNEXPLAINED
 
 __all__ = ["EXAMPLES", "analysed", "judge", "keep", "page"]
@@ -89,6 +91,8 @@ def _short(answer: dict[str, Any]) -> dict[str, Any]:
 def analysed(names: Sequence[str], options: Sequence[str] = ()) -> dict[str, dict[str, Any]]:
     """Build and analyse these examples."""
     for name in {*names, *(("remote-vehicle", "remote-joystick") if _remote(names) else ())}:
+        if (ROOT / "examples" / name / "design.py").is_file():
+            _ravenbrick("design", f"examples/{name}")
         _ravenbrick("build", f"examples/{name}")
     found = {}
     for name in names:
@@ -121,8 +125,9 @@ def judge(results: dict[str, dict[str, Any]]) -> tuple[int, int]:
             ]
         for chain in result["chains"]:
             pairs.append((chain["edge_bound_cycles"], chain["edge_max_cycles"]))
-    good = sum(bound is not None and seen <= bound for bound, seen in pairs)
-    return len(pairs), good
+    shown = [(bound, seen) for bound, seen in pairs if seen is not None]
+    good = sum(bound is not None and seen <= bound for bound, seen in shown)
+    return len(shown), good
 
 
 def _line(cells: Sequence[str]) -> str:
@@ -182,15 +187,18 @@ def _example(name: str, result: dict[str, Any]) -> list[str]:
     lines += [_line(HEAD), _line(["---"] + ["---:"] * (len(HEAD) - 1))]
     for task in result["tasks"]:
         lines.append(_line(_task_row(task)))
-        lines += [_line(_mode_row(mode, task)) for mode in task["modes"]]
+        lines += [_line(_mode_row(mode)) for mode in task["modes"]]
     handlers = ", ".join(f"{row['source']} {row['bound_cycles']}" for row in result["interrupts"])
     verdict = "All deadlines are met." if result["schedulable"] else "A deadline can be missed."
     lines += ["", f"{verdict} Calls of handlers, all in all, at most: {handlers}."]
     for chain in result["chains"]:
+        edge, margins = chain["edge_max_cycles"], chain["phase_margin"]
         lines.append(
-            f"From {chain['name']}: at most {chain['edge_bound_cycles']} cycles, seen "
-            f"{chain['edge_max_cycles']}; from the sample at most {chain['sample_bound_cycles']}, "
-            f"seen {chain['sample_min_cycles']} to {chain['sample_max_cycles']}."
+            f"From {chain['name']}: at most {chain['edge_bound_cycles']} cycles"
+            + ("" if edge is None else f", seen {edge}")
+            + f"; from the sample at most {chain['sample_bound_cycles']}, "
+            f"seen {chain['sample_min_cycles']} to {chain['sample_max_cycles']}"
+            + (f"; {margin_words(margins)}." if margins else ".")
         )
     lines += ["", *(f"- {line}." for line in result["why_apart"])]
     if "hunt" in result:

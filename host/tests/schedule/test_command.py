@@ -8,9 +8,13 @@ import json
 import re
 from pathlib import Path
 
+import pytest
 from typer.testing import CliRunner
 
 from ravenbrick.cli import app
+from ravenbrick.schedule.gantt import gantt_figure
+from ravenbrick.schedule.quantity import exact
+from ravenbrick.schedule.task_file import read_task_file
 
 GUIDE = Path(__file__).resolve().parents[3] / "docs" / "guides" / "schedulability.md"
 
@@ -55,3 +59,49 @@ def test_wrong_file_ends_with_the_code_of_project_files(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["schedule", str(path), "--json"])
     assert result.exit_code == 3
     assert "set.toml:4: tasks[0].period" in json.loads(result.output)["error"]
+
+
+LATE = """schema_version = 1
+[[tasks]]
+name = "a"
+period = 10
+wcet = 6
+priority = 2
+[[tasks]]
+name = "b"
+period = 14
+wcet = 5
+priority = 1
+"""
+
+
+def test_the_picture_shows_both_schedules_and_who_misses(tmp_path: Path) -> None:
+    """Fixed priorities miss where earliest deadline first does not; the end can be chosen."""
+    path, picture = tmp_path / "set.toml", tmp_path / "set.svg"
+    path.write_text(LATE)
+    result = CliRunner().invoke(app, ["schedule", str(path), "--gantt", str(picture), "--json"])
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.output)["gantt"] == str(picture)
+    titles = [axis.get_title() for axis in gantt_figure(read_task_file(path).task_set, "ms").axes]
+    assert re.fullmatch(r"fixed priorities: [1-9]\d* missed deadlines", titles[0])
+    assert titles[1] == "earliest deadline first: no deadline is missed"
+    short = gantt_figure(read_task_file(path).task_set, "ms", exact(12))
+    assert short.axes[1].get_xlim()[1] < 13
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--gantt", "set.gif"], "end its name in .png, .svg, .pdf"),
+        (["--gantt", "set.png", "--until", "soon"], "expected a number"),
+        (["--gantt", "set.png", "--until", "0"], "expected more than 0"),
+        (["--until", "60"], "name its file with --gantt"),
+    ],
+)
+def test_a_picture_that_cannot_be_drawn_is_refused(
+    options: list[str], message: str, tmp_path: Path
+) -> None:
+    """With the code of a wrong command line, before anything is written."""
+    result = CliRunner().invoke(app, ["schedule", str(guide_set(tmp_path)), *options, "--json"])
+    assert result.exit_code == 2
+    assert message in json.loads(result.output)["error"]

@@ -26,7 +26,7 @@ from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 from ravenbrick.timing.explanation import why_apart
-from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.facts import Facts, read_facts, unused_facts
 from ravenbrick.timing.hunt import hunt, largest
 from ravenbrick.timing.ipet import FlowFact, longest_path
 from ravenbrick.timing.kernel import DELAY_UNTIL, kernel_facts, services
@@ -120,6 +120,58 @@ def test_what_is_said_to_help_is_enough_and_no_more(analysis: Analysis) -> None:
     limit, _ = largest_wcet(control(own), "control_task", analysis.overheads)
     assert limit is not None and 0 < limit < own
     assert not meets(own) and meets(int(limit)) and not meets(int(limit) + 1)
+
+
+def test_a_task_that_robot_toml_leaves_out_is_an_error(
+    robot: Robot, scenario: Scenario, image: ElfImage
+) -> None:
+    """Its jobs and protected actions would not be counted."""
+    fewer = replace(robot, tasks=robot.tasks[:2])
+    with pytest.raises(RavenbrickError, match="the image has a task 'display_task', which is mis"):
+        _analysed(fewer, scenario, image, read_facts(robot))
+    renamed = replace(robot, tasks=(replace(robot.tasks[0], name="link"), *robot.tasks[1:]))
+    with pytest.raises(RavenbrickError, match=r"tasks\[0\].name: the image has no task 'link'"):
+        _analysed(renamed, scenario, image, read_facts(robot))
+
+
+def test_a_stack_that_may_overflow_is_said_first(analysis: Analysis) -> None:
+    tasks = [
+        replace(found, task=replace(found.task, stack_bytes=600)) for found in analysis.tasks
+    ]
+    result = result_of(replace(analysis, tasks=tuple(tasks)), {})
+    assert not result["stacks_suffice"] and result["schedulable"]
+    first, second, *_ = advice(result)
+    assert re.match(r"control_task may need \d+ bytes of stack and has 600: enlarge", first)
+    assert "of stack" not in second
+
+
+def test_without_a_job_that_can_be_shortened_the_largest_term_is_named(analysis: Analysis) -> None:
+    result = result_of(analysis, {})
+    tight = {"meets_deadline": False, "execution_max_cycles": 0}
+    result["tasks"][1] |= tight
+    lines = advice(result)
+    assert lines[0].startswith("control_task can miss its deadline of 4000 us")
+    assert "the largest term of its bound, interrupts with" in lines[1]
+
+
+def test_a_damaged_image_is_named_with_what_to_do(image: ElfImage) -> None:
+    content = image.content
+    place = content.index(b".debug_abbrev")
+    with pytest.raises(ImageFileError, match="it is damaged: build it again"):
+        execution_times(content[: place // 2], functions=["memcpy"])
+
+
+def test_a_fact_about_a_function_that_is_not_there_is_told(
+    image: ElfImage, tmp_path: Path
+) -> None:
+    assert unused_facts(read_facts(read_robot(VEHICLE)), image) == []
+    text = (VEHICLE / "timing.toml").read_text()
+    text = text.replace('symbol = "nxt__display__put_integer"', 'symbol = "put_intger"', 1)
+    (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
+    (tmp_path / "timing.toml").write_text(text)
+    (told,) = unused_facts(read_facts(read_robot(tmp_path)), image)
+    line = text[: text.index("put_intger")].count("\n") + 1
+    assert f"timing.toml:{line}: loop[0].symbol: the image has no function 'put_intger'" in told
 
 
 def test_ceilings_and_handlers_are_those_of_the_sources(analysis: Analysis) -> None:

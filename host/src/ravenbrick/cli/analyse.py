@@ -28,7 +28,7 @@ from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.chain import ChainDelay, chain_delay
 from ravenbrick.timing.explanation import why_apart
-from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.facts import Facts, read_facts, unused_facts
 from ravenbrick.timing.figures import (
     margin_figure,
     spreads_figure,
@@ -189,6 +189,8 @@ def _print(reporter: Reporter, result: dict[str, Any], notes: Sequence[str]) -> 
     if result["timing_events"]:
         reporter.table(EVENT_HEAD, event_rows(result))
     reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
+    if not result["stacks_suffice"]:
+        reporter.print("a stack can overflow")
     for line in notes:
         reporter.print(f"  {line}")
     for line in advice(result):
@@ -238,7 +240,7 @@ def analyse_command(
         "chains": [_chain_result(chain, loop) for chain in chains],
         **found.more,
     }
-    notes = _chain_notes(chains, result, directory)
+    notes = [*_chain_notes(chains, result, directory), *unused_facts(facts, elf)]
     with reporter.step("write the report") as step:
         figures = [("Bounds by term", terms_figure(result))]
         if hours:
@@ -258,6 +260,7 @@ def analyse_command(
         **result,
         "advice": advice(result),
         "why_apart": why_apart(result),
+        "unused_facts": unused_facts(facts, elf),
         "report": str(report),
         "task_set": str(task_file),
     }

@@ -14,13 +14,15 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
+from ravenbrick.errors import UsageError
 from ravenbrick.schedule.quantity import exact, shown
 from ravenbrick.schedule.report import advice, analysis
-from ravenbrick.schedule.task_file import Rule, read_task_file
+from ravenbrick.schedule.task_file import Rule, TaskFile, read_task_file
 
 __all__ = ["schedule_command"]
 
 LONG_DIGITS = 3
+PICTURES = (".png", ".svg", ".pdf")
 _HEAD = ("task", "P", "T", "D", "C", "I", "B", "overhead", "R", "slack", "C max")
 
 
@@ -52,6 +54,13 @@ def _sum(times: Any) -> str:
     return shown(sum((exact(time) for time in times), start=exact(0)))
 
 
+def _responses_edf(result: dict[str, Any]) -> str:
+    key = "response_time_bound_earliest_deadline_first"
+    known = [(task["name"], task[key]) for task in result["tasks"] if task[key]]
+    text = ", ".join(f"{name} {_whole(bound, math.ceil)}" for name, bound in known)
+    return f" (R: {text})" if text else ""
+
+
 def _print(reporter: Reporter, result: dict[str, Any]) -> None:
     reporter.print(f"{result['name']}: times in {result['unit']}, most urgent first")
     reporter.table(_HEAD, [_row(task) for task in result["tasks"]])
@@ -59,7 +68,7 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
     reporter.print(
         f"utilisation {result['utilization']} (bound {result['liu_layland_bound']:.3f}), "
         f"largest scaling {result['largest_scaling'] or 'none'}; "
-        f"earliest deadline first, without overheads, {edf} the deadlines"
+        f"earliest deadline first, without overheads, {edf} the deadlines{_responses_edf(result)}"
     )
     reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
     for line in advice(result):
@@ -70,9 +79,40 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
 def schedule_command(
     file: Annotated[Path, typer.Argument(help="Task set, TOML or JSON.")],
     priorities: Annotated[Rule | None, typer.Option(help="Rule in place of the file's.")] = None,
+    gantt: Annotated[
+        Path | None, typer.Option(help="Draw both schedules to this .png, .svg or .pdf.")
+    ] = None,
+    until: Annotated[
+        str | None, typer.Option(help="End of the picture, in the file's unit; with --gantt.")
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Bound the response times of a task set given as a file."""
-    result = analysis(read_task_file(file, priorities))
-    _print(Reporter(json_output), result)
-    return {**result, "advice": advice(result)}
+    found = read_task_file(file, priorities)
+    result = analysis(found)
+    reporter = Reporter(json_output)
+    _print(reporter, result)
+    answer = {**result, "advice": advice(result)}
+    if gantt is None and until is not None:
+        raise UsageError("--until is the end of the picture; name its file with --gantt")
+    if gantt is not None:
+        answer["gantt"] = str(_drawn(found, gantt, until))
+        reporter.print(f"schedules, without overheads: {gantt}")
+    return answer
+
+
+def _drawn(found: TaskFile, path: Path, until: str | None) -> Path:
+    """The picture's file."""
+    if path.suffix not in PICTURES:
+        raise UsageError(f"{path}: cannot be drawn; end its name in {', '.join(PICTURES)}")
+    try:
+        end = None if until is None else exact(Fraction(until))
+    except (ValueError, ZeroDivisionError):
+        raise UsageError(f"--until {until}: expected a number, or a text such as 1/3") from None
+    if end is not None and end <= 0:
+        raise UsageError(f"--until {until}: expected more than 0")
+    from ravenbrick.schedule.gantt import gantt_figure
+
+    figure = gantt_figure(found.task_set, found.unit, end)
+    figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+    return path

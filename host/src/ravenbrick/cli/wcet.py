@@ -92,6 +92,8 @@ def wcet_command(
     """Bound the execution time of a function of an ELF file."""
     if not elf.is_file():
         raise UsageError(f"{elf}: there is no such file; name an ELF file")
+    if not own_data and (after or any_content):
+        raise UsageError("--after and --any-content say what --own-data starts from; add it")
     files = [(str(path), path.read_text("utf-8")) for path in annotations or []]
     if own_data:
         options: dict[str, Any] = {"after": after or [], "inputs": any_content or []}
@@ -105,6 +107,7 @@ def wcet_command(
         annotations=files,
         timing=timing,
         wait_states=wait_states,
+        name=str(elf),
     )
     bound = found.functions[0]
     result = {

@@ -12,7 +12,8 @@ from ravenbrick.schedule.bounds import (
     passes_hyperbolic_bound,
     passes_liu_layland_bound,
 )
-from ravenbrick.schedule.edf import processor_demand_test
+from ravenbrick.schedule.demand import AnalysisLimitError
+from ravenbrick.schedule.edf import earliest_deadline_bounds, processor_demand_test
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.offsets import phased_response_time_bounds
 from ravenbrick.schedule.quantity import Time, Toward, exact, shown
@@ -53,7 +54,16 @@ def _terms(found: ResponseTimeBound) -> dict[str, Any] | None:
     }
 
 
-def _task(file: TaskFile, found: ResponseTimeBound) -> dict[str, Any]:
+def _earliest_deadline(task_set: TaskSet) -> dict[str, str | None]:
+    """Response times under earliest deadline first by the task's name, where they can be told."""
+    try:
+        found = earliest_deadline_bounds(task_set)
+    except AnalysisLimitError:
+        return {}
+    return {bound.task.name: _text(bound.bound, "up") for bound in found}
+
+
+def _task(file: TaskFile, found: ResponseTimeBound, edf: dict[str, str | None]) -> dict[str, Any]:
     task = found.task
     wcet_max, limited_by = largest_wcet(file.task_set, task.name, file.overheads)
     return {
@@ -66,6 +76,7 @@ def _task(file: TaskFile, found: ResponseTimeBound) -> dict[str, Any]:
         "wcet_max": _text(wcet_max, "down"),
         "wcet_limited_by": limited_by,
         "response_time_bound": _text(found.bound, "up"),
+        "response_time_bound_earliest_deadline_first": edf.get(task.name),
         "slack": _text(found.slack, "down"),
         "meets_deadline": found.meets_deadline,
         "terms": _terms(found),
@@ -91,6 +102,7 @@ def analysis(file: TaskFile) -> dict[str, Any]:
     Response times use the phases that are declared; `wcet_max` and `largest_scaling` do not.
     """
     bounds = phased_response_time_bounds(file.task_set, file.overheads)
+    edf = _earliest_deadline(file.task_set)
     scaling = largest_scaling(file.task_set, file.overheads)
     return {
         "name": file.name,
@@ -100,7 +112,7 @@ def analysis(file: TaskFile) -> dict[str, Any]:
         **_quick_tests(file.task_set),
         "largest_scaling": _text(scaling.factor, "down"),
         "scaling_limited_by": scaling.limited_by,
-        "tasks": [_task(file, found) for found in bounds],
+        "tasks": [_task(file, found, edf) for found in bounds],
     }
 
 
@@ -120,7 +132,7 @@ def advice(result: dict[str, Any]) -> list[str]:
         for task in missed
     ]
     for task in result["tasks"]:
-        if task["wcet_max"] is not None and exact(task["wcet_max"]) < exact(task["wcet"]):
+        if task["wcet_max"] is not None and 0 < exact(task["wcet_max"]) < exact(task["wcet"]):
             lines.append(
                 f"all deadlines are met if {task['name']} executes for {task['wcet_max']} {unit} "
                 f"instead of {task['wcet']} {unit}"

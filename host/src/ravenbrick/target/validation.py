@@ -87,6 +87,11 @@ def _depends(error: jsonschema.ValidationError, path: KeyPath) -> Iterator[Compl
                 yield (*path, other), f"is missing; '{name}' needs it"
 
 
+def _no_bound(error: jsonschema.ValidationError, path: KeyPath) -> Iterator[Complaint]:
+    names = [_shown(name) for branch in error.validator_value for name in branch["required"]]
+    yield path, f"has no bound; give {', '.join(names)} or both"
+
+
 _TRANSLATORS: dict[str, Callable[[jsonschema.ValidationError, KeyPath], Iterator[Complaint]]] = {
     "required": _missing,
     "additionalProperties": _unknown,
@@ -102,7 +107,7 @@ _TRANSLATORS: dict[str, Callable[[jsonschema.ValidationError, KeyPath], Iterator
     "minLength": _at("is empty; write a text"),
     "minProperties": _at("is empty; expected at least {bound} entry"),
     "maxProperties": _at("has several entries; expected one"),
-    "anyOf": _at("has no bound; give 'minimum', 'maximum' or both"),
+    "anyOf": _no_bound,
 }
 
 

@@ -73,6 +73,7 @@ __all__ = [
 ]
 
 PREEMPTION_BYTES = 68
+ENVIRONMENT = "environment"
 WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
 
 
@@ -156,6 +157,24 @@ def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
         f"the image has {len(found)} bodies for the task '{task.name}'; name the subprogram in "
         f'{TIMING_FILE}: [[body]] task = "{task.name}", symbol = "..."'
     )
+
+
+def _check_names(robot: Robot, brick: Any) -> None:
+    """Tasks of robot.toml and of the image are the same: one left out would not be counted."""
+    known = [thread.name.lower() for thread in brick.threads()]
+    for index, task in enumerate(robot.tasks):
+        if task.name.lower() not in known:
+            raise robot.document.error(
+                ("tasks", index, "name"),
+                f"the image has no task '{task.name}'; it has: {', '.join(known) or 'none'}",
+            )
+    for name in known:
+        if name != ENVIRONMENT and robot.task(name) is None:
+            raise robot.document.error(
+                ("tasks", len(robot.tasks) - 1),
+                f"the image has a task '{name}', which is missing here; add it: its jobs and its "
+                "protected actions hold up others",
+            )
 
 
 def _check_ceilings(robot: Robot, job: Bound, task: Task, index: int, objects: Any) -> None:
@@ -372,6 +391,7 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     Raises `ExecutionTimeError` for what has no bound, `ProjectFileError` where robot.toml and the
     image disagree.
     """
+    _check_names(robot, brick)
     attached = attached_handlers(brick, image)
     expiring = handlers_of_events(image, attached)
     objects, annotations = known_facts(robot, image, facts, expiring)

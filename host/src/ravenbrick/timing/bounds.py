@@ -10,7 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ravenbrick.errors import ExitCode, RavenbrickError, ToolMissingError, UsageError
+from ravenbrick.errors import (
+    ExitCode,
+    ImageFileError,
+    RavenbrickError,
+    ToolMissingError,
+    UsageError,
+)
 
 __all__ = [
     "Bound",
@@ -19,6 +25,10 @@ __all__ = [
     "ExecutionTimeError",
     "execution_times",
 ]
+
+
+# How the analysis' sentences about the ELF file itself begin.
+DAMAGE = ("ELF file: ", "debug information: ")
 
 
 class ExecutionTimeError(RavenbrickError):
@@ -138,6 +148,7 @@ def execution_times(
     inputs: Sequence[str | dict[str, Any]] = (),
     timing: str = "nominal",
     wait_states: int = 1,
+    name: str = "the image",
 ) -> Bounds:
     """Bounds of functions, and of jobs as (body, functions in which the task waits).
 
@@ -149,8 +160,8 @@ def execution_times(
     a name, or a dictionary with `symbol`, `offset_bytes`, `size_bytes`, `element_bytes` and `range`
     (least and greatest element, without sign).
 
-    Raises `ExecutionTimeError` when there is no bound, `UsageError` for a wrong image or
-    annotation.
+    Raises `ExecutionTimeError` when there is no bound, `ImageFileError` for a wrong image, which is
+    called `name`, `UsageError` for a wrong annotation.
     """
     request = {
         "functions": list(functions),
@@ -174,6 +185,8 @@ def execution_times(
             "the Python module 'virtual_brick' is not installed; run 'make setup'"
         ) from None
     except ValueError as error:
+        if str(error).startswith(DAMAGE):
+            raise ImageFileError(f"{name}: {error}; it is damaged: build it again") from None
         raise UsageError(str(error)) from None
     answer = json.loads(text)
     facts = annotations[0][0] if annotations else "an annotation file"

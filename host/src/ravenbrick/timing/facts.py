@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.located_toml import KeyPath, LocatedToml, read_toml
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.validation import validate
@@ -28,6 +29,7 @@ __all__ = [
     "Suspension",
     "annotations_of",
     "read_facts",
+    "unused_facts",
 ]
 
 TIMING_FILE = "timing.toml"
@@ -44,6 +46,8 @@ OWN_TABLES = frozenset(
         "outside",
     }
 )
+# Tables whose facts name functions.
+NAMING = ("loop", "never", "outside", "recursion", "call", "flow")
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
 
@@ -237,6 +241,23 @@ def _read(path: Path) -> LocatedToml | None:
     document = read_toml(path, missing="")
     validate(document, "timing")
     return document
+
+
+def unused_facts(facts: Facts, image: ElfImage) -> list[str]:
+    """Facts of the project that name functions which the image does not have: file, line, field."""
+    if facts.document is None:
+        return []
+    found: list[str] = []
+    for table in NAMING:
+        for index, row in enumerate(facts.document.values.get(table, [])):
+            for key in ("symbol", "within"):
+                if key in row and row[key] not in image.symbols:
+                    line = facts.document.line_of((table, index, key))
+                    found.append(
+                        f"{facts.name}:{line}: {table}[{index}].{key}: the image has no function "
+                        f"'{row[key]}', so this fact is not used"
+                    )
+    return found
 
 
 def _drivers_facts() -> LocatedToml | None:

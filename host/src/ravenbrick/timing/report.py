@@ -143,6 +143,7 @@ def _page(
 ) -> str:
     css = resources.files("ravenbrick.trace").joinpath("report.css").read_text("utf-8")
     verdict = "All deadlines are met." if result["schedulable"] else "A deadline can be missed."
+    verdict += "" if result["stacks_suffice"] else " A stack can overflow."
     lines = "".join(f"<li>{escape(line)}</li>" for line in (*advice(result), *notes))
     differences = "".join(f"<li>{escape(line)}.</li>" for line in why_apart(result))
     services = [

@@ -16,6 +16,8 @@ from ravenbrick.trace.interrupts import source_name
 
 __all__ = ["advice", "microseconds", "result_of"]
 
+ENOUGH = "all deadlines are met"
+
 
 def microseconds(cycles: Any) -> float:
     """Cycles as microseconds."""
@@ -109,6 +111,10 @@ def result_of(
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
         "schedulable": analysis.schedulable,
+        "stacks_suffice": all(
+            t.stack_bound_bytes is None or t.stack_bound_bytes <= t.task.stack_bytes
+            for t in analysis.tasks
+        ),
         "largest_scaling": None if scaling.factor is None else float(scaling.factor),
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
@@ -155,6 +161,32 @@ def _shown(cycles: int) -> str:
 
 def advice(result: dict[str, Any]) -> list[str]:
     """What does not fit and what would make it fit; else how much room there is."""
+    return [*_stack_lines(result), *_deadline_lines(result)]
+
+
+def _largest_term(task: dict[str, Any]) -> str:
+    """Where to begin when no single job can be shortened enough."""
+    if task["terms"] is None:
+        return f"{task['name']} and what is more urgent need more than the whole processor"
+    keys = ("own", "interference", "interrupts", "blocking", "overheads")
+    name = max(keys, key=lambda key: int(task["terms"][f"{key}_cycles"]))
+    largest = task["terms"][f"{name}_cycles"]
+    return (
+        f"no shorter job alone is enough for {task['name']}: give it a longer deadline, or begin "
+        f"with the largest term of its bound, {name} with {_shown(largest)}"
+    )
+
+
+def _stack_lines(result: dict[str, Any]) -> list[str]:
+    return [
+        f"{task['name']} may need {task['stack_bound_bytes']} bytes of stack and has "
+        f"{task['stack_bytes']}: enlarge its Storage_Size, or shorten its deepest calls"
+        for task in result["tasks"]
+        if (task["stack_bound_bytes"] or 0) > task["stack_bytes"]
+    ]
+
+
+def _deadline_lines(result: dict[str, Any]) -> list[str]:
     lines = []
     for task in result["tasks"]:
         if task["meets_deadline"]:
@@ -168,9 +200,11 @@ def advice(result: dict[str, Any]) -> list[str]:
         limit, own = task["execution_max_cycles"], task["execution_bound_cycles"]
         if lines and limit is not None and 0 < limit < own:
             lines.append(
-                f"all deadlines are met if a job of {task['name']} takes {own - limit} cycles less:"
+                f"{ENOUGH} if a job of {task['name']} takes {own - limit} cycles less:"
                 f" at most {_shown(limit)}"
             )
+    if lines and not any(line.startswith(ENOUGH) for line in lines):
+        lines += [_largest_term(task) for task in result["tasks"] if not task["meets_deadline"]]
     if lines:
         return lines
     for task in result["tasks"]:

@@ -138,14 +138,16 @@ impl Annotations {
             name.clone_into(&mut fact.source);
             if fact.iterations.is_none() && fact.header_executions.is_none() {
                 return Err(Error::Input(format!(
-                    "{name}: [[loop]] {fact:?} needs 'iterations' or 'header_executions'"
+                    "{name}: [[loop]] {} needs 'iterations' or 'header_executions'",
+                    fact.place()
                 )));
             }
         }
         for fact in &annotations.recursions {
             if fact.symbol.is_none() || fact.calls.is_none() || fact.depth.is_none() {
                 return Err(Error::Input(format!(
-                    "{name}: [[recursion]] {fact:?} needs 'symbol', 'calls' and 'depth'"
+                    "{name}: [[recursion]] {} needs 'symbol', 'calls' and 'depth'",
+                    fact.place()
                 )));
             }
         }
