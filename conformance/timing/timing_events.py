@@ -28,7 +28,7 @@ from conformance.timing.ada_programs import built
 
 __all__ = ["Subject", "analysed", "compared", "subject"]
 
-PROGRAM = Path(__file__).with_name("events")
+FOLDER = Path(__file__).parent
 ELABORATED_MS = 100
 
 
@@ -47,11 +47,11 @@ class Subject:
 
 
 @cache
-def subject() -> Subject:
-    """Build the program."""
-    robot = read_robot(PROGRAM)
-    scenario = read_scenario(scenario_path(PROGRAM, "steady"), robot)
-    return Subject(robot, built("events", "expiring_load"), scenario, read_facts(robot))
+def subject(folder: str = "events", program: str = "expiring_load") -> Subject:
+    """Build a program of this folder."""
+    robot = read_robot(FOLDER / folder)
+    scenario = read_scenario(scenario_path(FOLDER / folder, "steady"), robot)
+    return Subject(robot, built(folder, program), scenario, read_facts(robot))
 
 
 def analysed(program: Subject, facts: Facts) -> Analysis:

@@ -53,6 +53,7 @@ from ravenbrick.timing.kernel import (
     run_time_facts,
     services,
 )
+from ravenbrick.timing.masked import Masking, masking
 from ravenbrick.timing.source_facts import source_facts
 from ravenbrick.timing.started import (
     ALARM_SOURCE,
@@ -243,13 +244,11 @@ def _periods_us(tasks: Sequence[Task]) -> list[int]:
 
 
 def _scheduled_interrupts(
-    costs: Sequence[InterruptCost],
-    events: Sequence[EventCost],
+    masks: Masking,
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
-    kernel: Services,
 ) -> list[ScheduledTask]:
-    found = []
+    found, costs = [], masks.handlers
     for cost in costs:
         source = cost.handler.source
         if source == ALARM_SOURCE:
@@ -262,10 +261,7 @@ def _scheduled_interrupts(
                 f'most: [[interrupt]] source = "{name}", at_most = ..., window_us = ..., '
                 'reason = "..."'
             )
-        level = cost.handler.priority
-        stays = [event.longest_stay(level, kernel) for event in events]
-        blocking = max([_blocking(level, "", jobs, kernel).cycles, *stays])
-        found.append(_interrupt(cost, loads, blocking))
+        found.append(_interrupt(cost, loads, masks.waiting(cost.handler.priority, jobs)))
     periods = _periods_us([task for task, _ in jobs])
     alarm = next(cost for cost in costs if cost.handler.source == ALARM_SOURCE)
     return [*found, *coarse_alarm(periods, alarm.cycles, alarm.handler.priority)]
@@ -297,9 +293,7 @@ def _bursts(
     )
 
 
-def _expiries(
-    events: Sequence[EventCost], alarm: AlarmCosts, blocking: BlockingCause
-) -> list[ScheduledTask]:
+def _expiries(events: Sequence[EventCost], alarm: AlarmCosts, blocking: int) -> list[ScheduledTask]:
     """Timing events: each a call of the alarm, and an early one before."""
     return [
         _bursts(
@@ -307,7 +301,7 @@ def _expiries(
             event.cycles + alarm.early,
             event.handler.priority,
             event.loads,
-            blocking.cycles,
+            blocking,
         )
         for event in events
     ]
@@ -416,26 +410,26 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
         jobs = [(t, replace(j, stack_bytes=s)) for (t, j), s in zip(jobs, stacks, strict=True)]
     for index, (task, job) in enumerate(jobs):
         _check_ceilings(robot, job, task, index, objects)
+    masks = masking(image, costs, events, kernel, releasing)
     modes = []
     for mode in facts.modes:
         in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
-        timings, _, _, bounds = _scheduled(costs, alarm, events, kernel, rates, in_mode)
+        timings, _, _, bounds = _scheduled(masks, alarm, rates, in_mode)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    timings, task_set, overheads, bounds = _scheduled(costs, alarm, events, kernel, facts, jobs)
+    timings, task_set, overheads, bounds = _scheduled(masks, alarm, facts, jobs)
     return Analysis(
         timings, costs, objects, kernel, task_set, overheads, bounds, tuple(modes), events
     )
 
 
 def _scheduled(
-    costs: tuple[InterruptCost, ...],
+    masks: Masking,
     alarm: AlarmCosts,
-    events: Sequence[EventCost],
-    kernel: Services,
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
 ) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
+    costs, kernel = masks.handlers, masks.kernel
     timings = tuple(
         TaskTiming(
             task,
@@ -446,9 +440,10 @@ def _scheduled(
         for task, job in jobs
     )
     overheads = alarm.overheads(kernel)
-    interrupts = _scheduled_interrupts(costs, events, facts, jobs, kernel)
-    interrupts += _expiries(events, alarm, _blocking(costs[0].handler.priority, "", jobs, kernel))
-    interrupts += _waits_inside(timings, alarm, costs[0].handler.priority)
+    level = costs[0].handler.priority
+    interrupts = _scheduled_interrupts(masks, facts, jobs)
+    interrupts += _expiries(masks.events, alarm, masks.waiting(level, jobs))
+    interrupts += _waits_inside(timings, alarm, level)
     tasks = _scheduled_tasks(timings)
     task_set = TaskSet((*interrupts, *tasks))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}

@@ -24,9 +24,9 @@ from ravenbrick.timing.facts import EventLoad, Facts
 from ravenbrick.timing.kernel import (
     EVENT_RING,
     InterruptCost,
-    Services,
     expiry_facts,
     interrupt_costs,
+    no_cost,
 )
 from ravenbrick.timing.started import Handler
 
@@ -41,23 +41,22 @@ DECLARED = "DW_AT_type"
 
 @dataclass(frozen=True)
 class EventCost:
-    """A handler with everything around it, from the alarm's request on, and how often it runs."""
+    """A handler with everything around it, from the alarm's request on, and how often it runs.
+
+    `masked_cycles` is the alarm's handler without the event's, which runs unmasked.
+    """
 
     name: str
     handler: Handler
     cycles: int
     body: Bound
+    masked_cycles: int
     loads: tuple[EventLoad, ...]
 
     @property
     def stack_bytes(self) -> int | None:
         """On the handlers' stack."""
         return None if self.body.stack_bytes is None else self.body.stack_bytes + 4
-
-    def longest_stay(self, priority: int, kernel: Services) -> int:
-        """Cycles for which a handler may keep interrupts of a priority waiting."""
-        masked, _ = kernel.longest_masked(self.body.reached)
-        return max(self.body.longest_section(2 * priority), masked)
 
 
 def _ada_name(symbol: str) -> str:
@@ -185,6 +184,9 @@ def event_costs(
     for symbol in handlers:
         loads = _loads(image, facts, symbol)
         called = expiry_facts([symbol])
-        whole = interrupt_costs(image, [alarm.handler], [called, *annotations])[0]
-        found.append(EventCost(_ada_name(symbol), alarm.handler, whole.cycles, whole.body, loads))
+        known = [called, *annotations]
+        whole = interrupt_costs(image, [alarm.handler], known)[0]
+        around = interrupt_costs(image, [alarm.handler], [no_cost(symbol), *known])[0].body.cycles
+        name = _ada_name(symbol)
+        found.append(EventCost(name, alarm.handler, whole.cycles, whole.body, around, loads))
     return tuple(found)

@@ -35,6 +35,8 @@ __all__ = [
     "handler_facts",
     "interrupt_costs",
     "kernel_facts",
+    "no_cost",
+    "passage_cycles",
     "run_time_facts",
     "services",
 ]
@@ -173,6 +175,19 @@ def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Service
     cycles = {bound.symbol: bound.cycles for bound in found.functions}
     resume = cycles.pop(RESUME) + found.return_cycles
     return Services(cycles.get(DELAY_UNTIL, 0), resume, cycles)
+
+
+def no_cost(symbol: str) -> tuple[str, str]:
+    """A function left out of a bound."""
+    return f"without {symbol}", annotations_of({"cost": [{"symbol": symbol, "cycles": 0}]})
+
+
+def passage_cycles(
+    image: ElfImage, handler: Handler, annotations: Sequence[tuple[str, str]]
+) -> int:
+    """Longest way through an interrupt but for its handler."""
+    without = [no_cost(handler.symbol), *annotations]
+    return interrupt_costs(image, [handler], without)[0].cycles
 
 
 def interrupt_costs(

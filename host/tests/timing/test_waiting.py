@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A sporadic task that waits for a time inside its jobs, below an interrupt that is more urgent
+than the alarm: neither is seen later than its bound."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import pytest
+
+from ravenbrick.target.build import TOOLS, find_tool
+
+if importlib.util.find_spec("virtual_brick") is None:
+    pytest.skip("the module virtual_brick is not built", allow_module_level=True)
+if any(find_tool(tool) is None for tool in TOOLS):
+    pytest.skip("the cross toolchain is not installed", allow_module_level=True)
+
+from conformance.timing.timing_events import Subject, analysed, subject
+
+from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.observed import check_interrupt_rates, observe
+
+INTERRUPT = "TC1"
+CYCLES_PER_COUNT = 2
+
+
+@pytest.fixture(scope="module")
+def program() -> Subject:
+    return subject("waiting", "waiting_load")
+
+
+@pytest.fixture(scope="module")
+def analysis(program: Subject) -> Analysis:
+    return analysed(program, program.facts)
+
+
+@pytest.fixture(scope="module")
+def noted(program: Subject) -> dict[str, int]:
+    """What the program noted in the whole scenario, in cycles."""
+    brick = VirtualTarget().prepare(program.robot, program.scenario, program.image)
+    brick.run_until(MASTER_CLOCK.cycles_of_ms(program.scenario.duration_ms))
+    found = {}
+    for name in ("shortest_latency", "longest_latency", "longest_response"):
+        word = brick.read_memory(program.image.symbols[name].address, 4)
+        found[name] = CYCLES_PER_COUNT * int.from_bytes(word, "little")
+    return found
+
+
+def test_jobs_that_wait_inside_end_within_their_bounds(
+    program: Subject, analysis: Analysis, noted: dict[str, int]
+) -> None:
+    recording = program.run()
+    check_interrupt_rates(program.robot, program.facts, recording)
+    seen = observe(program.robot, recording)
+    for name in ("control", "server", "display"):
+        bound = analysis.bounds[name].bound
+        assert bound is not None and seen[name].response_cycles <= bound
+    server = next(t for t in analysis.tasks if t.task.name == "server")
+    assert server.suspension_cycles < noted["longest_response"] <= analysis.bounds["server"].bound
+    assert seen["server"].jobs > 3_000 and seen["server"].execution_cycles <= server.job.cycles
+
+
+def test_a_wait_inside_is_charged_and_blocks_once_more(analysis: Analysis) -> None:
+    server = next(t for t in analysis.tasks if t.task.name == "server")
+    assert server.suspension_cycles == MASTER_CLOCK.cycles_of_us(500)
+    scheduled = {task.name: task for task in analysis.task_set.tasks}
+    assert scheduled["server"].wcet == server.job.cycles + server.suspension_cycles
+    assert scheduled["server"].blocking == 2 * server.blocking.cycles
+    assert scheduled["alarm inside server"].wcet >= analysis.overheads.alarm
+
+
+def test_an_urgent_interrupt_waits_for_masked_stretches_at_most_as_bounded(
+    analysis: Analysis, noted: dict[str, int]
+) -> None:
+    """The program has no protected action that would delay it."""
+    least, most = noted["shortest_latency"], noted["longest_latency"]
+    interrupt = next(task for task in analysis.task_set.tasks if task.name == INTERRUPT)
+    assert 100 < most - least <= interrupt.blocking
+    bound = analysis.bounds[INTERRUPT].bound
+    assert bound is not None and most <= bound
