@@ -114,6 +114,31 @@ export async function passes(page: Page, seconds: number): Promise<void> {
   );
 }
 
+/** Wait until so much virtual time has passed from now on: as long as the program would see it. */
+export async function lasts(page: Page, seconds: number): Promise<void> {
+  await passes(page, (await shownTime(page)) + seconds);
+}
+
+/** Virtual seconds per second of the page's own clock, from one picture to one this much later. */
+export async function rateOver(page: Page, seconds: number): Promise<number> {
+  return page.evaluate(async (wanted) => {
+    const shown = () => Number.parseFloat(document.querySelector("#time")?.textContent ?? "");
+    const until = async (done: () => boolean) => {
+      while (!done()) await new Promise((next) => requestAnimationFrame(next));
+      return [performance.now(), shown()] as const;
+    };
+    const old = shown();
+    const [began, from] = await until(() => shown() > old);
+    const [ended, to] = await until(() => shown() >= from + wanted);
+    return (1000 * (to - from)) / (ended - began);
+  }, seconds);
+}
+
+/** Wait until the service worker answers the page: it keeps what it hands over. */
+export async function kept(page: Page): Promise<void> {
+  await page.waitForFunction(() => navigator.serviceWorker.controller !== null);
+}
+
 /** Share of pixels of a canvas that are not transparent, or dark on the display. */
 export async function inked(page: Page, selector: string): Promise<number> {
   return page.$eval(selector, (element) => {

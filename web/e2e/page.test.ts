@@ -8,10 +8,13 @@ import { afterAll, beforeAll, describe, expect, it } from "vitest";
 import {
   downloaded,
   inked,
+  kept,
+  lasts,
   launch,
   open,
   passes,
   picture,
+  rateOver,
   ravenbrick,
   ROOT,
   says,
@@ -86,11 +89,11 @@ describe("steering by hand", () => {
     await page.keyboard.press("Space");
     await passes(page, 1);
     await page.keyboard.down("t");
-    await page.waitForTimeout(60);
+    await lasts(page, 0.3);
     await page.keyboard.up("t");
-    await passes(page, 4);
+    await lasts(page, 2.7);
     for (let turn = 0; turn < 4; turn += 1) await page.keyboard.press("a");
-    await passes(page, 7);
+    await lasts(page, 3);
     await page.keyboard.press("s");
     await page.keyboard.press("Space");
     const pose = (await page.textContent("#pose")) ?? "";
@@ -145,11 +148,11 @@ describe("steering by hand", () => {
     await page.click("#run");
     await passes(page, 0.5);
     await hold(0, true);
-    await passes(page, 0.7);
+    await lasts(page, 0.2);
     await hold(0, false);
-    await passes(page, 2);
+    await lasts(page, 1.3);
     await hold(-0.5, false);
-    await passes(page, 2.5);
+    await lasts(page, 0.5);
     await page.click("#run");
     const { text, path } = await downloaded(page, "#save-inputs");
     expect(text).toMatch(/^at_cycles,motor\.A\.hand_angle,touch\.1\n(\d+,.*\n){3}$/);
@@ -184,14 +187,15 @@ describe("time", () => {
   it("is stepped by instruction, line and job, and keeps to real time", async () => {
     const { context, page } = await open(browser, drive.address);
     await page.click("#run");
-    await page.waitForTimeout(1500);
-    const rate = await shownTime(page);
-    expect(rate).toBeGreaterThan(0.5);
-    expect(rate).toBeLessThan(3);
+    await passes(page, 0.2);
+    // A machine with other work is slower, but what is late is not made up for.
+    const rate = await rateOver(page, 1);
+    expect(rate).toBeLessThan(1.5);
     await page.selectOption("#speed", "0.1");
-    const slow = await shownTime(page);
-    await page.waitForTimeout(1000);
-    expect((await shownTime(page)) - slow).toBeLessThan(0.3);
+    await lasts(page, 0.02);
+    const slow = await rateOver(page, 0.1);
+    expect(slow).toBeLessThan(0.15);
+    expect(rate).toBeGreaterThan(2 * slow);
     await page.click("#run");
     await page.waitForFunction(() => document.querySelector("#run")?.textContent === "Run");
     const places: (string | null)[] = [];
@@ -242,7 +246,7 @@ describe("small and off-line", () => {
     // The second visit goes through the service worker and fills its cache.
     await page.reload();
     await page.waitForFunction(() => document.title.includes("–"));
-    await page.waitForTimeout(500);
+    await kept(page);
     await context.setOffline(true);
     await page.reload();
     await page.waitForFunction(() => document.title.includes("–"));
