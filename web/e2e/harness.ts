@@ -61,8 +61,8 @@ export async function open(
   prepare: (page: Page) => Promise<void> = () => Promise.resolve(),
 ) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  context.setDefaultTimeout(300_000);
   const page = await context.newPage();
-  page.setDefaultTimeout(300_000);
   const requests: string[] = [];
   const complaints: string[] = [];
   page.on("request", (request) => requests.push(request.url()));

@@ -328,7 +328,8 @@ describe("a saved run", () => {
     Object.assign(file, { text: () => Promise.resolve(text) });
     Object.defineProperty(opened, "files", { value: [file] });
     opened.dispatchEvent(new Event("change"));
-    await vi.waitFor(() => expect(sent.map((c) => c.kind)).toContain("replay"));
+    const kinds = () => sent.map((c) => c.kind);
+    await vi.waitFor(() => expect(kinds()).toContain("replay"), { timeout: 100_000 });
     app.receive({ kind: "replayed", expected: "ab", found: "cd" });
     expect(get("#status").textContent).toContain("ANOTHER run");
   });
