@@ -93,7 +93,7 @@ impl Translator {
     }
 
     fn ask(&mut self, request: Request) -> NativeAnswer {
-        self.gather();
+        self.gather(false);
         if self.making == Making::Beside && self.workshop.is_none() {
             let mut compiler = Compiler::new(self.machine.isa().clone());
             self.workshop = Workshop::open(move |request| compiler.make(request));
@@ -111,9 +111,13 @@ impl Translator {
         NativeAnswer::Comes
     }
 
-    /// The answers of this generation that have come.
-    fn gather(&mut self) {
-        while let Some(made) = self.workshop.as_mut().and_then(Workshop::answer) {
+    /// The answers of this generation that have come; waits for one on demand.
+    fn gather(&mut self, waits: bool) {
+        loop {
+            let waits = waits && self.made.is_empty();
+            let Some(made) = self.workshop.as_mut().and_then(|shop| shop.answer(waits)) else {
+                return;
+            };
             if made.generation == self.generation {
                 self.made.push_back(made);
             }
@@ -158,8 +162,8 @@ impl Native for Translator {
         })
     }
 
-    fn finished(&mut self) -> Option<u32> {
-        self.gather();
+    fn finished(&mut self, waits: bool) -> Option<u32> {
+        self.gather(waits);
         self.made.front().map(|made| made.number)
     }
 

@@ -77,13 +77,18 @@ impl Workshop {
         }
     }
 
-    /// The next answer, if there is one by now.
-    pub fn answer(&mut self) -> Option<Made> {
+    /// The next answer, if there is one by now, or when there is one. Something must have been asked
+    /// for whose answer is waited for.
+    pub fn answer(&mut self, waits: bool) -> Option<Made> {
         if self.is_lost() {
             return None;
         }
         let made = self.thread.as_mut()?.made.get_mut().ok()?;
-        match made.try_recv() {
+        let answer = match waits {
+            true => made.recv().map_err(|_| TryRecvError::Disconnected),
+            false => made.try_recv(),
+        };
+        match answer {
             Ok(made) => return Some(made),
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => {}
@@ -185,12 +190,7 @@ mod tests {
     }
 
     fn wait_for_answer(workshop: &mut Workshop) -> Made {
-        loop {
-            match workshop.answer() {
-                Some(made) => return made,
-                None => thread::yield_now(),
-            }
-        }
+        workshop.answer(true).unwrap()
     }
 
     #[test]
@@ -202,6 +202,7 @@ mod tests {
         for number in 0..WAITING_MAX as u32 {
             assert_eq!(wait_for_answer(&mut workshop).number, number);
         }
+        assert!(workshop.answer(false).is_none());
     }
 
     #[test]
@@ -255,7 +256,7 @@ mod tests {
         assert_eq!(cause.downcast_ref(), Some(&"no code for this"));
         assert!(workshop.is_lost());
         assert!(!workshop.ask(request(0, 1)));
-        assert!(workshop.answer().is_none());
+        assert!(workshop.answer(true).is_none());
     }
 
     /// What a fork leaves to the child: a thread of another process.
@@ -267,7 +268,7 @@ mod tests {
         workshop.process = workshop.process.wrapping_add(1);
         assert!(workshop.is_lost());
         assert!(!workshop.ask(request(0, 1)));
-        assert!(workshop.answer().is_none());
+        assert!(workshop.answer(true).is_none());
         // It would not end: its thread waits.
         drop(workshop);
     }

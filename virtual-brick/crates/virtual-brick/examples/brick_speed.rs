@@ -32,8 +32,14 @@ impl StepObserver for Counter {
     }
 }
 
-/// Processor time of all threads where the system tells it, else elapsed time: the one that makes
-/// native code beside the run counts.
+/// Seconds that passed, and processor time of all threads: of the one that makes native code beside
+/// the run, too.
+#[derive(Clone, Copy)]
+struct Took {
+    seconds: f64,
+    processor_seconds: f64,
+}
+
 struct Start {
     elapsed: Instant,
     processor: Option<u64>,
@@ -41,9 +47,10 @@ struct Start {
 
 impl Start {
     fn now() -> Self {
+        let processor = Self::nanoseconds();
         Self {
             elapsed: Instant::now(),
-            processor: Self::nanoseconds(),
+            processor,
         }
     }
 
@@ -55,10 +62,16 @@ impl Start {
             .sum()
     }
 
-    fn seconds(&self) -> f64 {
-        match (self.processor, Self::nanoseconds()) {
+    /// Where the system does not tell processor time, what passed stands for it.
+    fn took(&self) -> Took {
+        let seconds = self.elapsed.elapsed().as_secs_f64();
+        let processor_seconds = match (self.processor, Self::nanoseconds()) {
             (Some(before), Some(after)) => (after - before) as f64 / 1e9,
-            _ => self.elapsed.elapsed().as_secs_f64(),
+            _ => seconds,
+        };
+        Took {
+            seconds,
+            processor_seconds,
         }
     }
 }
@@ -104,29 +117,36 @@ fn measure() -> Result<String, String> {
         ("blocks", Engine::Blocks),
         ("reference", Engine::Reference),
     ] {
-        let mut seconds = Vec::new();
+        let mut times = Vec::new();
         for _ in 0..runs.max(1) {
             let mut brick = brick(engine, &elf)?;
             let start = Start::now();
             brick.run_until(cycles);
-            seconds.push(start.seconds());
+            times.push(start.took());
             let same = brick.processor() == counted.processor();
             if !same || brick.cycles() != counted.cycles() {
                 return Err(format!("{path}: the engines differ at the end"));
             }
         }
-        seconds.sort_by(f64::total_cmp);
-        let least = seconds[0];
-        let median = seconds[seconds.len() / 2];
+        let (least, median) = least_and_median(&times, |took| took.seconds);
+        let processor = least_and_median(&times, |took| took.processor_seconds).1;
         let rate = |seconds: f64| counter.0 as f64 / seconds / 1e6;
+        answer +=
+            &format!(r#","{name}":{{"seconds":{median:.6},"processor_seconds":{processor:.6},"#);
         answer += &format!(
-            r#","{name}":{{"seconds":{median:.6},"mips":{:.1},"mips_best":{:.1},"#,
+            r#""mips":{:.1},"mips_best":{:.1},"times_real_time":{:.2}}}"#,
             rate(median),
             rate(least),
+            virtual_seconds / median
         );
-        answer += &format!(r#""times_real_time":{:.2}}}"#, virtual_seconds / median);
     }
     Ok(answer + "}")
+}
+
+fn least_and_median(times: &[Took], which: impl Fn(&Took) -> f64) -> (f64, f64) {
+    let mut seconds: Vec<f64> = times.iter().map(which).collect();
+    seconds.sort_by(f64::total_cmp);
+    (seconds[0], seconds[seconds.len() / 2])
 }
 
 fn brick(engine: Engine, elf: &[u8]) -> Result<VirtualBrick, String> {

@@ -145,6 +145,14 @@ fn a_brick_gets_code_by_and_by_and_runs_on_alike() {
 }
 
 #[test]
+fn a_block_that_runs_without_end_waits_for_its_code() {
+    let _alone = alone();
+    let mut fast = brick(&busy(), Engine::Fast);
+    fast.run_until(100_000);
+    assert_ne!(fast.native_code_bytes(), 0);
+}
+
+#[test]
 fn snapshots_and_copies_begin_without_code_and_run_alike() {
     let _alone = alone();
     let elf = busy();

@@ -303,7 +303,7 @@ impl Cpu {
         }
         blocks.entries = blocks.entries.wrapping_add(1);
         if blocks.unsettled != 0 && blocks.entries % ENTRIES_PER_LOOK == 0 {
-            blocks.take_native();
+            blocks.take_native(None);
         }
         let mut run = self.begin(bus, start, place.region);
         execute(&mut run, blocks, first, (budget, limit));

@@ -153,8 +153,9 @@ pub trait Native: fmt::Debug + Send + Sync {
     fn worthwhile_runs(&self) -> u32;
     /// Asks for code for the blocks of a region.
     fn translate(&mut self, region: NativeRegion, memory: &NativeMemory<'_>) -> NativeAnswer;
-    /// Number of the region that is the next to be settled, if one is by now.
-    fn finished(&mut self) -> Option<u32>;
+    /// Number of the region that is the next to be settled, if one is by now; else it is waited for
+    /// on demand, and none comes if none was asked for.
+    fn finished(&mut self, waits: bool) -> Option<u32>;
     /// Takes the code of that region, in place of what is entered at its blocks, or lets it go;
     /// false if it is not entered.
     fn settle(&mut self, wanted: bool) -> bool;

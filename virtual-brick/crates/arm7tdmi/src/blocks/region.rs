@@ -30,6 +30,8 @@ pub(super) struct Nativeness {
     pub heat: u16,
     /// When that was counted last.
     pub age: u16,
+    /// Entries into the engine when it was looked for code last.
+    pub looked: u32,
     /// Entries in a row that did nothing.
     pub futile: u8,
     /// Code of the host is entered here.
@@ -44,6 +46,7 @@ impl Nativeness {
             halfword,
             heat: 0,
             age: 0,
+            looked: 0,
             futile: 0,
             enters: false,
             region: NO_REGION,
@@ -57,16 +60,23 @@ impl<B: BlockBus> Blocks<B> {
         self.native.as_ref().map_or(0, |native| native.bytes())
     }
 
-    /// Asks for code of a block that has become worth it; else takes what has been made by now.
+    /// Asks for code of a block that has become worth it, and takes what has been made by now. A
+    /// block that runs again and again without leaving the engine waits for its code.
     #[cold]
     #[inline(never)]
     pub(super) fn look_for_native(&mut self, bus: &mut B, number: u32) {
-        let block = self.blocks.get(number as usize);
-        if block.is_some_and(|block| block.native.heat == self.worthwhile_runs) {
+        let (entries, worthwhile_runs) = (self.entries, self.worthwhile_runs);
+        let Some(block) = self.blocks.get_mut(number as usize) else {
+            return;
+        };
+        let busy = block.native.looked == entries;
+        block.native.looked = entries;
+        let region = block.native.region;
+        if block.native.heat == worthwhile_runs {
             self.ask_native(bus, number);
         }
         if self.unsettled != 0 {
-            self.take_native();
+            self.take_native((busy && region != NO_REGION).then_some(region));
         }
     }
 
@@ -107,18 +117,21 @@ impl<B: BlockBus> Blocks<B> {
         self.unsettled += 1;
     }
 
-    /// Takes what has been made by now. What has changed in the meantime is let go.
+    /// Takes what has been made by now, and waits until a certain region is settled. What has
+    /// changed in the meantime is let go.
     #[cold]
     #[inline(never)]
-    pub(super) fn take_native(&mut self) {
+    pub(super) fn take_native(&mut self, mut awaited: Option<u32>) {
         while let Some(native) = &mut self.native {
             if native.is_spent() {
                 self.forget_native();
                 return;
             }
-            let Some(region) = native.finished() else {
+            let waits = awaited.is_some() && self.unsettled != 0;
+            let Some(region) = native.finished(waits) else {
                 return;
             };
+            awaited = awaited.filter(|&awaited| awaited != region);
             self.unsettled -= 1;
             let numbers = self.regions.get(region as usize);
             let numbers = numbers.map_or(&[][..], |numbers| numbers);
