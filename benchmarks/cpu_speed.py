@@ -4,8 +4,11 @@
 
 The same ELF files run everywhere, engine after engine and the whole in rounds: programs of three
 kinds in ARM and in Thumb state, with their data apart from their code and on the same page. Times
-are processor time, without loading (`qemu_system` says how that is had of a whole machine); a
-figure is the median of the rounds. Every engine must end with the same result.
+are processor time, without loading (`qemu_system` says how that is had of a whole machine). Those
+of our engines are what passes on the clock, since a thread makes native code beside the run: not
+less than the run's own processor time, and what a user waits for. One more mean counts processor
+time of both threads. A figure is the median of the rounds. Every engine must end with the same
+result.
 """
 
 from __future__ import annotations
@@ -35,6 +38,7 @@ PEER_SECONDS_MAX = 60
 CYCLES_MAX = 1 << 34
 RAM = (0x0020_0000, 0x1_0000)
 FAST, REFERENCE = "fast engine", "reference engine"
+FAST_BY_PROCESSOR = "fast engine, processor time of all its threads"
 UNICORN = "unicorn 2.1.4"
 QEMU = "qemu-arm, user emulation"
 MGBA = "mGBA's ARM core"
@@ -145,6 +149,7 @@ def run_ours(program: Program) -> None:
     program.virtual_seconds = answer["virtual_seconds"]
     for name, engine in (("fast", FAST), ("reference", REFERENCE)):
         program.took(engine, answer[name]["seconds"], answer["result"])
+    program.took(FAST_BY_PROCESSOR, answer["fast"]["processor_seconds"], answer["result"])
 
 
 def run_unicorn(program: Program) -> None:
@@ -253,6 +258,9 @@ def means(programs: list[Program]) -> Iterator[Figure]:
             theirs = geometric_mean(program.mips(peer) or 0 for program in ran)
             name = f"busy programs, geometric mean of {len(ran)}"
             yield name, ours, "guest MIPS", peer, theirs
+            if peer == UNICORN:
+                ours = geometric_mean(program.mips(FAST_BY_PROCESSOR) or 0 for program in ran)
+                yield f"{name}, by processor time", ours, "guest MIPS", peer, theirs
 
 
 def measurements() -> Iterator[Figure]:
