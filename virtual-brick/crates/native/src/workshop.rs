@@ -77,8 +77,8 @@ impl Workshop {
         }
     }
 
-    /// The next answer, if there is one by now, or when there is one. Something must have been asked
-    /// for whose answer is waited for.
+    /// The next answer, if there is one by now; else it is waited for on demand, for ever if
+    /// nothing was asked for.
     pub fn answer(&mut self, waits: bool) -> Option<Made> {
         if self.is_lost() {
             return None;
