@@ -32,6 +32,10 @@ const CLOSED_PATIENCE: u64 = 4_000_000_000;
 /// depends on them is given up.
 const OPEN_PATIENCE: u64 = 2_000_000;
 
+/// States that are kept apart where ways meet, as long as memory differs, where inputs may be
+/// anything.
+const APART: usize = 16;
+
 /// Follows calls until its patience ends.
 pub struct Follower<'p, 'a> {
     program: &'p Program<'a>,
@@ -43,6 +47,8 @@ pub struct Follower<'p, 'a> {
     closed: bool,
     /// Instructions executed in one visit of a loop of a closed program.
     patience: Cell<u64>,
+    /// States that are kept apart where ways meet.
+    apart: usize,
     /// Loops without a bound in a closed program, by function and number.
     unbounded: RefCell<BTreeSet<(Entry, usize)>>,
     /// Why a call in a closed program has no bound.
@@ -59,6 +65,7 @@ impl<'p, 'a> Follower<'p, 'a> {
             open: RefCell::new(vec![root]),
             closed,
             patience: Cell::new(CLOSED_PATIENCE),
+            apart: 1,
             unbounded: RefCell::default(),
             failed: RefCell::default(),
         }
@@ -68,6 +75,7 @@ impl<'p, 'a> Follower<'p, 'a> {
     pub fn with_inputs(self) -> Self {
         Self {
             patience: Cell::new(OPEN_PATIENCE),
+            apart: APART,
             ..self
         }
     }
@@ -126,6 +134,7 @@ impl<'p, 'a> Follower<'p, 'a> {
             execution.walker.visits = Some(&summary.visits);
             execution.patience = self.patience.get();
             execution.rarely_repeats = true;
+            execution.apart = self.apart;
         }
         let exits = execution.run(state);
         let steps = execution.walker.step_count;

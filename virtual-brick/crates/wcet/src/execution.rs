@@ -46,6 +46,8 @@ pub struct Execution<'a, 'w> {
     pub patience: u64,
     /// Look seldom whether a state repeats: few do, and comparing them needs a copy of memory.
     pub rarely_repeats: bool,
+    /// Most states at a block that are not joined.
+    pub apart: usize,
 }
 
 /// States on the edges that leave a scope, by block and edge.
@@ -54,6 +56,28 @@ pub type Exits = BTreeMap<(usize, usize), State>;
 struct Pass {
     back: Option<State>,
     exits: Exits,
+}
+
+/// One state for all of them.
+fn joined(states: Vec<State>) -> Option<State> {
+    states.into_iter().reduce(|all, state| all.join(&state))
+}
+
+/// Adds a state to those at a block. It is joined to one with the same memory and, where there are
+/// too many, to the one to which the way is most nearly as long.
+fn keep_apart(states: &mut Vec<State>, state: State, most: usize) {
+    let distance = |known: &State| known.elapsed.0.abs_diff(state.elapsed.0);
+    let nearest = || (0..states.len()).min_by_key(|index| distance(&states[*index]));
+    let position = if most == 1 {
+        nearest()
+    } else {
+        let alike = states.iter().position(|k| k.memory == state.memory);
+        alike.or_else(|| nearest().filter(|_| states.len() >= most))
+    };
+    match position {
+        Some(index) => states[index] = states[index].join(&state),
+        None => states.push(state),
+    }
 }
 
 fn merge(place: &mut Option<State>, state: State) {
@@ -73,6 +97,7 @@ impl<'a, 'w> Execution<'a, 'w> {
             limits,
             patience: PATIENCE,
             rarely_repeats: false,
+            apart: 1,
         }
     }
 
@@ -84,12 +109,13 @@ impl<'a, 'w> Execution<'a, 'w> {
     /// The scope's blocks once, in order, from its first block.
     fn pass(&mut self, scope: Option<usize>, first: usize, entry: State) -> Pass {
         // Few at a time: a list is quicker than a map.
-        let mut states = vec![(first, entry)];
+        let mut states = vec![(first, vec![entry])];
+        let mut back = Vec::new();
         let mut result = Pass {
             back: None,
             exits: Exits::new(),
         };
-        let forest = self.forest;
+        let (forest, apart) = (self.forest, self.apart);
         for item in forest.steps(scope) {
             let header = match item {
                 Item::Block(block) => block,
@@ -98,36 +124,40 @@ impl<'a, 'w> Execution<'a, 'w> {
             let Some(position) = states.iter().position(|(block, _)| *block == header) else {
                 continue;
             };
-            let (_, state) = states.swap_remove(position);
+            let (_, here) = states.swap_remove(position);
             let mut leave = |flow: &Flow, (block, edge): (usize, usize), state| match flow.blocks
                 [block]
                 .edges[edge]
                 .target
             {
                 Target::Block(next) if scope.is_some() && next == first => {
-                    merge(&mut result.back, state);
+                    keep_apart(&mut back, state, apart);
                 }
                 Target::Block(next) if forest.contains(scope, next) => {
                     match states.iter_mut().find(|(block, _)| *block == next) {
-                        Some((_, known)) => *known = known.join(&state),
-                        None => states.push((next, state)),
+                        Some((_, known)) => keep_apart(known, state, apart),
+                        None => states.push((next, vec![state])),
                     }
                 }
                 _ => add_exit(&mut result.exits, (block, edge), state),
             };
             match item {
                 Item::Block(block) => {
-                    for (edge, state) in self.walker.run(block, state).edges {
-                        leave(self.walker.flow, (block, edge), state);
+                    for state in here {
+                        for (edge, state) in self.walker.run(block, state).edges {
+                            leave(self.walker.flow, (block, edge), state);
+                        }
                     }
                 }
                 Item::Loop(index) => {
-                    for (edge, state) in self.run_loop(index, state) {
+                    let exits = joined(here).map(|state| self.run_loop(index, state));
+                    for (edge, state) in exits.into_iter().flatten() {
                         leave(self.walker.flow, edge, state);
                     }
                 }
             }
         }
+        result.back = joined(back);
         result
     }
 

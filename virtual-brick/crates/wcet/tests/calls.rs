@@ -233,6 +233,23 @@ fn what_is_compared_is_known_of_what_differs_from_it_by_a_constant() {
 }
 
 #[test]
+fn steps_that_exclude_each_other_are_not_both_charged() {
+    for flags in FLAGS {
+        let Some(elf) = elf(&flags) else { return };
+        let input = Input {
+            range: Some((0, 5)),
+            ..Input::any("marks".into())
+        };
+        let most = sought(&elf, ["portion", "exclusive"], input, "").unwrap();
+        let mut machine = Machine::new(&elf);
+        let marks = machine.address("marks");
+        machine.set_word(marks, 5);
+        let seen = machine.call("exclusive", [0; 4]).cycles;
+        assert_eq!(most, seen, "{flags:?}");
+    }
+}
+
+#[test]
 fn a_recursion_that_depends_on_an_input_is_refused() {
     for flags in [FLAGS[0], FLAGS[2]] {
         let Some(elf) = elf(&flags) else { return };

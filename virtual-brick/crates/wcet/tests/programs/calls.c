@@ -165,3 +165,21 @@ int awaited(void)
         sink += portions[0];
     return portioned();
 }
+
+volatile int marks, places[2];
+
+/* One step takes what the other needs. */
+int exclusive(void)
+{
+    if (marks >= 3) {
+        marks -= 3;
+        for (int turn = 0; turn < 9; turn++)
+            places[0] += turn;
+    }
+    if (marks >= 3) {
+        marks -= 3;
+        for (int turn = 0; turn < 9; turn++)
+            places[1] += turn;
+    }
+    return marks;
+}
