@@ -181,10 +181,9 @@ def measured() -> list[Point]:
 
 
 def exponent(points: Sequence[Point], value: Callable[[Point], float]) -> float:
-    """Slope of the value over the size, both as logarithms, by least squares; programs only."""
-    chosen = [point for point in points if not point.name]
-    sizes = [math.log(point.text_bytes) for point in chosen]
-    fitted = statistics.linear_regression(sizes, [math.log(value(point)) for point in chosen])
+    """Slope of the value over the size, both as logarithms, by least squares."""
+    sizes = [math.log(point.text_bytes) for point in points]
+    fitted = statistics.linear_regression(sizes, [math.log(value(point)) for point in points])
     return fitted.slope
 
 
@@ -223,8 +222,11 @@ def _row(point: Point) -> str:
 def _page(points: Sequence[Point]) -> str:
     columns = "bytes | functions | blocks | loops | instructions | steps | each | time |"
     rule = "| ---: " * 9 + "|"
-    steps = exponent(points, lambda point: point.steps)
-    times = exponent(points, lambda point: point.relative_time)
+    programs = [point for point in points if not point.name]
+    examples = [point for point in points if point.name]
+    steps = exponent(programs, lambda point: point.steps)
+    times = exponent(programs, lambda point: point.relative_time)
+    deeper = exponent(examples, lambda point: point.steps)
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
@@ -242,13 +244,16 @@ def _page(points: Sequence[Point]) -> str:
         "",
         f"| controllers | {columns}",
         rule,
-        *(_row(point) for point in points if not point.name),
+        *(_row(point) for point in programs),
         "",
-        "The examples, jobs of all tasks with the run-time's services in them:",
+        "The examples, jobs of all tasks with the run-time's services. A routine is followed anew",
+        "for each call with other known values ([decision",
+        "50](../decisions/0050-calls-are-followed-in-their-callers-state.md)), and larger examples",
+        f"call deeper: steps grow to the power of {deeper:.1f} of the size.",
         "",
         f"| example | {columns}",
         rule.replace("---:", ":---", 1),
-        *(_row(point) for point in points if point.name),
+        *(_row(point) for point in examples),
     ]
     return "\n".join(lines) + "\n"
 
