@@ -16,6 +16,7 @@ from ravenbrick.target.robot import Robot
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import Facts, InterruptLoad
+from ravenbrick.timing.own_time import interruption_cycles
 from ravenbrick.timing.started import ALARM_SOURCE
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.interrupts import source_name
@@ -67,6 +68,19 @@ def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np
     return (releases >= since_cycles) & (np.arange(releases.size) > 0)
 
 
+def _own(recording: Recording, found: TaskDynamics) -> NDArray[np.int64]:
+    """Own time of each completed job, without what interrupts add to it."""
+    thread = [thread.name for thread in recording.threads].index(found.name)
+    done = [
+        (job.release_cycles, job.completion_cycles)
+        for job in jobs_of(recording, thread)
+        if job.start_cycles is not None and job.completion_cycles is not None
+    ]
+    release, end = np.array(done, np.int64).T
+    own = found.execution_cycles - interruption_cycles(recording, thread, release, end)
+    return np.asarray(own, np.int64)
+
+
 def observe(robot: Robot, recording: Recording) -> dict[str, Observed]:
     """By the task's name in robot.toml; tasks without a completed job are left out."""
     threads = {thread.name.lower(): thread for thread in recording.threads}
@@ -83,7 +97,7 @@ def observe(robot: Robot, recording: Recording) -> dict[str, Observed]:
         result[task.name] = Observed(
             jobs=int(np.count_nonzero(chosen)),
             response_cycles=_largest(found, "response_time_cycles", chosen),
-            execution_cycles=_largest(found, "execution_cycles", chosen),
+            execution_cycles=int(_own(recording, found)[chosen].max()),
             interference_cycles=_largest(found, "interference_cycles", chosen),
             blocking_cycles=_largest(found, "blocking_cycles", chosen),
             interrupt_cycles=_largest(found, "interrupt_cycles", chosen),
