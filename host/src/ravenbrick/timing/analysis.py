@@ -69,6 +69,7 @@ __all__ = [
     "ModeBounds",
     "TaskTiming",
     "analyse",
+    "blocking_cause",
     "body_of",
     "known_facts",
 ]
@@ -203,18 +204,33 @@ def _suspension(facts: Facts, task: Task, job: Bound) -> tuple[int, int]:
     return 0, 0
 
 
-def _blocking(
+def blocking_cause(
     priority: int, name: str, jobs: Sequence[tuple[Task, Bound]], costs: Services
 ) -> BlockingCause:
-    """The longest of what less urgent tasks do without letting this priority in."""
-    found = [BlockingCause(0, "", "none")]
+    """The longest that less urgent tasks go on without letting this priority in.
+
+    One of them may be in a protected action or a masked service. Each of the others may add a
+    masked service: it gave the processor away with interrupts masked to a thread that was
+    interrupted just as it masked them (`masked.Masking`).
+    """
+    found, masked_cycles = [BlockingCause(0, "", "none")], {}
     for task, job in jobs:
         if task.priority < priority and task.name != name:
             section = job.longest_section(2 * priority)
             found.append(BlockingCause(section, task.name, "protected action"))
             masked, service = costs.longest_masked(job.reached)
             found.append(BlockingCause(masked, task.name, f"interrupts masked in {service}"))
-    return max(found, key=lambda cause: cause.cycles)
+            masked_cycles[task.name] = masked + costs.resume if masked else 0
+    return max((_after_others(cause, masked_cycles) for cause in found), key=lambda c: c.cycles)
+
+
+def _after_others(cause: BlockingCause, masked_cycles: dict[str, int]) -> BlockingCause:
+    """The cause at the end of the masked services of other tasks."""
+    before = sum(cycles for task, cycles in masked_cycles.items() if task != cause.task)
+    if not cause.task or not before:
+        return cause
+    kind = f"{cause.kind}, after others masked interrupts"
+    return BlockingCause(cause.cycles + before, cause.task, kind)
 
 
 def _cycles(microseconds: int) -> Any:
@@ -435,7 +451,7 @@ def _scheduled(
             task,
             job,
             *_suspension(facts, task, job),
-            _blocking(task.priority, task.name, jobs, kernel),
+            blocking_cause(task.priority, task.name, jobs, kernel),
         )
         for task, job in jobs
     )
