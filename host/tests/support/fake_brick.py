@@ -17,6 +17,7 @@ from dataclasses import dataclass
 CLOCK = (336_384_000, 7)
 HERTZ = CLOCK[0] / CLOCK[1]
 MILLISECOND = HERTZ / 1000
+DRAWN_CYCLES = round(5 * MILLISECOND)
 RUNNING, RELEASE, COMPLETION, ENTERED, LEFT, DISPLAY, STOPPED, RESUMED = 1, 3, 4, 5, 6, 7, 10, 11
 IDLE = 0xFFFF_FFFF
 TIME_CONSTANT = 0.1
@@ -85,7 +86,6 @@ class VirtualBrick:
 
     fault_ms: int | None = None
     threads_unobserved: str | None = None
-    lcd_version = 1
 
     def __init__(self, configuration_json: str, elf: bytes) -> None:
         self._configuration = json.loads(configuration_json)
@@ -115,6 +115,20 @@ class VirtualBrick:
         self.cycles = cycles
         return Stop("reached", cycles, "")
 
+    def run_until_picture(self, instants: list[int], first: int, end: int) -> tuple[Stop, int]:
+        """To the last of the instants, or the first with the picture."""
+        version, index = self.lcd_version, first
+        stop = self.run_until(instants[index])
+        while stop.reason == "reached" and self.lcd_version == version and index + 1 < end:
+            index += 1
+            stop = self.run_until(instants[index])
+        return stop, index
+
+    @property
+    def lcd_version(self) -> int:
+        """Of the only picture that is drawn."""
+        return int(self.cycles >= DRAWN_CYCLES)
+
     def lcd(self) -> bytes:
         """The text of `LINE` in the first line."""
         return _picture()
@@ -141,7 +155,7 @@ class VirtualBrick:
                     (end, STOPPED, 0, 0),
                 ]
                 number += 1
-        drawn = (round(5 * MILLISECOND), DISPLAY, 0, 1)
+        drawn = (DRAWN_CYCLES, DISPLAY, 0, 1)
         records = [(0, STOPPED, 0, 0), drawn, *sorted(records, key=lambda record: record[0])]
         inside = [record for record in records if record[0] <= self.cycles]
         return b"".join(struct.pack("<QIIq", *record) for record in inside)
