@@ -79,7 +79,7 @@ fn types_of_global_objects_come_from_the_debug_information() {
 
 #[test]
 fn a_missing_component_is_named() {
-    let message = compile()
+    let message = image()
         .variable("functional_Y.speed")
         .unwrap_err()
         .to_string();
