@@ -37,7 +37,7 @@ style: ## Check style, borders between the parts, and generated tables
 
 .PHONY: test-rust
 test-rust: ## Tests of the virtual brick's crates
-	@cargo test $(CARGO_OPTIONS) --quiet --workspace \
+	@cargo test $(CARGO_OPTIONS) --quiet --no-fail-fast --workspace \
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
 .PHONY: test-python
