@@ -5,6 +5,7 @@ with Ada.Interrupts.Names; use Ada.Interrupts.Names;
 with Ada.Real_Time.Timing_Events; use Ada.Real_Time, Ada.Real_Time.Timing_Events;
 with Ada.Synchronous_Task_Control; use Ada.Synchronous_Task_Control;
 
+with Alarm_Phases; use Alarm_Phases;
 with Handshake;
 with Series; use Series;
 with Timers; use Timers;
@@ -16,22 +17,6 @@ package body Occasions is
    Events : array (Event_Number) of Timing_Event;
    Cues   : array (Listener_Number) of Suspension_Object;
 
-   Whole_Count : constant Time_Span := (Tick * 2 ** 30) * 4;
-   --  Until the clock's count of ticks begins again
-
-   Soon : constant Timers.Word := 100;
-   --  In counts of two cycles: while the action that started the timer lasts
-
-   Before_Alarm : constant Time_Span := Microseconds (7);
-   Hold_Turns   : constant := 60;
-   --  From a reading of the clock until the alarm, and more turns than fit between them
-
-   Shifts : constant := 3;
-   --  Of the alarm, by one tick: a turn takes 7 cycles and a tick 16, so that the end of the action
-   --  meets the alarm at each second cycle
-
-   Marked : Boolean := False with Volatile;
-
    protected Bell with Interrupt_Priority => System.Interrupt_Priority'Last is
       procedure Ring (Event : in out Timing_Event);
    private
@@ -42,12 +27,6 @@ package body Occasions is
       procedure Cue_All with Attach_Handler => TC1;
    end Source;
 
-   protected Object with Priority => 20 is
-      procedure Hold_Until (At_Time : Time; Turns : Natural);
-      --  And some cycles for each turn
-   end Object;
-
-   procedure Mark (Turns : Natural) with No_Inline;
    procedure Move_Last (To : Time) with No_Inline;
    procedure Cancel_Last with No_Inline;
 
@@ -69,29 +48,12 @@ package body Occasions is
       end Cue_All;
    end Source;
 
-   protected body Object is
-      procedure Hold_Until (At_Time : Time; Turns : Natural) is
-      begin
-         while Clock < At_Time loop
-            null;
-         end loop;
-         Mark (Turns);
-      end Hold_Until;
-   end Object;
-
    task body Listener is
    begin
       loop
          Suspend_Until_True (Cues (Number));
       end loop;
    end Listener;
-
-   procedure Mark (Turns : Natural) is
-   begin
-      for Turn in 1 .. Turns loop
-         Marked := True;
-      end loop;
-   end Mark;
 
    procedure Move_Last (To : Time) is
    begin
@@ -107,21 +69,14 @@ package body Occasions is
    --  The listeners become ready while the environment task is in a protected action, which ends at
    --  each phase of an event's expiry; another event comes soon after
 
-   procedure Play_Phases is
-      Looked, Expiry : Time;
+   procedure Set_First_And_Last (Expiry : Time) is
    begin
-      for Shift in 1 .. Shifts loop
-         for Turns in 1 .. Hold_Turns loop
-            Looked := Clock + Microseconds (80) - Before_Alarm;
-            Expiry := Looked + Before_Alarm + Shift * Tick;
-            Set_Handler (Events (Event_Number'First), Expiry, Bell.Ring'Access);
-            Set_Handler (Events (Event_Number'Last), Expiry + Milliseconds (1), Bell.Ring'Access);
-            Start_Once (Channel_1, Soon);
-            Object.Hold_Until (Looked, Turns);
-            delay until Expiry + Microseconds (40);
-         end loop;
-      end loop;
-   end Play_Phases;
+      Set_Handler (Events (Event_Number'First), Expiry, Bell.Ring'Access);
+      Set_Handler (Events (Event_Number'Last), Expiry + Milliseconds (1), Bell.Ring'Access);
+      Start_Once (Channel_1, Soon);
+   end Set_First_And_Last;
+
+   procedure Play_Phases is new Play_Each (Prepare => Set_First_And_Last);
 
    procedure Set_All (From : Time) is
    begin

@@ -7,6 +7,7 @@ with Ada.Synchronous_Task_Control; use Ada.Synchronous_Task_Control;
 
 with Interfaces; use Interfaces;
 
+with Alarm_Phases; use Alarm_Phases;
 with Handshake;
 with Series; use Series;
 with Timers; use Timers;
@@ -21,26 +22,12 @@ package body Stage is
 
    Directors_Cue : Suspension_Object;
 
-   Whole_Count : constant Time_Span := (Tick * 2 ** 30) * 4;
-   --  Until the clock's count of ticks begins again
-
    Between_Wakes : constant Time_Span := Microseconds (50);
-
-   Soon : constant Timers.Word := 100;
-   --  In counts of two cycles: while the action that started the timer lasts
 
    First_Phase : constant Timers.Word := 480;
    Phase_Step  : constant Timers.Word := 3;
    Phases      : constant := 200;
    --  About the end of the action, in ARM and in Thumb code
-
-   Before_Alarm : constant Time_Span := Microseconds (7);
-   Hold_Turns   : constant := 60;
-   --  From a reading of the clock until the alarm, and more turns than fit between them
-
-   Shifts : constant := 3;
-   --  Of the alarm, by one tick: a turn takes 7 cycles and a tick 16, so that the end of the action
-   --  meets the alarm at each second cycle
 
    First_Cued : Actor_Number := 1 with Volatile;
    Last_Cued  : Actor_Number := Actor_Number'Last with Volatile;
@@ -56,7 +43,6 @@ package body Stage is
    protected Object with Priority => 20 is
       procedure Touch;
       procedure Hold (Turns : Cycles);
-      procedure Hold_Until (At_Time : Time; Turns : Natural);
       --  And some cycles for each turn
    private
       Count : Cycles := 0;
@@ -84,7 +70,6 @@ package body Stage is
    Marked : Boolean := False with Volatile;
    Read   : Time := Time_First with Volatile;
 
-   procedure Mark (Turns : Natural) with No_Inline;
    procedure Dwell with No_Inline;
    --  Longer than the timer runs until its interrupt, in a time that depends on nothing
 
@@ -95,13 +80,6 @@ package body Stage is
    procedure Pass_Gate with No_Inline;
    procedure Read_Clock with No_Inline;
    --  Services that are bounded for one object
-
-   procedure Mark (Turns : Natural) is
-   begin
-      for Turn in 1 .. Turns loop
-         Marked := True;
-      end loop;
-   end Mark;
 
    procedure Dwell is
    begin
@@ -139,14 +117,6 @@ package body Stage is
       begin
          Spend (Turns);
       end Hold;
-
-      procedure Hold_Until (At_Time : Time; Turns : Natural) is
-      begin
-         while Clock < At_Time loop
-            null;
-         end loop;
-         Mark (Turns);
-      end Hold_Until;
    end Object;
 
    protected body Masking is
@@ -265,20 +235,19 @@ package body Stage is
 
    --  The same with the alarm in place of the last actor's source
 
-   procedure Play_Alarm_Phases is
-      Looked : Time;
+   procedure Sleep_And_Cue (Wake : Time) is
    begin
-      for Shift in 1 .. Shifts loop
-         for Turns in 1 .. Hold_Turns loop
-            Looked := Clock + Microseconds (80) - Before_Alarm;
-            Parts (1) := Sleep;
-            Wakes (1) := Looked + Before_Alarm + Shift * Tick;
-            Set_True (Cues (1));
-            Cue_From (2);
-            Object.Hold_Until (Looked, Turns);
-            delay until Wakes (1) + Microseconds (40);
-         end loop;
-      end loop;
+      Parts (1) := Sleep;
+      Wakes (1) := Wake;
+      Set_True (Cues (1));
+      Cue_From (2);
+   end Sleep_And_Cue;
+
+   procedure Sleep_At_Each_Phase is new Play_Each (Prepare => Sleep_And_Cue);
+
+   procedure Play_Alarm_Phases is
+   begin
+      Sleep_At_Each_Phase;
       Parts (1) := Return_At_Once;
    end Play_Alarm_Phases;
 
