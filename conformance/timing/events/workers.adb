@@ -3,8 +3,9 @@
 
 with Ada.Real_Time;               use Ada.Real_Time;
 with Ada.Real_Time.Timing_Events; use Ada.Real_Time.Timing_Events;
-with Interfaces;                  use Interfaces;
 with System;
+
+with Mixing; use Mixing;
 
 package body Workers is
 
@@ -12,20 +13,6 @@ package body Workers is
    Timeout   : Timing_Event;
 
    Epoch : constant Time := Clock + Milliseconds (20);
-
-   Sink : Unsigned_32 := 1 with Volatile;
-
-   procedure Mix (Rounds : Positive) with No_Inline;
-
-   procedure Mix (Rounds : Positive) is
-      Value : Unsigned_32 := Sink;
-   begin
-      for Round in 1 .. Rounds loop
-         Value := Value xor Shift_Left (Value, 13);
-         Value := Value xor Shift_Right (Value, 17);
-      end loop;
-      Sink := Value;
-   end Mix;
 
    protected Bell with Interrupt_Priority => System.Interrupt_Priority'First is
       procedure Start;

@@ -7,6 +7,7 @@ with Ada.Synchronous_Task_Control; use Ada.Synchronous_Task_Control;
 with Interfaces;                   use Interfaces;
 with System;
 
+with Mixing; use Mixing;
 with Timers;
 
 package body Workers is
@@ -15,25 +16,12 @@ package body Workers is
 
    Epoch : constant Time := Clock + Milliseconds (20);
 
-   Cue  : Suspension_Object;
-   Sink : Unsigned_32 := 1 with Volatile;
+   Cue : Suspension_Object;
 
    Between : constant Timers.Word := 23_955;
    --  Counts of two cycles, a little less than a millisecond: all phases of the tasks are met
 
    type Turn is mod 6;
-
-   procedure Mix (Rounds : Positive) with No_Inline;
-
-   procedure Mix (Rounds : Positive) is
-      Value : Unsigned_32 := Sink;
-   begin
-      for Round in 1 .. Rounds loop
-         Value := Value xor Shift_Left (Value, 13);
-         Value := Value xor Shift_Right (Value, 17);
-      end loop;
-      Sink := Value;
-   end Mix;
 
    protected Source with Interrupt_Priority => System.Interrupt_Priority'First + 4 is
       procedure Note with Attach_Handler => TC1;
