@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import json
 import math
-import resource
 import shutil
 import statistics
 import subprocess
@@ -28,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import qemu_system
+from benchmarks.child_time import run_timed
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "benchmarks" / "cpu"
@@ -181,14 +181,13 @@ def run_qemu(program: Program) -> None:
     """One run as a process; none without the emulator, and no second one after a late end."""
     if shutil.which("qemu-arm") is None or (QEMU in program.seconds and not program.seconds[QEMU]):
         return
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
-        subprocess.run(["qemu-arm", str(program.elf)], check=True, timeout=PEER_SECONDS_MAX)
+        seconds, code = run_timed(["qemu-arm", str(program.elf)], PEER_SECONDS_MAX)
     except subprocess.TimeoutExpired:
         program.seconds[QEMU] = []
         return
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    if code != 0:
+        raise SystemExit(f"{program.elf.name}: {QEMU} exits with {code}")
     program.took(QEMU, seconds, None)
 
 

@@ -14,11 +14,11 @@ translation, in favour of QEMU.
 
 from __future__ import annotations
 
-import resource
 import shutil
 import struct
-import subprocess
 from pathlib import Path
+
+from benchmarks.child_time import run_timed
 
 NAME = "qemu-system-arm -icount"
 EMULATOR = "qemu-system-arm"
@@ -47,14 +47,10 @@ def vectors(result: int) -> bytes:
 
 
 def seconds_of(elf: Path, handler: Path) -> tuple[float, int]:
-    """Processor time of a run with the machine's start, and the exit code."""
+    """Processor time of a run in seconds, the machine's start included, and the exit code."""
     command = [*MACHINE, "-device", f"loader,file={handler},addr=0,force-raw=on"]
     command += ["-device", f"loader,file={elf},cpu-num=0"]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(command, capture_output=True, timeout=SECONDS_MAX)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return seconds, done.returncode
+    return run_timed(command, SECONDS_MAX)
 
 
 def run(elf: Path, longer: Path, result_address: int, result: int) -> float | None:
