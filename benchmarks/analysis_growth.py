@@ -25,12 +25,10 @@ from pathlib import Path
 
 import matplotlib as mpl
 from elftools.elf.elffile import ELFFile
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.workspace import Workspace
-from ravenbrick.timing.analysis import WAITS, body_of, known_facts
 from ravenbrick.timing.bounds import Bounds, execution_times
-from ravenbrick.timing.facts import read_facts
+
+from conformance.timing.examples import EXAMPLES
+from conformance.timing.known_examples import known_example
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -45,8 +43,6 @@ OPTIONS = (
 )  # fmt: skip
 FLASH_BYTES = 256 * 1024
 RUNS = 2
-EXAMPLES = ("blank", "balancer", "line-follower", "remote-joystick", "vehicle", "remote-vehicle",
-            "motor-bench")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -149,20 +145,15 @@ def _point(name: str, count: int, size: int, found: Bounds, relative_time: float
 
 def _example(name: str) -> tuple[int, Callable[[], Bounds]]:
     """Size of an example's code, and how its jobs are bounded."""
-    project = ROOT / "examples" / name
-    robot = read_robot(project)
-    facts = read_facts(robot)
-    image = read_image(Workspace.of(project).image("ram", robot.name))
-    _, annotations = known_facts(robot, image, facts)
-    jobs = [(body_of(image, facts, task), WAITS[task.release]) for task in robot.tasks]
-    known = [*annotations, (f"{facts.name}, [[outside]]", facts.outside)]
-    return image.size_of("text"), lambda: execution_times(
-        image.content, jobs=jobs, annotations=known
+    known = known_example(name)
+    facts = [*known.annotations, (f"{known.facts.name}, [[outside]]", known.facts.outside)]
+    return known.image.size_of("text"), lambda: execution_times(
+        known.image.content, jobs=known.jobs, annotations=facts
     )
 
 
 def measured() -> list[Point]:
-    """All programs, then the examples, which must have been built."""
+    """All programs, then the examples, which must have been built, by their size."""
     points: list[Point] = []
     first = 0.0
     for count in COUNTS:
@@ -173,11 +164,12 @@ def measured() -> list[Point]:
         found, seconds = _timed(lambda elf=elf: execution_times(elf, functions=["step"]))
         first = first or seconds
         points.append(_point("", count, size, found, seconds / first))
+    examples = []
     for name in EXAMPLES:
         size, analyse = _example(name)
         found, seconds = _timed(analyse)
-        points.append(_point(name, 0, size, found, seconds / first))
-    return points
+        examples.append(_point(name, 0, size, found, seconds / first))
+    return points + sorted(examples, key=lambda point: point.text_bytes)
 
 
 def exponent(points: Sequence[Point], value: Callable[[Point], float]) -> float:

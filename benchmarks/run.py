@@ -219,13 +219,12 @@ def page_speed() -> Iterator[Row]:
 
 def timing_analysis() -> Iterator[Row]:
     """Seconds of `ravenbrick analyse` without the run, in a small and in a large program."""
-    from ravenbrick.target.clock import MASTER_CLOCK
     from ravenbrick.target.elf_image import read_image
     from ravenbrick.target.robot import read_robot
     from ravenbrick.target.scenario import read_scenario, scenario_path
-    from ravenbrick.target.virtual import VirtualTarget
     from ravenbrick.timing.analysis import analyse
     from ravenbrick.timing.facts import read_facts
+    from ravenbrick.timing.started import elaborated
 
     from conformance.timing.program_campaign import built, costs
 
@@ -238,8 +237,7 @@ def timing_analysis() -> Iterator[Row]:
     robot = read_robot(VEHICLE)
     scenario = read_scenario(scenario_path(VEHICLE, "drive"), robot)
     image = read_image(ROOT / "build" / "vehicle" / "ram" / "vehicle.elf")
-    brick = VirtualTarget().prepare(robot, scenario, image)
-    brick.run_until(MASTER_CLOCK.cycles_of_ms(300))
+    brick = elaborated(robot, scenario, image)
     start = time.perf_counter()
     analyse(robot, image, brick, read_facts(robot))
     seconds = time.perf_counter() - start

@@ -14,14 +14,11 @@ import sys
 from typing import Any
 
 import virtual_brick
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.workspace import Workspace
-from ravenbrick.timing.analysis import WAITS, body_of, known_facts
-from ravenbrick.timing.facts import read_facts
+from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.ipet import longest_path
 
-from conformance.timing.examples import EXAMPLES, ROOT
+from conformance.timing.examples import EXAMPLES
+from conformance.timing.known_examples import known_example
 
 __all__ = ["compared"]
 
@@ -34,23 +31,16 @@ def _answers(image: ElfImage, request: dict[str, Any]) -> dict[str, Any]:
 
 def compared(name: str) -> dict[str, Any]:
     """Graphs of an example in which both ways were gone, and those with different results."""
-    workspace = Workspace.of(ROOT / "examples" / name)
-    robot = read_robot(workspace.project)
-    image, facts = read_image(workspace.image("ram", robot.name)), read_facts(robot)
-    _, annotations = known_facts(robot, image, facts)
-    jobs = [
-        {"body": body_of(image, facts, task), "waits": list(WAITS[task.release])}
-        for task in robot.tasks
-    ]
+    known = known_example(name)
     request = {
-        "annotations": [{"name": source, "text": text} for source, text in annotations],
-        "jobs": jobs,
+        "annotations": [{"name": source, "text": text} for source, text in known.annotations],
+        "jobs": [{"body": body, "waits": list(waits)} for body, waits in known.jobs],
         "graphs": True,
     }
-    found = _answers(image, request)["jobs"]
+    found = _answers(known.image, request)["jobs"]
     reached = sorted({function for job in found for function in job["reached"]})
-    functions = [function for function in reached if function in image.symbols]
-    found += _answers(image, {**request, "jobs": [], "functions": functions})["functions"]
+    functions = [function for function in reached if function in known.image.symbols]
+    found += _answers(known.image, {**request, "jobs": [], "functions": functions})["functions"]
     different, count, blocks = [], 0, 0
     for answer in found:
         graph = answer["graph"]

@@ -17,7 +17,6 @@ from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.sensitivity import largest_wcet
 from ravenbrick.target.build import TOOLS, find_tool
-from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
@@ -33,6 +32,7 @@ from ravenbrick.timing.kernel import DELAY_UNTIL, kernel_facts, services
 from ravenbrick.timing.long_run import long_run
 from ravenbrick.timing.observed import check_interrupt_rates, exceeded, observe
 from ravenbrick.timing.result import advice, result_of
+from ravenbrick.timing.started import elaborated
 from ravenbrick.trace.recording import Recording
 
 pytestmark = [
@@ -66,9 +66,7 @@ def image() -> ElfImage:
 
 
 def _analysed(robot: Robot, scenario: Scenario, image: ElfImage, facts: Facts) -> Analysis:
-    brick = VirtualTarget().prepare(robot, scenario, image)
-    brick.run_until(MASTER_CLOCK.cycles_of_ms(300))
-    return analyse(robot, image, brick, facts)
+    return analyse(robot, image, elaborated(robot, scenario, image), facts)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from ravenbrick.errors import ImageFileError
-from ravenbrick.target.elf_image import ElfImage, ImageKind
+from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.started import attached_handlers
 
 
@@ -20,6 +20,6 @@ def test_a_task_as_urgent_as_a_handler_is_refused_by_name() -> None:
         SimpleNamespace(name="siren", base_priority=31),
     ]
     brick = SimpleNamespace(threads=lambda: threads)
-    image = ElfImage(Path("robot.elf"), b"", next(iter(ImageKind)), 0, (), {})
+    image = ElfImage(Path("robot.elf"), b"", "ram", 0, (), {})
     with pytest.raises(ImageFileError, match=r"the task 'siren' .* 31, .* at most 30"):
         attached_handlers(brick, image)

@@ -17,7 +17,8 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from conformance.timing.timing_events import Subject, analysed, subject
+from conformance.timing.ada_programs import Subject, analysed
+from conformance.timing.timing_events import events
 
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.task_file import read_task_file
@@ -30,7 +31,7 @@ from ravenbrick.timing.task_set_file import task_set_text
 
 @pytest.fixture(scope="module")
 def program() -> Subject:
-    return subject()
+    return events()
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,7 @@ def test_responses_between_timing_events_stay_below_their_bounds(
 
 
 def test_expiries_are_interference_of_every_task(analysis: Analysis) -> None:
-    assert event_count(subject().image) == 2
+    assert event_count(events().image) == 2
     beat, expire = analysis.events
     assert (beat.name, expire.name) == ("Workers.Bell.Beat", "Workers.Bell.Expire")
     assert beat.cycles > expire.cycles > analysis.overheads.alarm

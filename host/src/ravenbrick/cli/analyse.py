@@ -19,7 +19,6 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import play, project_scenarios
 from ravenbrick.errors import UsageError
 from ravenbrick.target.bounds_file import image_digest
-from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
@@ -56,14 +55,13 @@ from ravenbrick.timing.report import (
     write_timing_report,
 )
 from ravenbrick.timing.result import advice, microseconds, result_of
+from ravenbrick.timing.started import elaborated
 from ravenbrick.timing.task_set_file import task_set_text
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
 
 __all__ = ["analyse_command"]
-
-ELABORATED_MS = 300
 
 
 def _scenario(workspace: Workspace, robot: Robot, name: str | None) -> Scenario:
@@ -73,12 +71,6 @@ def _scenario(workspace: Workspace, robot: Robot, name: str | None) -> Scenario:
     if not scenarios:
         raise UsageError(f"'{workspace.project}' has no scenario; add one below scenarios/")
     return scenarios[0]
-
-
-def _bounds(robot: Robot, scenario: Scenario, image: ElfImage, facts: Facts) -> Analysis:
-    brick = VirtualTarget().prepare(robot, scenario, image)
-    brick.run_until(MASTER_CLOCK.cycles_of_ms(min(ELABORATED_MS, scenario.duration_ms)))
-    return analyse(robot, image, brick, facts)
 
 
 def _recording(
@@ -224,7 +216,7 @@ def analyse_command(
     chosen = _scenario(workspace, robot, scenario)
     with reporter.step("bound execution and response times"):
         begin = process_time()
-        analysis = _bounds(robot, chosen, elf, facts)
+        analysis = analyse(robot, elf, elaborated(robot, chosen, elf), facts)
         effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
     recording = _recording(workspace, robot, chosen, elf, reporter)
     found = _search(robot, chosen, elf, recording, (hunt_attempts, hours), reporter)

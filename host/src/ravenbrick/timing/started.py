@@ -17,7 +17,11 @@ from typing import Any
 from elftools.elf.elffile import ELFFile
 
 from ravenbrick.errors import ImageFileError
+from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.target.robot import Robot
+from ravenbrick.target.scenario import Scenario
+from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.timing.bounds import Call
 
 __all__ = [
@@ -26,11 +30,13 @@ __all__ = [
     "Handler",
     "ProtectedObject",
     "attached_handlers",
+    "elaborated",
     "initializers",
     "object_words",
     "protected_objects",
 ]
 
+ELABORATED_MS = 300
 HANDLERS = "ravenbrick__interrupts__handlers"
 HANDLER = struct.Struct("<IIiI")
 SOURCE_COUNT = 32
@@ -72,6 +78,14 @@ class ProtectedObject:
     def urgency(self) -> int:
         """Of a protected action, as the kernel counts it."""
         return 2 * self.ceiling + 1
+
+
+def elaborated(robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
+    """A brick on which the program has been elaborated and its tasks have begun; errors as
+    `VirtualTarget.run`."""
+    brick = VirtualTarget().prepare(robot, scenario, image)
+    brick.run_until(MASTER_CLOCK.cycles_of_ms(min(ELABORATED_MS, scenario.duration_ms)))
+    return brick
 
 
 def _code_name(brick: Any, address: int) -> str:

@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Built examples with what is known of their code: annotations, and where their jobs wait."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.timing.analysis import WAITS, body_of, known_facts
+from ravenbrick.timing.facts import Facts, read_facts
+
+__all__ = ["KnownExample", "known_example"]
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class KnownExample:
+    """An image, facts by their sources, and jobs as (body, functions in which the task waits)."""
+
+    image: ElfImage
+    facts: Facts
+    annotations: list[tuple[str, str]]
+    jobs: list[tuple[str, tuple[str, ...]]]
+
+
+def known_example(name: str) -> KnownExample:
+    """An example by its folder's name. Raises `ImageFileError` when it is not built."""
+    workspace = Workspace.of(ROOT / "examples" / name)
+    robot = read_robot(workspace.project)
+    facts, image = read_facts(robot), read_image(workspace.image("ram", robot.name))
+    _, annotations = known_facts(robot, image, facts)
+    jobs = [(body_of(image, facts, task), WAITS[task.release]) for task in robot.tasks]
+    return KnownExample(image, facts, annotations, jobs)
