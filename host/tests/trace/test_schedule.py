@@ -21,6 +21,7 @@ from ravenbrick.trace.schedule import (
     jobs_of,
     measure_task,
     segments,
+    stretches,
     utilization,
 )
 
@@ -141,21 +142,42 @@ def test_the_processors_shares_are_exact() -> None:
     assert shares.busy == pytest.approx(69 / 200)
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_shares_are_the_sums_of_the_segments(seed: int) -> None:
-    """Whatever the events are, also handlers that are left and were never entered."""
+def random_run(seed: int) -> Recording:
+    """Any events, also handlers that are left and were never entered."""
     rng = random.Random(seed)
     kinds = [K.THREAD_RUNNING, K.INTERRUPT_ENTERED, K.INTERRUPT_LEFT, K.RELEASE]
     kinds += [K.PROCESSOR_STOPPED, K.PROCESSOR_RESUMED] if seed % 2 else []
     instants = sorted(rng.choices(range(1000), k=200))
     events: list[Event] = [(at, rng.choice(kinds), rng.choice([0, 1, IDLE]), 0) for at in instants]
-    run = recording(events, 1000)
+    return recording(events, 1000)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_shares_are_the_sums_of_the_segments(seed: int) -> None:
+    run = random_run(seed)
     shares, cycles = utilization(run), Counter[int]()
     for segment in segments(run):
         cycles[segment.owner] += segment.end_cycles - segment.begin_cycles
     named = {0: shares.threads[0], 1: shares.threads[1], IDLE_OWNER: shares.idle}
     named |= {KERNEL_OWNER: shares.kernel, INTERRUPT_OWNER: shares.interrupts}
     assert named == {owner: cycles[owner] / 1000 for owner in named}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_stretches_within_a_window_are_the_segments_cut_to_it(seed: int) -> None:
+    """From 0 and from inside, to the stop and before it."""
+    run = random_run(seed)
+    for begin, end in ((0, 1000), (250, 700), (333, 334)):
+        cut = [
+            (max(s.begin_cycles, begin), min(s.end_cycles, end), s.owner)
+            for s in segments(run)
+            if s.end_cycles > begin and s.begin_cycles < end
+        ]
+        joined: list[tuple[int, int, int]] = []
+        for first, last, owner in cut:
+            before = joined.pop() if joined and joined[-1][2] == owner else (first, first, owner)
+            joined.append((before[0], last, owner))
+        assert list(stretches(run).within(begin, end)) == joined
 
 
 def test_without_sleep_events_the_idle_thread_is_idle() -> None:

@@ -232,7 +232,8 @@ def analyse_command(
         "chains": [_chain_result(chain, loop) for chain in chains],
         **found.more,
     }
-    notes = [*_chain_notes(chains, result, directory), *unused_facts(facts, elf)]
+    unused = unused_facts(facts, elf)
+    notes = [*_chain_notes(chains, result, directory), *unused]
     with reporter.step("write the report") as step:
         figures = [("Bounds by term", terms_figure(result))]
         if hours:
@@ -252,7 +253,7 @@ def analyse_command(
         **result,
         "advice": advice(result),
         "why_apart": why_apart(result),
-        "unused_facts": unused_facts(facts, elf),
+        "unused_facts": unused,
         "report": str(report),
         "task_set": str(task_file),
     }

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -33,6 +34,12 @@ class Source:
     jitter: Time
     execution: Time
     overhead: Time
+
+    @property
+    def rate(self) -> Fraction:
+        """Long-term jobs per time; `jobs` of a window are at least this many times its length."""
+        rates = [Fraction(share) / Fraction(span) for share, span in self.task.limits]
+        return min([1 / Fraction(self.period), *rates])
 
     def jobs(self, window: Time) -> Time:
         """Most jobs released in a half-open window of this length; a part of one if limited."""
@@ -101,26 +108,25 @@ class ClockLoad:
             if period:
                 yield period
 
-    def steps(self, limit: Time) -> Iterator[Time]:
-        """Window lengths up to `limit` just after which the load rises."""
+    def steps(self, limit: Time) -> Iterator[Iterator[Time]]:
+        """Window lengths up to `limit` just after which the load rises, by their cause, each from
+        the longest."""
         if self.overheads.alarm or self.overheads.tick_period:
             for period, jitter in self.released:
-                yield from _steps(period, jitter, limit)
+                yield _steps(period, jitter, limit)
         for period in (self.overheads.alarm_early_period, self.overheads.tick_period):
             if period:
-                yield from _steps(period, 0, limit)
+                yield _steps(period, 0, limit)
 
 
 def _steps(period: Time, jitter: Time, limit: Time) -> Iterator[Time]:
-    count = jitter // period + 1
-    if (limit + jitter) // period > STEP_LIMIT:
+    last, first = (limit + jitter) // period, jitter // period + 1
+    if last > STEP_LIMIT:
         raise AnalysisLimitError(
             f"a window of {limit} has more than {STEP_LIMIT} releases; "
             "use periods and deadlines that lie closer together"
         )
-    while (instant := count * period - jitter) <= limit:
-        yield instant
-        count += 1
+    return (count * period - jitter for count in range(last, first - 1, -1))
 
 
 @dataclass(frozen=True)
@@ -182,14 +188,18 @@ class Window:
             "its utilisation is too close to 1"
         )
 
-    def steps(self, limit: Time) -> list[Time]:
-        """Ends of the constant stretches of the interference up to `limit`, and `limit`."""
-        found = set(self.clock.steps(limit)) | {limit}
+    def steps(self, limit: Time) -> Iterator[Time]:
+        """Ends of the constant stretches of the interference up to `limit`, and `limit`; from the
+        longest."""
+        causes = [iter([limit]), *self.clock.steps(limit)]
         for source in self.sources:
-            found |= set(_steps(source.period, source.jitter, limit))
-            for _, span in source.task.limits:
-                found |= set(_steps(span, source.jitter, limit))
-        return sorted(exact(step) for step in found if step > 0)
+            causes.append(_steps(source.period, source.jitter, limit))
+            causes += [_steps(span, source.jitter, limit) for _, span in source.task.limits]
+        latest: Time | None = None
+        for step in heapq.merge(*causes, reverse=True):
+            if step != latest and step > 0:
+                latest = step
+                yield exact(step)
 
 
 def window_of(task_set: TaskSet, task: Task, overheads: Overheads) -> Window:

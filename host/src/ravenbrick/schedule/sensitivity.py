@@ -64,12 +64,31 @@ class _Scaled:
             fixed, scaled = fixed + count * plain, scaled + count * factor
         return fixed + window.clock.time(length), scaled
 
-    def factor_of_job(self, job: int) -> Fraction | None:
-        """Largest factor with which the job meets its deadline; None when none does."""
+    def _rates(self) -> tuple[Fraction, Fraction]:
+        """Fixed and scaled work of the interference per time, at least, in any window."""
+        fixed, scaled = self.window.clock.utilization, Fraction(0)
+        for source in self.window.sources:
+            plain, factor = self._split(source.task.name, source.execution, source.overhead)
+            fixed, scaled = fixed + source.rate * plain, scaled + source.rate * factor
+        return fixed, scaled
+
+    def factor_of_job(self, job: int, enough: Fraction) -> Fraction | None:
+        """Largest factor with which the job meets its deadline, or one that is `enough`; None when
+        none does.
+
+        The longest window comes first. With no more than the long-term load, the factor falls with
+        the window; where even this one is not above the best, no shorter window can be.
+        """
         task = self.window.task
         limit = task.deadline + job * task.period - self.window.jitter
+        own, own_scaled = self._split(task.name, task.wcet, self.window.own_overhead)
+        rate, rate_scaled = self._rates()
         best: Fraction | None = None
         for length in self.window.steps(limit) if limit > 0 else ():
+            left = length - length * rate - (job + 1) * own
+            needed = length * rate_scaled + (job + 1) * own_scaled
+            if left < 0 or (best is not None and (best >= enough or left <= best * needed)):
+                break
             fixed, scaled = self.demand(job, length)
             found = None
             for blocking in self.window.blockings:
@@ -112,7 +131,7 @@ def _lower_factor(scaled: _Scaled, factor: Fraction) -> Fraction | None:
     periods = [task.period, *(source.period for source in scaled.window.sources)]
     repetition = common_multiple([*periods, *scaled.window.clock.periods()])
     while True:
-        found = scaled.factor_of_job(job)
+        found = scaled.factor_of_job(job, factor)
         if found is None:
             return None
         factor = min(factor, found)

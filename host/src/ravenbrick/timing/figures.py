@@ -21,7 +21,7 @@ from ravenbrick.timing.observed import worst_job
 from ravenbrick.timing.result import microseconds
 from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.schedule import INTERRUPT_OWNER, segments
+from ravenbrick.trace.schedule import INTERRUPT_OWNER, stretches
 
 __all__ = ["margin_figure", "spreads_figure", "terms_figure", "windows_figure"]
 
@@ -148,18 +148,14 @@ def _observed(
 ) -> None:
     names = [thread.name.lower() for thread in recording.threads]
     by_name = {name.lower(): lane for name, lane in lanes.items()}
-    for part in segments(recording):
-        if part.end_cycles <= begin or part.begin_cycles >= begin + length:
-            continue
-        if part.owner == INTERRUPT_OWNER:
+    for first, last, owner in stretches(recording).within(begin, begin + int(length)):
+        if owner == INTERRUPT_OWNER:
             lane, colour = lanes["interrupts"], COLOURS["interrupts"]
-        elif part.owner >= 0 and names[part.owner] in by_name:
-            lane = by_name[names[part.owner]]
+        elif owner >= 0 and names[owner] in by_name:
+            lane = by_name[names[owner]]
             colour = task_colour(lane)
         else:
             continue
-        first = max(part.begin_cycles, begin)
-        last = min(part.end_cycles, begin + int(length))
         start, width = microseconds(first - begin), microseconds(last - first)
         axis.barh(lane, width, left=start, height=0.6, color=colour)
     place = f"at {microseconds(begin) / 1e6:.6f} s"

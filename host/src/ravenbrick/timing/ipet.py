@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import lil_matrix
 
 from ravenbrick.timing.bounds import ExecutionTimeError
 
@@ -109,6 +107,9 @@ def _fact_row(graph: dict[str, Any], edges: Sequence[Edge], fact: FlowFact) -> _
 
 def longest_path(graph: dict[str, Any], facts: Sequence[FlowFact] = ()) -> int:
     """Cycles of the longest path. Raises `ExecutionTimeError` when the facts leave none."""
+    from scipy.optimize import Bounds, LinearConstraint, milp
+    from scipy.sparse import lil_matrix
+
     edges = _edges(graph)
     rows = [
         *_flow_rows(graph, edges),

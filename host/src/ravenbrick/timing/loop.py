@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.control.design_plots import read_system
-from ravenbrick.control.metrics import crossovers
 from ravenbrick.errors import DesignError
 from ravenbrick.timing.chain import ChainDelay
 from ravenbrick.timing.result import microseconds
@@ -41,6 +39,9 @@ def read_loop(design_file: Path) -> Loop | None:
         content = json.loads(design_file.read_text("utf-8"))
         if "open_loop" not in content.get("loop", {}):
             return None
+        from ravenbrick.control.design_plots import read_system
+        from ravenbrick.control.metrics import crossovers
+
         system = read_system(content["loop"]["open_loop"])
         found = crossovers(system) if system.isdtime(strict=True) else ()
         delay = float(content["figures"].get("actuator_delay", 0.0))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ravenbrick.target.robot import Robot
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, Recording
-from ravenbrick.trace.schedule import INTERRUPT_OWNER, jobs_of, measure_task, segments
+from ravenbrick.trace.schedule import INTERRUPT_OWNER, jobs_of, measure_task, stretches
 
 __all__ = [
     "HandlerDynamics",
@@ -99,14 +99,12 @@ class _Shares:
     """How long each owner had the processor, up to any instant."""
 
     def __init__(self, recording: Recording) -> None:
-        rows = [(s.begin_cycles, s.end_cycles, s.owner) for s in segments(recording)]
-        table = np.array(rows, dtype=np.int64).reshape(-1, 3)
-        self._begin, self._end, self._owner = table.T
+        self._all = stretches(recording)
 
     def of(self, owners: Sequence[int], begin: Cycles, end: Cycles) -> Cycles:
         """Cycles of these owners within [begin, end), for many intervals at once."""
-        mine = np.isin(self._owner, owners)
-        first, last = self._begin[mine], self._end[mine]
+        mine = np.isin(self._all.owner, owners)
+        first, last = self._all.begin[mine], self._all.end[mine]
         before = np.concatenate(([0], np.cumsum(last - first)))
 
         def until(instants: Cycles) -> Cycles:

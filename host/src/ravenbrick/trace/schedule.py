@@ -9,8 +9,10 @@ The release jitter of a task is the spread (largest less smallest) of its releas
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +26,14 @@ __all__ = [
     "KERNEL_OWNER",
     "Job",
     "Segment",
+    "Stretches",
     "TaskMeasures",
     "Utilization",
     "all_jobs",
     "jobs_of",
     "measure_task",
     "segments",
+    "stretches",
     "utilization",
 ]
 
@@ -273,19 +277,48 @@ def _owners(kinds: Integers, subjects: Integers, stops: bool) -> Integers:
     return np.where(stopped, IDLE_OWNER, np.where(depth > 0, INTERRUPT_OWNER, running))
 
 
-def utilization(recording: Recording) -> Utilization:
-    """Shares of the processor over the whole run; the sums of `segments`, without their list."""
+@dataclass(frozen=True)
+class Stretches:
+    """The run cut at its events, from cycle 0 to the stop without gaps; instants in cycles.
+
+    Neighbours may have the same owner, and a stretch may be empty.
+    """
+
+    begin: Integers
+    end: Integers
+    owner: Integers
+
+    def within(self, begin_cycles: int, end_cycles: int) -> Iterator[tuple[int, int, int]]:
+        """Begin, end and owner of what lies between these instants, neighbours joined."""
+        first = int(np.searchsorted(self.end, begin_cycles, side="right"))
+        last = int(np.searchsorted(self.begin, end_cycles, side="left"))
+        columns = (column[first:last].tolist() for column in (self.begin, self.end, self.owner))
+        rows = (row for row in zip(*columns, strict=True) if row[0] < row[1])
+        for owner, group in groupby(rows, key=lambda row: row[2]):
+            parts = list(group)
+            yield max(parts[0][0], begin_cycles), min(parts[-1][1], end_cycles), owner
+
+
+@lru_cache(maxsize=8)
+def stretches(recording: Recording) -> Stretches:
+    """Whose the processor was, as `segments`, without the sources of interrupts."""
     events = recording.of_kind(*OWNING)
     kinds, subjects = (events[name].astype(np.int64) for name in ("kind", "subject"))
     stops = bool(np.any(kinds == EventKind.PROCESSOR_STOPPED))
-    begins = np.maximum.accumulate(np.append(0, events["at_cycles"].astype(np.int64)))
-    lengths = np.diff(np.append(begins, max(recording.stop.at_cycles, int(begins[-1]))))
+    begin = np.maximum.accumulate(np.append(0, events["at_cycles"].astype(np.int64)))
+    end = np.append(begin[1:], max(recording.stop.at_cycles, int(begin[-1])))
     first = KERNEL_OWNER if stops else IDLE_OWNER
-    owners = np.append(first, _owners(kinds, subjects, stops))
+    return Stretches(begin, end, np.append(first, _owners(kinds, subjects, stops)))
+
+
+def utilization(recording: Recording) -> Utilization:
+    """Shares of the processor over the whole run."""
+    found = stretches(recording)
+    lengths = found.end - found.begin
     total = max(int(lengths.sum()), 1)
 
     def share(owner: int) -> float:
-        return int(lengths[owners == owner].sum()) / total
+        return int(lengths[found.owner == owner].sum()) / total
 
     return Utilization(
         threads=tuple(share(index) for index in range(len(recording.threads))),

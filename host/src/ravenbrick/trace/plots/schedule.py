@@ -15,7 +15,7 @@ from ravenbrick.trace.schedule import (
     KERNEL_OWNER,
     all_jobs,
     jobs_of,
-    segments,
+    stretches,
 )
 
 __all__ = ["cyclic_begin_cycles", "first_release_cycles", "schedule_figure"]
@@ -60,10 +60,9 @@ def _plot_execution(axis: Axes, recording: Recording, lanes: dict[int, int], beg
     clock = recording.clock
     end = begin + clock.cycles_of_us(SHOWN_US)
     bars: dict[int, list[tuple[float, float]]] = {owner: [] for owner in lanes}
-    for segment in segments(recording):
-        if segment.end_cycles > begin and segment.begin_cycles < end and segment.owner in lanes:
-            first, last = max(segment.begin_cycles, begin), min(segment.end_cycles, end)
-            bars[segment.owner].append(
+    for first, last, owner in stretches(recording).within(begin, end):
+        if owner in lanes:
+            bars[owner].append(
                 (1000 * clock.seconds(first - begin), 1000 * clock.seconds(last - first))
             )
     for owner, pieces in bars.items():
