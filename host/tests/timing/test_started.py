@@ -11,7 +11,24 @@ import pytest
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.timing.started import attached_handlers
+from ravenbrick.target.robot import read_robot
+from ravenbrick.timing.analysis import analyse
+from ravenbrick.timing.bounds import ExecutionTimeError
+from ravenbrick.timing.facts import read_facts
+from ravenbrick.timing.started import attached_handlers, main_rests
+
+VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
+IMAGE = ElfImage(Path("robot.elf"), b"", "ram", 0, (), {})
+READY, DELAYED, SUSPENDED, TERMINATED = 1, 2, 3, 5
+NEVER = 2**63 - 2
+
+
+def with_main(state: int, wake: int, *tasks: str) -> SimpleNamespace:
+    """A brick whose main procedure is in this state."""
+    names = ("environment", *tasks)
+    threads = [SimpleNamespace(name=n, base_priority=1, state=state, address=64) for n in names]
+    memory = {(64 + 40, 8): wake.to_bytes(8, "little")}
+    return SimpleNamespace(threads=lambda: threads, read_memory=lambda *place: memory[place])
 
 
 def test_a_task_as_urgent_as_a_handler_is_refused_by_name() -> None:
@@ -20,6 +37,29 @@ def test_a_task_as_urgent_as_a_handler_is_refused_by_name() -> None:
         SimpleNamespace(name="siren", base_priority=31),
     ]
     brick = SimpleNamespace(threads=lambda: threads)
-    image = ElfImage(Path("robot.elf"), b"", "ram", 0, (), {})
     with pytest.raises(ImageFileError, match=r"the task 'siren' .* 31, .* at most 30"):
-        attached_handlers(brick, image)
+        attached_handlers(brick, IMAGE)
+
+
+@pytest.mark.parametrize(
+    ("state", "wake", "rests"),
+    [
+        (TERMINATED, 0, True),
+        (DELAYED, NEVER, True),
+        (DELAYED, 21_024_000, False),
+        (READY, NEVER, False),
+        (SUSPENDED, NEVER, False),
+    ],
+)
+def test_a_main_procedure_rests_when_it_has_ended_or_waits_for_ever(
+    state: int, wake: int, rests: bool
+) -> None:
+    assert main_rests(with_main(state, wake)) == rests
+
+
+def test_a_main_procedure_that_goes_on_is_refused_with_what_to_do() -> None:
+    """Whatever it does holds up the tasks below it, and no bound would count it."""
+    robot = read_robot(VEHICLE)
+    brick = with_main(READY, 0, *(task.name for task in robot.tasks))
+    with pytest.raises(ExecutionTimeError, match=r"main procedure goes on.*'delay until Ada\.Real"):
+        analyse(robot, IMAGE, brick, read_facts(robot))

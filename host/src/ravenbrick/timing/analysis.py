@@ -57,10 +57,13 @@ from ravenbrick.timing.masked import Masking, masking
 from ravenbrick.timing.source_facts import source_facts
 from ravenbrick.timing.started import (
     ALARM_SOURCE,
+    ENVIRONMENT,
     ProtectedObject,
     attached_handlers,
+    main_rests,
 )
 from ravenbrick.trace.interrupts import source_name
+from ravenbrick.trace.task_set import check_names
 
 __all__ = [
     "PREEMPTION_BYTES",
@@ -75,7 +78,6 @@ __all__ = [
 ]
 
 PREEMPTION_BYTES = 68
-ENVIRONMENT = "environment"
 WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
 
 
@@ -161,15 +163,11 @@ def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
     )
 
 
-def _check_names(robot: Robot, brick: Any) -> None:
-    """Tasks of robot.toml and of the image are the same: one left out would not be counted."""
+def _check_tasks(robot: Robot, image: ElfImage, brick: Any) -> None:
+    """Tasks of robot.toml and of the image are the same, and the main procedure does nothing: what
+    is left out would not be counted."""
     known = [thread.name.lower() for thread in brick.threads()]
-    for index, task in enumerate(robot.tasks):
-        if task.name.lower() not in known:
-            raise robot.document.error(
-                ("tasks", index, "name"),
-                f"the image has no task '{task.name}'; it has: {', '.join(known) or 'none'}",
-            )
+    check_names(robot, known)
     for name in known:
         if name != ENVIRONMENT and robot.task(name) is None:
             raise robot.document.error(
@@ -177,6 +175,12 @@ def _check_names(robot: Robot, brick: Any) -> None:
                 f"the image has a task '{name}', which is missing here; add it: its jobs and its "
                 "protected actions hold up others",
             )
+    if robot.task(ENVIRONMENT) is None and not main_rests(brick):
+        raise ExecutionTimeError(
+            f"{image.path}: the main procedure goes on beside the tasks, and no bound counts what "
+            "it does; move its work into a task and end it with 'delay until "
+            "Ada.Real_Time.Time_Last;'"
+        )
 
 
 def _check_ceilings(robot: Robot, job: Bound, task: Task, index: int, objects: Any) -> None:
@@ -220,7 +224,7 @@ def blocking_cause(
             found.append(BlockingCause(section, task.name, "protected action"))
             masked, service = costs.longest_masked(job.reached)
             found.append(BlockingCause(masked, task.name, f"interrupts masked in {service}"))
-            masked_cycles[task.name] = masked + costs.resume if masked else 0
+            masked_cycles[task.name] = costs.going_on_masked(job.reached)
     return max((_after_others(cause, masked_cycles) for cause in found), key=lambda c: c.cycles)
 
 
@@ -349,7 +353,7 @@ def _timed_tasks(robot: Robot) -> list[tuple[int, Task]]:
             raise robot.document.error(
                 ("tasks", index, "release"),
                 "is 'background'; tasks that are never released again are not analysed: give it a "
-                "period, or make it the environment task's main procedure",
+                "period",
             )
         found.append((index, task))
     return found
@@ -401,7 +405,7 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     Raises `ExecutionTimeError` for what has no bound, `ProjectFileError` where robot.toml and the
     image disagree.
     """
-    _check_names(robot, brick)
+    _check_tasks(robot, image, brick)
     attached = attached_handlers(brick, image)
     expiring = handlers_of_events(image, attached)
     objects, annotations = known_facts(robot, image, facts, expiring)

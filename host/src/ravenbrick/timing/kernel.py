@@ -47,12 +47,24 @@ ENTRY_CALL = f"{PROTECTED}__single_entry__protected_single_entry_call"
 SERVICE_ENTRY = f"{PROTECTED}__single_entry__service_entry"
 SUSPEND = "ada__synchronous_task_control__suspend_until_true"
 SET_TRUE = "ada__synchronous_task_control__set_true"
+SET_FALSE = "ada__synchronous_task_control__set_false"
+YIELD = "ada__dispatching__yield"
 INTERRUPT = "ravenbrick_interrupt"
 RESUME = "resume"
 EVENTS = "ada__real_time__timing_events"
 SET_HANDLERS = (f"{EVENTS}__set_handler", f"{EVENTS}__cancel_handler")
 DISPATCH = f"{PROTECTED}__dispatch"
-MASKING = (DELAY_UNTIL, ENTRY_CALL, SERVICE_ENTRY, SUSPEND, SET_TRUE, DISPATCH)
+MASKING = (
+    DELAY_UNTIL,
+    ENTRY_CALL,
+    SERVICE_ENTRY,
+    SUSPEND,
+    SET_TRUE,
+    SET_FALSE,
+    YIELD,
+    DISPATCH,
+    *SET_HANDLERS,
+)
 SETTING = (DELAY_UNTIL, *SET_HANDLERS)
 EVENT_RING = "ravenbrick__delays__events__ring_with_events"
 EXPIRE = f"{EVENTS}__expire"
@@ -105,6 +117,12 @@ class Services:
         """The longest service with masked interrupts among these functions."""
         found = [(self.masking[name], name) for name in reached if name in self.masking]
         return max(found, default=(0, ""))
+
+    def going_on_masked(self, reached: Iterable[str]) -> int:
+        """Longest that a thread holds interrupts masked which was interrupted just as it masked
+        them, from the return to it on; `reached` is what its job calls."""
+        masked, _ = self.longest_masked(reached)
+        return masked + self.resume if masked else 0
 
 
 def _entry_facts(image: ElfImage) -> str:
@@ -170,7 +188,7 @@ def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Service
             f"{image.path}: has no '{missing[0]}', which the run-time of this version has; the "
             "image is older: build it again with 'ravenbrick build'"
         )
-    present = [name for name in (*MASKING, *SET_HANDLERS) if name in image.symbols]
+    present = [name for name in MASKING if name in image.symbols]
     found = execution_times(image.content, functions=[*present, RESUME], annotations=annotations)
     cycles = {bound.symbol: bound.cycles for bound in found.functions}
     resume = cycles.pop(RESUME) + found.return_cycles

@@ -7,6 +7,14 @@ run-time, in the way in and out of an interrupt, in stretches of the alarm's han
 stretch may go on in another. A thread that gives the processor away with interrupts masked hands it
 to one that goes on masked when this was interrupted just as it masked interrupts: the processor
 takes an interrupt that is pending when the instruction that masks ends. So may a handler.
+
+A protected action is not added to. Its thread is at least as urgent as the interrupt before the
+source is disabled, so it is not preempted, and nobody can hand the processor to it. It ends with
+interrupts masked only in an entry call that waits, and the bound of this service holds the action.
+
+Handlers that were interrupted just as they masked make their ways out one after the other, at
+most one of each level below. Only the last may preempt a thread. An interrupt's way in and the
+preemption, which are counted with its way out, are longer than three more ways out.
 """
 
 from __future__ import annotations
@@ -22,6 +30,9 @@ from ravenbrick.timing.kernel import InterruptCost, Services, passage_cycles
 from ravenbrick.timing.started import ALARM_SOURCE
 
 __all__ = ["Masking", "masking"]
+
+# Ways out of interrupts, masked throughout, that are no longer than a way in and out.
+WAYS_OUT = 4
 
 
 @dataclass(frozen=True)
@@ -52,11 +63,11 @@ class Masking:
 
     def waiting(self, level: int, jobs: Sequence[tuple[Task, Bound]]) -> int:
         """Longest that tasks and handlers below this priority keep an interrupt of it waiting."""
-        tasks = sum(
-            self.kernel.longest_masked(job.reached)[0] + self.kernel.resume for _, job in jobs
-        )
+        tasks = sum(self.kernel.going_on_masked(job.reached) for _, job in jobs)
         below = [cost for cost in self.handlers if cost.handler.priority < level]
-        stretch = self.passage + max([tasks, *(self._handler(cost) for cost in below)])
+        levels = len({cost.handler.priority for cost in below})
+        passages = self.passage * (1 + max(0, levels - WAYS_OUT))
+        stretch = passages + max([tasks, *(self._handler(cost) for cost in below)])
         return max([stretch, *self._sections(level, jobs)])
 
 

@@ -26,17 +26,26 @@ from ravenbrick.timing.bounds import Call
 
 __all__ = [
     "ALARM_SOURCE",
+    "ENVIRONMENT",
     "FIRST_INTERRUPT_PRIORITY",
     "Handler",
     "ProtectedObject",
     "attached_handlers",
     "elaborated",
     "initializers",
+    "main_rests",
     "object_words",
     "protected_objects",
 ]
 
 ELABORATED_MS = 300
+# The thread that executes the main procedure, two of its states, and where in it its wake-up time is
+# (runtime/kernel/ravenbrick-threads.ads); what 'delay until Time_Last' makes of that.
+ENVIRONMENT = "environment"
+DELAYED, TERMINATED = 2, 5
+WAKE = struct.Struct("<q")
+WAKE_OFFSET = 40
+NEVER = 2**63 - 2
 HANDLERS = "ravenbrick__interrupts__handlers"
 HANDLER = struct.Struct("<IIiI")
 SOURCE_COUNT = 32
@@ -86,6 +95,15 @@ def elaborated(robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
     brick = VirtualTarget().prepare(robot, scenario, image)
     brick.run_until(MASTER_CLOCK.cycles_of_ms(min(ELABORATED_MS, scenario.duration_ms)))
     return brick
+
+
+def main_rests(brick: Any) -> bool:
+    """Whether the main procedure has ended, or waits for the end of all time."""
+    main = next(thread for thread in brick.threads() if thread.name == ENVIRONMENT)
+    if main.state != DELAYED:
+        return bool(main.state == TERMINATED)
+    (wake,) = WAKE.unpack(brick.read_memory(main.address + WAKE_OFFSET, WAKE.size))
+    return bool(wake == NEVER)
 
 
 def _code_name(brick: Any, address: int) -> str:

@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ravenbrick.target.robot import Robot, Task
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import jobs_of
 
-__all__ = ["check_task_set"]
+__all__ = ["check_names", "check_task_set"]
 
 PERIOD_TOLERANCE_US = 1.0
 
@@ -40,15 +42,21 @@ def _differences(recording: Recording, thread: int, task: Task) -> list[tuple[st
     return differences
 
 
-def check_task_set(robot: Robot, recording: Recording) -> None:
-    """Raise `ProjectFileError` for the first task that differs from the image that ran."""
-    names = [thread.name.lower() for thread in recording.threads]
+def check_names(robot: Robot, names: Sequence[str]) -> None:
+    """Raise `ProjectFileError` for a task that is none of the image's, in small letters."""
     for index, task in enumerate(robot.tasks):
         if task.name.lower() not in names:
             raise robot.document.error(
                 ("tasks", index, "name"),
                 f"the image has no task '{task.name}'; it has: {', '.join(names) or 'none'}",
             )
+
+
+def check_task_set(robot: Robot, recording: Recording) -> None:
+    """Raise `ProjectFileError` for the first task that differs from the image that ran."""
+    names = [thread.name.lower() for thread in recording.threads]
+    check_names(robot, names)
+    for index, task in enumerate(robot.tasks):
         thread = names.index(task.name.lower())
         for field, declared, observed in _differences(recording, thread, task):
             raise robot.document.error(

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What may keep an interrupt waiting, and which services of the run-time mask interrupts."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ravenbrick.target.robot import Task, read_robot
+from ravenbrick.timing.bounds import Bound
+from ravenbrick.timing.kernel import MASKING, InterruptCost, Services
+from ravenbrick.timing.masked import Masking
+from ravenbrick.timing.started import ALARM_SOURCE, Handler
+
+ROOT = Path(__file__).resolve().parents[3]
+SERVICES = Services(delay_until=0, resume=30, masking={"set_true": 100, "delay": 50})
+PASSAGE = 180
+LEVEL = 38
+
+# Elsewhere than in services: before the tasks begin, behind their end, in handlers, inside of the
+# services, or for fewer cycles than any wait for a release, which each task has.
+NOT_SERVICES = {
+    "s-memory.adb": "an addition",
+    "s-tarest.adb": "activation and end of tasks",
+    "ravenbrick-clock.adb": "reads the clock again",
+    "ravenbrick-delays-events.adb": "the alarm's handler",
+    "ravenbrick-execution_times.adb": "reads an account",
+    "ravenbrick-threads.adb": "end of tasks",
+}
+PACKAGES = {
+    "a-dispat.adb": "ada__dispatching",
+    "a-rttiev.adb": "ada__real_time__timing_events",
+    "a-sytaco.adb": "ada__synchronous_task_control",
+    "ravenbrick-delays.adb": "ada__real_time__delays",
+    "s-taprob.adb": "system__tasking__protected_objects",
+    "s-tposen.adb": "system__tasking__protected_objects__single_entry",
+}
+# Compiled into what calls them; the handler.
+INSIDE = {"wait": "protected_single_entry_call", "ring": "delay_until"}
+
+
+def job(*reached: str, section_cycles: int = 0) -> Bound:
+    """A body of 70 cycles with a protected action of the highest ceiling."""
+    sections = ((2 * LEVEL + 1, section_cycles),) if section_cycles else ()
+    return Bound("job", 70, 0, sections, frozenset(reached), {})
+
+
+def handler(level: int, body: Bound, source: int = 0) -> InterruptCost:
+    return InterruptCost(Handler(source, level, "handle"), 500, body)
+
+
+def waiting(bodies: list[Bound], *handlers: InterruptCost) -> int:
+    """Of an interrupt at `LEVEL` above tasks with these jobs."""
+    task: Task = read_robot(ROOT / "examples" / "vehicle").tasks[0]
+    jobs = [(replace(task, name=f"t{n}"), body) for n, body in enumerate(bodies)]
+    return Masking(SERVICES, PASSAGE, handlers, ()).waiting(LEVEL, jobs)
+
+
+def test_masked_services_of_all_tasks_follow_a_way_out() -> None:
+    """A task that masks nothing cannot go on masked."""
+    jobs = [job("set_true"), job("delay"), job()]
+    assert waiting(jobs) == PASSAGE + (100 + 30) + (50 + 30)
+
+
+def test_a_protected_action_stands_without_the_masked_services() -> None:
+    assert waiting([job("delay", section_cycles=200), job("delay")]) == PASSAGE + 2 * (50 + 30)
+    assert waiting([job("delay", section_cycles=900), job("delay")]) == 900
+
+
+def test_the_alarm_s_handler_masks_for_the_whole_of_a_release() -> None:
+    assert waiting([job()], handler(31, job(), ALARM_SOURCE)) == PASSAGE + 70
+    assert waiting([job()], handler(31, job("delay"))) == PASSAGE + 50
+
+
+@pytest.mark.parametrize(("levels", "passages"), [(1, 1), (4, 1), (5, 2), (7, 4)])
+def test_ways_out_of_many_levels_are_counted_one_by_one(levels: int, passages: int) -> None:
+    below = [handler(LEVEL - 1 - level, job()) for level in range(levels)]
+    assert waiting([job()], *below, handler(LEVEL, job("set_true"))) == passages * PASSAGE
+
+
+def test_each_operation_of_the_run_time_that_masks_interrupts_is_a_known_service() -> None:
+    """Read from the sources: one that is forgotten would make bounds too short."""
+    found = set()
+    begin = re.compile(r"^ *(?:procedure|function) (\w+)", re.MULTILINE)
+    for folder in ("language", "kernel", "at91sam7s"):
+        for file in sorted((ROOT / "runtime" / folder).glob("*.adb")):
+            text = file.read_text()
+            masks = [m.start() for m in re.finditer(r"Mask_(?:In_Thread|Interrupts)\b", text)]
+            if file.name in NOT_SERVICES or not masks:
+                continue
+            for place in masks:
+                name = begin.findall(text[:place])[-1].lower()
+                found.add(f"{PACKAGES[file.name]}__{INSIDE.get(name, name)}")
+    assert found == set(MASKING)
