@@ -39,8 +39,8 @@ __all__ = [
 ]
 
 ELABORATED_MS = 300
-# The thread that executes the main procedure, two of its states, and where in it its wake-up time is
-# (runtime/kernel/ravenbrick-threads.ads); what 'delay until Time_Last' makes of that.
+# The thread that executes the main procedure, two of its states, and where in it its wake-up time
+# is (runtime/kernel/ravenbrick-threads.ads); what "delay until Time_Last" makes of that.
 ENVIRONMENT = "environment"
 DELAYED, TERMINATED = 2, 5
 WAKE = struct.Struct("<q")
