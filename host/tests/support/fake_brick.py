@@ -14,6 +14,8 @@ import math
 import struct
 from dataclasses import dataclass
 
+from ravenbrick.target.slices import run_until_picture
+
 CLOCK = (336_384_000, 7)
 HERTZ = CLOCK[0] / CLOCK[1]
 MILLISECOND = HERTZ / 1000
@@ -116,13 +118,7 @@ class VirtualBrick:
         return Stop("reached", cycles, "")
 
     def run_until_picture(self, instants: list[int], first: int, end: int) -> tuple[Stop, int]:
-        """To the last of the instants, or the first with the picture."""
-        version, index = self.lcd_version, first
-        stop = self.run_until(instants[index])
-        while stop.reason == "reached" and self.lcd_version == version and index + 1 < end:
-            index += 1
-            stop = self.run_until(instants[index])
-        return stop, index
+        return run_until_picture(self, instants, first, end)
 
     @property
     def lcd_version(self) -> int:

@@ -18,6 +18,7 @@ from typing import Any
 
 from ravenbrick.errors import RunFaultError, ToolMissingError, UsageError
 from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.target.slices import run_until_picture
 
 __all__ = ["CoSimulation", "FmuBody"]
 
@@ -151,13 +152,7 @@ class CoSimulation:
 
     def run_until_picture(self, instants: list[int], first: int, end: int) -> tuple[Any, int]:
         """As the brick's, in the same steps."""
-        version, index = self._brick.lcd_version, first
-        while True:
-            stop = self.run_until(instants[index])
-            changed = self._brick.lcd_version != version
-            if stop.reason != "reached" or changed or index + 1 >= end:
-                return stop, index
-            index += 1
+        return run_until_picture(self, instants, first, end)
 
     def _exchange(self) -> None:
         quantities = dict(self._brick.quantities())
