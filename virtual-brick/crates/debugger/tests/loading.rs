@@ -91,7 +91,8 @@ fn flash_is_erased_and_written_in_pages_and_nothing_else_is() {
 fn another_program_begins_with_the_inputs_that_were_to_come() {
     let mut program = Program::new();
     program.load(0, 0x1234).stop();
-    let file = std::env::temp_dir().join(format!("ravenbrick-{}.elf", std::process::id()));
+    let file = format!("other-{}.elf", std::process::id());
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(file);
     std::fs::write(&file, support::image(&program).build()).unwrap();
     let mut free = support::brick(&program);
     free.schedule_input(50_000, "touch.1", 1.0).unwrap();

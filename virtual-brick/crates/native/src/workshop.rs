@@ -241,8 +241,13 @@ mod tests {
             assert!(workshop.ask(request(0, number)));
         }
         assert_eq!(begins.recv(), Ok(0));
+        let wanted = Arc::clone(&workshop.present().unwrap().wanted);
+        let leaving = thread::spawn(move || drop(workshop));
+        while wanted.load(Ordering::Relaxed) == 0 {
+            thread::yield_now();
+        }
         drop(go);
-        drop(workshop);
+        leaving.join().unwrap();
         // The thread has the only other end.
         assert!(begins.recv().is_err());
     }

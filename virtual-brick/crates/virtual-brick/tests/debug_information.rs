@@ -32,7 +32,9 @@ fn image() -> &'static Image {
 
 fn compile() -> Image {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (source, elf) = (folder.join("types.c"), folder.join("types.elf"));
+    // Another run of these tests may be under way.
+    let own = |suffix| folder.join(format!("types-{}.{suffix}", std::process::id()));
+    let (source, elf) = (own("c"), own("elf"));
     std::fs::write(&source, SOURCE).unwrap();
     let status = Command::new("arm-none-eabi-gcc")
         .args([
@@ -49,7 +51,9 @@ fn compile() -> Image {
         .status()
         .expect("arm-none-eabi-gcc starts; run the project's set-up");
     assert!(status.success());
-    Image::parse(&std::fs::read(&elf).unwrap()).unwrap()
+    let content = std::fs::read(&elf).unwrap();
+    [&source, &elf].map(|file| std::fs::remove_file(file).unwrap());
+    Image::parse(&content).unwrap()
 }
 
 #[test]
