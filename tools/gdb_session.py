@@ -59,7 +59,7 @@ def talk(command: list[str], commands: tuple[str, ...]) -> list[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=240,
+        timeout=1200,
         check=False,
     )
     said = done.stdout.replace("(gdb) ", "").split(MARK)[1:-1]

@@ -51,7 +51,7 @@ def run_setup(machine: Path) -> subprocess.CompletedProcess[str]:
         capture_output=True,
         text=True,
         stdin=subprocess.DEVNULL,
-        timeout=60,
+        timeout=600,
     )
 
 

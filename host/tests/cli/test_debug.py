@@ -30,6 +30,7 @@ from ravenbrick.target.workspace import Workspace
 
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()", "debug", str(VEHICLE)]
 ELF = Workspace.of(VEHICLE).image("ram", "vehicle")
+LONGEST_S = 300
 
 pytestmark = [
     pytest.mark.skipif(
@@ -60,10 +61,21 @@ def gdb(*commands: str) -> list[str]:
         target=brick.serve_debugger, kwargs={"on_listening": ports.put, "once": True}, daemon=True
     )
     server.start()
-    said = talk(gdb_command(GDB, ELF, ports.get(timeout=20)), commands)
-    server.join(timeout=20)
+    program, *words = gdb_command(GDB, ELF, ports.get(timeout=LONGEST_S))
+    said = talk([program, "-l", str(LONGEST_S), *words], commands)
+    server.join(timeout=LONGEST_S)
     assert not server.is_alive()
     return said
+
+
+def whole_reply(connection: socket.socket) -> bytes:
+    """Acknowledgement and packet, which may come in pieces: `+$...#xx`."""
+    reply = b""
+    while len(reply.partition(b"#")[2]) < 2:
+        piece = connection.recv(100)
+        assert piece, f"the connection ended after {reply!r}"
+        reply += piece
+    return reply
 
 
 def brick_seconds(said: str) -> float:
@@ -221,11 +233,11 @@ def test_a_debugger_of_ones_own_connects_to_the_printed_port() -> None:
         first, second = server.stdout.readline(), server.stdout.readline()
         port = int(re.findall(r"127\.0\.0\.1:(\d+)", first)[0])
         assert f"'target remote 127.0.0.1:{port}' {ELF}" in second
-        with socket.create_connection(("127.0.0.1", port), timeout=10) as client:
+        with socket.create_connection(("127.0.0.1", port), timeout=LONGEST_S) as client:
             client.sendall(b"$?#3f")
-            assert b"T05" in client.recv(100)
+            assert b"T05" in whole_reply(client)
             client.sendall(b"$k#6b")
-        assert server.wait(timeout=20) == 0
+        assert server.wait(timeout=LONGEST_S) == 0
     finally:
         server.kill()
         server.communicate()

@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -118,10 +117,8 @@ def test_from_new_to_a_run(name: str, tmp_path: Path) -> None:
 
 def debugger_reaches_main(project: Path, task: dict[str, Any], launch: dict[str, Any]) -> None:
     """The task before the launch serves the brick, and GDB stops in the program on it."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = str(free.getsockname()[1])
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    command = f"exec {task['command'].replace('3333', port)}"
+    command = f"exec {task['command'].replace('3333', '0')}"
     server = subprocess.Popen(
         ["bash", "-c", command],
         cwd=project,
@@ -131,9 +128,11 @@ def debugger_reaches_main(project: Path, task: dict[str, Any], launch: dict[str,
     )
     try:
         assert server.stdout is not None
-        ends = task["problemMatcher"]["background"]["endsPattern"].replace("3333", port)
-        assert any(re.search(ends, line) for line in server.stdout)
-        gdb = [launch["miDebuggerPath"], "-batch", launch["program"]]
+        said = server.stdout.readline()
+        port = re.findall(r"127\.0\.0\.1:(\d+)", said)[0]
+        ends = task["problemMatcher"]["background"]["endsPattern"]
+        assert re.search(ends.replace("3333", port), said)
+        gdb = [launch["miDebuggerPath"], "-l", "300", "-batch", launch["program"]]
         for order in (f"target remote 127.0.0.1:{port}", "break _ada_main", "continue", "where"):
             gdb += ["-ex", order]
         assert "src/main.adb:" in run(project, *gdb)

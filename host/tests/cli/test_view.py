@@ -7,12 +7,12 @@ from __future__ import annotations
 import json
 import threading
 import urllib.error
-import urllib.request
 from pathlib import Path
 from typing import Any
 
 import pytest
 from host.tests.support import fake_brick
+from host.tests.support.web import open_page
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
@@ -138,14 +138,14 @@ def test_the_server_gives_the_page_the_project_and_nothing_else(project: Path) -
         assert server.server_address[0] == "127.0.0.1"
         threading.Thread(target=server.serve_forever, daemon=True).start()
         address = f"http://127.0.0.1:{server.server_port}"
-        with urllib.request.urlopen(f"{address}/assets/brick.wasm") as answer:
+        with open_page(f"{address}/assets/brick.wasm") as answer:
             assert answer.headers["Content-Type"] == "application/wasm"
             assert "default-src 'self'" in answer.headers["Content-Security-Policy"]
-        with urllib.request.urlopen(f"{address}/session.json") as answer:
+        with open_page(f"{address}/session.json") as answer:
             assert (answer.read(), answer.headers["Content-Type"]) == (b"{}", "application/json")
         for path in ("/../secret", "/%2e%2e/secret", "/absent"):
             with pytest.raises(urllib.error.HTTPError, match="404"):
-                urllib.request.urlopen(f"{address}{path}")
+                open_page(f"{address}{path}")
         server.shutdown()
 
 

@@ -23,6 +23,7 @@ from ravenbrick.target.usbip import UsbIpServer
 LIST = struct.pack(">HHI", 0x0111, 0x8005, 0)
 IMPORT = struct.pack(">HHI32s", 0x0111, 0x8003, 0, b"1-1")
 GROWTH_MOST_KB = 64 * 1024
+LONGEST_S = 300
 
 
 class Host:
@@ -32,7 +33,7 @@ class Host:
     type = "usb"
 
     def __init__(self, port: int) -> None:
-        self._socket = socket.create_connection(("127.0.0.1", port), timeout=30)
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout=LONGEST_S)
         self._sequence = 0
 
     def exactly(self, count: int) -> bytes:
@@ -88,8 +89,40 @@ class Host:
         self._socket.close()
 
 
-def played(brick: Any, work: Callable[[int, int], Any]) -> tuple[Any, LiveRecord]:
+class Turns:
+    """The brick runs when its client lets it: neither's speed changes what happens between them."""
+
+    def __init__(self) -> None:
+        self._given, self._taken = threading.Semaphore(0), threading.Semaphore(0)
+        self._free = False
+
+    def give(self, count: int) -> None:
+        """Let the brick run so many times 5 ms."""
+        for _ in range(count):
+            self._given.release()
+            self._taken.acquire()
+
+    def give_all(self) -> None:
+        """Let the brick run on."""
+        self._free = True
+        self._given.release()
+
+    def take(self) -> None:
+        """Wait for a turn."""
+        if not self._free:
+            self._given.acquire()
+            self._taken.release()
+
+
+def played(
+    brick: Any, work: Callable[[int, int], Any], turn: Callable[[], None] = lambda: None
+) -> tuple[Any, LiveRecord]:
     """What `work` gives, done from outside with the ports of USB and Bluetooth of a live brick."""
+
+    def over() -> bool:
+        turn()
+        return not client.is_alive()
+
     port, usb, record = TcpPort(0), UsbIpServer(0), LiveRecord("none")
     live = LiveRun(brick, port, record, "1234", speed=0, usb_ip=usb)
     results: list[Any] = []
@@ -97,7 +130,7 @@ def played(brick: Any, work: Callable[[int, int], Any]) -> tuple[Any, LiveRecord
     client = threading.Thread(target=lambda: results.append(work(usb.port, number)), daemon=True)
     client.start()
     try:
-        stopped = live.run(None, stop=lambda: not client.is_alive())
+        stopped = live.run(None, stop=over)
     finally:
         port.close()
         usb.close()
@@ -148,23 +181,34 @@ def hostile_bytes(numbers: random.Random) -> bytes:
     return bytes(content)
 
 
+def annoy(client: socket.socket, turns: Turns, numbers: random.Random) -> None:
+    """Send what is hostile, take a part of the answers, and be let go or go."""
+    try:
+        client.sendall(hostile_bytes(numbers))
+        turns.give(20)
+        client.setblocking(False)
+        client.recv(numbers.choice([1, 400]))
+    except OSError:
+        return
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_hostile_peers_end_neither_the_run_nor_the_memory(seed: int) -> None:
+    turns = Turns()
+
     def work(usb: int, bluetooth: int) -> Any:
         numbers = random.Random(seed)
-        for _ in range(60):
-            target = numbers.choice([usb, bluetooth])
-            with socket.create_connection(("127.0.0.1", target), timeout=30) as client:
-                client.settimeout(0.05)
-                try:
-                    client.sendall(hostile_bytes(numbers))
-                    client.recv(numbers.choice([1, 400]))
-                except OSError:
-                    continue
+        try:
+            for _ in range(60):
+                target = numbers.choice([usb, bluetooth])
+                with socket.create_connection(("127.0.0.1", target), timeout=LONGEST_S) as client:
+                    annoy(client, turns, numbers)
+        finally:
+            turns.give_all()
         return Host(usb).identity()
 
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    identity, record = played(firmware_brick(), work)
+    identity, record = played(firmware_brick(), work, turns.take)
     assert identity is None or identity == (0x0694, 0x0002)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < GROWTH_MOST_KB
     assert len(record.cable) < 60 * 64

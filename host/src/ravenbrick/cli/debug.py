@@ -31,6 +31,8 @@ __all__ = ["GDB", "debug_command", "gdb_command"]
 
 GDB = "gdb-multiarch"
 LOOPBACK = "127.0.0.1"
+# GDB gives an answer up after 2 s, which a computer with other work may need.
+PATIENCE = "set remotetimeout 60\n"
 # GDB keeps registers across a reset that it does not know of.
 RESET = "define reset\nmonitor reset\nmaintenance flush register-cache\nend\n"
 RESET += "document reset\nBegin the run again.\nend\n"
@@ -82,7 +84,7 @@ def _with_gdb(brick: Any, elf: Path, port: int) -> int:
     try:
         with tempfile.TemporaryDirectory() as folder:
             script = Path(folder) / "ravenbrick.gdb"
-            script.write_text(RESET + PROGRAM)
+            script.write_text(PATIENCE + RESET + PROGRAM)
             return subprocess.call(gdb_command(program, elf, told, script))
     finally:
         finished.set()

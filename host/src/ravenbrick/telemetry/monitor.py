@@ -54,14 +54,13 @@ class Monitor:
             self._try_to_connect()
             return
         try:
+            # What came before a link broke is there to be read; nothing can be written any more.
+            if data := self._link.read(_POLL_S):
+                self._record(Direction.RECEIVED, data)
+                self.session.receive(data)
             self._write(self.session.pending(self.now_s))
-            data = self._link.read(_POLL_S)
         except LinkLostError as error:
             self._lose(error)
-            return
-        if data:
-            self._record(Direction.RECEIVED, data)
-            self.session.receive(data)
 
     def end(self) -> None:
         """Say farewell and let go of the link."""
