@@ -207,8 +207,9 @@ pub trait Board {
     fn twi_read(&mut self, now: Cycles) -> (u8, Cycles);
     /// STOP on the bus.
     fn twi_stop(&mut self, now: Cycles);
-    /// One SPI frame of `bits` bits with chip select `select` (0 to 3; 4 when none) was shifted.
-    fn spi_frame(&mut self, now: Cycles, select: u8, frame: u16, bits: u8) -> u16;
+    /// One SPI frame of `bits` bits was shifted through the pins of the SPI while its select line
+    /// held the pins in `selected` low.
+    fn spi_frame(&mut self, now: Cycles, selected: u32, frame: u16, bits: u8) -> u16;
     /// Voltage on analogue input `channel` (0 to 7), in counts of the 10-bit converter.
     fn analogue_input(&mut self, now: Cycles, channel: u8) -> u16;
     /// When the board itself wants to be advanced next (encoder edge, co-processor tick).

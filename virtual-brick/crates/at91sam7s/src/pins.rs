@@ -13,6 +13,16 @@ use crate::tc::Line;
 pub(crate) const PIOA: u8 = 2;
 /// Pins that carry TIOA and TIOB of the three channels (peripheral B).
 const TIMER_PINS: [(u32, u32); 3] = [(0, 1), (15, 16), (26, 27)];
+/// Pins of the SPI's data to its slaves and of its clock (peripheral A).
+const SPI_PINS: [u32; 2] = [13, 14];
+/// Pins of the SPI's select lines 0 to 3, as peripheral A and as peripheral B (data sheet 6175M,
+/// PIO controller A multiplexing).
+const SELECT_PINS: [(u32, u32); 4] = [
+    (1 << 11, 0),
+    (1 << 31, 1 << 9),
+    (0, 1 << 10 | 1 << 30),
+    (0, 1 << 3 | 1 << 5 | 1 << 22),
+];
 /// Pins of the external interrupts: (pin, source).
 const INTERRUPT_PINS: [(u32, u8); 3] = [(19, 0), (20, 30), (30, 31)];
 
@@ -120,9 +130,13 @@ impl<B: Board> Chip<B> {
 
     pub(crate) fn serve_spi(&mut self, at: Cycles) {
         if let Some(frame) = self.spi.shifted(at) {
-            let answer = self
-                .board
-                .spi_frame(at, frame.select, frame.data, frame.bits);
+            let wired = SPI_PINS.iter().all(|&pin| self.pio.is_peripheral_a(pin));
+            let answer = if wired {
+                let selected = self.selected_pins(frame.select);
+                self.board.spi_frame(at, selected, frame.data, frame.bits)
+            } else {
+                0
+            };
             self.refresh_board(at);
             self.spi.receive(frame, answer);
             self.drain_spi(at);
@@ -131,6 +145,15 @@ impl<B: Board> Chip<B> {
             self.record_fault(kind, crate::registers::SPI_BASE, None);
         }
         self.refresh_spi(at);
+    }
+
+    /// Pins that the SPI holds low by a select line (0 to 3; 4 when none).
+    fn selected_pins(&self, select: u8) -> u32 {
+        let (a, b) = SELECT_PINS
+            .get(usize::from(select))
+            .copied()
+            .unwrap_or_default();
+        self.pio.given_to_peripherals(a, b)
     }
 
     /// Memory to transmit register, as long as the data controller may.

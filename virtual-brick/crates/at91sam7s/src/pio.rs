@@ -57,6 +57,11 @@ impl Pio {
         (self.pio_control | self.select_b) >> pin & 1 == 0
     }
 
+    /// Those of the pins `a` that belong to peripheral A, and those of `b` that belong to B.
+    pub(crate) fn given_to_peripherals(&self, a: u32, b: u32) -> u32 {
+        !self.pio_control & (!self.select_b & a | self.select_b & b)
+    }
+
     pub(crate) fn filtered(&self, pins: u32) -> bool {
         self.filter & pins != 0
     }

@@ -7,7 +7,9 @@ mod common;
 
 use arm7tdmi::bus::Bus;
 use at91sam7s::FaultKind;
-use common::{bus_log, read, run_to, running_chip, wait_for, write, Seen, TestChip, SPI, SRAM};
+use common::{
+    bus_log, read, run_to, running_chip, wait_for, write, Seen, TestChip, PIOA, SPI, SRAM,
+};
 
 const CR: u32 = SPI;
 const MR: u32 = SPI + 0x04;
@@ -29,9 +31,21 @@ const ENDTX: u32 = 1 << 5;
 const TXBUFE: u32 = 1 << 7;
 const TXEMPTY: u32 = 1 << 9;
 
+/// Pins of the SPI: its clock and data, its select line 2 (B) and its select line 1 (A).
+const LINES: u32 = 1 << 13 | 1 << 14;
+const LINE_2: u32 = 1 << 10;
+const LINE_1: u32 = 1 << 31;
+
+/// Give these pins to the peripherals A.
+fn give(chip: &mut TestChip, pins: u32) {
+    write(chip, PIOA + 0x04, pins);
+}
+
 /// Display settings with the chip select driven by the peripheral: 8 bits at MCK/24, no delays.
 fn select_by_peripheral() -> TestChip {
     let mut chip = running_chip();
+    give(&mut chip, LINES | LINE_2);
+    write(&mut chip, PIOA + 0x74, LINE_2);
     write(&mut chip, MR, 0x000B_0011);
     write(&mut chip, CSR2, 0x1801);
     write(&mut chip, CR, 1);
@@ -41,19 +55,20 @@ fn select_by_peripheral() -> TestChip {
 /// Display settings with the chip select on a PIO pin: DLYBS and DLYBCT of 24.
 fn select_by_pin() -> TestChip {
     let mut chip = running_chip();
+    give(&mut chip, LINES);
     write(&mut chip, MR, 0x0600_0001);
     write(&mut chip, CSR0, 0x1818_1801);
     write(&mut chip, CR, 1);
     chip
 }
 
-fn frames(chip: &TestChip, start: u64) -> Vec<(u64, u8, u16)> {
+fn frames(chip: &TestChip, start: u64) -> Vec<(u64, u32, u16)> {
     let frame = |(at, seen)| match seen {
         Seen::Spi {
-            select,
+            selected,
             frame,
             bits: 8,
-        } => (at, select, frame),
+        } => (at, selected, frame),
         other => panic!("{other:?}"),
     };
     bus_log(chip, start).into_iter().map(frame).collect()
@@ -67,7 +82,7 @@ fn one_byte_takes_the_lead_and_eight_clock_periods() {
     let start = chip.now();
     assert_eq!(read(&mut chip, SR) & (TDRE | TXEMPTY), TDRE);
     wait_for(&mut chip, SR, TXEMPTY);
-    assert_eq!(frames(&chip, start), [(12 + 8 * 24, 2, 0xA5)]);
+    assert_eq!(frames(&chip, start), [(12 + 8 * 24, LINE_2, 0xA5)]);
 }
 
 #[test]
@@ -82,7 +97,7 @@ fn the_data_controller_sends_a_hundred_bytes_at_192_cycles_each() {
     assert_eq!(read(&mut chip, SR) & (ENDTX | TXBUFE), 0);
     wait_for(&mut chip, SR, TXEMPTY);
     let expected: Vec<_> = (0..100)
-        .map(|k| (12 + 192 * (k + 1), 2, line[k as usize].into()))
+        .map(|k| (12 + 192 * (k + 1), LINE_2, line[k as usize].into()))
         .collect();
     assert_eq!(frames(&chip, start), expected);
     assert_eq!(read(&mut chip, TPR), SRAM + 0x100 + 100);
@@ -189,8 +204,35 @@ fn an_unread_frame_is_overrun() {
 }
 
 #[test]
+fn frames_leave_only_through_pins_that_the_program_gave_to_the_interface() {
+    let send = |prepare: &dyn Fn(&mut TestChip)| {
+        let mut chip = select_by_peripheral();
+        prepare(&mut chip);
+        let start = chip.now();
+        write(&mut chip, TDR, 0xA5);
+        wait_for(&mut chip, SR, TXEMPTY);
+        let frames = frames(&chip, start);
+        frames
+            .into_iter()
+            .map(|(_, selected, _)| selected)
+            .collect()
+    };
+    let none: [u32; 0] = [];
+    assert_eq!(send(&|_| ()), [LINE_2]);
+    for pin in [13, 14] {
+        let taken: Vec<u32> = send(&|chip| write(chip, PIOA, 1 << pin));
+        assert_eq!(taken, none, "PA{pin} belongs to the PIO controller");
+        let other: Vec<u32> = send(&|chip| write(chip, PIOA + 0x74, 1 << pin));
+        assert_eq!(other, none, "PA{pin} belongs to peripheral B");
+    }
+    assert_eq!(send(&|chip| write(chip, PIOA, LINE_2)), [0]);
+    assert_eq!(send(&|chip| write(chip, PIOA + 0x70, LINE_2)), [0]);
+}
+
+#[test]
 fn variable_selection_takes_chip_select_and_size_with_the_data() {
     let mut chip = select_by_peripheral();
+    give(&mut chip, LINE_1);
     write(&mut chip, MR, 0x0000_0013);
     write(&mut chip, CSR0 + 4, 0x0882);
     write(&mut chip, TDR, 0x000D_CAFE);
@@ -202,7 +244,7 @@ fn variable_selection_takes_chip_select_and_size_with_the_data() {
     assert_eq!(
         seen,
         [Seen::Spi {
-            select: 1,
+            selected: LINE_1,
             frame: 0xCAFE,
             bits: 16
         }]

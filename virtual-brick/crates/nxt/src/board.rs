@@ -36,8 +36,6 @@ use crate::usb::{UsbHost, CABLE_COUNT};
 
 const DISPLAY_SELECT: u32 = 1 << 10;
 const DISPLAY_DATA: u32 = 1 << 12;
-/// Chip select output of the SPI that reaches the display as a peripheral function of PA10.
-const DISPLAY_SELECT_OUTPUT: u8 = 2;
 const DISPLAY_FRAME_BITS: u8 = 8;
 /// Lines that the brick pulls up: two-wire bus (PA3, PA4) and the digital lines of the ports.
 const PULLED_UP: u32 = 1 << 3 | BUS_CLOCK | PORT_LINES;
@@ -356,10 +354,8 @@ impl NxtBoard {
     }
 
     /// The display hears frames while PA10 is low, as an output or as the SPI's own select line.
-    fn display_selected(&self, select: u8) -> bool {
-        let as_output = self.driven(DISPLAY_SELECT, false);
-        let as_select = select == DISPLAY_SELECT_OUTPUT && !self.driven(DISPLAY_SELECT, true);
-        as_output || as_select
+    fn display_selected(&self, selected: u32) -> bool {
+        selected & DISPLAY_SELECT != 0 || self.driven(DISPLAY_SELECT, false)
     }
 
     fn display_frame(&mut self, now: Cycles, byte: u8) {
@@ -467,8 +463,8 @@ impl Board for NxtBoard {
         self.bench.note(now, BusEvent::TwiStop);
     }
 
-    fn spi_frame(&mut self, now: Cycles, select: u8, frame: u16, bits: u8) -> u16 {
-        if self.display_selected(select) {
+    fn spi_frame(&mut self, now: Cycles, selected: u32, frame: u16, bits: u8) -> u16 {
+        if self.display_selected(selected) {
             let data = self.driven(DISPLAY_DATA, true);
             self.bench.note(now, BusEvent::Display { data, frame });
             match u8::try_from(frame) {

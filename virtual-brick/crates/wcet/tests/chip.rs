@@ -48,7 +48,7 @@ impl Board for Bare {
         (0, 0)
     }
     fn twi_stop(&mut self, _: Cycles) {}
-    fn spi_frame(&mut self, _: Cycles, _: u8, _: u16, _: u8) -> u16 {
+    fn spi_frame(&mut self, _: Cycles, _: u32, _: u16, _: u8) -> u16 {
         0
     }
     fn analogue_input(&mut self, _: Cycles, _: u8) -> u16 {

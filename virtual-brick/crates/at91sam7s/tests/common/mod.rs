@@ -31,7 +31,7 @@ pub enum Seen {
     TwiWrite(u8),
     TwiRead(u8),
     TwiStop,
-    Spi { select: u8, frame: u16, bits: u8 },
+    Spi { selected: u32, frame: u16, bits: u8 },
     Sound(SoundBits),
     Sent(SerialPort, Character),
     Usb(UsbAnswer),
@@ -100,11 +100,11 @@ impl Board for ScriptedBoard {
         self.log.push((now, Seen::TwiStop));
     }
 
-    fn spi_frame(&mut self, now: Cycles, select: u8, frame: u16, bits: u8) -> u16 {
+    fn spi_frame(&mut self, now: Cycles, selected: u32, frame: u16, bits: u8) -> u16 {
         self.log.push((
             now,
             Seen::Spi {
-                select,
+                selected,
                 frame,
                 bits,
             },
