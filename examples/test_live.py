@@ -7,18 +7,20 @@ from __future__ import annotations
 import json
 import os
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from ravenbrick.cli import app
+from ravenbrick.errors import PeerError
 from ravenbrick.target.byte_ports import open_port
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
 from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
+from ravenbrick.target.scenario import MonitorWindow, read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.steps import live_steps
@@ -139,6 +141,23 @@ def test_a_scenario_s_monitor_takes_samples_from_its_begin_to_its_end(image: Any
 
     assert longest(2.0, 5.0) > 2 * longest(0.5, 1.0)
     assert longest(5.5, 6.0) < longest(2.0, 5.0) / 2
+
+
+def test_a_scenario_s_monitor_asks_until_the_program_listens(image: Any) -> None:
+    """From the first instant on, before Bluetooth is up; a wrong PIN is told, not passed over."""
+    robot = read_robot(BENCH)
+    scenario = read_scenario(scenario_path(BENCH, "monitored"), robot)
+    early = replace(scenario, duration_ms=2_500, monitor=MonitorWindow("1234", 0, None))
+    recording = VirtualTarget().run(robot, early, image)
+    talker = [thread.name.lower() for thread in recording.threads].index("talker")
+    latest = [job for job in jobs_of(recording, talker) if job.response_time_cycles][-20:]
+    idle = VirtualTarget().run(robot, replace(early, monitor=None), image)
+    quiet = [job for job in jobs_of(idle, talker) if job.response_time_cycles][-20:]
+    longest, usual = (max(j.response_time_cycles or 0 for j in jobs) for jobs in (latest, quiet))
+    assert longest > 2 * usual
+    wrong = replace(early, monitor=MonitorWindow("4321", 0, None))
+    with pytest.raises(PeerError, match=r"got no connection from 0 ms on; .* PIN of \[monitor\]"):
+        VirtualTarget().run(robot, wrong, image)
 
 
 def test_live_steps_lie_on_the_design() -> None:

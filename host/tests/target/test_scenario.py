@@ -138,6 +138,9 @@ def test_a_monitor_that_hangs_up_before_it_connects_is_named_with_its_line(
     with pytest.raises(ProjectFileError, match="expected more than from_ms = 900") as caught:
         _read(project, robot)
     assert caught.value.line == line + 3
+    edit(DRIVE, "until_ms = 800", "until_ms = 900_000")
+    with pytest.raises(ScenarioError, match="until_ms: 900000 ms is beyond the duration"):
+        _read(project, robot)
     edit(DRIVE, "[monitor]", '[peer]\nproject = ".."\nscenario = "x"\n\n[monitor]')
     with pytest.raises(ProjectFileError, match="a peer or a monitor; leave one out"):
         _read(project, robot)

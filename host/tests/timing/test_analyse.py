@@ -269,6 +269,13 @@ def test_the_report_says_what_the_bound_holds_that_the_run_did_not_show(
     seen = {**first["observed"], "response_cycles": first["response_bound_cycles"]}
     close = {**first, "observed": seen}
     assert "which is close" in why_apart({"tasks": [close]})[0]
+    terms, own = first["terms"], first["execution_bound_cycles"]
+    met = {f"{key}_cycles": terms[f"{key}_cycles"] for key in ("interference", "blocking")}
+    met |= {"interrupt_cycles": terms["interrupts_cycles"], "execution_cycles": own}
+    rest = {**first, "observed": {**first["observed"], **met}}
+    (line,) = why_apart({"tasks": [rest]})
+    charged = terms["overheads_cycles"] + terms["release_jitter_cycles"]
+    assert line.endswith(f"are charged {charged} cycles, which the run does not show apart")
 
 
 def test_an_image_older_than_the_run_time_is_named_with_what_to_do(image: ElfImage) -> None:

@@ -15,7 +15,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import UsageError
-from ravenbrick.schedule.quantity import exact, shown
+from ravenbrick.schedule.quantity import Time, exact, shown
 from ravenbrick.schedule.report import advice, analysis
 from ravenbrick.schedule.task_file import Rule, TaskFile, read_task_file
 
@@ -88,22 +88,24 @@ def schedule_command(
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Bound the response times of a task set given as a file."""
+    end = _end_of_picture(gantt, until)
     found = read_task_file(file, priorities)
     result = analysis(found)
+    answer = {**result, "advice": advice(result)}
+    if gantt is not None:
+        answer["gantt"] = str(_drawn(found, gantt, end))
     reporter = Reporter(json_output)
     _print(reporter, result)
-    answer = {**result, "advice": advice(result)}
-    if gantt is None and until is not None:
-        raise UsageError("--until is the end of the picture; name its file with --gantt")
     if gantt is not None:
-        answer["gantt"] = str(_drawn(found, gantt, until))
         reporter.print(f"schedules, without overheads: {gantt}")
     return answer
 
 
-def _drawn(found: TaskFile, path: Path, until: str | None) -> Path:
-    """The picture's file."""
-    if path.suffix not in PICTURES:
+def _end_of_picture(path: Path | None, until: str | None) -> Time | None:
+    """What the options ask for, checked; None for all there is to see."""
+    if path is None and until is not None:
+        raise UsageError("--until is the end of the picture; name its file with --gantt")
+    if path is not None and path.suffix not in PICTURES:
         raise UsageError(f"{path}: cannot be drawn; end its name in {', '.join(PICTURES)}")
     try:
         end = None if until is None else exact(Fraction(until))
@@ -111,6 +113,11 @@ def _drawn(found: TaskFile, path: Path, until: str | None) -> Path:
         raise UsageError(f"--until {until}: expected a number, or a text such as 1/3") from None
     if end is not None and end <= 0:
         raise UsageError(f"--until {until}: expected more than 0")
+    return end
+
+
+def _drawn(found: TaskFile, path: Path, end: Time | None) -> Path:
+    """The picture's file."""
     from ravenbrick.schedule.gantt import gantt_figure
 
     figure = gantt_figure(found.task_set, found.unit, end)

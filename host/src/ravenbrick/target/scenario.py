@@ -268,9 +268,10 @@ def _instants(values: Mapping[str, Any]) -> list[tuple[KeyPath, int]]:
         for index, table in enumerate(values.get("inputs", []))
     ]
     found += [(("pictures_ms", i), at) for i, at in enumerate(values.get("pictures_ms", []))]
-    for table, key in (("straight", "from_ms"), ("step", "from_ms"), ("step", "until_ms")):
-        if table in values:
-            found.append(((table, key), values[table][key]))
+    for table in ("straight", "step", "monitor"):
+        for key in ("from_ms", "until_ms"):
+            if key in values.get(table, {}):
+                found.append(((table, key), values[table][key]))
     return found
 
 

@@ -356,6 +356,8 @@ class _Play:
                     return
                 next_one = last + 1
             self._attend(occasion_ms, progress)
+        if self._listener is not None:
+            self._listener.check()
 
     def _attend(self, at_ms: int, progress: Progress) -> None:
         if at_ms % PROGRESS_MS == 0:

@@ -52,6 +52,13 @@ def _blocking(task: dict[str, Any]) -> tuple[int, str]:
     return bound - seen, f"{what} and hold it up for {bound} cycles, seen {seen}"
 
 
+def _overheads(task: dict[str, Any]) -> str:
+    """All of them: a run does not show them apart."""
+    cycles = task["terms"]["overheads_cycles"] + task["terms"]["release_jitter_cycles"]
+    what = "releases by the alarm, returns of preempted tasks and release jitter"
+    return f"{what} are charged {cycles} cycles, which the run does not show apart"
+
+
 def _of_task(task: dict[str, Any], handlers: set[str]) -> str:
     bound, seen = task["response_bound_cycles"], task["observed"]["response_cycles"]
     apart_us = float((bound - seen) * 1_000_000 / MASTER_CLOCK.hertz)
@@ -62,6 +69,7 @@ def _of_task(task: dict[str, Any], handlers: set[str]) -> str:
     terms.append(_blocking(task))
     least = LEAST_SHARE * (bound - seen)
     shown = [text for gap, text in sorted(terms, key=lambda term: -term[0]) if gap >= least]
+    shown = shown or [_overheads(task)]
     return f"{head} the longest response seen: " + "; ".join(shown)
 
 
