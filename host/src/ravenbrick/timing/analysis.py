@@ -9,6 +9,7 @@ and may be blocked once more each time they go on.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -39,6 +40,7 @@ from ravenbrick.timing.facts import (
     Facts,
     InterruptLoad,
     Mode,
+    TransferLoad,
     annotations_of,
 )
 from ravenbrick.timing.ipet import longest_path
@@ -78,6 +80,8 @@ __all__ = [
 ]
 
 PREEMPTION_BYTES = 68
+# By one transfer of the data controller, in the nominal profile (docs/reference/timing.md).
+STOLEN_CYCLES = 1
 WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
 
 
@@ -129,11 +133,18 @@ class Analysis:
     bounds: dict[str, ResponseTimeBound]
     modes: tuple[ModeBounds, ...] = ()
     events: tuple[EventCost, ...] = ()
+    transfers: tuple[str, ...] = ()
 
     @property
     def schedulable(self) -> bool:
         """Whether all tasks and interrupts meet their deadlines."""
         return all(bound.meets_deadline for bound in self.bounds.values())
+
+    def stolen_cycles(self, task: str) -> int:
+        """What the data controller takes at most until a job of the task ends."""
+        terms = self.bounds[task].terms
+        parts = () if terms is None else terms.interference
+        return math.ceil(sum(part.time for part in parts if part.task in self.transfers))
 
     @property
     def interrupt_stack_bytes(self) -> int | None:
@@ -296,10 +307,11 @@ def _bursts(
     name: str,
     cycles: int,
     priority: int,
-    loads: Sequence[InterruptLoad] | Sequence[EventLoad],
+    loads: Sequence[InterruptLoad] | Sequence[EventLoad] | Sequence[TransferLoad],
     blocking: int,
+    release_jitter: int = 0,
 ) -> ScheduledTask:
-    """Calls of a handler, the longest window first."""
+    """Calls of a handler, or transfers, the longest window first."""
     load, *shorter = loads
     limits = [(Fraction(s.at_most, load.at_most), _cycles(s.window_us)) for s in shorter]
     return ScheduledTask(
@@ -310,7 +322,19 @@ def _bursts(
         priority=priority,
         release="interrupt",
         blocking=blocking,
+        release_jitter=release_jitter,
     )
+
+
+def _transfers(image: ElfImage, masks: Masking, facts: Facts) -> list[ScheduledTask]:
+    """Cycles that the data controller takes, whatever the processor executes, also while the alarm
+    is late (the tasks' release jitter): data sheet 6175M, chapters PDC and memory controller."""
+    first = 1 + max(cost.handler.priority for cost in masks.handlers)
+    late = masks.kernel.release_jitter
+    return [
+        _bursts(f"{peripheral} transfers", STOLEN_CYCLES, first, loads, 0, late)
+        for peripheral, loads in facts.transfer_loads(image).items()
+    ]
 
 
 def _expiries(events: Sequence[EventCost], alarm: AlarmCosts, blocking: int) -> list[ScheduledTask]:
@@ -431,15 +455,25 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     for index, (task, job) in enumerate(jobs):
         _check_ceilings(robot, job, task, index, objects)
     masks = masking(image, costs, events, kernel, releasing)
+    transfers = _transfers(image, masks, facts)
     modes = []
     for mode in facts.modes:
         in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
-        timings, _, _, bounds = _scheduled(masks, alarm, rates, in_mode)
+        timings, _, _, bounds = _scheduled(masks, alarm, rates, in_mode, transfers)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    timings, task_set, overheads, bounds = _scheduled(masks, alarm, facts, jobs)
+    timings, task_set, overheads, bounds = _scheduled(masks, alarm, facts, jobs, transfers)
     return Analysis(
-        timings, costs, objects, kernel, task_set, overheads, bounds, tuple(modes), events
+        timings,
+        costs,
+        objects,
+        kernel,
+        task_set,
+        overheads,
+        bounds,
+        tuple(modes),
+        events,
+        tuple(task.name for task in transfers),
     )
 
 
@@ -448,6 +482,7 @@ def _scheduled(
     alarm: AlarmCosts,
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
+    transfers: Sequence[ScheduledTask],
 ) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
     costs, kernel = masks.handlers, masks.kernel
     timings = tuple(
@@ -464,6 +499,7 @@ def _scheduled(
     interrupts = _scheduled_interrupts(masks, facts, jobs)
     interrupts += _expiries(masks.events, alarm, masks.waiting(level, jobs))
     interrupts += _waits_inside(timings, alarm, level)
+    interrupts += transfers
     tasks = _scheduled_tasks(timings)
     task_set = TaskSet((*interrupts, *tasks))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}

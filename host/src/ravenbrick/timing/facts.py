@@ -27,6 +27,7 @@ __all__ = [
     "InterruptLoad",
     "Mode",
     "Suspension",
+    "TransferLoad",
     "annotations_of",
     "read_facts",
     "unused_facts",
@@ -38,6 +39,7 @@ OWN_TABLES = frozenset(
         "schema_version",
         "interrupt",
         "timing_event",
+        "transfer",
         "suspension",
         "body",
         "chain",
@@ -76,6 +78,18 @@ class EventLoad:
     at_most: int
     window_us: int
     reason: str
+
+
+@dataclass(frozen=True)
+class TransferLoad:
+    """At most `at_most` transfers of a peripheral by the data controller in any window of
+    `window_us`; with `unit`, an Ada library unit, in programs that have it."""
+
+    peripheral: str
+    at_most: int
+    window_us: int
+    reason: str
+    unit: str | None = None
 
 
 @dataclass(frozen=True)
@@ -128,6 +142,7 @@ class Facts:
     outside: str = ""
     interrupts: tuple[InterruptLoad, ...] = ()
     events: tuple[EventLoad, ...] = ()
+    transfers: tuple[TransferLoad, ...] = ()
     suspensions: tuple[Suspension, ...] = ()
     bodies: tuple[tuple[str, str], ...] = ()
     chains: tuple[Chain, ...] = ()
@@ -155,10 +170,24 @@ class Facts:
         )
         return tuple(sorted(found, key=lambda load: -load.window_us))
 
+    def transfer_loads(self, image: ElfImage) -> dict[str, tuple[TransferLoad, ...]]:
+        """By peripheral, what is said about transfers in this program, the longest window first."""
+        found: dict[str, list[TransferLoad]] = {}
+        for load in sorted(self.transfers, key=lambda load: (load.peripheral, -load.window_us)):
+            if load.unit is None or has_unit(image, load.unit):
+                found.setdefault(load.peripheral, []).append(load)
+        return {peripheral: tuple(loads) for peripheral, loads in found.items()}
+
     def event_loads(self, handler: str) -> tuple[EventLoad, ...]:
         """What is said about timing events with this handler, the longest window first."""
         found = (load for load in self.events if load.handler.lower() == handler.lower())
         return tuple(sorted(found, key=lambda load: -load.window_us))
+
+
+def has_unit(image: ElfImage, unit: str) -> bool:
+    """Does the program have code or data of this Ada library unit?"""
+    begin = f"{unit.lower().replace('.', '__')}__"
+    return any(symbol.startswith(begin) for symbol in image.symbols)
 
 
 def _event_loads(rows: Sequence[dict[str, Any]]) -> tuple[EventLoad, ...]:
@@ -288,6 +317,7 @@ def read_facts(robot: Robot) -> Facts:
             for load in _interrupts(document.values.get("interrupt", []), document.path, robot)
         ),
         _event_loads(rows("timing_event")),
+        tuple(TransferLoad(**row) for row in rows("transfer")),
         tuple(
             Suspension(row["task"], row.get("count", 1), row["longest_us"], row["reason"])
             for row in rows("suspension")

@@ -230,9 +230,10 @@ def exceeded(
         response = analysis.bounds[name].bound
         if seen is not None:
             deepest = timing.stack_bound_bytes
+            own = timing.job.cycles + analysis.stolen_cycles(name)
             pairs = [
                 ("a response time of", seen.response_cycles, response),
-                ("an execution time of", seen.execution_cycles, timing.job.cycles),
+                ("an execution time of", seen.execution_cycles, own),
                 ("a stack of", seen.stack_bytes, deepest),
             ]
         if long_run is not None and name in long_run["tasks"]:
