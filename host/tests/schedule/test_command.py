@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -95,6 +97,7 @@ def test_the_picture_shows_both_schedules_and_who_misses(tmp_path: Path) -> None
         (["--gantt", "set.gif"], "end its name in .png, .svg, .pdf"),
         (["--gantt", "set.png", "--until", "soon"], "expected a number"),
         (["--gantt", "set.png", "--until", "0"], "expected more than 0"),
+        (["--gantt", "set.png", "--until", "1e999999999"], "expected a number"),
         (["--until", "60"], "name its file with --gantt"),
     ],
 )
@@ -105,3 +108,51 @@ def test_a_picture_that_cannot_be_drawn_is_refused(
     result = CliRunner().invoke(app, ["schedule", str(guide_set(tmp_path)), *options, "--json"])
     assert result.exit_code == 2
     assert message in json.loads(result.output)["error"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["schedule", "--json"], "Missing argument 'file'; see 'ravenbrick --help'"),
+        (["schedule", "set.toml", "--priorites", "x", "--json"], "Possible options: --priorities"),
+        (["schedle", "set.toml", "--json"], "Did you mean 'schedule'?"),
+    ],
+)
+def test_a_wrong_command_line_is_answered_in_json_too(arguments: list[str], message: str) -> None:
+    result = CliRunner().invoke(app, arguments)
+    answer = json.loads(result.stdout)
+    assert (result.exit_code, answer["ok"], answer["exit_code"]) == (2, False, 2)
+    assert message in answer["error"]
+
+
+def test_an_interrupted_command_says_so_in_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pressed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ravenbrick.cli.schedule.read_task_file", pressed)
+    result = CliRunner().invoke(app, ["schedule", str(guide_set(tmp_path)), "--json"])
+    answer = json.loads(result.stdout)
+    assert (result.exit_code, answer["exit_code"], answer["error"]) == (130, 130, "interrupted")
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_an_output_that_takes_nothing_is_named(options: list[str], tmp_path: Path) -> None:
+    """A full disk behind the standard output: one sentence, no traceback."""
+    code = "from ravenbrick.cli import main; main()"
+    command = [sys.executable, "-c", code, "schedule", str(guide_set(tmp_path)), *options]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith("ravenbrick: the output: No space left on device; check that")
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_picture_that_does_not_fit_leaves_nothing_behind(tmp_path: Path) -> None:
+    picture = tmp_path / "set.png"
+    picture.symlink_to("/dev/full")
+    arguments = ["schedule", str(guide_set(tmp_path)), "--gantt", str(picture), "--json"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 2
+    assert f"{picture}: No space left on device" in json.loads(result.stdout)["error"]

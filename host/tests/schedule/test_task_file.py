@@ -94,6 +94,7 @@ def test_json_file_says_the_same_as_toml(tmp_path: Path) -> None:
         ("wcet = 1.18", "wcet = -1", 19, "tasks[1].wcet", "expected more than 0"),
         ("wcet = 1.18", "wcet = nan", 19, "tasks[1].wcet", "not a finite number"),
         ("wcet = 1.18", "wcet = 'much'", 19, "tasks[1].wcet", "not a finite number"),
+        ("wcet = 1.18", "wcet = '1e999999999'", 19, "tasks[1].wcet", "exponent beyond 400"),
         ("wcet = 1.18", "wcet = true", 19, "tasks[1].wcet", "not a number"),
         ("period = 2.5", "minimum_interrelease_time = 2", 17, "", "has a 'period' instead"),
         ("priority = 2", "", 15, "tasks[1].priority", "or 'priorities' at the head"),
@@ -128,6 +129,8 @@ def test_error_names_file_line_and_field(
         ('{"schema_version": 1,\n "tasks": [\n  {"name": "a",\n   "period": -3}]}', 4, "wcet"),
         ('{"schema_version": 1,\n "tasks": [\n  7]}', 2, "a list of tables"),
         ("[1]", 1, "an object"),
+        ("[" * 100_000, 1, "nested too deeply"),
+        ('{"schema_version": 1,\n "tasks": [\n  {"name": "a", "period": 1e-999999999}]}', 3, "400"),
         ('{"schema_version": 1, "tasks": []}', 1, "there is no task"),
     ],
 )

@@ -106,3 +106,18 @@ def test_text_that_is_not_utf8_names_the_line(tmp_path: Path) -> None:
     file.write_bytes(b'a = 1\nb = "\xe9"\n')
     with pytest.raises(ProjectFileError, match=r"latin\.toml:2: not UTF-8"):
         read_toml(file, missing="")
+
+
+def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path) -> None:
+    """Some editors write one."""
+    file = tmp_path / "marked.toml"
+    file.write_bytes(b"\xef\xbb\xbfa = 1\r\nb = 2\r\n")
+    found = read_toml(file, missing="")
+    assert found.values == {"a": 1, "b": 2} and found.line_of(("b",)) == 2
+
+
+def test_brackets_without_end_are_an_error_of_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "deep.toml"
+    file.write_text("a = " + "[" * 100_000)
+    with pytest.raises(ProjectFileError, match="nested too deeply"):
+        read_toml(file, missing="")

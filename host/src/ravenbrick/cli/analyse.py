@@ -60,6 +60,7 @@ from ravenbrick.timing.task_set_file import task_set_text
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["analyse_command"]
 
@@ -247,7 +248,7 @@ def analyse_command(
         report = write_timing_report(robot.name, result, figures, notes, workspace.results)
         step.note = workspace.shown(report)
         task_file = workspace.results / "taskset.toml"
-        task_file.write_text(task_set_text(robot.name, analysis.task_set, analysis.overheads))
+        write_whole(task_file, task_set_text(robot.name, analysis.task_set, analysis.overheads))
     _print(reporter, result, notes)
     return {
         **result,

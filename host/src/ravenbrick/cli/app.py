@@ -11,9 +11,11 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Annotated, Any, NoReturn, ParamSpec
 
 import typer
+from typer.core import TyperGroup
 from typer.models import CommandInfo
 
 from ravenbrick import __version__
@@ -83,8 +85,26 @@ class Program(typer.Typer):
         self._registered = commands
 
 
+class Answers(TyperGroup):
+    """The command line that answers in JSON, where it asks for that, also when it is wrong."""
+
+    def main(self, args: Sequence[str] | None = None, *others: Any, **options: Any) -> Any:
+        """See Typer."""
+        if "--json" not in (sys.argv[1:] if args is None else args):
+            return super().main(args, *others, **options)
+        try:
+            code = super().main(args, *others, **{**options, "standalone_mode": False})
+        except Exception as error:
+            sentence = getattr(error, "format_message", None)
+            if sentence is None:
+                raise
+            code = _told(UsageError(f"{sentence().rstrip('.')}; see 'ravenbrick --help'"), True)
+        sys.exit(code or 0)
+
+
 app = Program(
     name="ravenbrick",
+    cls=Answers,
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -111,21 +131,27 @@ def _root(
     """Design, build, run and measure real-time control on the LEGO MINDSTORMS NXT."""
 
 
-def _end(error: RavenbrickError, as_json: bool) -> NoReturn:
+def _told(error: RavenbrickError, as_json: bool) -> int:
+    """Print an error, without JSON where the output takes none; its exit code."""
     code = int(error.exit_code)
+    failure = {"ok": False, "exit_code": code, "error": error.sentence, "detail": error.detail}
     if as_json:
-        failure = {"ok": False, "exit_code": code, "error": error.sentence, "detail": error.detail}
-        typer.echo(json.dumps({**failure, **error.data}, indent=1))
-    else:
-        typer.echo(f"ravenbrick: {error.sentence}", err=True)
-        for line in error.detail.splitlines():
-            typer.echo(f"    {line}", err=True)
-    raise typer.Exit(code)
+        with suppress(OSError):
+            typer.echo(json.dumps({**failure, **error.data}, indent=1))
+            return code
+    typer.echo(f"ravenbrick: {error.sentence}", err=True)
+    for line in error.detail.splitlines():
+        typer.echo(f"    {line}", err=True)
+    return code
+
+
+def _end(error: RavenbrickError, as_json: bool) -> NoReturn:
+    raise typer.Exit(_told(error, as_json))
 
 
 def _refused(error: OSError) -> RavenbrickError:
     return UsageError(
-        f"{error.filename or 'a file'}: {error.strerror or type(error).__name__}; "
+        f"{error.filename or 'the output'}: {error.strerror or type(error).__name__}; "
         "check that it exists, that you may write there, and that the disk is not full"
     )
 
@@ -151,19 +177,20 @@ def command(example: str) -> Callable[[Callable[Arguments, Result]], Callable[Ar
             as_json = bool(kwargs.get("json_output", False))
             try:
                 result = function(*args, **kwargs)
+                if as_json:
+                    typer.echo(json.dumps({"ok": True, **result}, indent=1))
             except RavenbrickError as error:
                 _end(error, as_json)
             except OSError as error:
                 _end(_refused(error), as_json)
             except KeyboardInterrupt:
-                typer.echo("ravenbrick: interrupted", err=True)
-                raise typer.Exit(int(ExitCode.INTERRUPTED)) from None
+                stopped = RavenbrickError("interrupted")
+                stopped.exit_code = ExitCode.INTERRUPTED
+                _end(stopped, as_json)
             except Exception as error:
                 if os.environ.get("RAVENBRICK_TRACEBACK"):
                     traceback.print_exc(file=sys.stderr)
                 _end(_defect(error), as_json)
-            if as_json:
-                typer.echo(json.dumps({"ok": True, **result}, indent=1))
 
         name = function.__name__.removesuffix("_command")
         run.__annotations__["return"] = None

@@ -26,6 +26,7 @@ from ravenbrick.telemetry.steps import live_steps
 from ravenbrick.telemetry.window import show_live
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.plots.style import png_bytes
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["monitor_command"]
 
@@ -98,7 +99,6 @@ def _write_outputs(
 ) -> list[Path]:
     """Recordings and pictures of the runs of a session."""
     written: list[Path] = []
-    stem.parent.mkdir(parents=True, exist_ok=True)
     for index, run in enumerate(session.runs):
         if not run.sample_count:
             continue
@@ -115,7 +115,7 @@ def _write_outputs(
             pictures[f"{name}-steps.png"] = steps_figure(steps, design, *names)
         written.append(stem.with_name(f"{name}.npz"))
         for file, figure in pictures.items():
-            stem.with_name(file).write_bytes(png_bytes(figure))
+            write_whole(stem.with_name(file), png_bytes(figure))
             written.append(stem.with_name(file))
     return written
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable
 from fractions import Fraction
@@ -18,6 +19,7 @@ from ravenbrick.errors import UsageError
 from ravenbrick.schedule.quantity import Time, exact, shown
 from ravenbrick.schedule.report import advice, analysis
 from ravenbrick.schedule.task_file import Rule, TaskFile, read_task_file
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["schedule_command"]
 
@@ -108,8 +110,8 @@ def _end_of_picture(path: Path | None, until: str | None) -> Time | None:
     if path is not None and path.suffix not in PICTURES:
         raise UsageError(f"{path}: cannot be drawn; end its name in {', '.join(PICTURES)}")
     try:
-        end = None if until is None else exact(Fraction(until))
-    except (ValueError, ZeroDivisionError):
+        end = None if until is None else exact(until)
+    except ValueError:
         raise UsageError(f"--until {until}: expected a number, or a text such as 1/3") from None
     if end is not None and end <= 0:
         raise UsageError(f"--until {until}: expected more than 0")
@@ -121,5 +123,9 @@ def _drawn(found: TaskFile, path: Path, end: Time | None) -> Path:
     from ravenbrick.schedule.gantt import gantt_figure
 
     figure = gantt_figure(found.task_set, found.unit, end)
-    figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+    content = io.BytesIO()
+    kind = path.suffix.removeprefix(".")
+    dated = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
+    figure.savefig(content, format=kind, dpi=150, metadata={dated: None} if dated else None)
+    write_whole(path, content.getvalue())
     return path

@@ -12,6 +12,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import UsageError
+from ravenbrick.target.located_toml import utf8_text
 from ravenbrick.timing.bounds import execution_times
 
 __all__ = ["wcet_command"]
@@ -49,12 +50,15 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
     reporter.table(("source line", "executions"), _lines(result["report"]))
 
 
-def _own_data(elf: Path, symbol: str, options: dict[str, Any]) -> dict[str, Any]:
-    """The function as it is, with the memory that the image and the calls before it leave."""
-    calls = [*options.pop("after"), symbol]
-    found = execution_times(elf.read_bytes(), closed=(calls, STACK_POINTER), **options)
+def _own_data(
+    elf: Path, calls: list[str], inputs: list[str], options: dict[str, Any]
+) -> dict[str, Any]:
+    """The last function as it is, with the memory that the image and the calls before it leave."""
+    found = execution_times(
+        elf.read_bytes(), closed=(calls, STACK_POINTER), inputs=inputs, **options
+    )
     return {
-        "symbol": symbol,
+        "symbol": calls[-1],
         "timing": found.timing,
         "cycles": (found.closed_cycles or 0) + found.return_cycles,
         "lines": [{"line": line, "executions": count} for line, count in found.closed_lines],
@@ -94,21 +98,14 @@ def wcet_command(
         raise UsageError(f"{elf}: there is no such file; name an ELF file")
     if not own_data and (after or any_content):
         raise UsageError("--after and --any-content say what --own-data starts from; add it")
-    files = [(str(path), path.read_text("utf-8")) for path in annotations or []]
+    files = [(str(path), utf8_text(path)) for path in annotations or []]
+    options: dict[str, Any] = {"annotations": files, "timing": timing, "wait_states": wait_states}
+    options["name"] = str(elf)
     if own_data:
-        options: dict[str, Any] = {"after": after or [], "inputs": any_content or []}
-        options |= {"annotations": files, "timing": timing, "wait_states": wait_states}
-        result = _own_data(elf, symbol, options)
+        result = _own_data(elf, [*(after or []), symbol], any_content or [], options)
         _print_own_data(Reporter(json_output), result)
         return result
-    found = execution_times(
-        elf.read_bytes(),
-        functions=[symbol],
-        annotations=files,
-        timing=timing,
-        wait_states=wait_states,
-        name=str(elf),
-    )
+    found = execution_times(elf.read_bytes(), functions=[symbol], **options)
     bound = found.functions[0]
     result = {
         "symbol": symbol,

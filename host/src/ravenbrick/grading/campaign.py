@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import importlib
 import json
-import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict
@@ -17,6 +16,7 @@ from ravenbrick.errors import ToolMissingError, UsageError
 from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.submission import Submission
 from ravenbrick.grading.work import Job, grade_one, prepare_base
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["on_cluster", "run_campaign"]
 
@@ -37,11 +37,8 @@ def _kept(results: Path, submission: Submission, digest: str) -> Result | None:
 
 
 def _keep(results: Path, submission: Submission, digest: str, result: Result) -> None:
-    path = _stored(results, submission)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(f".{os.getpid()}.part")
-    partial.write_text(json.dumps({"of": digest, "result": result}, indent=1), encoding="utf-8")
-    os.replace(partial, path)
+    content = json.dumps({"of": digest, "result": result}, indent=1)
+    write_whole(_stored(results, submission), content)
 
 
 def _stamp(rubric: Rubric, submission: Submission) -> str:

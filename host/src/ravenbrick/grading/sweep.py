@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import random
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -22,6 +21,7 @@ from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["Variant", "draw", "run_sweep"]
 
@@ -97,12 +97,6 @@ def _key(variant: Variant, content: str) -> str:
     return hashlib.sha256(f"{asdict(variant)} {content}".encode()).hexdigest()[:32]
 
 
-def _keep(file: Path, result: Result) -> None:
-    partial = file.with_suffix(f".{os.getpid()}.part")
-    partial.write_text(json.dumps(result), encoding="utf-8")
-    os.replace(partial, file)
-
-
 def _kept(file: Path) -> Result | None:
     """A result of an interrupted sweep; none when it cannot be read."""
     try:
@@ -144,6 +138,6 @@ def run_sweep(
         stream = _in_processes(waiting, max(workers, 1))
     for key, result in stream:
         done[key] = result
-        _keep(kept[key], result)
+        write_whole(kept[key], json.dumps(result))
         progress(len(done) / count)
     return sorted(done.values(), key=lambda result: int(result["number"]))

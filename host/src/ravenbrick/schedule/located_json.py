@@ -10,7 +10,7 @@ from decimal import Decimal
 from pathlib import Path
 
 from ravenbrick.errors import ProjectFileError
-from ravenbrick.target.located_toml import KeyPath, LocatedToml
+from ravenbrick.target.located_toml import KeyPath, LocatedToml, utf8_text
 
 __all__ = ["read_json"]
 
@@ -73,9 +73,7 @@ def read_json(path: Path) -> LocatedToml:
     Raises `ProjectFileError`, which names the line of a syntax error.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise ProjectFileError(path, 1, "", "not UTF-8 text; save the file as UTF-8") from None
+        text = utf8_text(path)
     except OSError as error:
         problem = f"cannot be read ({error.strerror}); name a task-set file"
         raise ProjectFileError(path, 1, "", problem) from None

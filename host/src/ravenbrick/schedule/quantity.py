@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
@@ -13,6 +14,9 @@ from typing import Literal
 __all__ = ["Time", "ceiling", "common_multiple", "exact", "shown"]
 
 Time = int | Fraction
+# A number with a larger one would take for ever to write down.
+LARGEST_EXPONENT = 400
+EXPONENT = re.compile(r"[eE]([-+]?\d{1,4000})\s*$")
 Toward = Literal["nearest", "up", "down"]
 
 
@@ -29,6 +33,9 @@ def exact(value: object) -> Time:
         value = repr(value)
     if not isinstance(value, str | Fraction | Decimal):
         raise ValueError(f"{value!r} is not a number")
+    exponent = EXPONENT.search(str(value))
+    if exponent and abs(int(exponent[1])) > LARGEST_EXPONENT:
+        raise ValueError(f"'{value}' has an exponent beyond {LARGEST_EXPONENT}")
     try:
         number = Fraction(value)
     except (ValueError, OverflowError, ZeroDivisionError):

@@ -21,6 +21,7 @@ from ravenbrick.target.byte_ports import BytePort
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.peers import BluetoothComputer, StreamPeer, UsbStream
 from ravenbrick.target.usbip import UsbIpServer
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["AirSignal", "CableSignal", "LiveRecord", "LiveRun", "replay_live"]
 
@@ -83,13 +84,12 @@ class LiveRecord:
 
     def save(self, path: Path) -> None:
         """Write the record as JSON."""
-        path.parent.mkdir(parents=True, exist_ok=True)
         content = {
             **vars(self),
             "signals": [signal.as_json() for signal in self.signals],
             "cable": [signal.as_json() for signal in self.cable],
         }
-        path.write_text(json.dumps({"format": _FORMAT, **content}, indent=1) + "\n")
+        write_whole(path, json.dumps({"format": _FORMAT, **content}, indent=1) + "\n")
 
     @classmethod
     def load(cls, path: Path) -> LiveRecord:

@@ -16,7 +16,7 @@ from typing import Any
 
 from ravenbrick.errors import ProjectFileError, ScenarioError
 
-__all__ = ["KeyPath", "LocatedToml", "dotted", "read_toml"]
+__all__ = ["KeyPath", "LocatedToml", "dotted", "read_toml", "utf8_text"]
 
 KeyPath = tuple[str | int, ...]
 _BARE_OR_QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"|\'([^\']*)\'|([A-Za-z0-9_-]+)')
@@ -168,6 +168,19 @@ class _Locator:
         self.position += 1
 
 
+def utf8_text(path: Path) -> str:
+    """The text of a file, without the byte-order mark that some editors put before it.
+
+    Raises `ProjectFileError` with the line of what is not UTF-8, and `OSError`.
+    """
+    content = path.read_bytes()
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise ProjectFileError(path, line, "", "not UTF-8 text; save the file as UTF-8") from None
+
+
 def read_toml(path: Path, *, missing: str) -> LocatedToml:
     """Read a TOML file.
 
@@ -175,10 +188,7 @@ def read_toml(path: Path, *, missing: str) -> LocatedToml:
     below `scenarios/`, otherwise `ProjectFileError`, which names the line of a syntax error.
     """
     try:
-        text = path.read_bytes().decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = path.read_bytes()[: error.start].count(b"\n") + 1
-        raise ProjectFileError(path, line, "", "not UTF-8 text; save the file as UTF-8") from None
+        text = utf8_text(path)
     except OSError as error:
         problem = f"cannot be read ({error.strerror}); {missing}"
         if "scenarios" in path.parts:
@@ -188,6 +198,9 @@ def read_toml(path: Path, *, missing: str) -> LocatedToml:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise _syntax_error(path, text, str(error)) from None
+    except RecursionError:
+        problem = "nested too deeply; write plain tables and arrays"
+        raise ProjectFileError(path, 1, "", problem) from None
     return LocatedToml(path, values, _Locator(text.replace("\r\n", "\n")).locate())
 
 

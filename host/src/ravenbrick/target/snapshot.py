@@ -20,6 +20,7 @@ from typing import Any
 from ravenbrick.errors import UsageError
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.stimulus import TimedInput
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["Snapshot", "SnapshotError", "SnapshotWishes"]
 
@@ -116,10 +117,7 @@ class Snapshot:
         header = json.dumps(fields, sort_keys=True).encode()
         memory = zlib.compress(self.memory, 9)
         content = _MAGIC + _HEAD.pack(_VERSION, len(header)) + header + memory
-        path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = path.with_name(path.name + ".part")
-        unfinished.write_bytes(content + hashlib.sha256(content).digest())
-        unfinished.replace(path)
+        write_whole(path, content + hashlib.sha256(content).digest())
 
     @classmethod
     def load(cls, path: Path) -> Snapshot:

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+import io
 import wave
 from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["save_sound"]
 
@@ -22,15 +24,14 @@ def save_sound(brick: Any, path: Path) -> None:
     Mono, 16 bits, one sample for each 1,000 cycles of the master clock (48,054.857 Hz; the file
     says 48,055 Hz). The file is written whole or not at all.
     """
-    unfinished = path.with_name(path.name + ".part")
+    content = io.BytesIO()
+    with wave.open(content, "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(round(MASTER_CLOCK.hertz / _SAMPLE_CYCLES))
+        file.writeframes(brick.sound())
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with wave.open(str(unfinished), "wb") as file:
-            file.setnchannels(1)
-            file.setsampwidth(2)
-            file.setframerate(round(MASTER_CLOCK.hertz / _SAMPLE_CYCLES))
-            file.writeframes(brick.sound())
-        unfinished.replace(path)
+        write_whole(path, content.getvalue())
     except OSError as error:
         raise UsageError(
             f"{path}: the sound cannot be saved ({error.strerror}); name a file in a folder that "

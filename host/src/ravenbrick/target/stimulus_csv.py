@@ -16,6 +16,7 @@ from pathlib import Path
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.target.clock import Clock
+from ravenbrick.target.located_toml import utf8_text
 from ravenbrick.target.stimulus import Channels, Sequence
 
 __all__ = ["read"]
@@ -35,12 +36,7 @@ def _units(clock: Clock) -> dict[str, Fraction]:
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of each row that says something."""
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = path.read_bytes()[: error.start].count(b"\n") + 1
-        raise ProjectFileError(path, line, "", "not UTF-8 text; save the file as UTF-8") from None
-    for line, content in enumerate(text.splitlines(), 1):
+    for line, content in enumerate(utf8_text(path).splitlines(), 1):
         if content.strip() and not content.lstrip().startswith("#"):
             yield line, [cell.strip() for cell in next(csv.reader([content]))]
 

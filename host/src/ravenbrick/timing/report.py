@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.result import advice, microseconds
 from ravenbrick.trace.plots.style import data_uri, png_bytes
+from ravenbrick.whole_file import write_whole
 
 __all__ = [
     "EVENT_HEAD",
@@ -195,8 +196,7 @@ def write_timing_report(
 ) -> Path:
     """Write timing.html, with `notes` below the advice, and timing.json; returns the report's
     file."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "timing.json").write_text(json.dumps(result, indent=1) + "\n")
     report = folder / "timing.html"
-    report.write_text(_page(name, result, figures, notes), "utf-8")
+    write_whole(report, _page(name, result, figures, notes))
+    write_whole(folder / "timing.json", json.dumps(result, indent=1) + "\n")
     return report

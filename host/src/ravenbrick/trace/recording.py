@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import zlib
 from collections.abc import Mapping
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import Clock
 from ravenbrick.target.stimulus import TimedInput
+from ravenbrick.whole_file import write_whole
 
 __all__ = [
     "EVENT_TYPE",
@@ -132,7 +134,7 @@ class Recording:
         return self.clock.instants(found.cycles), found.values
 
     def save(self, path: Path) -> None:
-        """Write everything to one compressed file."""
+        """Write everything to one compressed file, whole or not at all."""
         arrays: dict[str, Any] = {"events": self.events}
         for name, signal in self.signals.items():
             arrays[f"cycles:{name}"] = signal.cycles
@@ -150,9 +152,9 @@ class Recording:
             "inputs": [[i.at_cycles, i.name, i.value] for i in self.inputs],
             "screens": [[s.at_cycles, list(s.text)] for s in self.screens],
         }
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("wb") as file:
-            np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)
+        content = io.BytesIO()
+        np.savez_compressed(content, head=np.array(json.dumps(head)), **arrays)
+        write_whole(path, content.getvalue())
 
     @classmethod
     def load(cls, path: Path) -> Recording:

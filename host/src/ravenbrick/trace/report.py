@@ -29,6 +29,7 @@ from ravenbrick.trace.plots import (
 from ravenbrick.trace.plots.style import data_uri, png_bytes
 from ravenbrick.trace.plots.tasks import TASK_COLUMNS, task_cells
 from ravenbrick.trace.summary import Evidence, Run, summary
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["figures_of", "write_report"]
 
@@ -299,12 +300,11 @@ def _page(evidence: Evidence, images: dict[str, bytes]) -> str:
 
 def write_report(evidence: Evidence, folder: Path) -> Path:
     """Write report.html, summary.json and the PNGs into a folder; returns the report's file."""
-    folder.mkdir(parents=True, exist_ok=True)
     images: dict[str, bytes] = {}
     for name, figure in figures_of(evidence):
         images[name] = png_bytes(figure)
-        (folder / f"{name}.png").write_bytes(images[name])
-    (folder / "summary.json").write_text(json.dumps(summary(evidence), indent=1) + "\n")
+        write_whole(folder / f"{name}.png", images[name])
+    write_whole(folder / "summary.json", json.dumps(summary(evidence), indent=1) + "\n")
     report = folder / "report.html"
-    report.write_text(_page(evidence, images), "utf-8")
+    write_whole(report, _page(evidence, images))
     return report
