@@ -34,9 +34,10 @@ class Subject:
     scenario: Scenario
     facts: Facts
 
-    def run(self) -> Recording:
-        """Its scenario."""
-        return VirtualTarget().run(self.robot, self.scenario, self.image)
+    def run(self, timing: str = "nominal") -> Recording:
+        """Its scenario, in a timing profile."""
+        target = VirtualTarget(settings={"timing": {"profile": timing}})
+        return target.run(self.robot, self.scenario, self.image)
 
 
 def built(folder: str, program: str) -> ElfImage:
@@ -63,7 +64,7 @@ def subject(folder: str, program: str) -> Subject:
     return Subject(robot, built(folder, program), scenario, read_facts(robot))
 
 
-def analysed(program: Subject, facts: Facts) -> Analysis:
-    """Bounds under these facts. Raises as `analyse`."""
+def analysed(program: Subject, facts: Facts, timing: str = "nominal") -> Analysis:
+    """Bounds under these facts in a timing profile. Raises as `analyse`."""
     brick = elaborated(program.robot, program.scenario, program.image)
-    return analyse(program.robot, program.image, brick, facts)
+    return analyse(program.robot, program.image, brick, facts, timing)

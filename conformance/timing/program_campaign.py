@@ -105,7 +105,8 @@ class Costs:
         """
         each = self.alarm.first + self.kernel.resume + self.dispatch
         costs = self.alarm.overheads(self.kernel)
-        return replace(costs, switch_in=0, alarm=each, clock_resolution=ALARM_LATENESS_CYCLES)
+        late = ALARM_LATENESS_CYCLES["nominal"]
+        return replace(costs, switch_in=0, alarm=each, clock_resolution=late)
 
     def section_cycles(self, load: Load) -> int:
         """Of its protected action."""

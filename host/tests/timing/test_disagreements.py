@@ -100,10 +100,11 @@ def test_a_task_above_a_ceiling_is_named_with_the_object(changed: Change) -> Non
 
 def test_a_deadline_that_can_be_missed_is_told_with_what_to_change(changed: Change) -> None:
     project = changed("control_task", "deadline_us = 4_000", "deadline_us = 1_000")
-    done = CliRunner().invoke(app, ["analyse", str(project), "--json"])
+    profile = ["--timing-profile", "pessimistic"]
+    done = CliRunner().invoke(app, ["analyse", str(project), *profile, "--json"])
     assert done.exit_code == 0, done.output
     answer = json.loads(done.output)
-    assert not answer["schedulable"]
+    assert not answer["schedulable"] and answer["timing"] == "pessimistic"
     assert "control_task can miss its deadline of 1000 us" in answer["advice"][0]
     own, limit = (
         answer["tasks"][1][key] for key in ("execution_bound_cycles", "execution_max_cycles")
@@ -112,5 +113,6 @@ def test_a_deadline_that_can_be_missed_is_told_with_what_to_change(changed: Chan
     assert len(cures) == 1
     assert f"takes {own - limit} cycles less: at most {limit} cycles" in cures[0]
     page = Path(answer["report"]).read_text()
+    assert "pessimistic timing" in page
     for name in ("Bounds by term", "Worst windows of control_task"):
         assert f'alt="{name}"' in page

@@ -17,6 +17,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import play, project_scenarios
+from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError
 from ravenbrick.target.bounds_file import image_digest
 from ravenbrick.target.elf_image import ElfImage, read_image
@@ -75,10 +76,15 @@ def _scenario(workspace: Workspace, robot: Robot, name: str | None) -> Scenario:
 
 
 def _recording(
-    workspace: Workspace, robot: Robot, scenario: Scenario, image: ElfImage, reporter: Reporter
+    workspace: Workspace,
+    robot: Robot,
+    scenario: Scenario,
+    image: ElfImage,
+    target: VirtualTarget,
+    reporter: Reporter,
 ) -> Recording:
     with reporter.step(f"run '{scenario.name}'") as step:
-        recording = play(workspace, robot, scenario, image, VirtualTarget(), step.progress)
+        recording = play(workspace, robot, scenario, image, target, step.progress)
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.1f} s of the brick"
     check_survival(scenario, recording)
     check_task_set(robot, recording)
@@ -114,6 +120,7 @@ def _search(
     image: ElfImage,
     recording: Recording,
     wanted: tuple[int, float],
+    target: VirtualTarget,
     reporter: Reporter,
 ) -> _Search:
     """`wanted` are variants to hunt in, and hours to observe."""
@@ -123,13 +130,14 @@ def _search(
     more: dict[str, Any] = {}
     if attempts:
         with reporter.step(f"hunt in {attempts} variants of '{scenario.name}'") as step:
-            found = hunt(robot, scenario, image, attempts, step.progress)
+            found = hunt(robot, scenario, image, attempts, step.progress, target=target)
         catches = found.catches
         seen, calm = largest(seen, catches), largest(seen, found.calm)
         more["hunt"] = found.plain()
     if hours:
         with reporter.step(f"observe '{scenario.name}' over and over") as step:
-            run = long_run(robot, scenario, image, 3600 * hours, step.progress)
+            seconds = 3600 * hours
+            run = long_run(robot, scenario, image, seconds, step.progress, target=target)
             step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
         more["long_run"] = run.plain()
     return _Search(seen, calm, catches, more)
@@ -163,6 +171,20 @@ def _window(
     return windows_figure(robot, analysis, catch.recording, name, what)
 
 
+def _figures(
+    robot: Robot, analysis: Analysis, recording: Recording, found: _Search, result: dict[str, Any]
+) -> list[tuple[str, Figure]]:
+    """Pictures of tasks with their captions."""
+    figures = [("Bounds by term", terms_figure(result))]
+    if "long_run" in result:
+        figures.append(("Responses and jitter of the long run", spreads_figure(result)))
+    for timing in analysis.tasks:
+        figure = _window(robot, analysis, recording, found.catches, timing.task.name)
+        if figure is not None:
+            figures.append((f"Worst windows of {timing.task.name}", figure))
+    return figures
+
+
 def _chain_notes(
     chains: Sequence[ChainDelay], result: dict[str, Any], directory: Path
 ) -> list[str]:
@@ -176,7 +198,7 @@ def _chain_notes(
 
 
 def _print(reporter: Reporter, result: dict[str, Any], notes: Sequence[str]) -> None:
-    reporter.print("cycles and bytes; deadlines in us")
+    reporter.print(f"cycles and bytes; deadlines in us; {result['timing']} timing")
     reporter.table(SHORT_HEAD, short_rows(result))
     reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
     if result["timing_events"]:
@@ -206,6 +228,7 @@ def analyse_command(
     hours: Annotated[
         float, typer.Option(min=0.0, help="Virtual time observed besides, the scenario repeated.")
     ] = 0.0,
+    timing_profile: TimingProfileOption = TimingProfile.NOMINAL,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     """Bound execution and response times from the binary and show them beside a run."""
@@ -217,10 +240,12 @@ def analyse_command(
     chosen = _scenario(workspace, robot, scenario)
     with reporter.step("bound execution and response times"):
         begin = process_time()
-        analysis = analyse(robot, elf, elaborated(robot, chosen, elf), facts)
+        brick = elaborated(robot, chosen, elf)
+        analysis = analyse(robot, elf, brick, facts, timing_profile.value)
         effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
-    recording = _recording(workspace, robot, chosen, elf, reporter)
-    found = _search(robot, chosen, elf, recording, (hunt_attempts, hours), reporter)
+    target = VirtualTarget(settings=timing_profile.settings)
+    recording = _recording(workspace, robot, chosen, elf, target, reporter)
+    found = _search(robot, chosen, elf, recording, (hunt_attempts, hours), target, reporter)
     _check_rates(robot, facts, recording, found.catches)
     check_bounds(analysis, found.seen, found.more.get("long_run"))
     loop = read_loop(workspace.design_file)
@@ -236,13 +261,7 @@ def analyse_command(
     unused = unused_facts(facts, elf)
     notes = [*_chain_notes(chains, result, directory), *unused]
     with reporter.step("write the report") as step:
-        figures = [("Bounds by term", terms_figure(result))]
-        if hours:
-            figures.append(("Responses and jitter of the long run", spreads_figure(result)))
-        for timing in analysis.tasks:
-            figure = _window(robot, analysis, recording, found.catches, timing.task.name)
-            if figure is not None:
-                figures.append((f"Worst windows of {timing.task.name}", figure))
+        figures = _figures(robot, analysis, recording, found, result)
         if loop is not None:
             figures += [(f"What delay costs: {c.name}", margin_figure(loop, c)) for c in chains]
         report = write_timing_report(robot.name, result, figures, notes, workspace.results)

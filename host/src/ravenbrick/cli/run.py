@@ -15,6 +15,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import TASK_HEAD, read_run, task_rows
+from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
@@ -41,14 +42,6 @@ from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.summary import Run, run_summary
 
 __all__ = ["run_command"]
-
-
-class TimingProfile(StrEnum):
-    """Timing that no document fixes (docs/reference/timing.md)."""
-
-    NOMINAL = "nominal"
-    OPTIMISTIC = "optimistic"
-    PESSIMISTIC = "pessimistic"
 
 
 class Engine(StrEnum):
@@ -211,9 +204,7 @@ def run_command(
         Path | None, typer.Option("--bin", help="Image without headers instead, as in memory.")
     ] = None,
     at: Annotated[ImageChoice, typer.Option(help="Where --bin goes.")] = ImageChoice.FLASH,
-    timing_profile: Annotated[
-        TimingProfile, typer.Option(help="Values of the timing that no document fixes.")
-    ] = TimingProfile.NOMINAL,
+    timing_profile: TimingProfileOption = TimingProfile.NOMINAL,
     engine: Annotated[
         Engine, typer.Option(help="What executes instructions; the run is the same.")
     ] = Engine.FAST,
@@ -233,7 +224,7 @@ def run_command(
     chosen, original = _with_inputs(chosen, robot, expect or [], stimulus or [], replay)
     target = VirtualTarget(
         callback=_callback(callback, callback_period_ms, replay),
-        settings={"engine": engine.value, "timing": {"profile": timing_profile.value}},
+        settings={"engine": engine.value, **timing_profile.settings},
         body=FmuBody(body) if body else None,
         snapshots=_wishes(chosen, body, save_snapshot, snapshot_at, from_snapshot),
         sound=sound,

@@ -81,14 +81,14 @@ def alarm_costs(
     symbol = alarm.handler.symbol
     loop = {"symbol": symbol, "index": 0, "iterations": 2}
     twice = ("two releases", annotations_of({"loop": [loop]}))
-    two = interrupt_costs(image, [alarm.handler], [twice, *annotations])[0]
+    two = interrupt_costs(image, [alarm.handler], [twice, *annotations], alarm.timing)[0]
     if min(periods_us, default=COARSE_PERIOD_US) < COARSE_PERIOD_US:
         return AlarmCosts(alarm.cycles, two.cycles - alarm.cycles, 0)
     offset = image.symbols[PREEMPTION].address - image.symbols[INTERRUPT].address
     never = annotations_of({"never": [{"symbol": INTERRUPT, "offset": offset}]})
     none = [("nobody ready", never), ("no release", _without_release(image, alarm.body))]
-    early = interrupt_costs(image, [alarm.handler], [*none, *annotations])[0].cycles
-    return AlarmCosts(alarm.cycles, two.cycles - alarm.cycles, early)
+    nobody = interrupt_costs(image, [alarm.handler], [*none, *annotations], alarm.timing)[0]
+    return AlarmCosts(alarm.cycles, two.cycles - alarm.cycles, nobody.cycles)
 
 
 def coarse_alarm(

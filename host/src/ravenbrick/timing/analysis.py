@@ -80,8 +80,8 @@ __all__ = [
 ]
 
 PREEMPTION_BYTES = 68
-# By one transfer of the data controller, in the nominal profile (docs/reference/timing.md).
-STOLEN_CYCLES = 1
+# By one transfer of the data controller, by timing profile (`pdc_steal_cycles`).
+STOLEN_CYCLES = {"optimistic": 1, "nominal": 1, "pessimistic": 4}
 WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
 
 
@@ -330,9 +330,9 @@ def _transfers(image: ElfImage, masks: Masking, facts: Facts) -> list[ScheduledT
     """Cycles that the data controller takes, whatever the processor executes, also while the alarm
     is late (the tasks' release jitter): data sheet 6175M, chapters PDC and memory controller."""
     first = 1 + max(cost.handler.priority for cost in masks.handlers)
-    late = masks.kernel.release_jitter
+    late, cycles = masks.kernel.release_jitter, STOLEN_CYCLES[masks.kernel.timing]
     return [
-        _bursts(f"{peripheral} transfers", STOLEN_CYCLES, first, loads, 0, late)
+        _bursts(f"{peripheral} transfers", cycles, first, loads, 0, late)
         for peripheral, loads in facts.transfer_loads(image).items()
     ]
 
@@ -384,14 +384,18 @@ def _timed_tasks(robot: Robot) -> list[tuple[int, Task]]:
 
 
 def _solved(
-    image: ElfImage, facts: Facts, annotations: Sequence[tuple[str, str]]
+    image: ElfImage, facts: Facts, annotations: Sequence[tuple[str, str]], timing: str
 ) -> list[tuple[str, str]]:
     """Costs of the functions for which there are facts about their paths."""
     costs: list[dict[str, Any]] = []
     for symbol in sorted({fact.symbol for fact in facts.flows}):
         known = ("longest paths", annotations_of({"cost": costs}))
         found = execution_times(
-            image.content, functions=[symbol], annotations=[*annotations, known], graphs=True
+            image.content,
+            functions=[symbol],
+            annotations=[*annotations, known],
+            graphs=True,
+            timing=timing,
         ).functions[0]
         own = [fact for fact in facts.flows if fact.symbol == symbol]
         cycles = longest_path(found.graph or {}, own)
@@ -423,8 +427,11 @@ def known_facts(
     return objects, [own, *facts.shared, *source_facts(image), *known]
 
 
-def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis:
-    """Bounds of all tasks and interrupts of an image; `brick` has elaborated it.
+def analyse(
+    robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: str = "nominal"
+) -> Analysis:
+    """Bounds of all tasks and interrupts of an image; `brick` has elaborated it. `timing` is a
+    profile of the timing that no document fixes (docs/reference/timing.md).
 
     Raises `ExecutionTimeError` for what has no bound, `ProjectFileError` where robot.toml and the
     image disagree.
@@ -434,10 +441,10 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     expiring = handlers_of_events(image, attached)
     objects, annotations = known_facts(robot, image, facts, expiring)
     tasks = _timed_tasks(robot)
-    annotations += _solved(image, facts, annotations)
-    kernel = services(image, annotations)
+    annotations += _solved(image, facts, annotations, timing)
+    kernel = services(image, annotations, timing)
     releasing = [expiry_facts(()), *annotations] if expiring else annotations
-    costs = interrupt_costs(image, attached, releasing)
+    costs = interrupt_costs(image, attached, releasing, timing)
     alarm = alarm_costs(image, costs[0], releasing, _periods_us([task for _, task in tasks]))
     events = event_costs(image, costs[0], expiring, facts, annotations)
     questions = [(body_of(image, facts, task), WAITS[task.release]) for _, task in tasks]
@@ -445,7 +452,9 @@ def analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts) -> Analysis
     def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
         places = (f"{facts.name}, [[outside]]", facts.outside)
         known = [*annotations, places, *more]
-        found = execution_times(image.content, jobs=questions, annotations=known).jobs
+        found = execution_times(
+            image.content, jobs=questions, annotations=known, timing=timing
+        ).jobs
         return [(task, job) for (_, task), job in zip(tasks, found, strict=True)]
 
     jobs = bounded(())

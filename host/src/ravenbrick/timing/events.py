@@ -185,8 +185,9 @@ def event_costs(
         loads = _loads(image, facts, symbol)
         called = expiry_facts([symbol])
         known = [called, *annotations]
-        whole = interrupt_costs(image, [alarm.handler], known)[0]
-        around = interrupt_costs(image, [alarm.handler], [no_cost(symbol), *known])[0].body.cycles
+        whole = interrupt_costs(image, [alarm.handler], known, alarm.timing)[0]
+        without = [no_cost(symbol), *known]
+        around = interrupt_costs(image, [alarm.handler], without, alarm.timing)[0].body.cycles
         name = _ada_name(symbol)
         found.append(EventCost(name, alarm.handler, whole.cycles, whole.body, around, loads))
     return tuple(found)

@@ -134,8 +134,10 @@ def _taken(brick: Any, inputs: Sequence[TimedInput]) -> tuple[TimedInput, ...]:
 class _Hunter:
     """Plays variants of one scenario."""
 
-    def __init__(self, robot: Robot, scenario: Scenario, image: ElfImage) -> None:
-        self._robot, self._image, self._target = robot, image, VirtualTarget()
+    def __init__(
+        self, robot: Robot, scenario: Scenario, image: ElfImage, target: VirtualTarget
+    ) -> None:
+        self._robot, self._image, self._target = robot, image, target
         period_us = SIGNAL_PERIOD_US
         self._quiet = replace(scenario, inputs=(), signal_period_us=period_us, pictures_ms=())
         self.end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
@@ -193,9 +195,11 @@ def hunt(
     attempts: int,
     progress: Progress = no_progress,
     seed: int = 1,
+    target: VirtualTarget | None = None,
 ) -> Hunt:
     """Play variants of a scenario and keep, for each task, those with its longest responses."""
-    rng, hunter = random.Random(seed), _Hunter(robot, scenario, image)
+    rng = random.Random(seed)
+    hunter = _Hunter(robot, scenario, image, target or VirtualTarget())
     original = scenario.timed_inputs()
     catches: dict[str, Catch] = {}
     calm: dict[str, Catch] = {}

@@ -78,9 +78,14 @@ QUEUES = (
 ENTRY_CODE = re.compile(r"_[BE]\d+b$")
 
 EXCEPTION_CYCLES = 3
-# From the alarm's request until the processor sees it: tick of the clock, shortest count of the
-# alarm's timer, the controller's synchronisation, the longest instruction.
-ALARM_LATENESS_CYCLES = 16 + 4 + 7 + 20
+# From the alarm's request until the processor sees it, by timing profile: tick of the clock,
+# shortest count of the alarm's timer, synchronisation in controller and processor
+# (`aic_level_cycles`, `core_sync_cycles`), the longest instruction.
+ALARM_LATENESS_CYCLES = {
+    "optimistic": 16 + 4 + 5 + 20,
+    "nominal": 16 + 4 + 7 + 20,
+    "pessimistic": 16 + 4 + 8 + 20,
+}
 # What the alarm is set early by, so that the wake-up time has passed when its handler looks.
 ALARM_LEAD_CYCLES = 2 * (48 + 16)
 
@@ -92,6 +97,7 @@ class InterruptCost:
     handler: Handler
     cycles: int
     body: Bound
+    timing: str = "nominal"
 
     @property
     def stack_bytes(self) -> int | None:
@@ -106,12 +112,13 @@ class Services:
     delay_until: int
     resume: int
     masking: dict[str, int]
+    timing: str = "nominal"
 
     @property
     def release_jitter(self) -> int:
         """Longest from a wake-up time until the alarm's handler can be entered."""
         setting = max(self.masking.get(name, 0) for name in SETTING)
-        return ALARM_LATENESS_CYCLES + max(0, setting - ALARM_LEAD_CYCLES)
+        return ALARM_LATENESS_CYCLES[self.timing] + max(0, setting - ALARM_LEAD_CYCLES)
 
     def longest_masked(self, reached: Iterable[str]) -> tuple[int, str]:
         """The longest service with masked interrupts among these functions."""
@@ -180,8 +187,11 @@ def run_time_facts(
     return objects, [entries, ("run-time", kernel_facts(thread_count, objects))]
 
 
-def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Services:
-    """Bounds of the services that the image has. Raises `ImageFileError` for an old image."""
+def services(
+    image: ElfImage, annotations: Sequence[tuple[str, str]], timing: str = "nominal"
+) -> Services:
+    """Bounds of the services that the image has, in a timing profile. Raises `ImageFileError` for
+    an old image."""
     missing = [name for name in (RESUME, INTERRUPT) if name not in image.symbols]
     if missing:
         raise ImageFileError(
@@ -189,10 +199,12 @@ def services(image: ElfImage, annotations: Sequence[tuple[str, str]]) -> Service
             "image is older: build it again with 'ravenbrick build'"
         )
     present = [name for name in MASKING if name in image.symbols]
-    found = execution_times(image.content, functions=[*present, RESUME], annotations=annotations)
+    found = execution_times(
+        image.content, functions=[*present, RESUME], annotations=annotations, timing=timing
+    )
     cycles = {bound.symbol: bound.cycles for bound in found.functions}
     resume = cycles.pop(RESUME) + found.return_cycles
-    return Services(cycles.get(DELAY_UNTIL, 0), resume, cycles)
+    return Services(cycles.get(DELAY_UNTIL, 0), resume, cycles, timing)
 
 
 def no_cost(symbol: str) -> tuple[str, str]:
@@ -201,17 +213,20 @@ def no_cost(symbol: str) -> tuple[str, str]:
 
 
 def passage_cycles(
-    image: ElfImage, handler: Handler, annotations: Sequence[tuple[str, str]]
+    image: ElfImage, cost: InterruptCost, annotations: Sequence[tuple[str, str]]
 ) -> int:
     """Longest way through an interrupt but for its handler."""
-    without = [no_cost(handler.symbol), *annotations]
-    return interrupt_costs(image, [handler], without)[0].cycles
+    without = [no_cost(cost.handler.symbol), *annotations]
+    return interrupt_costs(image, [cost.handler], without, cost.timing)[0].cycles
 
 
 def interrupt_costs(
-    image: ElfImage, handlers: Sequence[Handler], annotations: Sequence[tuple[str, str]]
+    image: ElfImage,
+    handlers: Sequence[Handler],
+    annotations: Sequence[tuple[str, str]],
+    timing: str = "nominal",
 ) -> tuple[InterruptCost, ...]:
-    """Cost of each handler, the alarm's first."""
+    """Cost of each handler in a timing profile, the alarm's first."""
     found = []
     for handler in sorted(handlers, key=lambda each: each.source != ALARM_SOURCE):
         target = annotations_of(
@@ -224,8 +239,9 @@ def interrupt_costs(
             image.content,
             functions=[INTERRUPT, handler.symbol],
             annotations=[*annotations, handler_facts(), ("interrupt entry", target)],
+            timing=timing,
         )
         whole, body = times.functions
         cycles = EXCEPTION_CYCLES + whole.cycles + times.return_cycles
-        found.append(InterruptCost(handler, cycles, body))
+        found.append(InterruptCost(handler, cycles, body, timing))
     return tuple(found)

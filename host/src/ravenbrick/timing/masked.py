@@ -79,5 +79,5 @@ def masking(
     annotations: Sequence[tuple[str, str]],
 ) -> Masking:
     """From the handlers of a program, the alarm's first."""
-    passage = passage_cycles(image, costs[0].handler, annotations)
+    passage = passage_cycles(image, costs[0], annotations)
     return Masking(kernel, passage, tuple(costs), tuple(events))

@@ -155,8 +155,8 @@ def _page(
     alarm = microseconds(result["services"]["alarm_cycles"])
     parts = [
         f"<h1>{escape(name)}: timing</h1>",
-        f'<p class="lead">{verdict} Times in cycles of 48.054857 MHz. Bounds come from the binary '
-        "before the run; what is seen comes from the run.</p>",
+        f'<p class="lead">{verdict} Times in cycles of 48.054857 MHz, {result["timing"]} timing. '
+        "Bounds come from the binary before the run; what is seen comes from the run.</p>",
         f"<ul>{lines}</ul>",
         "<h2>Response times</h2>",
         _table(REPORT_HEAD, short_rows(result)),

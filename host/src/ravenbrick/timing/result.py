@@ -110,6 +110,7 @@ def result_of(
     scaling = largest_scaling(analysis.task_set, analysis.overheads)
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
+        "timing": analysis.services.timing,
         "schedulable": analysis.schedulable,
         "stacks_suffice": all(
             t.stack_bound_bytes is None or t.stack_bound_bytes <= t.task.stack_bytes
