@@ -188,12 +188,13 @@ describe("time", () => {
     const { context, page } = await open(browser, drive.address);
     await page.click("#run");
     await passes(page, 0.2);
-    // A machine with other work is slower, but what is late is not made up for.
-    const rate = await rateOver(page, 1);
+    // A machine with other work is slower, but what is late is not made up for. A picture may be
+    // a second late.
+    const rate = await rateOver(page, 5);
     expect(rate).toBeLessThan(1.5);
     await page.selectOption("#speed", "0.1");
     await lasts(page, 0.02);
-    const slow = await rateOver(page, 0.1);
+    const slow = await rateOver(page, 0.5);
     expect(slow).toBeLessThan(0.15);
     expect(rate).toBeGreaterThan(2 * slow);
     await page.click("#run");

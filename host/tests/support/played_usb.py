@@ -10,6 +10,7 @@ import struct
 import subprocess
 import threading
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from ravenbrick.errors import PeerError
 from ravenbrick.target.peers import DEVICE_DESCRIPTOR, UsbComputer
@@ -53,13 +54,14 @@ def _serve(line: socket.socket, computer: UsbComputer) -> None:
 
 
 def run_with_device(
-    command: list[str], computer: UsbComputer, folder: Path, library: Path
+    command: list[str], computer: UsbComputer, library: Path
 ) -> subprocess.CompletedProcess[str]:
     """Run a command whose libusb sees the brick of `computer`, which runs meanwhile."""
-    path = folder / "usb"
-    environment = {**os.environ, "LD_PRELOAD": str(library), "RAVENBRICK_PLAYED_USB": str(path)}
-    with socket.socket(socket.AF_UNIX) as server:
-        server.bind(str(path))
+    # The path of a socket has at most 107 bytes, which that of a test's own folder may exceed.
+    with TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX) as server:
+        path = f"{folder}/usb"
+        environment = {**os.environ, "LD_PRELOAD": str(library), "RAVENBRICK_PLAYED_USB": path}
+        server.bind(path)
         server.listen()
         server.settimeout(0.2)
         process = subprocess.Popen(
@@ -81,5 +83,4 @@ def run_with_device(
                 line.settimeout(None)
                 _serve(line, computer)
         reader.join()
-    path.unlink()
     return subprocess.CompletedProcess(command, process.returncode, told[0])

@@ -64,7 +64,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def upload(library: Path, tmp_path: Path) -> Upload:
+def upload(library: Path) -> Upload:
     """From a brick and arguments to the command that has ended."""
 
     def run(brick: Any, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -72,7 +72,7 @@ def upload(library: Path, tmp_path: Path) -> Upload:
         computer = UsbComputer(brick)
         assert computer.enumerate() == (0x03EB, 0x6124)
         command = [sys.executable, "-c", COMMAND, "upload", *arguments]
-        return run_with_device(command, computer, tmp_path, library)
+        return run_with_device(command, computer, library)
 
     return run
 
@@ -126,20 +126,18 @@ def test_the_firmware_is_restored(upload: Upload) -> None:
     assert picture(brick)[14:] == picture(brick_at_the_menu())[14:]
 
 
-def test_a_brick_with_its_firmware_is_told_how_to_be_loaded(
-    library: Path, tmp_path: Path
-) -> None:
+def test_a_brick_with_its_firmware_is_told_how_to_be_loaded(library: Path) -> None:
     """libnxt finds it by its identity, and its words become what to do."""
     computer = UsbComputer(brick_at_the_menu())
     computer.enumerate()
     command = [sys.executable, "-c", COMMAND, "upload", str(IMAGE), "--restore"]
-    done = run_with_device(command, computer, tmp_path, library)
+    done = run_with_device(command, computer, library)
     assert done.returncode == ExitCode.CONNECTION_FAILED
     assert "the brick runs its firmware" in done.stdout
 
 
 @LONG
-def test_a_cable_that_is_pulled_is_told(library: Path, tmp_path: Path) -> None:
+def test_a_cable_that_is_pulled_is_told(library: Path) -> None:
     """In the middle of the image: exit code 11 and what to try."""
     brick = firmware_brick()
     brick.enter_boot_monitor()
@@ -147,6 +145,6 @@ def test_a_cable_that_is_pulled_is_told(library: Path, tmp_path: Path) -> None:
     computer.enumerate()
     brick.schedule_input(brick.cycles + MASTER_CLOCK.cycles_of_ms(PULLED_MS), "usb.plugged", 0)
     command = [sys.executable, "-c", COMMAND, "upload", str(image_file("ram"))]
-    done = run_with_device(command, computer, tmp_path, library)
+    done = run_with_device(command, computer, library)
     assert done.returncode == ExitCode.CONNECTION_FAILED
     assert "the transfer broke off" in done.stdout
