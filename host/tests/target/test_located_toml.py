@@ -121,3 +121,17 @@ def test_brackets_without_end_are_an_error_of_the_file(tmp_path: Path) -> None:
     file.write_text("a = " + "[" * 100_000)
     with pytest.raises(ProjectFileError, match="nested too deeply"):
         read_toml(file, missing="")
+
+
+def test_whole_numbers_beyond_64_bits_are_named(tmp_path: Path) -> None:
+    """TOML has none; what reads the values would fail far away from the file."""
+    file = tmp_path / "large.toml"
+    file.write_text(f"a = {2**63 - 1}\n[[b]]\nc = [1, {2**63}]\n")
+    with pytest.raises(ProjectFileError, match=r"large\.toml:3: b\[0\]\.c\[1\]: is too large"):
+        read_toml(file, missing="")
+
+
+def test_a_list_of_tables_has_the_line_of_its_first(tmp_path: Path) -> None:
+    file = tmp_path / "tables.toml"
+    file.write_text("a = 1\n\n[[tasc]]\nb = 2\n\n[[tasc]]\nb = 3\n")
+    assert read_toml(file, missing="").line_of(("tasc",)) == 3

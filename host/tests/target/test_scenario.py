@@ -144,3 +144,21 @@ def test_a_monitor_that_hangs_up_before_it_connects_is_named_with_its_line(
     edit(DRIVE, "[monitor]", '[peer]\nproject = ".."\nscenario = "x"\n\n[monitor]')
     with pytest.raises(ProjectFileError, match="a peer or a monitor; leave one out"):
         _read(project, robot)
+
+
+def test_each_missing_field_is_told_once(project: Path, robot: Robot) -> None:
+    """An empty file misses several."""
+    path = project / "scenarios" / "empty.toml"
+    path.write_text("")
+    with pytest.raises(ProjectFileError) as caught:
+        read_scenario(path, robot)
+    told = [caught.value.sentence, *caught.value.detail.splitlines()]
+    assert len(told) == len(set(told)) > 2
+
+
+def test_a_pin_that_is_too_long_says_how_long_it_may_be(
+    project: Path, robot: Robot, edit: Edit
+) -> None:
+    edit(DRIVE, "[straight]", '[monitor]\npin = "12345678901234567"\n\n[straight]')
+    with pytest.raises(ProjectFileError, match="'12345678901234567'; expected at most 16 letters"):
+        _read(project, robot)

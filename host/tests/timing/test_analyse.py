@@ -176,6 +176,13 @@ def test_a_fact_about_a_function_that_is_not_there_is_told(
     assert f"timing.toml:{line}: loop[0].symbol: the image has no function 'put_intger'" in told
 
 
+def test_a_folder_in_place_of_the_facts_is_not_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
+    (tmp_path / "timing.toml").mkdir()
+    with pytest.raises(RavenbrickError, match=r"timing\.toml:1: cannot be read \(Is a directory\)"):
+        read_facts(read_robot(tmp_path))
+
+
 def test_ceilings_and_handlers_are_those_of_the_sources(analysis: Analysis) -> None:
     ceilings = {item.name: item.ceiling for item in analysis.objects}
     assert ceilings["panel__latest"] == 2

@@ -121,11 +121,6 @@ class ClockLoad:
 
 def _steps(period: Time, jitter: Time, limit: Time) -> Iterator[Time]:
     last, first = (limit + jitter) // period, jitter // period + 1
-    if last > STEP_LIMIT:
-        raise AnalysisLimitError(
-            f"a window of {limit} has more than {STEP_LIMIT} releases; "
-            "use periods and deadlines that lie closer together"
-        )
     return (count * period - jitter for count in range(last, first - 1, -1))
 
 
@@ -190,7 +185,17 @@ class Window:
 
     def steps(self, limit: Time) -> Iterator[Time]:
         """Ends of the constant stretches of the interference up to `limit`, and `limit`; from the
-        longest."""
+        longest.
+
+        Raises `AnalysisLimitError` where there are too many.
+        """
+        periods = [source.period for source in self.sources] + list(self.clock.periods())
+        periods += [span for source in self.sources for _, span in source.task.limits]
+        if limit > STEP_LIMIT * min(periods, default=limit):
+            raise AnalysisLimitError(
+                f"{self.task.name}: the deadline is more than {STEP_LIMIT} times the shortest "
+                "period of what is more urgent; use periods and deadlines that lie closer together"
+            )
         causes = [iter([limit]), *self.clock.steps(limit)]
         for source in self.sources:
             causes.append(_steps(source.period, source.jitter, limit))

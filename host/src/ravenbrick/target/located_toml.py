@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from ravenbrick.errors import ProjectFileError, ScenarioError
 __all__ = ["KeyPath", "LocatedToml", "dotted", "read_toml", "utf8_text"]
 
 KeyPath = tuple[str | int, ...]
+LIMIT = 2**63
 _BARE_OR_QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"|\'([^\']*)\'|([A-Za-z0-9_-]+)')
 _STRING = re.compile(
     r'"""(?:[^\\]|\\.)*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'', re.DOTALL
@@ -45,10 +47,14 @@ class LocatedToml:
     lines: dict[KeyPath, int]
 
     def line_of(self, key_path: KeyPath) -> int:
-        """Line of the key, or of the closest table around it that is written down."""
+        """Line of the key, of the first that it holds, or of the closest table around it that is
+        written down."""
         while key_path:
             if key_path in self.lines:
                 return self.lines[key_path]
+            inside = [at for key, at in self.lines.items() if key[: len(key_path)] == key_path]
+            if inside:
+                return min(inside)
             key_path = key_path[:-1]
         return 1
 
@@ -201,7 +207,22 @@ def read_toml(path: Path, *, missing: str) -> LocatedToml:
     except RecursionError:
         problem = "nested too deeply; write plain tables and arrays"
         raise ProjectFileError(path, 1, "", problem) from None
-    return LocatedToml(path, values, _Locator(text.replace("\r\n", "\n")).locate())
+    document = LocatedToml(path, values, _Locator(text.replace("\r\n", "\n")).locate())
+    for key_path in _beyond_64_bits(values, ()):
+        raise document.error(key_path, f"is too large; expected a whole number below {LIMIT}")
+    return document
+
+
+def _beyond_64_bits(value: Any, path: KeyPath) -> Iterator[KeyPath]:
+    """Whole numbers that TOML does not have (TOML 1.0, Integer)."""
+    if isinstance(value, int) and not -LIMIT <= value < LIMIT:
+        yield path
+    elif isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _beyond_64_bits(inner, (*path, key))
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            yield from _beyond_64_bits(inner, (*path, index))
 
 
 def _syntax_error(path: Path, text: str, message: str) -> ProjectFileError:

@@ -104,7 +104,9 @@ _TRANSLATORS: dict[str, Callable[[jsonschema.ValidationError, KeyPath], Iterator
     "exclusiveMinimum": _at("is {value}; expected more than {bound}"),
     "pattern": _at("is {value}; expected a name of small letters, digits, '-' and '_'"),
     "minItems": _at("is empty; expected at least {bound} item"),
+    "maxItems": _at("has too many items; expected at most {bound}"),
     "minLength": _at("is empty; write a text"),
+    "maxLength": _at("is {value}; expected at most {bound} letters"),
     "minProperties": _at("is empty; expected at least {bound} entry"),
     "maxProperties": _at("has several entries; expected one"),
     "anyOf": _no_bound,
@@ -121,7 +123,8 @@ def _complaints(document: LocatedToml, name: str) -> Iterator[Complaint]:
 
 def validate(document: LocatedToml, name: str) -> None:
     """Raise `ProjectFileError` for the first wrong field; the others are in its `detail`."""
-    found = [document.error(path, text) for path, text in _complaints(document, name)]
+    complaints = dict.fromkeys(_complaints(document, name))
+    found = [document.error(path, text) for path, text in complaints]
     # A mistyped name comes before the missing field that it leaves behind.
     found.sort(key=lambda error: (_UNKNOWN not in error.sentence, error.line, error.field))
     if found:

@@ -265,9 +265,9 @@ def _annotations(document: LocatedToml) -> str:
 
 
 def _read(path: Path) -> LocatedToml | None:
-    if not path.is_file():
+    if not path.exists():
         return None
-    document = read_toml(path, missing="")
+    document = read_toml(path, missing="write a file of facts, or remove it")
     validate(document, "timing")
     return document
 
