@@ -3,7 +3,7 @@
 //! Registers that differ from other registers or from words of memory by a known distance, whatever
 //! they hold: what a comparison says about one is then known of the others.
 
-use crate::value::Value;
+use crate::value::{Value, RUNNING};
 
 /// Most places that are related to one place.
 const MOST: usize = 12;
@@ -90,17 +90,13 @@ impl Relations {
     pub fn clear(&mut self) {
         self.0.clear();
     }
-
-    /// There is none.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
 }
 
 /// What is known of a word that holds `known` and is `distance` more than one that holds `value`;
-/// nothing new for addresses, and where the sum of a range overflows.
+/// nothing new for addresses and the running thread, and where the sum of a range overflows.
 pub fn narrowed(known: &Value, value: &Value, distance: u32) -> Option<Value> {
-    if !known.is_unknown() && known.bounds().is_none() {
+    let named = matches!(known, Value::Based(RUNNING, _));
+    if named || !known.is_unknown() && known.bounds().is_none() {
         return None;
     }
     let moved = if let Some(elements) = value.elements() {

@@ -124,6 +124,14 @@ impl Step<'_> {
         }
     }
 
+    /// What a store writes of a register: r15 is then another instruction further.
+    fn stored(&self, number: u32) -> Value {
+        match (self.read(number), number) {
+            (Value::Constant(pc), 15) => Value::Constant(pc.wrapping_add(self.size)),
+            (value, _) => value,
+        }
+    }
+
     /// Writes a register; r15 becomes the target.
     fn write(&mut self, effects: &mut Effects, number: u32, value: Value) {
         if number == 15 {
@@ -410,7 +418,7 @@ impl Step<'_> {
                 }
             }
         } else {
-            let stored = self.read(transfer.register);
+            let stored = self.stored(transfer.register);
             let known = stored.constant().is_some();
             self.store(&address, transfer.width, stored);
             if !known {
@@ -462,12 +470,13 @@ impl Step<'_> {
                     self.state.set(number, loaded);
                 }
             } else {
-                let stored = self.read(number);
+                let stored = self.stored(number);
                 self.store(&address, Width::Word, stored);
+                // The base moves behind the first transfer.
+                if block.write_back && index == 0 {
+                    self.state.set(block.base, end.clone());
+                }
             }
-        }
-        if block.write_back && !block.load {
-            self.state.set(block.base, end);
         }
     }
 
