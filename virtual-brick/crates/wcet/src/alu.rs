@@ -4,6 +4,7 @@
 //! and shifter.
 
 use crate::memory::MemoryMap;
+use crate::relations::Place;
 use crate::state::{Comparison, State, ANY_FLAGS};
 use crate::value::Value;
 use arm7tdmi::alu::{add, shift_by_constant, shift_by_register, LSL, LSR, ROR};
@@ -171,10 +172,29 @@ pub fn compute(
             (value, flags)
         }
     };
+    let (value, flags) = match distance(state, processing, &second) {
+        Some(apart) => (Value::Constant(apart), flags & distance_flags(apart as i32)),
+        None => (value, flags),
+    };
     Outcome {
         value,
         flags,
         comparison,
+    }
+}
+
+/// What a subtraction of two registers gives that differ by a known distance, whatever they hold.
+fn distance(state: &State, processing: &DataProcessing, second: &Shifted) -> Option<u32> {
+    let (from, less) = match processing.operation {
+        AluOperation::Sub | AluOperation::Cmp => (processing.first, second.register?),
+        AluOperation::Rsb => (second.register?, processing.first),
+        _ => return None,
+    };
+    let [place, other] = [from, less].map(Place::Register);
+    if from == less {
+        Some(0)
+    } else {
+        state.relations.between(place, other)
     }
 }
 
@@ -482,5 +502,30 @@ mod tests {
             ..fivefold
         };
         assert_eq!(with_itself(&other, &Value::Range(0, 255)), None);
+    }
+
+    #[test]
+    fn registers_that_differ_by_a_distance_give_it_whatever_they_hold() {
+        let mut state = State::entry(&std::array::from_fn(|_| Value::Top));
+        let [one, other] = [1, 2].map(Place::Register);
+        state.relations.note(other, one, 4);
+        let less = |first, register| {
+            let compared = DataProcessing {
+                operation: AluOperation::Cmp,
+                sets_flags: true,
+                destination: 0,
+                first,
+                second: Operand::register(register),
+            };
+            let read = |number: u32| state.registers[number as usize].clone();
+            let operand = second(&state, compared.second, read);
+            let map = MemoryMap::without_wait_states();
+            compute(&state, &map, &compared, read(first), operand)
+        };
+        assert_eq!(less(2, 1).value, Value::Constant(4));
+        assert_eq!(less(1, 2).value, Value::Constant(4_u32.wrapping_neg()));
+        // Negative and not zero, carry and overflow as may be.
+        assert_eq!(less(1, 2).flags, 0b1111 << 8);
+        assert_eq!(less(2, 2).flags, 1 << 0b0110);
     }
 }

@@ -34,6 +34,12 @@ impl Relations {
         })
     }
 
+    /// What a place is more than another one, where it is known.
+    pub fn between(&self, place: Place, other: Place) -> Option<u32> {
+        let mut found = self.of(other).filter(|(related, _)| *related == place);
+        found.next().map(|(_, distance)| distance)
+    }
+
     /// A place is written.
     pub fn forget(&mut self, place: Place) {
         self.0.retain(|(a, b, _)| *a != place && *b != place);

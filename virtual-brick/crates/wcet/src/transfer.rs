@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What one instruction makes of a state, and what its cost depends on.
 
-use crate::alu::{compute, second};
+use crate::alu::{compute, second, Shifted};
 use crate::conventions::Conventions;
 use crate::image::Image;
 use crate::memory::MemoryMap;
@@ -80,20 +80,12 @@ fn extended(value: &Value, sign_bits: u32) -> Value {
 }
 
 /// The register from which the result of an instruction differs by a known distance.
-fn moved(processing: &DataProcessing) -> Option<(u32, u32)> {
-    let (from, distance) = match (processing.operation, processing.second) {
-        (
-            AluOperation::Mov,
-            Operand::Shifted {
-                register,
-                kind: 0,
-                amount: 0,
-            },
-        ) => (register, 0),
-        (AluOperation::Add, Operand::Constant { value, .. }) => (processing.first, value),
-        (AluOperation::Sub, Operand::Constant { value, .. }) => {
-            (processing.first, value.wrapping_neg())
-        }
+fn moved(processing: &DataProcessing, first: &Value, second: &Shifted) -> Option<(u32, u32)> {
+    let (from, distance) = match (processing.operation, second.value.constant()) {
+        (AluOperation::Mov, None) => (second.register?, 0),
+        (AluOperation::Add, None) => (second.register?, first.constant()?),
+        (AluOperation::Add, Some(more)) => (processing.first, more),
+        (AluOperation::Sub, Some(less)) => (processing.first, less.wrapping_neg()),
         _ => return None,
     };
     (from < 13 && processing.destination < 13).then_some((from, distance))
@@ -285,6 +277,7 @@ impl Step<'_> {
         };
         let operand = second(self.state, processing.second, read);
         let first = read(processing.first);
+        let moved = moved(processing, &first, &operand);
         let outcome = compute(self.state, self.world.map, processing, first, operand);
         let destination = processing.destination;
         if processing.sets_flags {
@@ -292,20 +285,25 @@ impl Step<'_> {
             self.state.comparison = outcome.comparison;
         }
         if !processing.operation.compares() {
-            self.write_moved(effects, processing, outcome.value);
+            self.write_moved(effects, destination, outcome.value, moved);
             if let (true, Some(comparison)) = (processing.sets_flags, &mut self.state.comparison) {
                 comparison.result = Some(destination);
             }
         }
     }
 
-    /// Writes a result with what relates it to its operand.
-    fn write_moved(&mut self, effects: &mut Effects, processing: &DataProcessing, value: Value) {
-        let place = Place::Register(processing.destination);
+    /// Writes a result with what relates it to the register that `moved` names.
+    fn write_moved(
+        &mut self,
+        effects: &mut Effects,
+        destination: u32,
+        value: Value,
+        moved: Option<(u32, u32)>,
+    ) {
         let known = value.constant().is_some();
-        let moved = moved(processing).filter(|_| !known);
-        match moved {
-            Some((from, distance)) if from == processing.destination => {
+        let place = Place::Register(destination);
+        match moved.filter(|_| !known) {
+            Some((from, distance)) if from == destination => {
                 let mut relations = self.state.relations.clone();
                 let compared = self.state.compared(from);
                 self.write(effects, from, value);
@@ -316,11 +314,11 @@ impl Step<'_> {
                 }
             }
             Some((from, distance)) => {
-                self.write(effects, processing.destination, value);
+                self.write(effects, destination, value);
                 let relations = &mut self.state.relations;
                 relations.note(place, Place::Register(from), distance);
             }
-            None => self.write(effects, processing.destination, value),
+            None => self.write(effects, destination, value),
         }
     }
 
@@ -375,7 +373,7 @@ impl Step<'_> {
             first: 0,
             second: Operand::constant(0),
         };
-        let operand = crate::alu::Shifted {
+        let operand = Shifted {
             value: offset,
             carry: None,
             register: None,
