@@ -4,16 +4,18 @@
 
 from __future__ import annotations
 
+import difflib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
+from elftools.elf.elffile import ELFFile
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import RavenbrickError, UsageError
 from ravenbrick.target.located_toml import utf8_text
-from ravenbrick.timing.bounds import execution_times
+from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 
 __all__ = ["wcet_command"]
 
@@ -73,6 +75,20 @@ def _print_own_data(reporter: Reporter, result: dict[str, Any]) -> None:
     reporter.table(("source line", "executions"), rows)
 
 
+def _with_names(error: RavenbrickError, elf: Path, calls: list[str]) -> RavenbrickError:
+    """The error, or which function is asked for that the file does not have."""
+    with elf.open("rb") as file:
+        table: Any = ELFFile(file).get_section_by_name(".symtab")
+        symbols = [] if table is None else list(table.iter_symbols())
+    known = [symbol.name for symbol in symbols if symbol["st_info"]["type"] == "STT_FUNC"]
+    for name in calls:
+        if name not in known:
+            close = difflib.get_close_matches(name, known, 3)
+            advice = f"did you mean {' or '.join(close)}?" if close else f"'nm {elf}' lists them"
+            return UsageError(f"{elf}: there is no function '{name}'; {advice}")
+    return error
+
+
 @command("ravenbrick wcet build/vehicle/ram/vehicle.elf functional_step_instance")
 def wcet_command(
     elf: Annotated[Path, typer.Argument(help="ELF file for the ARM7TDMI.")],
@@ -101,11 +117,15 @@ def wcet_command(
     files = [(str(path), utf8_text(path)) for path in annotations or []]
     options: dict[str, Any] = {"annotations": files, "timing": timing, "wait_states": wait_states}
     options["name"] = str(elf)
-    if own_data:
-        result = _own_data(elf, [*(after or []), symbol], any_content or [], options)
-        _print_own_data(Reporter(json_output), result)
-        return result
-    found = execution_times(elf.read_bytes(), functions=[symbol], **options)
+    calls = [*(after or []), symbol]
+    try:
+        if own_data:
+            result = _own_data(elf, calls, any_content or [], options)
+            _print_own_data(Reporter(json_output), result)
+            return result
+        found = execution_times(elf.read_bytes(), functions=[symbol], **options)
+    except ExecutionTimeError as error:
+        raise _with_names(error, elf, calls) from None
     bound = found.functions[0]
     result = {
         "symbol": symbol,

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick wcet` with mistakes: each is named, with what to do, in JSON."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ravenbrick.cli import app
+from ravenbrick.target.workspace import Workspace
+
+if importlib.util.find_spec("virtual_brick") is None:
+    pytest.skip("the module virtual_brick is not built", allow_module_level=True)
+
+ROOT = Path(__file__).resolve().parents[3]
+FUNCTION = "functional_step_instance"
+
+
+@pytest.fixture
+def image() -> Path:
+    path = Workspace.of(ROOT / "examples" / "vehicle").image("ram", "vehicle")
+    if not path.is_file():
+        pytest.skip("the vehicle is not built; 'ravenbrick build examples/vehicle' builds it")
+    return path
+
+
+def refused(code: int, *arguments: str | Path) -> str:
+    """What the command says when it ends with this code."""
+    result = CliRunner().invoke(app, ["wcet", *map(str, arguments), "--json"])
+    answer = json.loads(result.stdout)
+    assert (result.exit_code, answer["ok"], answer["exit_code"]) == (code, False, code), answer
+    return str(answer["error"])
+
+
+@pytest.mark.parametrize("options", [[], ["--own-data"]])
+def test_a_misspelt_function_is_told_with_those_alike(image: Path, options: list[str]) -> None:
+    said = refused(2, image, "functional_stp_instance", *options)
+    assert f"no function 'functional_stp_instance'; did you mean {FUNCTION}" in said
+    assert "lists them" in refused(2, image, "qqqqqqqqqqqq", *options)
+
+
+@pytest.mark.parametrize("options", [[], ["--own-data"]])
+def test_a_damaged_image_is_named(image: Path, tmp_path: Path, options: list[str]) -> None:
+    half = tmp_path / "half.elf"
+    half.write_bytes(image.read_bytes()[:100_000])
+    assert refused(6, half, FUNCTION, *options).startswith(f"{half}: ELF file: ")
+
+
+def test_annotations_that_are_no_text_are_named_with_their_line(
+    image: Path, tmp_path: Path
+) -> None:
+    facts = tmp_path / "facts.toml"
+    facts.write_bytes("# one\n# für\n".encode("latin-1"))
+    said = refused(3, image, FUNCTION, "--annotations", facts)
+    assert f"{facts}:2: not UTF-8 text" in said
+
+
+def test_what_own_data_starts_from_needs_own_data(image: Path) -> None:
+    assert "--own-data starts from; add it" in refused(2, image, FUNCTION, "--after", "adainit")
