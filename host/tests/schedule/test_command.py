@@ -84,11 +84,23 @@ def test_the_picture_shows_both_schedules_and_who_misses(tmp_path: Path) -> None
     result = CliRunner().invoke(app, ["schedule", str(path), "--gantt", str(picture), "--json"])
     assert result.exit_code == 0, result.output
     assert json.loads(result.output)["gantt"] == str(picture)
-    titles = [axis.get_title() for axis in gantt_figure(read_task_file(path).task_set, "ms").axes]
+    axes = gantt_figure(read_task_file(path).task_set, "ms").axes
+    titles = [axis.get_title() for axis in axes]
+    crosses = [line for axis in axes for line in axis.lines if line.get_marker() == "x"]
+    assert [len(line.get_xdata()) for line in crosses] == [int(titles[0].split()[2]), 0]
     assert re.fullmatch(r"fixed priorities: [1-9]\d* missed deadlines", titles[0])
     assert titles[1] == "earliest deadline first: no deadline is missed"
     short = gantt_figure(read_task_file(path).task_set, "ms", exact(12))
     assert short.axes[1].get_xlim()[1] < 13
+
+
+def test_a_task_that_may_not_execute_at_all_is_no_advice(tmp_path: Path) -> None:
+    """The second fills its own deadline."""
+    path = tmp_path / "set.toml"
+    path.write_text(LATE.replace("period = 14\nwcet = 5", "period = 20\ndeadline = 9\nwcet = 9"))
+    answer = json.loads(CliRunner().invoke(app, ["schedule", str(path), "--json"]).stdout)
+    assert [task["wcet_max"] for task in answer["tasks"]][0] == "0"
+    assert not any("executes for 0" in line for line in answer["advice"])
 
 
 @pytest.mark.parametrize(

@@ -169,9 +169,11 @@ def test_a_fact_about_a_function_that_is_not_there_is_told(
     assert unused_facts(read_facts(read_robot(VEHICLE)), image) == []
     text = (VEHICLE / "timing.toml").read_text()
     text = text.replace('symbol = "nxt__display__put_integer"', 'symbol = "put_intger"', 1)
+    text = text.replace('within = "panel__put_hundredths"', 'within = "put_hundreds"', 1)
     (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
     (tmp_path / "timing.toml").write_text(text)
-    (told,) = unused_facts(read_facts(read_robot(tmp_path)), image)
+    told, within = unused_facts(read_facts(read_robot(tmp_path)), image)
+    assert "loop[0].within: the image has no function 'put_hundreds'" in within
     line = text[: text.index("put_intger")].count("\n") + 1
     assert f"timing.toml:{line}: loop[0].symbol: the image has no function 'put_intger'" in told
 

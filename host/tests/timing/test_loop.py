@@ -31,6 +31,12 @@ def inverted() -> control.StateSpace:
     return control.sample_system(control.ss(plant), SAMPLE_TIME, "zoh")
 
 
+def resonant() -> control.StateSpace:
+    """30 s / (s^2 + 2 s + 400), sampled: crosses upwards with a lead, then downwards."""
+    plant = control.tf([30.0, 0.0], [1.0, 2.0, 400.0])
+    return control.sample_system(control.ss(plant), SAMPLE_TIME, "zoh")
+
+
 def left_behind(open_loop: control.StateSpace, folder: Path) -> Path:
     """What a design.py with this loop writes."""
     file = folder / "design.json"
@@ -40,7 +46,7 @@ def left_behind(open_loop: control.StateSpace, folder: Path) -> Path:
     return file
 
 
-@pytest.mark.parametrize("make", [integrator, inverted])
+@pytest.mark.parametrize("make", [integrator, inverted, resonant])
 def test_the_loop_gets_unstable_where_the_margin_ends(
     make: Callable[[], control.StateSpace], tmp_path: Path
 ) -> None:

@@ -180,14 +180,16 @@ def event_costs(
 
     Raises `ExecutionTimeError` for one without a rate, by file and line.
     """
+    if not handlers:
+        return ()
+    loads = [_loads(image, facts, symbol) for symbol in handlers]
+
+    def cost(known: list[tuple[str, str]]) -> InterruptCost:
+        return interrupt_costs(image, [alarm.handler], [*known, *annotations], alarm.timing)[0]
+
+    around = cost([*map(no_cost, handlers), expiry_facts(handlers)]).body.cycles
     found = []
-    for symbol in handlers:
-        loads = _loads(image, facts, symbol)
-        called = expiry_facts([symbol])
-        known = [called, *annotations]
-        whole = interrupt_costs(image, [alarm.handler], known, alarm.timing)[0]
-        without = [no_cost(symbol), *known]
-        around = interrupt_costs(image, [alarm.handler], without, alarm.timing)[0].body.cycles
-        name = _ada_name(symbol)
-        found.append(EventCost(name, alarm.handler, whole.cycles, whole.body, around, loads))
+    for symbol, rates in zip(handlers, loads, strict=True):
+        whole, name = cost([expiry_facts([symbol])]), _ada_name(symbol)
+        found.append(EventCost(name, alarm.handler, whole.cycles, whole.body, around, rates))
     return tuple(found)
