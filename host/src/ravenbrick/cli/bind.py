@@ -13,6 +13,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.codegen import read_binding, read_coder_model
 from ravenbrick.errors import UsageError
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["bind_command"]
 
@@ -36,9 +37,8 @@ def bind_command(
         step.note = f"{interface.model}, {form}"
     with reporter.step("write C and binding") as step:
         files = found.files_with_binding(wanted)
-        output.mkdir(parents=True, exist_ok=True)
         for name, text in sorted(files.items()):
-            (output / name).write_text(text, encoding="utf-8")
+            write_whole(output / name, text)
         step.note = f"{len(files)} files"
     rows = [[role, interface.types[role], str(interface.sizes[role])] for role in interface.types]
     reporter.table(("data", "type", "bytes"), rows, left=("type",))

@@ -28,6 +28,7 @@ from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.motor_data import motor_data, signal_data
 from ravenbrick.trace.recording import Recording
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["identify_command"]
 
@@ -91,8 +92,7 @@ def identify_command(
             "is loaded, changes, or is not of this model: nothing was written"
         )
     path = output or workspace.design_file.parent / f"motor-{motor}.toml"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(_parameter_file(found, checked, robot, motor, scenario), encoding="utf-8")
+    write_whole(path, _parameter_file(found, checked, robot, motor, scenario))
     reporter.print(f"parameters: {workspace.shown(path)}")
     return {
         "motor": motor,

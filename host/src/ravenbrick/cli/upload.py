@@ -20,6 +20,7 @@ from ravenbrick.target.real import brick_to_load, load
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.usb_bricks import find_bricks
 from ravenbrick.target.workspace import Workspace
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["upload_command"]
 
@@ -61,8 +62,7 @@ def upload_command(
     flat = flat_flash_file(source) if restore else _project_image(source, kind, reporter)
     facts = {"kind": kind, "bytes": len(flat.content), "address": flat.address}
     if out is not None:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        out.write_bytes(flat.content)
+        write_whole(out, flat.content)
         reporter.print(f"written: {out}, {len(flat.content):,} bytes for 0x{flat.address:08X}")
         return {**facts, "file": str(out)}
     brick = brick_to_load(find_bricks())

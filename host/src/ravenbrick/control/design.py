@@ -21,6 +21,7 @@ from ravenbrick.control.metrics import Margins, StepMetrics, step_metrics
 from ravenbrick.control.sampled import SampledLoop, StepResponse
 from ravenbrick.control.tuning import DiscretePi, PiGains
 from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linearise
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["Design", "EstimatorComparison", "compare_estimators", "finish_design"]
 
@@ -141,8 +142,7 @@ class Design:
 
     def write_results(self, path: Path) -> None:
         """Write `results` as JSON."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(self.results(), indent=1) + "\n", encoding="utf-8")
+        write_whole(path, json.dumps(self.results(), indent=1) + "\n")
 
 
 def _response(response: StepResponse, metrics: StepMetrics) -> Mapping[str, Any]:

@@ -12,6 +12,7 @@ import control
 import numpy as np
 
 from ravenbrick.control.design_plots import written_system
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["write_loop_results"]
 
@@ -54,5 +55,4 @@ def write_loop_results(
     }
     if open_loop is not None:
         results["loop"] = {"open_loop": written_system(control.ss(open_loop))}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    write_whole(path, json.dumps(results, indent=1) + "\n")

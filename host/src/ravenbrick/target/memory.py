@@ -16,6 +16,7 @@ from ravenbrick.errors import ImageFileError
 from ravenbrick.target.elf_image import REGIONS, ElfImage
 from ravenbrick.target.robot import Robot
 from ravenbrick.trace.recording import Thread
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["MemoryReport", "TaskStack", "memory_report", "with_stacks"]
 
@@ -62,7 +63,7 @@ class MemoryReport:
 
     def write(self, path: Path) -> None:
         """Write the report as JSON."""
-        path.write_text(json.dumps(self.as_json(), indent=1) + "\n")
+        write_whole(path, json.dumps(self.as_json(), indent=1) + "\n")
 
     def as_json(self) -> dict[str, Any]:
         """The report with plain types."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from ravenbrick.trace.export.library import library
 from ravenbrick.trace.export.timeline import Lane, Series, Timeline, nanoseconds
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["write_perfetto"]
 
@@ -151,5 +152,5 @@ def write_perfetto(timeline: Timeline, path: Path) -> tuple[Path, ...]:
         event.terminating_flow_ids.extend(ended)
         if kind == COUNTER:
             event.double_counter_value = value
-    path.write_bytes(trace.SerializeToString(deterministic=True))
+    write_whole(path, trace.SerializeToString(deterministic=True))
     return (path,)
