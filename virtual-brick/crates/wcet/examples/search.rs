@@ -142,9 +142,7 @@ impl Input {
         };
         value.clamp(self.low, self.high)
     }
-}
 
-impl Input {
     /// Values at which floating-point operations take other ways: denormal ones with few digits,
     /// the least normal ones, powers of two and their neighbours, any exponent.
     fn corner(&self, [least, normal, step]: [f64; 3], random: &mut Random) -> f64 {
@@ -178,6 +176,16 @@ impl Input {
         let near = value + off * (value.abs() * step).max(least);
         let sign = if random.word() % 2 == 0 { 1.0 } else { -1.0 };
         self.kind.encoded((sign * near).clamp(self.low, self.high))
+    }
+
+    /// Fills elements with one value, or every other of them with two in turn.
+    fn fill(&self, elements: &mut [Vec<u8>], random: &mut Random) {
+        let pair = [0; 2].map(|_| self.kind.encoded(self.value(random)));
+        let alike = random.word() % 2 == 0;
+        let step = if alike { 1 } else { 2 };
+        for (index, element) in elements.iter_mut().step_by(step).enumerate() {
+            element.clone_from(&pair[if alike { 0 } else { index % 2 }]);
+        }
     }
 }
 
@@ -242,21 +250,10 @@ fn changed(data: &Data, inputs: &[Input], random: &mut Random) -> Data {
         let choices = if input.count < MANY { 8 } else { 10 };
         match random.word() % choices {
             0 => elements.swap(one, other),
-            7.. => {
-                let (first, last) = (one.min(other), one.max(other));
-                let pair = [0; 2].map(|_| input.kind.encoded(input.value(random)));
-                let step = 1 + random.word() as usize % 2;
-                for (index, element) in elements[first..=last].iter_mut().step_by(step).enumerate()
-                {
-                    element.clone_from(&pair[index % 2 * (step - 1)]);
-                }
-            }
-            6 => elements[one] = input.near(&elements[other], random),
             1 => elements[one] = elements[other].clone(),
-            2 => {
-                let (first, last) = (one.min(other), one.max(other));
-                elements[first..=last].reverse();
-            }
+            2 => elements[one.min(other)..=one.max(other)].reverse(),
+            6 => elements[one] = input.near(&elements[other], random),
+            7.. => input.fill(&mut elements[one.min(other)..=one.max(other)], random),
             _ => elements[one] = input.kind.encoded(input.value(random)),
         }
     }
