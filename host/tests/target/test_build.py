@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,6 +57,19 @@ def test_the_profile_of_the_robot_reaches_every_tool(project: Path, robot: Robot
     workspace = _makefile(project, '@echo "main.adb:1:1: error: $$PROFILE"; exit 1')
     with pytest.raises(BuildError, match="error: jorvik"):
         build.build_image(workspace, replace(robot, profile="jorvik"), "ram")
+
+
+@pytest.mark.usefixtures("no_toolchain")
+def test_a_project_finds_the_program_that_builds_it(
+    project: Path, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It asks 'ravenbrick home', also when the program was called by its path."""
+    folder = Path(sys.executable).parent
+    path = os.environ["PATH"].split(os.pathsep)
+    monkeypatch.setenv("PATH", os.pathsep.join(p for p in path if Path(p) != folder))
+    workspace = _makefile(project, '@echo "main.adb:1:1: error: $$PATH"; exit 1')
+    with pytest.raises(BuildError, match=rf"error: .*:{folder}; correct"):
+        build.build_image(workspace, robot, "ram")
 
 
 @pytest.mark.usefixtures("no_toolchain")

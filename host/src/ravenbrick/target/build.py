@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -83,8 +84,15 @@ def _run_make(workspace: Workspace, kind: ImageKind, robot: Robot) -> str:
     command.append(f"PROFILE={robot.profile}")
     command.append(f"EXECUTION_TIME={'yes' if robot.execution_time else 'no'}")
     command.append(f"STACK_CHECK={'yes' if robot.stack_check else 'no'}")
+    # A project outside the tree asks 'ravenbrick home' where the tree is.
+    path = os.pathsep.join([os.environ.get("PATH", os.defpath), str(Path(sys.executable).parent)])
     done = subprocess.run(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+        env=os.environ | {"PATH": path},
     )
     log = workspace.build(kind) / "build.log"
     log.parent.mkdir(parents=True, exist_ok=True)
