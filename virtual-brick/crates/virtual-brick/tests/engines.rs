@@ -8,7 +8,7 @@ mod support;
 use support::arm::{Program, EQ, NE};
 use support::random::{self, Kind, Numbers};
 use support::{image, vehicle};
-use virtual_brick::{Engine, StopReason, VirtualBrick};
+use virtual_brick::{Access, CpuStep, Engine, StepObserver, StopReason, VirtualBrick};
 
 const RAM_BYTES: usize = 0x1_0000;
 
@@ -181,4 +181,44 @@ fn native_code_does_not_run_past_a_branch_to_itself() {
     program.raw(0x11A0_0001).raw(0x01A0_0002); // movne r0, r1; moveq r0, r2
     program.raw(0xEAFF_FFFF).raw(0xE12F_FF10); // b to the next instruction; bx r0
     compare(&image(&program).build(), 3, 20, 400);
+}
+
+/// Counts the steps that the fast engine leaves to the reference engine.
+struct LeftSteps(u32);
+
+impl StepObserver for LeftSteps {
+    const SEES_ACCESSES: bool = false;
+    const SEES_STEPS: bool = false;
+
+    fn before_step(&mut self, _brick: &VirtualBrick) -> bool {
+        self.0 += 1;
+        false
+    }
+
+    fn access(&mut self, _access: Access) {}
+
+    fn after_step(&mut self, _brick: &VirtualBrick, _step: CpuStep) -> bool {
+        false
+    }
+}
+
+/// Each event of the chip ends a run of blocks: what lies before it is not run step by step.
+#[test]
+fn blocks_run_up_to_an_event() {
+    let mut program = Program::new();
+    program.load(9, support::RAM).load(1, 1);
+    let again = program.here();
+    for _ in 0..20 {
+        program.ldr(2, 9, 0).add(1, 1);
+    }
+    program.branch(support::arm::ALWAYS, again);
+    let elf = image(&program).build();
+    for engine in [Engine::Blocks, Engine::Fast] {
+        let mut brick = brick(&elf, engine, 2);
+        let mut steps = LeftSteps(0);
+        for piece in 1..=1_000 {
+            brick.run_observed(1_000 * piece, &mut steps);
+        }
+        assert!(steps.0 <= 2_000, "{engine:?}: {} steps", steps.0);
+    }
 }

@@ -522,8 +522,7 @@ fn run_once<B: BlockBus>(
     let age = (blocks.entries / ENTRIES_PER_AGE) as u16;
     let mut block = blocks.blocks.get_mut(*number as usize)?;
     if run.state.cycles + block.worst > budget {
-        execute_part(run, block, budget - run.state.cycles);
-        return (run.end != End::Reached).then_some(true);
+        return execute_part(run, block, budget - run.state.cycles).then_some(true);
     }
     if block.native.enters {
         *number = blocks.run_native(run, *number, budget)?;
@@ -545,20 +544,29 @@ fn run_once<B: BlockBus>(
     Some(true)
 }
 
-/// As much of a block as surely ends within `budget` cycles.
-fn execute_part<B: BlockBus>(run: &mut Run<'_, B>, block: &Block<B>, budget: u32) {
-    let count = block
-        .ops
-        .partition_point(|op| u32::from(op.worst) <= budget);
-    let mut ops = block.ops[..count].iter();
-    let (Some(op), Some(next)) = (ops.next(), block.ops.get(count)) else {
-        return;
-    };
+/// As much of a block as surely ends within `budget` cycles; what took less than it could have leaves
+/// more to those behind. False if the block ended between two instructions.
+fn execute_part<B: BlockBus>(run: &mut Run<'_, B>, block: &Block<B>, budget: u32) -> bool {
+    let limit = run.state.cycles + budget;
     let state = block.key & 1;
-    run.state.next = NO_TARGET | state;
-    (op.handler)(run, op, ops);
-    if run.state.next == NO_TARGET | state {
-        run.state.cycles += u32::from(next.before);
-        run.state.next = next.address | state;
+    let (mut rest, mut worst) = (&*block.ops, 0);
+    while let Some(next) = rest.first() {
+        let begun = run.state.cycles + u32::from(next.before);
+        let quiet = limit - begun + worst;
+        let (part, behind) = rest.split_at(rest.partition_point(|op| u32::from(op.worst) <= quiet));
+        let mut ops = part.iter();
+        let Some(op) = ops.next() else {
+            run.state.cycles = begun;
+            run.state.next = next.address | state;
+            return false;
+        };
+        run.state.next = NO_TARGET | state;
+        (op.handler)(run, op, ops);
+        if run.state.next != NO_TARGET | state {
+            return true;
+        }
+        worst = part.last().map_or(worst, |op| u32::from(op.worst));
+        rest = behind;
     }
+    true
 }

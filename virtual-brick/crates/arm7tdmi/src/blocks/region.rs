@@ -186,7 +186,7 @@ impl<B: BlockBus> Blocks<B> {
             return None;
         }
         let place = bus.target_place(block.key & !1)?;
-        let source = read_source(bus, block.key, place, bus.access_cycles_max());
+        let source = read_source(bus, block.key, place);
         let native = describe(bus, block, number, &source);
         let mut jumps = native.instructions.iter().filter_map(|one| one.jump);
         let waits = block.repeats && jumps.any(|jump| jump.key == block.key);
@@ -243,8 +243,8 @@ impl<B: BlockBus> Blocks<B> {
         }
         let block = self.blocks.get(exit.block as usize)?;
         if exit.operation == 0 && run.state.cycles + block.worst > budget {
-            execute_part(run, block, budget - run.state.cycles);
-            return (run.end != End::Reached).then_some(exit.block);
+            let left = budget - run.state.cycles;
+            return execute_part(run, block, left).then_some(exit.block);
         }
         let mut ops = block.ops.get(exit.operation as usize..)?.iter();
         if let Some(op) = ops.next() {

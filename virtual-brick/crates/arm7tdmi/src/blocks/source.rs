@@ -20,6 +20,8 @@ pub(super) struct Source {
     pub key: u32,
     pub place: CodePlace,
     pub instructions: Vec<Instruction>,
+    /// Most cycles up to the end of each.
+    pub worst_cycles: Vec<u32>,
 }
 
 fn decode<B: BlockBus>(bus: &B, address: u32, width: Width) -> Instruction {
@@ -48,28 +50,32 @@ pub(super) fn ends(instruction: &Instruction) -> bool {
 }
 
 /// The instructions from `key` on, as far as one block can have them.
-pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most: u32) -> Source {
+pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace) -> Source {
     let (start, size, width) = (key & !1, size_of(key), width_of(key));
+    let most = bus.access_cycles_max();
     let mut source = Source {
         key,
         place,
         instructions: Vec::with_capacity(INSTRUCTIONS_MAX),
+        worst_cycles: Vec::with_capacity(INSTRUCTIONS_MAX),
     };
     let mut worst = 0;
     while source.instructions.len() < INSTRUCTIONS_MAX && worst < CYCLES_MAX {
         let offset = size * source.instructions.len() as u32;
         // The instruction and its fetch two ahead lie behind the block in the same memory.
-        let ahead = offset + 2 * size;
+        let ahead = start.wrapping_add(offset + 2 * size);
         let expected = CodePlace {
-            halfword: place.halfword + ahead / 2,
+            halfword: place.halfword + offset / 2 + size,
             ..place
         };
-        if bus.code_place(start.wrapping_add(ahead)) != Some(expected) {
+        if bus.code_place(ahead) != Some(expected) {
             break;
         }
         let instruction = decode(bus, start.wrapping_add(offset), width);
         source.instructions.push(instruction);
-        worst += most_cycles(&instruction, most);
+        let fetch_cycles = bus.sequential_fetch_cycles(ahead, width);
+        worst += most_cycles(&instruction, fetch_cycles, most);
+        source.worst_cycles.push(worst);
         if ends(&instruction) {
             return source;
         }
@@ -79,15 +85,16 @@ pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace, most
         .instructions
         .iter()
         .rposition(|one| !one.operation.stores());
-    source
-        .instructions
-        .truncate(last.map_or(usize::MAX, |last| last + 1));
+    let length = last.map_or(usize::MAX, |last| last + 1);
+    source.instructions.truncate(length);
+    source.worst_cycles.truncate(length);
     source
 }
 
-/// Most cycles of an instruction where no fetch and no plain access takes more than `most`.
-pub(super) fn most_cycles(instruction: &Instruction, most: u32) -> u32 {
+/// Most cycles of an instruction whose fetch takes so many, where no other fetch and no plain access
+/// takes more than `most`.
+fn most_cycles(instruction: &Instruction, fetch_cycles: u32, most: u32) -> u32 {
     let cycles = instruction.cycles(TimingProfile::default());
     let data = cycles.reads.count() + cycles.writes.count();
-    cycles.internal_max + most * (1 + 2 * cycles.refills + data)
+    cycles.internal_max + fetch_cycles + most * (2 * cycles.refills + data)
 }

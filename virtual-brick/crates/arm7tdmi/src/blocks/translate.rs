@@ -15,7 +15,7 @@ use super::data::{
 use super::operand::{comparison, mode_of, operand_parts};
 use super::region::Nativeness;
 use super::run::{size_of, width_of, Handler, Op, Register};
-use super::source::{ends, most_cycles, read_source, Source};
+use super::source::{ends, read_source, Source};
 use super::transfer::{self, load_block, load_handler, store_block, store_handler};
 use crate::bus::Width;
 use crate::instruction::{
@@ -66,18 +66,10 @@ struct Builder<'a, B: BlockBus> {
 
 /// The block that begins at `key`; none when no instruction there can be in a block.
 pub(super) fn translate<B: BlockBus>(bus: &mut B, key: u32, place: CodePlace) -> Option<Block<B>> {
-    let most = bus.access_cycles_max();
-    let source = read_source(bus, key, place, most);
-    if source.instructions.is_empty() {
-        return None;
-    }
+    let source = read_source(bus, key, place);
+    let worst = *source.worst_cycles.last()?;
     let ops = build(bus, &source).ops;
     let (size, count) = (size_of(key), source.instructions.len() as u32);
-    let worst = source
-        .instructions
-        .iter()
-        .map(|instruction| most_cycles(instruction, most))
-        .sum();
     // Stores near the end could change what was fetched ahead already.
     let mut last = source.instructions.iter().rev().take(2);
     let near_end = last.any(|instruction| instruction.operation.stores());
@@ -111,7 +103,7 @@ pub(super) fn build<B: BlockBus>(bus: &B, source: &Source) -> Built<B> {
         comparison: None,
         ops: Vec::with_capacity(source.instructions.len() + 1),
     };
-    let worst = worst_where_left(source, &needed, bus.access_cycles_max());
+    let worst = worst_where_left(source, &needed);
     let mut prefix = None;
     let mut starts = Vec::with_capacity(source.instructions.len());
     let instructions = source.instructions.iter().zip(&needed).zip(&worst);
@@ -141,13 +133,9 @@ pub(super) fn build<B: BlockBus>(bus: &B, source: &Source) -> Built<B> {
 }
 
 /// For each instruction the most cycles up to the next place at which the block can be left.
-fn worst_where_left(source: &Source, needed: &[bool], most: u32) -> Vec<u16> {
-    let mut through = 0;
-    let cycles = source.instructions.iter().map(|instruction| {
-        through += most_cycles(instruction, most);
-        through as u16
-    });
-    let mut worst: Vec<u16> = cycles.collect();
+fn worst_where_left(source: &Source, needed: &[bool]) -> Vec<u16> {
+    let worst = source.worst_cycles.iter();
+    let mut worst: Vec<u16> = worst.map(|&worst| worst as u16).collect();
     let whole = whole_flags(&source.instructions, needed);
     for index in (1..worst.len()).rev() {
         if !whole[index - 1] {
