@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The brick as a Python class.
 
-use std::collections::BTreeMap;
+use std::collections::btree_map::{BTreeMap, Entry};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -311,11 +311,11 @@ impl VirtualBrick {
     }
 
     fn events<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.0.trace().events().pack())
+        PyBytes::new(py, self.0.trace().events().packed())
     }
 
     fn take_events<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.0.take_events().pack())
+        PyBytes::new(py, self.0.take_events().packed())
     }
 
     #[staticmethod]
@@ -328,15 +328,15 @@ impl VirtualBrick {
 
     fn signals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let signals = PyDict::new(py);
+        // Signals share one column of instants: as many samples were taken at the same ones.
+        let mut instants = BTreeMap::new();
         for signal in self.0.trace().signals().iter() {
-            let cycles: Vec<u8> = signal
-                .at_cycles
-                .iter()
-                .flat_map(|c| c.to_le_bytes())
-                .collect();
-            let values: Vec<u8> = signal.values.iter().flat_map(|v| v.to_le_bytes()).collect();
-            let columns = (PyBytes::new(py, &cycles), PyBytes::new(py, &values));
-            signals.set_item(signal.name, columns)?;
+            let at_cycles = match instants.entry(signal.at_cycles.len()) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(packed(py, signal.at_cycles, u64::to_le_bytes)?),
+            };
+            let values = packed(py, signal.values, f64::to_le_bytes)?;
+            signals.set_item(signal.name, (&*at_cycles, values))?;
         }
         Ok(signals)
     }
@@ -398,4 +398,18 @@ fn refused(error: BrickError) -> PyErr {
 fn scalar_kind(kind: Option<&str>) -> PyResult<Option<ScalarKind>> {
     kind.map(|kind| kind.parse().map_err(raise::<ImageError>))
         .transpose()
+}
+
+/// Numbers one after the other.
+fn packed<'py, T: Copy>(
+    py: Python<'py>,
+    numbers: &[T],
+    bytes_of: fn(T) -> [u8; 8],
+) -> PyResult<Bound<'py, PyBytes>> {
+    PyBytes::new_with(py, 8 * numbers.len(), |bytes| {
+        for (bytes, &number) in bytes.chunks_exact_mut(8).zip(numbers) {
+            bytes.copy_from_slice(&bytes_of(number));
+        }
+        Ok(())
+    })
 }

@@ -145,7 +145,7 @@ impl VirtualBrick {
 
     /// Events from a position on, packed as the trace describes: 24 bytes each.
     pub fn events(&self, first: usize) -> Vec<u8> {
-        self.brick.trace().events().pack_from(first)
+        self.brick.trace().events().packed_from(first).to_vec()
     }
 
     /// Last sample of each signal: object of name to value as JSON.

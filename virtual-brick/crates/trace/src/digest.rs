@@ -61,6 +61,12 @@ impl Encoder {
         }
     }
 
+    /// Many bytes, which need no copy.
+    fn add_piece(&mut self, bytes: &[u8]) {
+        self.pass_on();
+        self.hash.update(bytes);
+    }
+
     fn pass_on(&mut self) {
         self.hash.update(&self.waiting);
         self.waiting.clear();
@@ -107,9 +113,7 @@ impl Trace {
             names.iter().for_each(|name| encoder.text(name));
         }
         encoder.count(self.events().len());
-        self.events()
-            .iter()
-            .for_each(|event| encoder.add(&event.packed()));
+        encoder.add_piece(self.events().packed());
         encoder.count(self.signals().len());
         self.signals()
             .iter()

@@ -7,7 +7,7 @@ use crate::error::TraceError;
 /// Subject of [`EventKind::ThreadRunning`] when no thread runs.
 pub const IDLE: u32 = u32::MAX;
 
-/// Length of one event packed by [`Events::pack`].
+/// Length of one packed event.
 pub const PACKED_EVENT_LENGTH: usize = 24;
 
 /// What happened. The numbers are part of the packed format.
@@ -113,12 +113,33 @@ impl Event {
         bytes[16..24].copy_from_slice(&self.value.to_le_bytes());
         bytes
     }
+
+    /// What was packed; none where the kind has no such number.
+    fn unpacked(bytes: &[u8; PACKED_EVENT_LENGTH]) -> Option<Self> {
+        let kind = u32::from_le_bytes(part(bytes, 8)).checked_sub(1)?;
+        Some(Self {
+            at_cycles: at_cycles(bytes),
+            kind: *EventKind::ALL.get(kind as usize)?,
+            subject: u32::from_le_bytes(part(bytes, 12)),
+            value: i64::from_le_bytes(part(bytes, 16)),
+        })
+    }
+}
+
+fn at_cycles(packed: &[u8; PACKED_EVENT_LENGTH]) -> u64 {
+    u64::from_le_bytes(part(packed, 0))
+}
+
+fn part<const N: usize>(packed: &[u8; PACKED_EVENT_LENGTH], first: usize) -> [u8; N] {
+    std::array::from_fn(|index| packed[first + index])
 }
 
 /// Events in the order of time; equal instants keep the order of recording.
+///
+/// They are kept packed, as digest and readers take them: there are tens of thousands per second.
 #[derive(Clone, Debug, Default)]
 pub struct Events {
-    all: Vec<Event>,
+    all: Vec<[u8; PACKED_EVENT_LENGTH]>,
 }
 
 impl Events {
@@ -127,15 +148,14 @@ impl Events {
         if self.all.len() >= limit {
             return Err(TraceError::TooManyEvents { limit });
         }
-        if let Some(&Event { at_cycles, .. }) = self.all.last() {
-            if event.at_cycles < at_cycles {
-                return Err(TraceError::OutOfOrder {
-                    previous_cycles: at_cycles,
-                    at_cycles: event.at_cycles,
-                });
-            }
+        let previous_cycles = self.all.last().map_or(0, at_cycles);
+        if event.at_cycles < previous_cycles {
+            return Err(TraceError::OutOfOrder {
+                previous_cycles,
+                at_cycles: event.at_cycles,
+            });
         }
-        self.all.push(event);
+        self.all.push(event.packed());
         Ok(())
     }
 
@@ -163,22 +183,20 @@ impl Events {
 
     /// The events from position `first` on.
     pub fn iter_from(&self, first: usize) -> impl Iterator<Item = Event> + '_ {
-        self.all[first.min(self.len())..].iter().copied()
+        self.all[first.min(self.len())..]
+            .iter()
+            .filter_map(Event::unpacked)
     }
 
     /// All events packed one after the other, [`PACKED_EVENT_LENGTH`] bytes each.
     #[must_use]
-    pub fn pack(&self) -> Vec<u8> {
-        self.pack_from(0)
+    pub fn packed(&self) -> &[u8] {
+        self.packed_from(0)
     }
 
     /// The events from position `first` on, packed.
     #[must_use]
-    pub fn pack_from(&self, first: usize) -> Vec<u8> {
-        let count = self.len().saturating_sub(first);
-        let mut bytes = Vec::with_capacity(count * PACKED_EVENT_LENGTH);
-        self.iter_from(first)
-            .for_each(|event| bytes.extend_from_slice(&event.packed()));
-        bytes
+    pub fn packed_from(&self, first: usize) -> &[u8] {
+        self.all[first.min(self.len())..].as_flattened()
     }
 }

@@ -249,7 +249,8 @@ fn names_keep_the_index_of_their_first_use() {
 
 #[test]
 fn packed_events_are_little_endian_records() {
-    let packed = sample_trace().events().pack();
+    let trace = sample_trace();
+    let packed = trace.events().packed();
     assert_eq!(packed.len(), PACKED_EVENT_LENGTH);
     assert_eq!(packed[0..8], 10u64.to_le_bytes());
     assert_eq!(packed[8..12], 3u32.to_le_bytes());

@@ -9,7 +9,7 @@ use super::native::{
 use super::run::{size_of, width_of, Run, NOWHERE};
 use super::source::{ends, read_source, Source};
 use super::translate::{build, Block};
-use super::{execute_part, Blocks, End};
+use super::{execute_part, Blocks};
 use crate::bus::Width;
 use crate::instruction::{Instruction, Operand, Operation};
 
