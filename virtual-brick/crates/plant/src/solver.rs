@@ -210,6 +210,10 @@ impl<const N: usize> Constraint<N> {
             self.highest
         };
         let change = impulse - self.impulse;
+        // So it mostly is after the first round: the host guesses so, and need not wait for it.
+        if change == 0.0 {
+            return 0.0;
+        }
         self.impulse = impulse;
         for (value, response) in velocity.iter_mut().zip(self.answer.response) {
             *value += response * change;
