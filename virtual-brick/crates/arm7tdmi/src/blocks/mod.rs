@@ -544,8 +544,8 @@ fn run_once<B: BlockBus>(
     Some(true)
 }
 
-/// As much of a block as surely ends within `budget` cycles; what took less than it could have leaves
-/// more to those behind. False if the block ended between two instructions.
+/// As much of a block as surely ends within `budget` cycles; what took less than it could have
+/// leaves more to those behind. False if the block ended between two instructions.
 fn execute_part<B: BlockBus>(run: &mut Run<'_, B>, block: &Block<B>, budget: u32) -> bool {
     let limit = run.state.cycles + budget;
     let state = block.key & 1;

@@ -91,8 +91,8 @@ pub(super) fn read_source<B: BlockBus>(bus: &B, key: u32, place: CodePlace) -> S
     source
 }
 
-/// Most cycles of an instruction whose fetch takes so many, where no other fetch and no plain access
-/// takes more than `most`.
+/// Most cycles of an instruction whose fetch takes so many, where no other fetch and no plain
+/// access takes more than `most`.
 fn most_cycles(instruction: &Instruction, fetch_cycles: u32, most: u32) -> u32 {
     let cycles = instruction.cycles(TimingProfile::default());
     let data = cycles.reads.count() + cycles.writes.count();
