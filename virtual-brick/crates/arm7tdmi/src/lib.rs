@@ -36,7 +36,7 @@ mod timing;
 pub use blocks::{
     BlockBus, Blocks, BlocksRun, BusAccess, CodePlace, Native, NativeAnswer, NativeBlock,
     NativeExit, NativeInstruction, NativeJump, NativeMemory, NativeReach, NativeRegion,
-    NativeState, PlainRead, PlainWords, BRANCHED,
+    NativeState, PlainRead, PlainWords, BRANCHED, NOWHERE,
 };
 pub use bus::{Abort, Bus, Cycle, Width};
 pub use cpu::{Cpu, Step};

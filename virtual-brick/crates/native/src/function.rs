@@ -4,7 +4,7 @@
 
 use std::mem::offset_of;
 
-use arm7tdmi::NativeState;
+use arm7tdmi::{NativeState, NOWHERE};
 use cranelift_codegen::ir::{
     types, AliasRegion, Block, BlockArg, InstBuilder, MemFlags, Type, Value,
 };
@@ -464,9 +464,6 @@ fn block_of(builder: &mut FunctionBuilder<'_>, parameters: &[Type]) -> Block {
     }
     block
 }
-
-/// No instruction has this address.
-const NOWHERE: u32 = u32::MAX;
 
 /// What is known where an instruction under a condition is passed over.
 pub(crate) struct Passed {

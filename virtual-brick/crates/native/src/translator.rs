@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::fmt;
 
 use arm7tdmi::{
-    Native, NativeAnswer, NativeExit, NativeMemory, NativeRegion, NativeState, BRANCHED,
+    Native, NativeAnswer, NativeExit, NativeMemory, NativeRegion, NativeState, BRANCHED, NOWHERE,
 };
 
 use crate::compiler::{Compiler, Made, Request};
@@ -21,8 +21,6 @@ const PLACES: usize = 0x8000 + 0x2_0000;
 const WORDS: usize = 0x4000;
 /// With so much code, all is forgotten and begins again.
 const BYTES_MAX: usize = 8 << 20;
-/// No instruction has this address.
-const NOWHERE: u32 = u32::MAX;
 
 /// When code is made of what has become worth it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -21,7 +21,8 @@ pub enum Engine {
     Reference,
 }
 
-/// Runs of a block's operations that cost about as much as making code of the host of it.
+/// Runs of a block's operations before code of the host is made of it. To make it costs as much as
+/// some thousand runs, but another thread does it, and what runs so often goes on running.
 pub(crate) const NATIVE_AFTER_RUNS: u32 = 100;
 
 impl Engine {

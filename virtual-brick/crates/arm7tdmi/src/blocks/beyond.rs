@@ -4,7 +4,8 @@
 //! from exceptions. Each ends its block, since afterwards anything can be due.
 
 use super::bus::{BlockBus, BusAccess};
-use super::run::{follow, size_of, End, Op, Rest, Run, NOWHERE, NO_MASKS};
+use super::native::NOWHERE;
+use super::run::{follow, size_of, End, Op, Rest, Run, NO_MASKS};
 use super::transfer::{extended, width, WRITE_BACK};
 use crate::bus::{Cycle, Width};
 use crate::registers::psr;

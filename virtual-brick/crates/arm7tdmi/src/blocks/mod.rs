@@ -28,14 +28,14 @@ use std::fmt;
 pub use bus::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords};
 pub use native::{
     Native, NativeAnswer, NativeBlock, NativeExit, NativeInstruction, NativeJump, NativeMemory,
-    NativeReach, NativeRegion, NativeState, BRANCHED,
+    NativeReach, NativeRegion, NativeState, BRANCHED, NOWHERE,
 };
 
 use crate::bus::Cycle;
 use crate::cpu::Cpu;
 use crate::pipeline::MASKS_DELAYED;
 use crate::registers::psr;
-use run::{size_of, End, Run, NOWHERE, NO_MASKS, NO_TARGET};
+use run::{size_of, End, Run, NO_MASKS, NO_TARGET};
 use source::BYTES_MAX;
 use translate::{translate, Block};
 

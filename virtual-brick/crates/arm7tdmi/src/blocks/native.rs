@@ -11,6 +11,8 @@ use crate::instruction::Instruction;
 
 /// In place of the index of an operation: the block was left with a branch.
 pub const BRANCHED: u32 = u32::MAX;
+/// In place of the address of an instruction: none.
+pub const NOWHERE: u32 = u32::MAX;
 
 /// The processor while blocks run: general registers, flags apart from each other, cycles.
 #[repr(C)]
@@ -30,7 +32,7 @@ pub struct NativeState {
     pub cycles: u32,
     /// Address to go on at; bit 0 tells Thumb state.
     pub next: u32,
-    /// Address of the store that was executed last, if no branch came after it.
+    /// Address of the store that was executed last, if no branch came after it; else [`NOWHERE`].
     pub after_store: u32,
     /// Cycles left until the code has to return.
     pub left: u32,
@@ -163,7 +165,7 @@ pub trait Native: fmt::Debug + Send + Sync {
     fn forget(&mut self, halfword: u32);
     /// Nothing is entered any more.
     fn forget_all(&mut self);
-    /// Bytes of the code that can be entered.
+    /// Bytes of the code that is kept; what is entered no more counts until all is forgotten.
     fn bytes(&self) -> usize;
     /// It is time to forget all: so much code was made, or what was asked for will not come.
     fn is_spent(&self) -> bool;

@@ -5,8 +5,9 @@
 use super::bus::BlockBus;
 use super::native::{
     NativeAnswer, NativeBlock, NativeInstruction, NativeJump, NativeReach, NativeRegion, BRANCHED,
+    NOWHERE,
 };
-use super::run::{size_of, width_of, Run, NOWHERE};
+use super::run::{size_of, width_of, Run};
 use super::source::{ends, read_source, Source};
 use super::translate::{build, Block};
 use super::{execute_part, Blocks};
@@ -134,7 +135,7 @@ impl<B: BlockBus> Blocks<B> {
             awaited = awaited.filter(|&awaited| awaited != region);
             self.unsettled -= 1;
             let numbers = self.regions.get(region as usize);
-            let numbers = numbers.map_or(&[][..], |numbers| numbers);
+            let numbers = numbers.map(|numbers| &**numbers).unwrap_or_default();
             let enters = native.settle(!numbers.is_empty());
             for &number in numbers {
                 if let Some(block) = self.blocks.get_mut(number as usize) {

@@ -3,7 +3,7 @@
 //! State while blocks run, and one decoded operation.
 
 use super::bus::BlockBus;
-use super::native::NativeState;
+use super::native::{NativeState, NOWHERE};
 use crate::bus::Width;
 use crate::registers::{psr, RegisterFile};
 
@@ -87,8 +87,6 @@ pub(super) struct Op<B: BlockBus> {
     pub worst: u16,
 }
 
-/// No instruction has this address.
-pub(super) const NOWHERE: u32 = u32::MAX;
 /// No block is here; in Thumb state the next address.
 pub(super) const NO_TARGET: u32 = u32::MAX - 1;
 
