@@ -228,9 +228,7 @@ impl Mechanism {
                 add(stop);
             }
         }
-        for friction in self.floor_frictions(step).into_iter().flatten() {
-            add(friction);
-        }
+        self.add_floor_frictions(step, &mut add);
         for stop in self.pitch_stops(step).into_iter().flatten() {
             add(stop);
         }
@@ -281,19 +279,23 @@ impl Mechanism {
     }
 
     #[inline(always)]
-    fn floor_frictions<const N: usize>(&self, step: &Step<'_, N>) -> [Option<Constraint<N>>; 2] {
+    fn add_floor_frictions<const N: usize>(
+        &self,
+        step: &Step<'_, N>,
+        mut add: impl FnMut(Constraint<N>) -> usize,
+    ) {
         let (Body::Vehicle(vehicle), Some(rolling)) = (&self.body, step.answers.rolling) else {
-            return [None, None];
+            return;
         };
         let parameters = vehicle.parameters();
         let (roll, drag) = (parameters.rolling_resistance, parameters.castor_friction);
-        [
-            (roll > 0.0).then(|| Constraint::friction(rolling, roll * step.dt)),
-            (drag > 0.0).then(|| {
-                let castor = vehicle.castor_direction(&step.before, &step.free);
-                Constraint::friction(step.answer(castor), drag * step.dt)
-            }),
-        ]
+        if roll > 0.0 {
+            add(Constraint::friction(rolling, roll * step.dt));
+        }
+        if drag > 0.0 {
+            let castor = vehicle.castor_direction(&step.before, &step.free);
+            add(Constraint::friction(step.answer(castor), drag * step.dt));
+        }
     }
 
     /// The floor under a body that falls, or the hand that holds it.

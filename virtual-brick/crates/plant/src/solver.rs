@@ -78,6 +78,7 @@ impl<const N: usize> MassMatrix<N> {
     }
 
     /// Product with the vector that has these elements and no others.
+    #[inline(always)]
     fn along(&self, elements: Direction) -> Vector<N> {
         let mut vector = [0.0; N];
         for (index, factor) in elements {

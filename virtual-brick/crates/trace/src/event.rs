@@ -104,6 +104,7 @@ pub struct Event {
 
 impl Event {
     /// The packed form: u64 cycles, u32 kind, u32 subject, i64 value, little endian.
+    #[inline]
     #[must_use]
     pub fn packed(&self) -> [u8; PACKED_EVENT_LENGTH] {
         let mut bytes = [0; PACKED_EVENT_LENGTH];
@@ -126,10 +127,12 @@ impl Event {
     }
 }
 
+#[inline]
 fn at_cycles(packed: &[u8; PACKED_EVENT_LENGTH]) -> u64 {
     u64::from_le_bytes(part(packed, 0))
 }
 
+#[inline]
 fn part<const N: usize>(packed: &[u8; PACKED_EVENT_LENGTH], first: usize) -> [u8; N] {
     std::array::from_fn(|index| packed[first + index])
 }

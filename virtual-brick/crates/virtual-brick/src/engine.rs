@@ -23,7 +23,7 @@ pub enum Engine {
 
 /// Runs of a block's operations before code of the host is made of it. To make it costs as much as
 /// some thousand runs, but another thread does it, and what runs so often goes on running.
-pub(crate) const NATIVE_AFTER_RUNS: u32 = 100;
+pub(crate) const NATIVE_AFTER_RUNS: u32 = 200;
 
 impl Engine {
     /// Decoded blocks as the engine uses them, none yet.
