@@ -5,12 +5,9 @@
 use std::mem::offset_of;
 
 use arm7tdmi::{NativeState, NOWHERE};
-use cranelift_codegen::ir::{
-    types, AliasRegion, Block, BlockArg, InstBuilder, MemFlags, Type, Value,
-};
+use cranelift_codegen::ir::{types, AliasRegion, Block, BlockArg, InstBuilder, MemFlags, Value};
 use cranelift_frontend::FunctionBuilder;
 
-use crate::branch::Ways;
 use crate::flags::Flags;
 use crate::reach::Reach;
 use crate::table::{AfterStore, Exit};
@@ -107,22 +104,11 @@ pub(crate) struct Function<'a> {
     pub position: Position,
     /// Nothing comes behind what was made.
     pub ended: bool,
-    pub shared: Shared,
     exits: &'a mut Vec<Exit>,
-    /// Ways back that store flags first.
-    through: Vec<(Flags, Block)>,
-}
-
-/// What many ways out of the function end with.
-#[derive(Clone, Copy)]
-pub(crate) struct Shared {
     /// Returns to the caller, with cycles left and the exit's number.
-    pub back: Block,
-    /// Goes on in other code: its entry, cycles left.
-    pub onward: Block,
-    /// Goes on in other code or, where there is none, returns: its entry and key, cycles left, the
-    /// exit's number.
-    pub known: Block,
+    back: Block,
+    /// Ways there that store flags first.
+    through: Vec<(Flags, Block)>,
 }
 
 impl Known {
@@ -148,12 +134,7 @@ impl<'a> Function<'a> {
         left: Value,
         exits: &'a mut Vec<Exit>,
     ) -> Self {
-        let (int, address) = (types::I32, types::I64);
-        let shared = Shared {
-            back: way_back(&mut builder),
-            onward: block_of(&mut builder, &[address, int]),
-            known: block_of(&mut builder, &[address, int, int, int]),
-        };
+        let back = way_back(&mut builder);
         Self {
             builder,
             arguments,
@@ -165,8 +146,8 @@ impl<'a> Function<'a> {
                 address: 0,
             },
             ended: false,
-            shared,
             exits,
+            back,
             through: Vec::new(),
         }
     }
@@ -270,26 +251,22 @@ impl<'a> Function<'a> {
 
     /// Returns to the caller with cycles left, from which the exit's are still to be taken.
     pub fn leave_with(&mut self, left: Value, exit: Exit) {
-        self.leave_through(self.shared.back, left, exit);
+        self.leave_through(self.back, left, exit);
     }
 
     fn leave_through(&mut self, way: Block, left: Value, exit: Exit) {
-        let number = self.exit(exit);
+        let number = self.exits.len() as u32;
+        self.exits.push(exit);
+        let number = self.constant(number);
         self.builder.ins().jump(way, &[left.into(), number.into()]);
         self.ended = true;
-    }
-
-    /// Number of a new exit.
-    pub fn exit(&mut self, exit: Exit) -> Value {
-        self.exits.push(exit);
-        self.constant(self.exits.len() as u32 - 1)
     }
 
     /// The way back to the caller that stores the flags as they are known here.
     fn back_through(&mut self) -> Block {
         let flags = self.known.flags;
         if flags.dirty == 0 {
-            return self.shared.back;
+            return self.back;
         }
         if let Some(known) = self.through.iter().find(|known| known.0 == flags) {
             return known.1;
@@ -299,9 +276,9 @@ impl<'a> Function<'a> {
         way
     }
 
-    /// The ways out.
-    pub fn finish(mut self, ways: &Ways) {
-        let back = self.shared.back;
+    /// The ways back to the caller.
+    pub fn finish(mut self) {
+        let back = self.back;
         for (flags, way) in std::mem::take(&mut self.through) {
             self.builder.switch_to_block(way);
             self.known.flags = flags;
@@ -313,7 +290,6 @@ impl<'a> Function<'a> {
         self.builder.switch_to_block(back);
         let results = self.builder.block_params(back).to_vec();
         self.builder.ins().return_(&results);
-        self.finish_ways(ways);
         self.builder.seal_all_blocks();
         self.builder.finalize();
     }
@@ -452,16 +428,10 @@ impl<'a> Function<'a> {
 
 /// Takes cycles left and the number of an exit.
 fn way_back(builder: &mut FunctionBuilder<'_>) -> Block {
-    let block = block_of(builder, &[types::I32, types::I32]);
-    builder.set_cold_block(block);
-    block
-}
-
-fn block_of(builder: &mut FunctionBuilder<'_>, parameters: &[Type]) -> Block {
     let block = builder.create_block();
-    for &parameter in parameters {
-        builder.append_block_param(block, parameter);
-    }
+    builder.append_block_param(block, types::I32);
+    builder.append_block_param(block, types::I32);
+    builder.set_cold_block(block);
     block
 }
 

@@ -112,7 +112,7 @@ impl<'a> RegionCompiler<'a> {
         for (_, (code, jump, block)) in std::mem::take(&mut self.outward) {
             self.leave_to(code, jump, block);
         }
-        self.function.finish(&self.ways);
+        self.function.finish();
     }
 
     fn block(&mut self, block: &NativeBlock) {
@@ -206,6 +206,14 @@ impl<'a> RegionCompiler<'a> {
         let function = &mut self.function;
         function.builder.switch_to_block(code);
         let left = function.builder.block_params(code)[0];
+        let entry = function.entry_at(&ways, jump.halfword);
+        let (key, wanted) = (function.entry_key(entry), function.constant(jump.key));
+        let none = function.differs(key, wanted);
+        let back = function.builder.create_block();
+        let on = function.builder.create_block();
+        function.builder.ins().brif(none, back, &[], on, &[]);
+        function.builder.set_cold_block(back);
+        function.builder.switch_to_block(back);
         let exit = Exit {
             block: from,
             operation: BRANCHED,
@@ -213,7 +221,9 @@ impl<'a> RegionCompiler<'a> {
             pending_cycles: 0,
             after_store: AfterStore::Not,
         };
-        function.go_to_known(&ways, jump, left, exit);
+        function.leave_with(left, exit);
+        function.builder.switch_to_block(on);
+        function.go_to(&ways, entry, left);
     }
 
     fn instruction(&mut self, one: &NativeInstruction) {
@@ -316,7 +326,7 @@ impl<'a> RegionCompiler<'a> {
                 let target = self.function.target_here(value);
                 let entry = self.function.entry_of(&self.ways, target);
                 let through = one.through_cycles;
-                self.function.branch_to_entry(entry, through);
+                self.function.branch_to_entry(&self.ways, entry, through);
                 true
             }
             Operand::Shifted {
@@ -356,7 +366,7 @@ impl<'a> RegionCompiler<'a> {
             self.function.set(transfer.base, moved);
         }
         let through = one.through_cycles;
-        self.function.branch_to_entry(entry, through);
+        self.function.branch_to_entry(&self.ways, entry, through);
         true
     }
 
@@ -376,7 +386,7 @@ impl<'a> RegionCompiler<'a> {
         let entry = self.function.entry_of(&self.ways, target);
         self.function.load_words(block, &words, self.ram);
         let through = one.through_cycles;
-        self.function.branch_to_entry(entry, through);
+        self.function.branch_to_entry(&self.ways, entry, through);
     }
 
     /// Other branches; false if it is none that the code makes.
@@ -398,7 +408,7 @@ impl<'a> RegionCompiler<'a> {
                 // An address with bit 1 without bit 0 has no entry.
                 let target = self.function.get(*register);
                 let entry = self.function.entry_of(&self.ways, target);
-                self.function.branch_to_entry(entry, through);
+                self.function.branch_to_entry(&self.ways, entry, through);
             }
             _ => return false,
         }
