@@ -52,7 +52,9 @@ fn compile() -> Image {
         .expect("arm-none-eabi-gcc starts; run the project's set-up");
     assert!(status.success());
     let content = std::fs::read(&elf).unwrap();
-    [&source, &elf].map(|file| std::fs::remove_file(file).unwrap());
+    for file in [&source, &elf] {
+        std::fs::remove_file(file).unwrap();
+    }
     Image::parse(&content).unwrap()
 }
 
