@@ -27,8 +27,8 @@ def test_only_numpy_scipy_and_control_are_pulled_in() -> None:
 
 
 def test_no_other_part_of_the_package_is_pulled_in() -> None:
-    """The parts for targets, traces, grading and commands stay out; errors and files that are written
-    whole are everybody's."""
+    """The parts for targets, traces, grading and commands stay out; errors and files that are
+    written whole are everybody's."""
     program = (
         "import json, sys, ravenbrick.model, ravenbrick.control, ravenbrick.codegen\n"
         "print(json.dumps(sorted({n.split('.')[1] for n in sys.modules"
