@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from ravenbrick.cli.timing_profile import TimingProfile
 from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
@@ -36,7 +37,7 @@ class Subject:
 
     def run(self, timing: str = "nominal") -> Recording:
         """Its scenario, in a timing profile."""
-        target = VirtualTarget(settings={"timing": {"profile": timing}})
+        target = VirtualTarget(settings=TimingProfile(timing).settings)
         return target.run(self.robot, self.scenario, self.image)
 
 

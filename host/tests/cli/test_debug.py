@@ -14,6 +14,7 @@ from queue import Queue
 from threading import Thread
 
 import pytest
+from gdb_replies import whole_reply
 from host.tests.conftest import VEHICLE
 from tools import gdb_session
 from tools.gdb_session import talk
@@ -66,16 +67,6 @@ def gdb(*commands: str) -> list[str]:
     server.join(timeout=LONGEST_S)
     assert not server.is_alive()
     return said
-
-
-def whole_reply(connection: socket.socket) -> bytes:
-    """Acknowledgement and packet, which may come in pieces: `+$...#xx`."""
-    reply = b""
-    while len(reply.partition(b"#")[2]) < 2:
-        piece = connection.recv(100)
-        assert piece, f"the connection ended after {reply!r}"
-        reply += piece
-    return reply
 
 
 def brick_seconds(said: str) -> float:

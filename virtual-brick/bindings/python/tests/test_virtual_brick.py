@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 import virtual_brick
 from elf_writer import RAM, Elf
+from gdb_replies import whole_reply
 from virtual_brick import ConfigurationError, ImageError, InputError, VirtualBrick
 
 COUNTER = 0x0020_8000
@@ -269,16 +270,6 @@ def test_the_stub_file_names_exactly_what_the_module_has() -> None:
     classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
     exported = {name for name, item in vars(virtual_brick).items() if isinstance(item, type)}
     assert classes == exported
-
-
-def whole_reply(connection: socket.socket) -> bytes:
-    """Acknowledgement and packet, which may come in pieces: `+$...#xx`."""
-    reply = b""
-    while len(reply.partition(b"#")[2]) < 2:
-        piece = connection.recv(100)
-        assert piece, f"the connection ended after {reply!r}"
-        reply += piece
-    return reply
 
 
 def test_the_debugger_serves_gdb_and_leaves_the_brick_where_the_session_ended() -> None:

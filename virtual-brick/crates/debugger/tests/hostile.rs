@@ -12,8 +12,8 @@ use std::sync::OnceLock;
 use debugger::{session, DebugTarget};
 use gdb::{packet, Client};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use support::arm::{Program, ALWAYS};
+use support::cases::cases;
 use virtual_brick::VirtualBrick;
 
 fn looping() -> VirtualBrick {
@@ -91,20 +91,6 @@ fn almost_right() -> impl Strategy<Value = Vec<u8>> {
         body.extend(tail);
         packet(&body)
     })
-}
-
-/// The same cases in every run; PROPTEST_RNG_SEED chooses others.
-fn cases(cases: u32) -> ProptestConfig {
-    let default = ProptestConfig::default();
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        rng_seed: match default.rng_seed {
-            RngSeed::Random => RngSeed::Fixed(1),
-            chosen => chosen,
-        },
-        ..default
-    }
 }
 
 proptest! {

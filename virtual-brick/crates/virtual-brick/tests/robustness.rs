@@ -6,25 +6,11 @@
 mod support;
 
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use support::arm::Program;
+use support::cases::cases;
 use support::elf::ElfBuilder;
 use support::{image, vehicle, RAM, VEHICLE};
 use virtual_brick::{Configuration, Image, VirtualBrick};
-
-/// The same cases in every run; PROPTEST_RNG_SEED chooses others.
-fn cases(cases: u32) -> ProptestConfig {
-    let default = ProptestConfig::default();
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        rng_seed: match default.rng_seed {
-            RngSeed::Random => RngSeed::Fixed(1),
-            chosen => chosen,
-        },
-        ..default
-    }
-}
 
 fn small_image() -> Vec<u8> {
     let mut program = Program::new();

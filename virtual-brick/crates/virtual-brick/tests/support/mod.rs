@@ -4,6 +4,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 pub mod arm;
+pub mod cases;
 pub mod elf;
 pub mod random;
 
