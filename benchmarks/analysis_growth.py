@@ -240,7 +240,7 @@ def _page(points: Sequence[Point]) -> str:
         "",
         "The examples, jobs of all tasks with the run-time's services. A routine is followed anew",
         "for each call with other known values ([decision",
-        "50](../decisions/0050-calls-are-followed-in-their-callers-state.md)), and larger examples",
+        "50](../decisions/0050-execution-times-by-context-sensitive-abstract-interpretation.md)), and larger examples",
         f"call deeper: steps grow to the power of {deeper:.1f} of the size.",
         "",
         f"| example | {columns}",
