@@ -8,6 +8,7 @@ traceback and ends with `exit_code`.
 
 from __future__ import annotations
 
+import os
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ __all__ = [
     "ScenarioError",
     "ToolMissingError",
     "UsageError",
+    "shown_path",
 ]
 
 
@@ -85,7 +87,7 @@ class ProjectFileError(RavenbrickError):
     exit_code = ExitCode.PROJECT_FILE
 
     def __init__(self, path: Path, line: int, field: str, problem: str) -> None:
-        place = f"{path}:{line}: " + (f"{field}: " if field else "")
+        place = f"{shown_path(path)}:{line}: " + (f"{field}: " if field else "")
         super().__init__(place + problem)
         self.path = path
         self.line = line
@@ -144,3 +146,9 @@ class ConnectionFailedError(RavenbrickError):
     """A real brick cannot be reached or used."""
 
     exit_code = ExitCode.CONNECTION_FAILED
+
+
+def shown_path(path: str | Path) -> str:
+    """A path as the user would type it from where they stand: relative, unless that is longer."""
+    relative, absolute = os.path.relpath(path), os.path.abspath(path)
+    return relative if len(relative) <= len(absolute) else absolute

@@ -18,7 +18,7 @@ from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import play, project_scenarios
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.bounds_file import image_digest
 from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.robot import Robot, read_robot
@@ -265,7 +265,7 @@ def analyse_command(
         if loop is not None:
             figures += [(f"What delay costs: {c.name}", margin_figure(loop, c)) for c in chains]
         report = write_timing_report(robot.name, result, figures, notes, workspace.results)
-        step.note = workspace.shown(report)
+        step.note = shown_path(report)
         task_file = workspace.results / "taskset.toml"
         write_whole(task_file, task_set_text(robot.name, analysis.task_set, analysis.overheads))
     _print(reporter, result, notes)

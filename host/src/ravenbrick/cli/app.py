@@ -19,7 +19,7 @@ from typer.core import TyperGroup
 from typer.models import CommandInfo
 
 from ravenbrick import __version__
-from ravenbrick.errors import ExitCode, RavenbrickError, UsageError
+from ravenbrick.errors import ExitCode, RavenbrickError, UsageError, shown_path
 
 __all__ = ["COMMANDS", "JsonOption", "app", "command"]
 
@@ -150,8 +150,9 @@ def _end(error: RavenbrickError, as_json: bool) -> NoReturn:
 
 
 def _refused(error: OSError) -> RavenbrickError:
+    place = shown_path(error.filename) if error.filename else "the output"
     return UsageError(
-        f"{error.filename or 'the output'}: {error.strerror or type(error).__name__}; "
+        f"{place}: {error.strerror or type(error).__name__}; "
         "check that it exists, that you may write there, and that the disk is not full"
     )
 

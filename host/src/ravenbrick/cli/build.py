@@ -13,6 +13,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import MEMORY_HEAD, memory_rows
+from ravenbrick.errors import shown_path
 from ravenbrick.target.build import build_image
 from ravenbrick.target.elf_image import ImageKind
 from ravenbrick.target.robot import read_robot
@@ -47,7 +48,7 @@ def build_command(
     reporter = Reporter(json_output)
     with reporter.step(f"build the {image.value} image") as step:
         built = build_image(workspace, robot, image.kind)
-        step.note = workspace.shown(built.image.path)
+        step.note = shown_path(built.image.path)
     reporter.table(MEMORY_HEAD, memory_rows(built.memory))
     return {
         "image": str(built.image.path),

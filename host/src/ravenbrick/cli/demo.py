@@ -21,7 +21,7 @@ from ravenbrick.cli.pipeline import (
     read_run,
     task_rows,
 )
-from ravenbrick.errors import CriteriaError, ScenarioError
+from ravenbrick.errors import CriteriaError, ScenarioError, shown_path
 from ravenbrick.target.build import Built, build_image
 from ravenbrick.target.memory import MemoryReport, with_stacks
 from ravenbrick.target.protocol import Target
@@ -122,7 +122,7 @@ def demo_command(
         report = write_report(evidence, workspace.results)
     figures = summary(evidence)
     _show(evidence, figures, reporter)
-    reporter.print(f"Open {workspace.shown(report)} in a browser.")
+    reporter.print(f"Open {shown_path(report)} in a browser.")
     for run in runs:
         require_criteria(run.criteria)
     if not same:

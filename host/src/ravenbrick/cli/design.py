@@ -17,7 +17,7 @@ from ravenbrick.cli.pipeline import design_project
 from ravenbrick.control.design_plots import DesignedLoop, read_system, write_figure
 from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
 from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
-from ravenbrick.errors import DesignError, UsageError
+from ravenbrick.errors import DesignError, UsageError, shown_path
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.sample_timing import sample_timing
@@ -58,7 +58,7 @@ def design_command(
         ("figure", "value"), [[name, f"{value:.6g}"] for name, value in design.figures.items()]
     )
     generated = sorted(str(path) for path in (workspace.project / "generated").glob("*.[ch]"))
-    reporter.print(f"design: {workspace.shown(workspace.design_file)}")
+    reporter.print(f"design: {shown_path(workspace.design_file)}")
     answer: dict[str, Any] = {
         "design_file": str(workspace.design_file),
         "figures": dict(design.figures),
@@ -175,5 +175,5 @@ def _written(
     paths = [folder / f"{name}.svg" for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
         write_figure(figure, path)
-    reporter.print(f"pictures: {workspace.shown(folder)}")
+    reporter.print(f"pictures: {shown_path(folder)}")
     return [str(path) for path in paths]

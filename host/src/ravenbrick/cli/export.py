@@ -12,8 +12,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import shown_path
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.export import Format, export
 from ravenbrick.trace.recording import Recording

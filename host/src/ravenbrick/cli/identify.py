@@ -20,7 +20,7 @@ from ravenbrick.control.identification import (
     fit_motor,
     validate_motor,
 )
-from ravenbrick.errors import DesignError, UsageError
+from ravenbrick.errors import DesignError, UsageError, shown_path
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
@@ -93,7 +93,7 @@ def identify_command(
         )
     path = output or workspace.design_file.parent / f"motor-{motor}.toml"
     write_whole(path, _parameter_file(found, checked, robot, motor, scenario))
-    reporter.print(f"parameters: {workspace.shown(path)}")
+    reporter.print(f"parameters: {shown_path(path)}")
     return {
         "motor": motor,
         "parameters": {p.name: {"value": p.value, "low": p.low, "high": p.high, "unit": p.unit}

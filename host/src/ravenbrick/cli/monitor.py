@@ -13,8 +13,7 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import shown_path
-from ravenbrick.errors import ConnectionFailedError, UsageError
+from ravenbrick.errors import ConnectionFailedError, UsageError, shown_path
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.telemetry.links import open_link
 from ravenbrick.telemetry.messages import Answer, Hello, Message, Verdict

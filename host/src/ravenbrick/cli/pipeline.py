@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.errors import DesignError
+from ravenbrick.errors import DesignError, shown_path
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.protocol import Progress, Target, no_progress
@@ -44,7 +44,7 @@ def design_project(workspace: Workspace) -> Design:
     """Run design.py of the project; raises `DesignError` with the end of its output."""
     script = workspace.project / DESIGN_SCRIPT
     if not script.is_file():
-        raise DesignError(f"{workspace.shown(script)}: there is no design script; write one")
+        raise DesignError(f"{shown_path(script)}: there is no design script; write one")
     workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, DESIGN_SCRIPT, "--results", str(workspace.design_file)]
     done = subprocess.run(
@@ -58,7 +58,7 @@ def design_project(workspace: Workspace) -> Design:
     if done.returncode != 0:
         lines = done.stdout.strip().split("\n")
         raise DesignError(
-            f"{workspace.shown(script)} failed: {lines[-1]}; correct the design and run it again",
+            f"{shown_path(script)} failed: {lines[-1]}; correct the design and run it again",
             detail="\n".join(lines[-15:-1]),
         )
     return read_design(workspace.design_file)
@@ -151,12 +151,6 @@ def task_rows(run: Run) -> list[list[str]]:
 
 TASK_HEAD = ("task", "releases", "response min", "mean", "max", "jitter (cycles)", "misses")
 MEMORY_HEAD = ("memory", "bytes", "")
-
-
-def shown_path(path: Path) -> str:
-    """A path relative to where the user is, when it lies below."""
-    here = Path.cwd()
-    return str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
 
 
 def scenario_or_none(directory: Path, name: str | None, robot: Robot) -> Scenario:

@@ -12,7 +12,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import collect, project_scenarios, read_run
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.memory import MemoryReport, memory_report, with_stacks
 from ravenbrick.target.robot import Robot, read_robot
@@ -63,5 +63,5 @@ def report_command(
         design = read_design(workspace.design_file) if workspace.design_file.is_file() else None
         evidence = collect(robot, design, _memory(workspace, robot, runs), runs, None)
         report = write_report(evidence, workspace.results)
-        step.note = workspace.shown(report)
+        step.note = shown_path(report)
     return {"report": str(report), "summary": summary(evidence)}

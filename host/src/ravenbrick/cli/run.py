@@ -16,7 +16,7 @@ from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import TASK_HEAD, read_run, task_rows
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import read_binary, read_image
@@ -240,7 +240,7 @@ def run_command(
     _show(run, reporter)
     beside = _peer_run(peer, reporter)
     kept = workspace.recording(chosen.name, loaded.kind)
-    reporter.print(f"recording: {workspace.shown(kept)}")
+    reporter.print(f"recording: {shown_path(kept)}")
     answer = _outcome(run, beside, kept)
     answer |= _same_as_replayed(original, recording, reporter)
     require_criteria([*run.criteria, *(beside.criteria if beside is not None else ())])

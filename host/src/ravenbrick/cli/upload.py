@@ -12,7 +12,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.build import build_image
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.flat_image import FlatImage, flat_flash_file, flat_image
@@ -36,7 +36,7 @@ def _project_image(source: Path, kind: Literal["ram", "flash"], reporter: Report
     workspace = Workspace.of(source)
     with reporter.step(f"build the {kind} image") as step:
         built = build_image(workspace, read_robot(source), kind)
-        step.note = workspace.shown(built.image.path)
+        step.note = shown_path(built.image.path)
     return flat_image(built.image)
 
 

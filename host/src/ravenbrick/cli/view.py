@@ -17,8 +17,8 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import scenario_or_none, shown_path
-from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.cli.pipeline import scenario_or_none
+from ravenbrick.errors import ToolMissingError, UsageError, shown_path
 from ravenbrick.target.bounds_file import own_bounds, read_bounds
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot

@@ -12,7 +12,13 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from ravenbrick.errors import BuildError, ImageFileError, ProjectFileError, ToolMissingError
+from ravenbrick.errors import (
+    BuildError,
+    ImageFileError,
+    ProjectFileError,
+    ToolMissingError,
+    shown_path,
+)
 from ravenbrick.target.elf_image import ElfImage, ImageKind, read_image
 from ravenbrick.target.memory import MemoryReport, memory_report
 from ravenbrick.target.robot import Robot
@@ -120,7 +126,7 @@ def _failure(
     what = first.group(1) if first else "make reported an error"
     return BuildError(
         f"{workspace.project.name} could not be built: {what}; correct it and build again "
-        f"(whole output: {workspace.shown(log)})",
+        f"(whole output: {shown_path(log)})",
         detail=detail,
     )
 

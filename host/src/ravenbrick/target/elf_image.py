@@ -14,7 +14,7 @@ from elftools.common.exceptions import ELFError
 from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import SymbolTableSection
 
-from ravenbrick.errors import ImageFileError
+from ravenbrick.errors import ImageFileError, shown_path
 
 __all__ = [
     "REGIONS",
@@ -103,7 +103,7 @@ class ElfImage:
 
 
 def _refuse(path: Path, problem: str, advice: str = _BUILD) -> ImageFileError:
-    return ImageFileError(f"{path}: {problem}; {advice}")
+    return ImageFileError(f"{shown_path(path)}: {problem}; {advice}")
 
 
 def _check_header(path: Path, content: bytes) -> None:

@@ -68,7 +68,3 @@ class Workspace:
         """File of the last recording of a scenario with one kind of image."""
         name = scenario if kind == "ram" else f"{scenario}.{kind}"
         return self.results / "recordings" / f"{name}.npz"
-
-    def shown(self, path: Path) -> str:
-        """A path as the user would type it from the tree's root."""
-        return str(path.relative_to(self.root)) if path.is_relative_to(self.root) else str(path)

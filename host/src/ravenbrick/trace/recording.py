@@ -18,7 +18,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.clock import Clock
 from ravenbrick.target.stimulus import TimedInput
 from ravenbrick.whole_file import write_whole
@@ -164,7 +164,7 @@ class Recording:
                 return cls._from_arrays({name: arrays[name] for name in arrays.files})
         except (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error) as error:
             raise UsageError(
-                f"{path}: not a recording of a run ({type(error).__name__}); "
+                f"{shown_path(path)}: not a recording of a run ({type(error).__name__}); "
                 "run the scenario again with 'ravenbrick run'"
             ) from None
 
