@@ -170,6 +170,15 @@ def crate_borders() -> Iterator[Complaint]:
             yield manifest, 1, f"the crate {crate} must not know {name}"
 
 
+def newest_release() -> Iterator[Complaint]:
+    """The version is that of the changelog's newest release."""
+    changelog, init = ROOT / "CHANGELOG.md", ROOT / "host" / "src" / "ravenbrick" / "__init__.py"
+    version = re.findall(r'^__version__ = "(.+)"', init.read_text(), re.MULTILINE)
+    releases = re.findall(r"^## (\d\S*)", changelog.read_text(), re.MULTILINE)
+    if releases[:1] != version:
+        yield changelog, 1, f"the newest release is not the version, {version[0]}"
+
+
 UNSAFE = ROOT / "virtual-brick" / "crates" / "native" / "src" / "machine.rs"
 
 
@@ -202,6 +211,7 @@ LINE_RULES = (
 def complaints() -> Iterator[Complaint]:
     """All complaints, in the order of the files."""
     yield from crate_borders()
+    yield from newest_release()
     for path in sorted(tracked_files()):
         yield from blobs(path)
         if path.suffix in SOURCE | COLUMN_FREE or is_source(path):

@@ -19,7 +19,11 @@ __all__ = [
     "Stop",
     "Thread",
     "VirtualBrick",
+    "__version__",
 ]
+
+# The project's version that the module was built for.
+__version__: str
 
 AirKind = Literal["in_range", "out_of_range", "page", "accept", "refuse", "data", "close"]
 UsbKind = Literal["reset", "control", "out", "in"]

@@ -11,9 +11,22 @@ mod values;
 
 use pyo3::prelude::*;
 
+/// Where the version of the whole project stands.
+const VERSION_FILE: &str = include_str!("../../../../host/src/ravenbrick/__init__.py");
+
+/// The project's version when this module was built; empty when the file has none.
+fn version() -> &'static str {
+    let assignment = VERSION_FILE.split("\n__version__ = \"").nth(1);
+    assignment
+        .and_then(|rest| rest.split('"').next())
+        .unwrap_or_default()
+}
+
 /// Cycle-accurate virtual LEGO MINDSTORMS NXT brick.
 #[pymodule]
 mod virtual_brick {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use crate::brick::{Snapshot, VirtualBrick};
     #[pymodule_export]
@@ -22,4 +35,9 @@ mod virtual_brick {
     use crate::timing::bound_execution_times;
     #[pymodule_export]
     use crate::values::{Stop, Thread};
+
+    #[pymodule_init]
+    fn version_of_the_project(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", crate::version())
+    }
 }
