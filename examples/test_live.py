@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.errors import PeerError
 from ravenbrick.target.byte_ports import open_port
 from ravenbrick.target.clock import MASTER_CLOCK

@@ -9,8 +9,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import typer
-
 ROOT = Path(__file__).resolve().parent.parent
 SCHEMAS = {
     "robot-toml": ("robot", "robot.toml"),
@@ -25,12 +23,11 @@ def _cell(text: str) -> str:
 
 def command_page() -> str:
     """Every command with its arguments and options, from the program itself."""
-    from ravenbrick.cli import app
+    from ravenbrick.cli.app import COMMANDS, load
 
-    group = typer.main.get_command(app)
     lines = ["# Commands", "", "`ravenbrick COMMAND --help` says the same."]
-    commands: dict[str, Any] = vars(group)["commands"]
-    for name, found in sorted(commands.items()):
+    for name in sorted(COMMANDS):
+        found = load(name)
         lines += ["", f"## ravenbrick {name}", "", _cell(found.help or ""), ""]
         lines += ["| Argument | Meaning | Default |", "|---|---|---|"]
         for parameter in found.params:

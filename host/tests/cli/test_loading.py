@@ -1,21 +1,44 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Commands are loaded when they are asked for."""
+"""Each command loads what it uses; the program answers quickly where it computes nothing."""
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import ravenbrick.cli
-from ravenbrick.cli.app import COMMANDS, ELSEWHERE
+from ravenbrick.cli import VERSION_LINE
+from ravenbrick.cli.app import COMMANDS, ELSEWHERE, app
 
 FOLDER = Path(ravenbrick.cli.__file__).parent
-SLOW = ("scipy", "control", "matplotlib")
+SLOW = {"scipy", "control", "matplotlib", "rich", "jsonschema"}
+PROGRAM = """
+import atexit, sys
+atexit.register(lambda: print(*(n for n, m in sys.modules.items() if m), file=sys.stderr))
+from ravenbrick.cli import main
+main()
+"""
+
+
+def called(*words: str, **variables: str) -> tuple[str, set[str]]:
+    """What the program prints, and the packages that it has loaded at its end."""
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, *words],
+        capture_output=True,
+        text=True,
+        env={**os.environ, **variables},
+    )
+    loaded = done.stderr.splitlines()[-1].split()
+    return done.stdout, {name.partition(".")[0] for name in loaded} | {
+        name for name in loaded if name.startswith("ravenbrick.")
+    }
 
 
 def test_every_command_of_a_module_is_listed() -> None:
@@ -28,17 +51,51 @@ def test_every_command_of_a_module_is_listed() -> None:
     assert found == {name: ELSEWHERE.get(name, name) for name in COMMANDS}
 
 
-@pytest.mark.parametrize("name", ["home", "new", "run", "build", "grade"])
-def test_a_command_that_does_not_compute_loads_no_numerical_library(name: str) -> None:
+def test_the_version_loads_no_command_line_and_is_the_one_of_the_command_line() -> None:
+    printed, loaded = called("--version")
+    assert printed == CliRunner().invoke(app, ["--version"]).stdout == VERSION_LINE + "\n"
+    assert not loaded & {"typer", "numpy", "ravenbrick.errors"}
+
+
+@pytest.mark.parametrize("words", [[], ["--help"]])
+def test_help_lists_all_commands_and_loads_none(words: list[str]) -> None:
+    printed, loaded = called(*words)
+    assert all(f"  {name} " in printed for name in COMMANDS)
+    assert not loaded & (SLOW | {"numpy", "pydantic"})
+    assert {name for name in loaded if name.startswith("ravenbrick.cli.")} == {"ravenbrick.cli.app"}
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_command_word_is_completed_without_loading_a_command(shell: str) -> None:
+    typed = {"COMP_WORDS": "ravenbrick re", "COMP_CWORD": "1"}
+    typed |= {"_TYPER_COMPLETE_ARGS": "ravenbrick re", "_TYPER_COMPLETE_FISH_ACTION": "get-args"}
+    printed, loaded = called(_RAVENBRICK_COMPLETE=f"complete_{shell}", **typed)
+    assert "report" in printed and "run" not in printed
+    assert not loaded & (SLOW | {"numpy", "pydantic"})
+
+
+def test_the_options_of_a_command_are_completed() -> None:
+    variables = {"_RAVENBRICK_COMPLETE": "complete_bash", "COMP_CWORD": "2"}
+    printed, loaded = called(**variables, COMP_WORDS="ravenbrick new --t")
+    assert printed.split() == ["--template"]
+    assert not loaded & (SLOW | {"numpy"})
+
+
+def test_completion_is_installed_for_the_shell(tmp_path: Path) -> None:
+    """In the user's own files; a shell that reads them completes a command."""
+    done = subprocess.run(
+        ["bash", "-c", f'{sys.executable} -c "$0" --install-completion; true', PROGRAM],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "HOME": str(tmp_path)},
+    )
+    assert "completion installed" in done.stdout, done.stderr
+    assert (tmp_path / ".bashrc").is_file()
+
+
+@pytest.mark.parametrize("name", ["home", "new"])
+def test_the_help_of_a_command_loads_no_numerical_library(name: str) -> None:
     """They take two seconds of processor time."""
-    program = f"""
-import sys
-sys.argv = ["ravenbrick", "{name}", "--help"]
-from ravenbrick.cli import main
-try:
-    main()
-except SystemExit:
-    print([name for name in {SLOW} if name in sys.modules])
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.stdout.splitlines()[-1] == "[]", done.stdout + done.stderr
+    printed, loaded = called(name, "--help")
+    assert COMMANDS[name].split()[0] in printed
+    assert not loaded & SLOW

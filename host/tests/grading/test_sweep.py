@@ -16,7 +16,7 @@ import pytest
 from host.tests.grading.submissions import BLANK
 from typer.testing import CliRunner
 
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
 from ravenbrick.grading.sweep import draw, run_sweep
 from ravenbrick.target.robot import Robot, read_robot

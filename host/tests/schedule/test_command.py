@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.schedule.gantt import gantt_figure
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.task_file import read_task_file
@@ -125,7 +125,7 @@ def test_a_picture_that_cannot_be_drawn_is_refused(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["schedule", "--json"], "Missing argument 'file'; see 'ravenbrick --help'"),
+        (["schedule", "--json"], "Missing argument 'file'; see 'ravenbrick schedule --help'"),
         (["schedule", "set.toml", "--priorites", "x", "--json"], "Possible options: --priorities"),
         (["schedle", "set.toml", "--json"], "Did you mean 'schedule'?"),
     ],

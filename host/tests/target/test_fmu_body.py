@@ -16,7 +16,7 @@ from host.tests.support.nxt_firmware import CONFIGURATION, encoder, firmware_bri
 from host.tests.support.nxt_sockets import UsbSocket
 from typer.testing import CliRunner
 
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.errors import RunFaultError, UsageError
 from ravenbrick.target.fmu_body import CoSimulation, FmuBody
 from ravenbrick.target.peers import UsbComputer

@@ -18,7 +18,7 @@ import pytest
 from host.tests.support.elf_maker import make_elf
 from typer.testing import CliRunner
 
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.errors import ConnectionFailedError, ExitCode, ImageFileError, ToolMissingError
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.flat_image import flat_flash_file, flat_image

@@ -20,7 +20,7 @@ from host.tests.support.web import open_page
 from host.tests.telemetry.fake_program import Program, Server, sent
 from typer.testing import CliRunner
 
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode, UsageError
 from ravenbrick.telemetry import Monitor, Session, Spool, open_link, replay
 from ravenbrick.telemetry.messages import Ask

@@ -14,7 +14,7 @@ import pytest
 from host.tests.conftest import VEHICLE
 from typer.testing import CliRunner
 
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot

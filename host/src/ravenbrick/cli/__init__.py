@@ -6,12 +6,23 @@ from __future__ import annotations
 
 import sys
 
-from ravenbrick.cli.app import app
+from ravenbrick import __version__
 
-__all__ = ["app", "main"]
+__all__ = ["VERSION_LINE", "main"]
+
+VERSION_LINE = f"ravenbrick {__version__}"
 
 
 def main() -> None:
     """Entry point of the program `ravenbrick`."""
-    app.load(sys.argv[1:2])
-    app()
+    if sys.argv[1:] == ["--version"]:
+        print(VERSION_LINE)
+        return
+    try:
+        from ravenbrick.cli.app import app  # all that --version does without
+    except KeyboardInterrupt:
+        from ravenbrick.errors import ExitCode
+
+        print("ravenbrick: interrupted", file=sys.stderr)
+        sys.exit(ExitCode.INTERRUPTED)
+    app(prog_name="ravenbrick")

@@ -231,7 +231,6 @@ def analyse_command(
     timing_profile: TimingProfileOption = TimingProfile.NOMINAL,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Bound execution and response times from the binary and show them beside a run."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     reporter = Reporter(json_output)

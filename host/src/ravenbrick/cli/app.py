@@ -10,106 +10,112 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import Annotated, Any, NoReturn, ParamSpec
 
 import typer
-from typer.core import TyperGroup
-from typer.models import CommandInfo
+from typer.core import TyperCommand, TyperGroup
 
-from ravenbrick import __version__
+from ravenbrick.cli import VERSION_LINE
 from ravenbrick.errors import ExitCode, RavenbrickError, UsageError, shown_path
 
-__all__ = ["COMMANDS", "JsonOption", "app", "command"]
+__all__ = ["COMMANDS", "JsonOption", "app", "command", "load"]
 
 Arguments = ParamSpec("Arguments")
 Result = dict[str, Any]
 
+# Commands by name; the sentence is their help.
+COMMANDS = {
+    "analyse": "Bound execution and response times from the binary and show them beside a run.",
+    "bind": "Write the Ada binding of a generated model from its header, beside the model's C.",
+    "build": "Compile, bind and link the image, and report its memory.",
+    "debug": "Debug the program with GDB, forwards and backwards in time.",
+    "demo": "Design, generate, build, run every scenario, measure, and write the report.",
+    "design": "Run design.py: tune, discretise, simulate, and generate the controller's C.",
+    "doctor": "Look for toolchain, Python modules and a real brick; say what is missing.",
+    "export": "Write a recording for Perfetto, GTKWave, Surfer, Foxglove, spreadsheet or notebook.",
+    "grade": "Build and run submissions in a sandbox, and judge them by a rubric.",
+    "home": "Print the folder of the Ravenbrick tree, for Makefiles.",
+    "identify": "Run an experiment on the virtual brick, fit and validate the motor's parameters.",
+    "import": "Read a Simulink model, and generate C from it; lists every block that it cannot.",
+    "live": "Run the program in real time for other programs, such as `ravenbrick monitor`.",
+    "monitor": "Show and record telemetry live, change parameters, compare with a design.",
+    "new": "Make a project folder from a template; never overwrites anything.",
+    "report": "Write report.html, summary.json and PNGs from the last recordings.",
+    "run": "Run a scenario on the virtual brick, keep the recording, check the pass criteria.",
+    "schedule": "Bound the response times of a task set given as a file.",
+    "sweep": "Run a scenario with many motors within robot.toml's tolerances; judge every run.",
+    "upload": "Build the image and load it over USB into a brick in its boot monitor.",
+    "view": "See and steer the brick in a browser tab; the program runs in the tab itself.",
+    "wcet": "Bound the execution time of a function of an ELF file.",
+}
 # Commands whose module has another name.
 ELSEWHERE = {"import": "import_model", "home": "new"}
-COMMANDS = (
-    "analyse",
-    "bind",
-    "build",
-    "debug",
-    "demo",
-    "design",
-    "doctor",
-    "export",
-    "grade",
-    "home",
-    "identify",
-    "import",
-    "live",
-    "monitor",
-    "new",
-    "report",
-    "run",
-    "schedule",
-    "sweep",
-    "upload",
-    "view",
-    "wcet",
-)
+OPTIONS: dict[str, Any] = {"rich_markup_mode": None}  # without rich, which loads slowly
 
 
-class Program(typer.Typer):
-    """The commands, whose modules are loaded when they are asked for: some load slowly."""
+class Program(TyperGroup):
+    """The commands; the module of a command is loaded when the command is called.
 
-    _loaded = False
-    _registered: list[CommandInfo]
+    What fails is told in one sentence, with `--json` as an object.
+    """
 
-    def load(self, names: Sequence[str] = COMMANDS) -> None:
-        """Load the named commands; all, unless each name is a command. Only the first call does."""
-        if self._loaded:
-            return
-        self._loaded = True
-        for name in names if names and set(names) <= set(COMMANDS) else COMMANDS:
-            importlib.import_module(f"ravenbrick.cli.{ELSEWHERE.get(name, name)}")
+    _as_json = False
 
-    def register(self, name: str, example: str, function: Callable[..., None]) -> None:
-        """Add a command; nothing else is loaded for it."""
-        loaded, self._loaded = self._loaded, True
-        self.command(name, epilog=f"Example: {example}")(function)
-        self._loaded = loaded
+    def __init__(self, **attributes: Any) -> None:
+        listed = {n: TyperCommand(n, help=h, short_help=h, **OPTIONS) for n, h in COMMANDS.items()}
+        super().__init__(**{**attributes, "commands": listed})
 
-    @property
-    def registered_commands(self) -> list[CommandInfo]:
-        """Of Typer, which asks when it runs or describes the program."""
-        self.load()
-        return self._registered
+    def get_params(self, ctx: Any) -> list[Any]:
+        """See Typer, which loads pydantic for the default None of its own flags."""
+        flags: list[Any] = super().get_params(ctx)
+        for flag in flags:
+            flag.default = False
+        return flags
 
-    @registered_commands.setter
-    def registered_commands(self, commands: list[CommandInfo]) -> None:
-        self._registered = commands
-
-
-class Answers(TyperGroup):
-    """The command line that answers in JSON, where it asks for that, also when it is wrong."""
-
-    def main(self, args: Sequence[str] | None = None, *others: Any, **options: Any) -> Any:
+    def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
         """See Typer."""
-        if "--json" not in (sys.argv[1:] if args is None else args):
-            return super().main(args, *others, **options)
+        name, found, rest = super().resolve_command(ctx, args)
+        if found is None or name is None:
+            return name, found, rest
+        with _answering(self._as_json):
+            return name, load(name), rest
+
+    def main(self, args: Sequence[str] | None = None, *others: Any, **options: Any) -> NoReturn:
+        """See Typer."""
+        words = list(sys.argv[1:] if args is None else args)
+        self._as_json = "--json" in words
+        if "_RAVENBRICK_COMPLETE" in os.environ:
+            # Typer would load rich, to take markup out of sentences that have none.
+            sys.modules["rich"] = None  # type: ignore[assignment]
         try:
-            code = super().main(args, *others, **{**options, "standalone_mode": False})
+            alone = {**options, "standalone_mode": False}
+            code = super().main(words or ["--help"], *others, **alone)
         except Exception as error:
             sentence = getattr(error, "format_message", None)
             if sentence is None:
                 raise
-            code = _told(UsageError(f"{sentence().rstrip('.')}; see 'ravenbrick --help'"), True)
+            code = _told(_wrong_words(error, sentence()), self._as_json)
         sys.exit(code or 0)
 
 
-app = Program(
+def load(name: str) -> Any:
+    """The command of this name, for Typer; raises KeyError."""
+    importlib.import_module(f"ravenbrick.cli.{ELSEWHERE.get(name, name)}")
+    single = typer.Typer(add_completion=False, **OPTIONS)
+    function, example = _FUNCTIONS[name]
+    single.command(name, help=COMMANDS[name], epilog=f"Example: {example}")(function)
+    return typer.main.get_command(single)
+
+
+_FUNCTIONS: dict[str, tuple[Callable[..., None], str]] = {}
+app = typer.Typer(
     name="ravenbrick",
-    cls=Answers,
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="rich",
+    cls=Program,
     help="Design, build, run and measure real-time control on the LEGO MINDSTORMS NXT.",
     epilog="Exit codes: docs/reference/exit-codes.md. Example: ravenbrick demo examples/vehicle",
+    **OPTIONS,
 )
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print one JSON object instead of text; no progress.")
@@ -118,7 +124,7 @@ JsonOption = Annotated[
 
 def _version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"ravenbrick {__version__}")
+        typer.echo(VERSION_LINE)
         raise typer.Exit
 
 
@@ -128,7 +134,14 @@ def _root(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Design, build, run and measure real-time control on the LEGO MINDSTORMS NXT."""
+    pass
+
+
+def _wrong_words(error: Exception, sentence: str) -> UsageError:
+    """What Typer found wrong in the command line."""
+    context = getattr(error, "ctx", None)
+    name = f" {context.info_name}" if context is not None and context.parent else ""
+    return UsageError(f"{sentence.rstrip('.')}; see 'ravenbrick{name} --help'")
 
 
 def _told(error: RavenbrickError, as_json: bool) -> int:
@@ -166,36 +179,45 @@ def _defect(error: Exception) -> RavenbrickError:
     )
 
 
+@contextmanager
+def _answering(as_json: bool) -> Iterator[None]:
+    """Tell in one sentence what fails inside, and end the program with its exit code."""
+    try:
+        yield
+    except typer.Exit:
+        raise
+    except RavenbrickError as error:
+        _end(error, as_json)
+    except OSError as error:
+        _end(_refused(error), as_json)
+    except KeyboardInterrupt:
+        stopped = RavenbrickError("interrupted")
+        stopped.exit_code = ExitCode.INTERRUPTED
+        _end(stopped, as_json)
+    except Exception as error:
+        if os.environ.get("RAVENBRICK_TRACEBACK"):
+            traceback.print_exc(file=sys.stderr)
+        _end(_defect(error), as_json)
+
+
 def command(example: str) -> Callable[[Callable[Arguments, Result]], Callable[Arguments, None]]:
     """Make a function a command: errors become a sentence and an exit code, `--json` prints.
 
-    The function returns what `--json` prints besides `ok`; `example` is shown by `--help`.
+    The function is called after the command and `_command`, and returns what `--json` prints
+    besides `ok`; `example` is shown by `--help`.
     """
 
     def register(function: Callable[Arguments, Result]) -> Callable[Arguments, None]:
         @functools.wraps(function)
         def run(*args: Arguments.args, **kwargs: Arguments.kwargs) -> None:
             as_json = bool(kwargs.get("json_output", False))
-            try:
+            with _answering(as_json):
                 result = function(*args, **kwargs)
                 if as_json:
                     typer.echo(json.dumps({"ok": True, **result}, indent=1))
-            except RavenbrickError as error:
-                _end(error, as_json)
-            except OSError as error:
-                _end(_refused(error), as_json)
-            except KeyboardInterrupt:
-                stopped = RavenbrickError("interrupted")
-                stopped.exit_code = ExitCode.INTERRUPTED
-                _end(stopped, as_json)
-            except Exception as error:
-                if os.environ.get("RAVENBRICK_TRACEBACK"):
-                    traceback.print_exc(file=sys.stderr)
-                _end(_defect(error), as_json)
 
-        name = function.__name__.removesuffix("_command")
         run.__annotations__["return"] = None
-        app.register(name, example, run)
+        _FUNCTIONS[function.__name__.removesuffix("_command")] = run, example
         return run
 
     return register

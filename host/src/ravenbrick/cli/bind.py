@@ -25,7 +25,6 @@ def bind_command(
     output: Annotated[Path, typer.Option(help="Folder for the C and the Ada binding.")],
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Write the Ada binding of a generated model from its header, beside the model's C."""
     if not model.is_dir():
         raise UsageError(f"{model}: there is no such folder")
     reporter = Reporter(json_output, total=2)

@@ -42,7 +42,6 @@ def build_command(
     ] = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Compile, bind and link the image, and report its memory."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     reporter = Reporter(json_output)

@@ -114,7 +114,6 @@ def debug_command(
     image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Debug the program with GDB, forwards and backwards in time."""
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
     loaded = read_image(elf or Workspace.of(directory).image(image.kind, robot.name))

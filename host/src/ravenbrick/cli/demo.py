@@ -100,7 +100,6 @@ def demo_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Design, generate, build, run every scenario, measure, and write the report."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     scenarios = project_scenarios(workspace, robot)

@@ -49,7 +49,6 @@ def design_command(
     motor: Annotated[str, typer.Option(help="The motor that it drives, A, B or C.")] = "B",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Run design.py: tune, discretise, simulate, and generate the controller's C."""
     workspace = Workspace.of(directory)
     reporter = Reporter(json_output)
     with reporter.step("design and generate C"):

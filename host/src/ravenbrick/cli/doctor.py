@@ -78,7 +78,6 @@ def _loader(tool: Tool) -> Check:
 
 @command("ravenbrick doctor")
 def doctor_command(json_output: JsonOption = False) -> dict[str, Any]:
-    """Look for the toolchain, the Python modules and a real brick; say what is missing."""
     reporter = Reporter(json_output)
     checks = _checks()
     reporter.table(

@@ -52,7 +52,6 @@ def export_command(
     image: Annotated[ImageChoice, typer.Option(help="Which image had run.")] = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Write a recording for Perfetto, GTKWave or Surfer, Foxglove, a spreadsheet or a notebook."""
     file, stem = _source(source, scenario, image)
     target = out or stem.with_name(stem.name + file_format.suffix)
     if target.is_dir() or target.resolve() == file.resolve():

@@ -54,7 +54,6 @@ def grade_command(
     ] = 0.0,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Build and run submissions in a sandbox, and judge them by a rubric."""
     chosen = read_rubric(rubric)
     found = find_submissions(submissions)
     if form is Form.GRADESCOPE and len(found) != 1:

@@ -59,7 +59,6 @@ def identify_command(
     image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Run an experiment on the virtual brick, fit the motor, validate, write its parameters."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     reporter = Reporter(json_output, total=4)

@@ -54,7 +54,6 @@ def import_command(
     subsystem: Annotated[str, typer.Option(help="Path of a subsystem: only that.")] = "",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Read a Simulink model, and generate C from it; lists every block that it cannot."""
     if not model.is_file():
         raise UsageError(f"{model}: there is no such file")
     if not sample_time > 0:

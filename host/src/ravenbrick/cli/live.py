@@ -54,7 +54,6 @@ def live_command(
     image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Run the program in real time for other programs to talk to, such as `ravenbrick monitor`."""
     workspace, robot = Workspace.of(directory), read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
     loaded = read_image(workspace.image(image.kind, robot.name))

@@ -171,7 +171,6 @@ def monitor_command(
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Show and record a program's telemetry live, change its parameters, compare with a design."""
     if (step is None) != (design is None):
         raise UsageError("--step and --design go together: a pair of signals and a project folder")
     wanted = [_wish(text) for text in wishes or []]

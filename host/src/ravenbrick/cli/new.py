@@ -25,7 +25,6 @@ def new_command(
     template: Annotated[str, typer.Option(help=CHOICES)] = "blank",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Make a project folder from a template; never overwrites anything."""
     workspace = create_project(directory, template)
     files = sorted(path for path in workspace.project.rglob("*") if path.is_file())
     reporter, scenario = Reporter(json_output), TEMPLATES[template].scenario
@@ -41,6 +40,5 @@ def new_command(
 
 @command("ravenbrick home")
 def home_command(json_output: JsonOption = False) -> dict[str, Any]:
-    """Print the folder of the Ravenbrick tree, for Makefiles."""
     Reporter(json_output).print(str(tree()))
     return {"home": str(tree())}

@@ -54,7 +54,6 @@ def report_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Write report.html, summary.json and PNGs from the last recordings."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     reporter = Reporter(json_output)

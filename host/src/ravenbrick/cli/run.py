@@ -217,7 +217,6 @@ def run_command(
     sound: SoundOption = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Run a scenario on the virtual brick, keep the recording, check the pass criteria."""
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)

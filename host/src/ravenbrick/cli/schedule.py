@@ -89,7 +89,6 @@ def schedule_command(
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Bound the response times of a task set given as a file."""
     end = _end_of_picture(gantt, until)
     found = read_task_file(file, priorities)
     result = analysis(found)

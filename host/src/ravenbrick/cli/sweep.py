@@ -48,7 +48,6 @@ def sweep_command(
     dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use.")] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Run a scenario with many motors within the tolerances of robot.toml; judge every run."""
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
     image = read_image(Workspace.of(directory).image("ram", robot.name))

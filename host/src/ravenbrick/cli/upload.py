@@ -56,7 +56,6 @@ def upload_command(
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Build the image and load it into the brick that waits on the USB in its boot monitor."""
     reporter = Reporter(json_output)
     kind: Literal["ram", "flash"] = "flash" if restore else image.kind
     flat = flat_flash_file(source) if restore else _project_image(source, kind, reporter)

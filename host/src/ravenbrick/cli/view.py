@@ -122,7 +122,6 @@ def view_command(
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """See and steer the brick in a browser tab; the program runs in the tab itself."""
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
     workspace = Workspace.of(directory)

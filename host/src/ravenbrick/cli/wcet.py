@@ -109,7 +109,6 @@ def wcet_command(
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    """Bound the execution time of a function of an ELF file."""
     if not elf.is_file():
         raise UsageError(f"{elf}: there is no such file; name an ELF file")
     if not own_data and (after or any_content):
