@@ -47,7 +47,7 @@ class ExitCode(IntEnum):
     INTERNAL = 1, "A defect of Ravenbrick itself: please report it with the printed text."
     USAGE = 2, "The command line is wrong: unknown command, option, folder or argument."
     PROJECT_FILE = 3, "robot.toml or a scenario file is wrong; file, line and field are named."
-    TOOL_MISSING = 4, "A tool or module is missing; run 'make setup' in the repository."
+    TOOL_MISSING = 4, "A tool or module is missing; 'ravenbrick doctor' says how to install it."
     BUILD_FAILED = 5, "The compiler, binder or linker reported an error."
     BAD_IMAGE = 6, "The image is missing, truncated, not for the brick, or too large."
     RUN_FAULT = 7, "The program stopped with a fault or halted on the brick."

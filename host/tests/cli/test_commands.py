@@ -30,7 +30,7 @@ DRIVE = "scenarios/drive.toml"
 @pytest.fixture(autouse=True)
 def brick(monkeypatch: pytest.MonkeyPatch) -> None:
     """A brick whose answers are known, and no toolchain but make."""
-    monkeypatch.setattr(virtual, "_module", lambda: fake_brick)
+    monkeypatch.setattr(virtual, "brick_module", lambda: fake_brick)
     monkeypatch.setattr(build, "TOOLS", build.TOOLS[:1])
 
 
@@ -53,7 +53,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Resul
     """The folder of results and the output of one demonstration without --json."""
     whole = complete(make_project(tmp_path_factory.mktemp("demo")))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(virtual, "_module", lambda: fake_brick)
+        patch.setattr(virtual, "brick_module", lambda: fake_brick)
         patch.setattr(build, "TOOLS", build.TOOLS[:1])
         yield Workspace.of(whole).results, call("demo", whole)
 
@@ -336,18 +336,3 @@ def test_recordings_of_both_kinds_of_image_are_kept_apart(project: Path) -> None
         for kind in ("ram", "flash")
     }
     assert len(kept) == 2
-
-
-def test_doctor_lists_what_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each tool and module is one check."""
-    monkeypatch.setattr("ravenbrick.cli.doctor.MODULES", ("numpy",))
-    monkeypatch.setattr("ravenbrick.cli.doctor.TOOLS", build.TOOLS)
-    names = [check["name"] for check in parsed(call("doctor", "--json"))["checks"]]
-    assert names == ["Python", "make", "Python module numpy"]
-
-
-def test_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Exit code 4, with what to do."""
-    monkeypatch.setattr("ravenbrick.cli.doctor.MODULES", ("no_such_module",))
-    sentence = failure(call("doctor"), ExitCode.TOOL_MISSING)
-    assert "no_such_module; run 'make setup'" in sentence

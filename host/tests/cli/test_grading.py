@@ -26,7 +26,7 @@ DRIVE = "scenarios/drive.toml"
 @pytest.fixture(autouse=True)
 def brick(monkeypatch: pytest.MonkeyPatch) -> None:
     """A brick whose answers are known."""
-    monkeypatch.setattr(virtual, "_module", lambda: fake_brick)
+    monkeypatch.setattr(virtual, "brick_module", lambda: fake_brick)
 
 
 def call(*arguments: object) -> Result:

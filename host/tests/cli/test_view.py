@@ -30,7 +30,7 @@ from ravenbrick.target.workspace import Workspace
 @pytest.fixture(autouse=True)
 def brick(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A brick whose answers are known, in a tree of its own."""
-    monkeypatch.setattr(virtual, "_module", lambda: fake_brick)
+    monkeypatch.setattr(virtual, "brick_module", lambda: fake_brick)
     monkeypatch.setenv("RAVENBRICK_HOME", str(project.parent.parent))
 
 

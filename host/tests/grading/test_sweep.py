@@ -100,4 +100,4 @@ def test_a_missing_package_is_named(
     command = ["sweep", str(BLANK), "press", "--count", "1", "--dask", "tcp://127.0.0.1:1"]
     result = CliRunner().invoke(app, [*command, "--output", str(tmp_path)])
     assert result.exit_code == ExitCode.TOOL_MISSING
-    assert "pip install -r tools/requirements-cluster.txt" in result.output
+    assert "run \"pip install 'ravenbrick[cluster]'\"" in result.output

@@ -1,60 +1,160 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick doctor`: is everything there that the other commands need?"""
+"""`ravenbrick doctor`: is everything there that the other commands need, and does it work?"""
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
+import re
+import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from importlib import metadata
+from pathlib import Path
 from typing import Any
 
+from ravenbrick import __version__
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import ConnectionFailedError, ToolMissingError
+from ravenbrick.installation import advice_for_packages, advice_for_python
 from ravenbrick.target.build import TOOLS, Tool, find_tool
 from ravenbrick.target.real import LOADERS, brick_to_load
 from ravenbrick.target.usb_bricks import find_bricks
+from ravenbrick.target.workspace import tree
 
 __all__ = ["Check", "doctor_command"]
 
-MODULES = ("numpy", "scipy", "control", "matplotlib", "elftools", "jsonschema", "virtual_brick")
+GNAT = "arm-linux-gnueabi-gcc-12"
+LINKER = "arm-none-eabi-gcc"
+C_LIBRARY = "libnewlib-arm-none-eabi"
+GDB = Tool("gdb-multiarch", "debugs a program of the brick", "gdb-multiarch")
+MODULE = "virtual_brick"
+TIMEOUT_S = 60
+ADA = "package Probe is\n   Answer : Integer := 42;\nend Probe;\n"
+C = "float probe (float x) { return __builtin_sinf (x); }\n"
+PROJECT = 'project Probe is for Languages use ("Ada", "C"); for Source_Files use (); end Probe;\n'
+ELF_MACHINE, ARM = slice(18, 20), b"\x28\x00"
 
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked for; `found` is its version or place."""
+    """One thing that was looked for; `found` is its version or place, or why it does not do.
+
+    `package` is the Debian package that brings it.
+    """
 
     name: str
     ok: bool
     found: str
+    package: str = ""
+
+
+class _UnfitError(Exception):
+    """A tool that is there does not work."""
+
+
+def _answer(folder: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        arguments, cwd=folder, capture_output=True, text=True, timeout=TIMEOUT_S, check=False
+    )
+    if done.returncode != 0:
+        lines = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()]
+        raise _UnfitError(lines[-1] if lines else f"ends with {done.returncode}")
+    return done.stdout.strip()
+
+
+def _gnat(folder: Path) -> str:
+    (folder / "probe.ads").write_text(ADA)
+    _answer(folder, GNAT, "-c", "-mcpu=arm7tdmi", "probe.ads")
+    version = _answer(folder, GNAT, "-dumpfullversion")
+    target = _answer(folder, GNAT, "-dumpmachine")
+    machine = (folder / "probe.o").read_bytes()[ELF_MACHINE]
+    if machine != ARM or not version.startswith("12."):
+        raise _UnfitError(f"is GNAT {version} for {target}; it must be GNAT 12 for ARM")
+    return f"GNAT {version} for {target}"
+
+
+def _gprbuild(folder: Path) -> str:
+    (folder / "probe.gpr").write_text(PROJECT)
+    configuration = tree() / "tools" / "ravenbrick.cgpr"
+    _answer(folder, "gprbuild", "-q", f"--config={configuration}", "-P", "probe.gpr")
+    return _version(folder, "gprbuild")
+
+
+def _version(folder: Path, program: str) -> str:
+    return _answer(folder, program, "--version").split("\n")[0]
+
+
+def _linker(folder: Path) -> str:
+    return f"GCC {_answer(folder, LINKER, '-dumpfullversion')}"
+
+
+def _c_library(folder: Path) -> str:
+    (folder / "probe.c").write_text(C)
+    _answer(folder, LINKER, "-mcpu=arm7tdmi", "-nostartfiles", "probe.c", "-lm", "-o", "probe.elf")
+    return "links"
+
+
+PROBES: dict[str, Callable[[Path], str]] = {
+    GNAT: _gnat,
+    "gprbuild": _gprbuild,
+    LINKER: _linker,
+}
+
+
+def _checked(name: str, package: str, probe: Callable[[Path], str]) -> Check:
+    """Try something in a folder of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            return Check(name, True, probe(Path(folder)))
+        except _UnfitError as error:
+            return Check(name, False, f"does not work: {error}", package)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            return Check(name, False, f"does not start ({type(error).__name__})", package)
 
 
 def _tool(tool: Tool) -> Check:
-    program = find_tool(tool)
-    if program is None:
-        return Check(
-            tool.program, False, f"missing ({tool.purpose}); Debian package {tool.package}"
-        )
+    if find_tool(tool) is None:
+        return Check(tool.program, False, f"missing ({tool.purpose})", tool.package)
+    probe = PROBES.get(tool.program, lambda folder: _version(folder, tool.program))
+    return _checked(tool.program, tool.package, probe)
+
+
+def _tools() -> list[Check]:
+    checks = [_tool(tool) for tool in (*TOOLS, GDB)]
+    library = "C library of the brick"
+    if shutil.which(LINKER) is None:
+        return [*checks, Check(library, False, f"not tried without {LINKER}", C_LIBRARY)]
+    return [*checks, _checked(library, C_LIBRARY, _c_library)]
+
+
+def _module() -> Check:
+    """The compiled virtual brick: does it load, and is it of this version?"""
     try:
-        done = subprocess.run(
-            [program, "--version"], capture_output=True, text=True, timeout=20, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return Check(tool.program, False, f"{program} does not start ({type(error).__name__})")
-    first = (done.stdout or done.stderr).strip().split("\n")[0]
-    return Check(tool.program, done.returncode == 0, first or program)
+        found = getattr(importlib.import_module(MODULE), "__version__", "an older version")
+    except ImportError as error:
+        return Check(f"Python module {MODULE}", False, f"does not load: {error}")
+    told = found if found == __version__ else f"is of {found}; ravenbrick is {__version__}"
+    return Check(f"Python module {MODULE}", found == __version__, told)
 
 
-def _module(name: str) -> Check:
-    present = importlib.util.find_spec(name) is not None
-    return Check(f"Python module {name}", present, "present" if present else "missing")
+def _requirement(wish: str) -> Check:
+    """A Python package that this version needs; pip has compared the versions."""
+    name = re.split(r"[^\w.-]", wish, maxsplit=1)[0]
+    try:
+        return Check(f"Python package {name}", True, metadata.version(name))
+    except metadata.PackageNotFoundError:
+        return Check(f"Python package {name}", False, f"missing ({wish})")
 
 
 def _checks() -> list[Check]:
     python = Check("Python", sys.version_info >= (3, 11), sys.version.split()[0])
-    return [python, *(_tool(tool) for tool in TOOLS), *(_module(name) for name in MODULES)]
+    needed = [wish for wish in metadata.requires("ravenbrick") or () if "extra ==" not in wish]
+    return [python, *_tools(), *map(_requirement, needed), _module()]
 
 
 def _connection() -> list[Check]:
@@ -76,6 +176,20 @@ def _loader(tool: Tool) -> Check:
     return Check(tool.program, place is not None, place or advice)
 
 
+def _refuse(failed: list[Check]) -> None:
+    """Say in one sentence what is missing and what to do; nothing when nothing is."""
+    if not failed:
+        return
+    packages = [check.package for check in failed if check.package]
+    advice = [advice_for_packages(packages)] if packages else []
+    if any(check.name.startswith("Python") for check in failed):
+        advice.append(advice_for_python())
+    raise ToolMissingError(
+        f"missing: {', '.join(check.name for check in failed)}; {', and '.join(advice)}",
+        detail="\n".join(f"{check.name}: {check.found}" for check in failed),
+    )
+
+
 @command("ravenbrick doctor")
 def doctor_command(json_output: JsonOption = False) -> dict[str, Any]:
     reporter = Reporter(json_output)
@@ -92,12 +206,7 @@ def doctor_command(json_output: JsonOption = False) -> dict[str, Any]:
         [[check.name, "ok" if check.ok else "no", check.found] for check in connection],
         left=("state", "found"),
     )
-    missing = [check.name for check in checks if not check.ok]
-    if missing:
-        raise ToolMissingError(
-            f"missing: {', '.join(missing)}; run 'make setup' in the repository",
-            detail="\n".join(f"{c.name}: {c.found}" for c in checks if not c.ok),
-        )
+    _refuse([check for check in checks if not check.ok])
     return {
         "checks": [asdict(check) for check in checks],
         "connection": [asdict(check) for check in connection],

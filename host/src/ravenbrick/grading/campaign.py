@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -12,10 +11,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.errors import UsageError
 from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.submission import Submission
 from ravenbrick.grading.work import Job, grade_one, prepare_base
+from ravenbrick.installation import optional_module
 from ravenbrick.whole_file import write_whole
 
 __all__ = ["on_cluster", "run_campaign"]
@@ -70,21 +70,13 @@ def on_cluster(
     work: Callable[[dict[str, Any]], Result], jobs: dict[str, dict[str, Any]], address: str
 ) -> Iterator[tuple[str, Result]]:
     """On the workers of a Dask scheduler, which must see the same folders."""
-    try:
-        distributed = importlib.import_module("distributed")
-    except ImportError:
-        raise ToolMissingError(
-            "the package 'distributed' is not installed; run "
-            "'pip install -r tools/requirements-cluster.txt'"
-        ) from None
+    distributed = optional_module("distributed", "distributed", "cluster", "work on a cluster")
     try:
         client = distributed.Client(address, timeout=20)
     except (OSError, ValueError) as error:
         raise UsageError(f"no Dask scheduler answers at '{address}' ({error})") from None
     with client:
-        futures = {
-            client.submit(work, values, pure=False): name for name, values in jobs.items()
-        }
+        futures = {client.submit(work, values, pure=False): name for name, values in jobs.items()}
         for future, result in distributed.as_completed(futures, with_results=True):
             yield futures[future], result
 

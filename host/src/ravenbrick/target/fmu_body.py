@@ -10,13 +10,13 @@ the unit gives are inputs of the run with their cycles, so a run is the same eac
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.errors import RunFaultError, ToolMissingError, UsageError
+from ravenbrick.errors import RunFaultError, UsageError
+from ravenbrick.installation import optional_module
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.slices import run_until_picture
 
@@ -28,13 +28,7 @@ _HAND_RATE = 100.0
 
 
 def _library(name: str) -> Any:
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise ToolMissingError(
-            "an FMU needs the Python package FMPy; run "
-            "'.venv/bin/pip install -r tools/requirements-fmu.txt'"
-        ) from None
+    return optional_module(name, "FMPy", "fmu", "an FMU")
 
 
 class FmuBody:

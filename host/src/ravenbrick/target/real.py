@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 from ravenbrick.errors import ConnectionFailedError, ToolMissingError
+from ravenbrick.installation import advice_for_packages
 from ravenbrick.target.build import Tool
 from ravenbrick.target.flat_image import FlatImage
 from ravenbrick.target.usb_bricks import UDEV_RULE, BrickMode, UsbBrick
@@ -91,7 +92,7 @@ def load(
     if program is None:
         raise ToolMissingError(
             f"'{tool.program}' ({tool.purpose}) is not installed; "
-            f"install the Debian package {tool.package}: sudo apt install {tool.package}"
+            f"{advice_for_packages([tool.package])}"
         )
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "image.bin"

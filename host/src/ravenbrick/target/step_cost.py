@@ -15,11 +15,13 @@ from typing import Any
 
 from ravenbrick.codegen import check_program, generate_c, random_vectors
 from ravenbrick.errors import BuildError, RunFaultError, ToolMissingError
+from ravenbrick.installation import advice_for_packages
 from ravenbrick.model.program import Program
 
 __all__ = ["FIRST_WORDS", "StepCost", "compile_and_count", "count_steps"]
 
 COMPILER = "arm-none-eabi-gcc"
+PACKAGE = "gcc-arm-none-eabi"
 ORIGIN = 0x0020_2000
 # This processor has no load delays: to reorder before registers are chosen only costs registers.
 FLAGS = ("-O2", "-fno-schedule-insns", "-mcpu=arm7tdmi", "-ffreestanding", "-ffunction-sections")
@@ -61,7 +63,7 @@ def compile_and_count(programs: Mapping[str, Program]) -> dict[str, StepCost]:
     `RunFaultError` if a result is not that of the simulation.
     """
     if shutil.which(COMPILER) is None:
-        raise ToolMissingError(f"{COMPILER} is not installed; run 'make setup'")
+        raise ToolMissingError(f"{COMPILER} is not installed; {advice_for_packages([PACKAGE])}")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         sources = [folder / "first.c", folder / "run_all.c"]

@@ -9,29 +9,19 @@ are the variables below `inputs`.
 
 from __future__ import annotations
 
-import importlib
 import io
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from ravenbrick.errors import ProjectFileError, ToolMissingError
+from ravenbrick.errors import ProjectFileError
+from ravenbrick.installation import optional_module
 from ravenbrick.target.stimulus import Channels, Sequence
 
 __all__ = ["INPUT_SCOPE", "read"]
 
 INPUT_SCOPE = "inputs"
 _EXPONENTS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}
-
-
-def _reader() -> Any:
-    try:
-        return importlib.import_module("vcd.reader")
-    except ImportError:
-        raise ToolMissingError(
-            "a stimulus in a VCD file needs the Python package 'pyvcd'; "
-            "install it with \"pip install 'ravenbrick[export]'\""
-        ) from None
 
 
 def _tokens(sequence: Sequence, reader: Any) -> Iterator[Any]:
@@ -108,7 +98,7 @@ class _Dump:
 
 def read(sequence: Sequence, channels: Channels) -> None:
     """Fill `sequence`; raises `ProjectFileError` with the line, `ToolMissingError`."""
-    reader = _reader()
+    reader = optional_module("vcd.reader", "pyvcd", user="a stimulus in a VCD file")
     dump = _Dump(sequence, channels, reader.TokenKind)
     for token in _tokens(sequence, reader):
         dump.take(token)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
@@ -22,6 +21,7 @@ from ravenbrick.errors import (
     ToolMissingError,
     UsageError,
 )
+from ravenbrick.installation import advice_for_python, brick_module
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import ElfImage, read_image
@@ -55,15 +55,6 @@ PROGRESS_MS = 500
 PEER_ADDRESS = "00:16:53:00:00:02"
 
 
-def _module() -> Any:
-    try:
-        return importlib.import_module("virtual_brick")
-    except ImportError:
-        raise ToolMissingError(
-            "the Python module 'virtual_brick' is not installed; run 'make setup'"
-        ) from None
-
-
 @dataclass(frozen=True)
 class Station:
     """A scenario's peer: what it is, and how it ran."""
@@ -92,7 +83,7 @@ class VirtualTarget:
         snapshots: SnapshotWishes | None = None,
         sound: Path | None = None,
     ) -> None:
-        self._module = module if module is not None else _module()
+        self._module = module if module is not None else brick_module()
         self._callback = callback
         self._settings = dict(settings or {})
         self._body = body
@@ -215,7 +206,7 @@ class VirtualTarget:
         if Fraction(*brick.clock_hz) != MASTER_CLOCK.hertz:
             raise ToolMissingError(
                 f"the module 'virtual_brick' has another clock ({brick.clock_hz}); "
-                "run 'make setup' to build the one of this version"
+                f"{advice_for_python()} to have the one of this version"
             )
         if brick.threads_unobserved is not None and not image.bare and not any_program:
             raise ImageFileError(

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import serial
 
 from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.installation import advice_for_packages
 from ravenbrick.target.usb_bricks import BrickMode
 
 __all__ = ["Link", "LinkLostError", "open_link"]
@@ -112,7 +113,7 @@ def _find_on_usb(vendor: int, product: int) -> list[Any]:
         return list(core.find(find_all=True, idVendor=vendor, idProduct=product))
     except core.NoBackendError:
         raise ToolMissingError(
-            "the library libusb is not installed; install the Debian package libusb-1.0-0"
+            f"the library libusb is not installed; {advice_for_packages(['libusb-1.0-0'])}"
         ) from None
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.installation import advice_for_python
 from ravenbrick.telemetry.monitor import Monitor
 from ravenbrick.telemetry.picture import draw_signals, units_of
 from ravenbrick.telemetry.session import Session
@@ -93,7 +94,7 @@ def show_live(
         from tornado.websocket import WebSocketClosedError
     except ImportError as error:
         raise ToolMissingError(
-            f"the live page needs the Python package tornado ({error}); run 'make setup'"
+            f"the live page needs the Python package tornado ({error}); {advice_for_python()}"
         ) from None
     figure = plt.figure(num="Ravenbrick monitor", figsize=(10, 7))
     live = _LiveFigure(figure, monitor.session, tell)
@@ -105,6 +106,7 @@ def show_live(
             IOLoop.current().stop()
 
     timer = figure.canvas.new_timer(interval=_PERIOD_MS, callbacks=[(step, (), {})])
+
     def complain(loop: Any, context: dict[str, Any]) -> None:
         """A browser that was closed in the middle of a picture is no defect."""
         if not isinstance(context.get("exception"), WebSocketClosedError):

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -14,9 +13,9 @@ from ravenbrick.errors import (
     ExitCode,
     ImageFileError,
     RavenbrickError,
-    ToolMissingError,
     UsageError,
 )
+from ravenbrick.installation import brick_module
 
 __all__ = [
     "Bound",
@@ -178,12 +177,7 @@ def execution_times(
             "inputs": [{"symbol": i} if isinstance(i, str) else i for i in inputs],
         }
     try:
-        module = importlib.import_module("virtual_brick")
-        text = module.bound_execution_times(elf, json.dumps(request), timing, wait_states)
-    except ImportError:
-        raise ToolMissingError(
-            "the Python module 'virtual_brick' is not installed; run 'make setup'"
-        ) from None
+        text = brick_module().bound_execution_times(elf, json.dumps(request), timing, wait_states)
     except ValueError as error:
         if str(error).startswith(DAMAGE):
             raise ImageFileError(f"{name}: {error}; it is damaged: build it again") from None

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ravenbrick.trace.export.library import library
+from ravenbrick.installation import optional_module
 from ravenbrick.trace.export.timeline import Series, Timeline, nanoseconds
 
 __all__ = ["write_mcap"]
@@ -132,7 +132,7 @@ def _channels(writer: Any, groups: dict[str, dict[str, Series]]) -> dict[str, in
 
 def write_mcap(timeline: Timeline, path: Path) -> tuple[Path, ...]:
     """Write `path` and return it; raises `ToolMissingError`."""
-    mcap = library("mcap.writer", "mcap")
+    mcap = optional_module("mcap.writer", "mcap")
     groups = _groups(timeline)
     messages = _messages(timeline, groups)
     instants = nanoseconds(timeline.clock, [at for at, _, _ in messages]).tolist()

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ravenbrick.trace.export.library import library
+from ravenbrick.installation import optional_module
 from ravenbrick.trace.export.timeline import Lane, Series, Timeline, nanoseconds
 from ravenbrick.whole_file import write_whole
 
@@ -124,7 +124,7 @@ def _items(timeline: Timeline, tracks: _Tracks) -> list[Item]:
 
 def write_perfetto(timeline: Timeline, path: Path) -> tuple[Path, ...]:
     """Write `path` and return it; raises `ToolMissingError`."""
-    packets = library("perfetto.protos.perfetto.trace.perfetto_trace_pb2", "perfetto")
+    packets = optional_module("perfetto.protos.perfetto.trace.perfetto_trace_pb2", "perfetto")
     trace = packets.Trace()
     tracks = _Tracks(trace, packets)
     _declare(timeline, tracks)

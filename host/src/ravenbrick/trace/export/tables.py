@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ravenbrick.trace.export.library import library
+from ravenbrick.installation import optional_module
 from ravenbrick.trace.export.timeline import Timeline, nanoseconds
 
 __all__ = ["tables_of", "write_csv", "write_parquet"]
@@ -94,7 +94,8 @@ def write_csv(timeline: Timeline, path: Path) -> Sequence[Path]:
 
 def write_parquet(timeline: Timeline, path: Path) -> Sequence[Path]:
     """Write the tables; returns their files. Raises `ToolMissingError`."""
-    arrow, parquet = library("pyarrow", "pyarrow"), library("pyarrow.parquet", "pyarrow")
+    arrow = optional_module("pyarrow", "pyarrow")
+    parquet = optional_module("pyarrow.parquet", "pyarrow")
     hertz = timeline.clock.hertz
     about = {
         "scenario": timeline.scenario,

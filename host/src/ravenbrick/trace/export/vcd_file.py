@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.trace.export.library import library
+from ravenbrick.installation import optional_module
 from ravenbrick.trace.export.timeline import Lane, Series, Timeline, nanoseconds
 
 __all__ = ["vcd_name", "write_vcd"]
@@ -71,7 +71,7 @@ def _series_column(series: Series, writer: Any) -> Column:
 
 def write_vcd(timeline: Timeline, path: Path) -> tuple[Path, ...]:
     """Write `path` and return it; raises `ToolMissingError`."""
-    vcd = library("vcd", "pyvcd")
+    vcd = optional_module("vcd", "pyvcd")
     about = f"scenario {timeline.scenario}, trace digest {timeline.digest}"
     with path.open("w", encoding="ascii", newline="\n") as file:
         writer = vcd.VCDWriter(file, timescale="1 ns", date="", comment=about, version="Ravenbrick")
