@@ -13,7 +13,7 @@ import virtual_brick
 from typer.testing import CliRunner
 
 from ravenbrick import __version__, installation
-from ravenbrick.cli import app
+from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
 
 ROOT = Path(__file__).resolve().parents[3]
