@@ -239,7 +239,7 @@ def test_a_report_is_made_again_from_the_recordings(project: Path) -> None:
     answer = parsed(call("report", project, "--json"))
     assert answer["summary"]["lateral_deviation_with"] == pytest.approx(0.004, abs=1e-5)
     assert answer["summary"]["settling_time"] is None
-    assert "first 50 ms" in Path(answer["report"]).read_text()
+    assert "with all tasks at work" in Path(answer["report"]).read_text()
 
 
 def test_a_damaged_recording_is_refused(project: Path) -> None:
@@ -254,17 +254,11 @@ def test_the_demo_leaves_report_pictures_and_summary(demo: tuple[Path, Result]) 
     """One command gives every file, and the summary has the stable keys."""
     folder, result = demo
     assert result.exit_code == 0, result.output
-    assert {path.name for path in folder.glob("*.png")} == {
-        "dynamics.png",
-        "lcd-1.png",
-        "lcd-2.png",
-        "path.png",
-        "schedule-cyclic.png",
-        "schedule.png",
-        "speeds.png",
-        "step-response.png",
-        "tasks.png",
-    }
+    drawings = {path.stem for path in (folder / "figures").glob("*.svg")}
+    assert {"path", "step-response", "run-drive-dynamics"} <= drawings
+    for run in ("drive", "drive-open-loop", "step", "step-with-friction"):
+        parts = ("lcd-1", "responses", "schedule", "schedule-close", "signals", "slowest")
+        assert {f"run-{run}-{part}" for part in parts} <= drawings
     figures = json.loads((folder / "summary.json").read_text())
     assert figures["settling_time"] == pytest.approx(0.391, abs=0.006)
     assert figures["overshoot"] < 0.005
@@ -289,20 +283,20 @@ def test_the_demo_answers_with_summary_and_steps(whole: Path) -> None:
 def test_the_report_stands_alone_and_says_what_it_must(demo: tuple[Path, Result]) -> None:
     """Pictures are inside, nothing is fetched, and each part of the demonstration is there."""
     page = (demo[0] / "report.html").read_text()
-    assert not re.search(r'(?:src|href)="(?!data:)', page)
+    assert not re.search(r'(?:src|href)="(?!data:|#run-)', page)
     assert "<script" not in page and "@import" not in page
-    assert page.count('src="data:image/png;base64,') == 8
+    assert page.count("<svg ") == len(list((demo[0] / "figures").glob("*.svg")))
     for part in (
         "Step response",
         "continuous design",
         "sampled simulation",
         "on the brick, motor C",
-        "set-points",
+        "set-point",
         "Path from above",
         "Tasks and schedule",
         "release jitter",
-        "first 50 ms",
-        "The LCD",
+        "with all tasks at work",
+        "LCD after",
         "high-water mark",
         "gave the same digest",
         "@media print",

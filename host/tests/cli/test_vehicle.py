@@ -99,8 +99,9 @@ def test_every_file_of_the_report_is_there(demo: dict[str, Any]) -> None:
     """Report, summary and pictures lie in out/vehicle."""
     folder = Path(demo["report"]).parent
     names = {path.name for path in folder.iterdir()}
-    assert {"report.html", "summary.json", "step-response.png", "speeds.png"} <= names
-    assert {"path.png", "schedule.png", "tasks.png", "lcd-1.png"} <= names
+    assert {"report.html", "summary.json", "figures"} <= names
+    drawings = {path.name for path in (folder / "figures").iterdir()}
+    assert {"path.svg", "step-response.svg", "run-drive-schedule.svg"} <= drawings
 
 
 def test_the_memory_report_knows_every_stack(demo: dict[str, Any]) -> None:

@@ -13,12 +13,15 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import (
+    DESIGN_SCRIPT,
     TASK_HEAD,
+    any_run,
     collect,
     design_project,
+    left_bounds,
+    peer_runs,
     play,
     project_scenarios,
-    read_run,
     task_rows,
 )
 from ravenbrick.errors import CriteriaError, ScenarioError, shown_path
@@ -29,11 +32,20 @@ from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
+from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import require_criteria
 from ravenbrick.trace.report import write_report
-from ravenbrick.trace.summary import Evidence, Run, summary
+from ravenbrick.trace.summary import Evidence, Run
 
 __all__ = ["demo_command"]
+
+
+def _design(workspace: Workspace, reporter: Reporter) -> Design:
+    with reporter.step("design and generate C") as step:
+        design = design_project(workspace)
+        settled = design.sampled.settling_time or 0.0
+        step.note = f"sampled simulation settles in {1000 * settled:.0f} ms"
+    return design
 
 
 def _run_all(
@@ -41,14 +53,14 @@ def _run_all(
     robot: Robot,
     scenarios: Sequence[Scenario],
     built: Built,
-    target: Target,
+    target: VirtualTarget,
     reporter: Reporter,
 ) -> list[Run]:
     runs = []
     for scenario in scenarios:
         with reporter.step(f"run '{scenario.name}'") as step:
             recording = play(workspace, robot, scenario, built.image, target, step.progress)
-            runs.append(read_run(robot, scenario, recording))
+            runs.append(any_run(robot, scenario, recording))
             seconds = recording.clock.seconds(recording.stop.at_cycles)
             step.note = f"{seconds:.3f} s on the brick, digest {recording.digest[:12]}"
     return runs
@@ -90,9 +102,8 @@ def _show(evidence: Evidence, figures: dict[str, Any], reporter: Reporter) -> No
         ],
     )
     reporter.print()
-    if evidence.drive is not None:
-        reporter.table(TASK_HEAD, task_rows(evidence.drive))
-        reporter.print()
+    reporter.table(TASK_HEAD, task_rows(evidence.main))
+    reporter.print()
 
 
 @command("ravenbrick demo examples/vehicle")
@@ -106,23 +117,25 @@ def demo_command(
     if not scenarios:
         raise ScenarioError(f"{directory}/scenarios: there is no scenario; write one")
     target = VirtualTarget()
-    reporter = Reporter(json_output, total=len(scenarios) + 4)
-    with reporter.step("design and generate C") as step:
-        design = design_project(workspace)
-        settled = design.sampled.settling_time or 0.0
-        step.note = f"sampled simulation settles in {1000 * settled:.0f} ms"
+    designed = (directory / DESIGN_SCRIPT).is_file()
+    reporter = Reporter(json_output, total=len(scenarios) + 3 + designed)
+    design = _design(workspace, reporter) if designed else None
     with reporter.step("build the RAM image") as step:
         built = build_image(workspace, robot, "ram")
         step.note = f"{built.memory.used} of {built.memory.available} bytes"
     runs = _run_all(workspace, robot, scenarios, built, target, reporter)
     same = _run_again(robot, runs, built, target, reporter)
     with reporter.step("measure and write the report") as step:
-        evidence = collect(robot, design, _stacks(built, runs), runs, same)
-        report = write_report(evidence, workspace.results)
-    figures = summary(evidence)
+        bounds = left_bounds(workspace, robot)
+        evidence = collect(
+            robot, design, _stacks(built, runs), [*runs, *peer_runs(runs)], same, bounds
+        )
+        report, figures = write_report(evidence, workspace.results)
     _show(evidence, figures, reporter)
     reporter.print(f"Open {shown_path(report)} in a browser.")
     for run in runs:
+        if run.problem is not None:
+            raise run.problem
         require_criteria(run.criteria)
     if not same:
         raise CriteriaError("the same run gave two trace digests; please report this as a defect")

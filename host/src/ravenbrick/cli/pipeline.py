@@ -7,27 +7,36 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ravenbrick.errors import DesignError, shown_path
-from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.errors import DesignError, RavenbrickError, shown_path
+from ravenbrick.target.bounds_file import own_bounds
+from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.memory import MemoryReport
-from ravenbrick.target.protocol import Progress, Target, no_progress
-from ravenbrick.target.robot import Robot
+from ravenbrick.target.protocol import Progress, no_progress
+from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.design import Design, read_design
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.summary import Evidence, Run
+from ravenbrick.trace.summary import ROLES, Evidence, Run
 from ravenbrick.trace.task_set import check_task_set
 
+if TYPE_CHECKING:
+    from ravenbrick.target.virtual import Station, VirtualTarget
+
 __all__ = [
+    "any_run",
     "collect",
     "design_project",
+    "keep_peer",
+    "left_bounds",
     "memory_rows",
+    "peer_runs",
     "play",
     "project_scenarios",
     "read_run",
@@ -69,13 +78,23 @@ def play(
     robot: Robot,
     scenario: Scenario,
     image: ElfImage,
-    target: Target,
+    target: VirtualTarget,
     progress: Progress = no_progress,
 ) -> Recording:
-    """Run a scenario and keep the recording."""
-    recording = target.run(robot, scenario, image, progress)
+    """Run a scenario and keep the recording, and its peer's."""
+    recording, peer = target.run_with_peer(robot, scenario, image, progress)
     recording.save(workspace.recording(scenario.name, image.kind))
+    keep_peer(peer)
     return recording
+
+
+def keep_peer(peer: Station | None) -> Recording | None:
+    """Keep the recording of the brick that ran beside, in its own project's results."""
+    if peer is None or peer.recording is None:
+        return None
+    workspace = Workspace.of(peer.robot.directory)
+    peer.recording.save(workspace.recording(peer.scenario.name, peer.image.kind))
+    return peer.recording
 
 
 def read_run(robot: Robot, scenario: Scenario, recording: Recording) -> Run:
@@ -83,12 +102,37 @@ def read_run(robot: Robot, scenario: Scenario, recording: Recording) -> Run:
     check_survival(scenario, recording)
     check_task_set(robot, recording)
     measures = measure_run(robot, scenario, recording)
-    return Run(scenario, recording, measures, evaluate_criteria(scenario, recording, measures))
+    criteria = evaluate_criteria(scenario, recording, measures)
+    return Run(robot, scenario, recording, measures, criteria)
+
+
+def any_run(robot: Robot, scenario: Scenario, recording: Recording) -> Run:
+    """As `read_run`, also of a run that failed: what is wrong with it is its `problem`."""
+    try:
+        return read_run(robot, scenario, recording)
+    except RavenbrickError as error:
+        bare = replace(scenario, step=None, straight=None)
+        return Run(robot, scenario, recording, measure_run(robot, bare, recording), (), error)
+
+
+def peer_runs(runs: Sequence[Run]) -> list[Run]:
+    """The runs of the other bricks that ran beside these."""
+    found = []
+    for peer in (run.scenario.peer for run in runs):
+        if peer is None:
+            continue
+        robot = read_robot(peer.project)
+        scenario = read_scenario(scenario_path(peer.project, peer.scenario), robot)
+        file = Workspace.of(peer.project).recording(scenario.name)
+        if file.is_file():
+            title = f"{scenario.name} of {robot.name}"
+            found.append(replace(any_run(robot, scenario, Recording.load(file)), title=title))
+    return found
 
 
 def project_scenarios(workspace: Workspace, robot: Robot) -> list[Scenario]:
     """All scenarios of a project, in the order of their files' names."""
-    files = sorted((workspace.project / "scenarios").glob("*.toml"))
+    files = sorted((robot.directory / "scenarios").glob("*.toml"))
     return [read_scenario(file, robot) for file in files]
 
 
@@ -98,19 +142,20 @@ def collect(
     memory: MemoryReport | None,
     runs: Sequence[Run],
     same_digest_twice: bool | None,
+    bounds: Mapping[str, int] | None = None,
 ) -> Evidence:
-    """Put each run into its place in the report, by its scenario's role."""
-    roles = {run.scenario.role: run for run in reversed(runs)}
-    return Evidence(
-        robot=robot,
-        design=design,
-        memory=memory,
-        drive=roles.get("drive"),
-        open_loop=roles.get("open_loop"),
-        step=roles.get("step"),
-        others=tuple(run for run in runs if run.scenario.role is None),
-        same_digest_twice=same_digest_twice,
-    )
+    """The runs in the order of the report: by their scenarios' roles, then as given."""
+    places = {role: place for place, role in enumerate(ROLES)}
+    ordered = sorted(runs, key=lambda run: places.get(run.scenario.role or "", len(places)))
+    return Evidence(robot, design, memory, tuple(ordered), same_digest_twice, bounds or {})
+
+
+def left_bounds(workspace: Workspace, robot: Robot) -> dict[str, int]:
+    """Bounds of response times that `ravenbrick analyse` left for the image that there is."""
+    image, bounds = workspace.image("ram", robot.name), workspace.results / "timing.json"
+    if not (image.is_file() and bounds.is_file()):
+        return {}
+    return own_bounds(bounds, read_image(image))
 
 
 def memory_rows(memory: MemoryReport) -> list[list[str]]:

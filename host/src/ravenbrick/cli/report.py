@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,32 +12,61 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import collect, project_scenarios, read_run
+from ravenbrick.cli.pipeline import (
+    any_run,
+    collect,
+    left_bounds,
+    peer_runs,
+    project_scenarios,
+    scenario_or_none,
+)
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.elf_image import ImageKind, read_image
 from ravenbrick.target.memory import MemoryReport, memory_report, with_stacks
 from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.report import write_report
-from ravenbrick.trace.summary import Run, summary
+from ravenbrick.trace.summary import Run
 
 __all__ = ["report_command"]
 
+FLASH = ".flash"
+
+
+def _run_of(file: Path, workspace: Workspace, robot: Robot, scenarios: list[Scenario]) -> Run:
+    """The run of a recording; one without a scenario below scenarios/ is shown all the same."""
+    recording = Recording.load(file)
+    name = file.stem.removesuffix(FLASH)
+    scenario = next((s for s in scenarios if s.name == name), None)
+    if scenario is None:
+        free = scenario_or_none(robot.directory, None, robot)
+        told = "Recording of a scenario that is not below scenarios/"
+        scenario = replace(free, name=name, description=told)
+    kind: ImageKind = "flash" if file.stem.endswith(FLASH) else "ram"
+    image = workspace.image(kind, robot.name)
+    newer = image.is_file() and image.stat().st_mtime > file.stat().st_mtime
+    title = f"{name} (flash image)" if kind == "flash" else name
+    run = any_run(robot, scenario, recording)
+    return replace(run, image_is_newer=newer, title=title)
+
 
 def _runs(workspace: Workspace, robot: Robot) -> list[Run]:
-    runs = []
-    for scenario in project_scenarios(workspace, robot):
-        file = workspace.recording(scenario.name)
-        if file.is_file():
-            runs.append(read_run(robot, scenario, Recording.load(file)))
+    scenarios = project_scenarios(workspace, robot)
+    order = [scenario.name for scenario in scenarios]
+    files = sorted(
+        workspace.recording("any").parent.glob("*.npz"),
+        key=lambda f: (order.index(f.stem) if f.stem in order else len(order), f.stem),
+    )
+    runs = [_run_of(file, workspace, robot, scenarios) for file in files]
     if not runs:
         raise UsageError(
             f"no scenario of '{workspace.project.name}' has been run yet; "
             "run one with 'ravenbrick run', or all with 'ravenbrick demo'"
         )
-    return runs
+    return [*runs, *peer_runs(runs)]
 
 
 def _memory(workspace: Workspace, robot: Robot, runs: list[Run]) -> MemoryReport | None:
@@ -45,7 +75,8 @@ def _memory(workspace: Workspace, robot: Robot, runs: list[Run]) -> MemoryReport
         return None
     memory = memory_report(read_image(image), robot)
     for run in runs:
-        memory = with_stacks(memory, run.recording.threads)
+        if run.robot.name == robot.name:
+            memory = with_stacks(memory, run.recording.threads)
     return memory
 
 
@@ -60,7 +91,8 @@ def report_command(
     with reporter.step("measure and write the report") as step:
         runs = _runs(workspace, robot)
         design = read_design(workspace.design_file) if workspace.design_file.is_file() else None
-        evidence = collect(robot, design, _memory(workspace, robot, runs), runs, None)
-        report = write_report(evidence, workspace.results)
+        memory = _memory(workspace, robot, runs)
+        evidence = collect(robot, design, memory, runs, None, left_bounds(workspace, robot))
+        report, figures = write_report(evidence, workspace.results)
         step.note = shown_path(report)
-    return {"report": str(report), "summary": summary(evidence)}
+    return {"report": str(report), "summary": figures}

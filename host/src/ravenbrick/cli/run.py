@@ -14,7 +14,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import TASK_HEAD, read_run, task_rows
+from ravenbrick.cli.pipeline import TASK_HEAD, keep_peer, read_run, task_rows
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.clock import MASTER_CLOCK
@@ -142,11 +142,10 @@ def _callback(text: str | None, period_ms: int, replay: Path | None) -> Callback
 
 def _peer_run(peer: Station | None, reporter: Reporter) -> Run | None:
     """The run of the scenario's peer, kept, measured and shown."""
-    if peer is None or peer.recording is None:
+    recording = keep_peer(peer)
+    if peer is None or recording is None:
         return None
-    workspace = Workspace.of(peer.robot.directory)
-    peer.recording.save(workspace.recording(peer.scenario.name, peer.image.kind))
-    run = read_run(peer.robot, peer.scenario, peer.recording)
+    run = read_run(peer.robot, peer.scenario, recording)
     reporter.print(f"\nbeside it: '{peer.scenario.name}' of '{peer.robot.name}'")
     _show(run, reporter)
     return run

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ravenbrick.target.robot import Robot
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, Recording
-from ravenbrick.trace.schedule import INTERRUPT_OWNER, jobs_of, measure_task, stretches
+from ravenbrick.trace.schedule import INTERRUPT_OWNER, by_priority, jobs_of, measure_task, stretches
 
 __all__ = [
     "HandlerDynamics",
@@ -133,7 +133,7 @@ def task_dynamics(robot: Robot, recording: Recording) -> tuple[TaskDynamics, ...
     shares = _Shares(recording)
     threads = recording.threads
     found = []
-    for index in sorted(range(len(threads)), key=lambda i: (-threads[i].base_priority, i)):
+    for index in by_priority(recording):
         done = [
             (job.release_cycles, job.start_cycles, job.completion_cycles)
             for job in jobs_of(recording, index)
@@ -193,7 +193,9 @@ def _spread(values: Cycles) -> dict[str, Any]:
     return {"min": int(values.min()), "mean": float(values.mean()), "max": int(values.max())}
 
 
-def dynamics_summary(robot: Robot, recording: Recording) -> dict[str, Any]:
+def dynamics_summary(
+    dynamics: Sequence[TaskDynamics], handlers: Sequence[HandlerDynamics]
+) -> dict[str, Any]:
     """Figures of all tasks and handlers with plain types; cycles."""
     tasks = {
         task.name: {
@@ -208,7 +210,7 @@ def dynamics_summary(robot: Robot, recording: Recording) -> dict[str, Any]:
             "interrupt_cycles": _spread(task.interrupt_cycles),
             "deadline_misses": task.deadline_misses,
         }
-        for task in task_dynamics(robot, recording)
+        for task in dynamics
     }
     interrupts = {
         handler.name: {
@@ -218,6 +220,6 @@ def dynamics_summary(robot: Robot, recording: Recording) -> dict[str, Any]:
             "interval_cycles": _spread(handler.interval_cycles),
             "interval_jitter_cycles": handler.interval_jitter_cycles,
         }
-        for handler in handler_dynamics(recording)
+        for handler in handlers
     }
     return {"tasks": tasks, "interrupts": interrupts}

@@ -23,7 +23,13 @@ from ravenbrick.trace.motion import (
     step_measures,
 )
 from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import TaskMeasures, Utilization, measure_task, utilization
+from ravenbrick.trace.schedule import (
+    TaskMeasures,
+    Utilization,
+    by_priority,
+    measure_task,
+    utilization,
+)
 from ravenbrick.trace.verdict import Verdict, expects_fault, judge
 
 __all__ = [
@@ -98,8 +104,8 @@ class CriterionResult:
 
     @property
     def label(self) -> str:
-        """What was measured."""
-        return self.criterion.measure
+        """What was measured, and what was expected."""
+        return f"{self.criterion.measure} {_expected(self.criterion)}"
 
     @property
     def shown(self) -> str:
@@ -200,20 +206,15 @@ def _first_steering(recording: Recording) -> float:
     return recording.clock.seconds(min(steered, default=recording.stop.at_cycles))
 
 
-def _by_priority(recording: Recording) -> list[int]:
-    threads = recording.threads
-    return sorted(range(len(threads)), key=lambda index: -threads[index].base_priority)
-
-
 def measure_run(robot: Robot, scenario: Scenario, recording: Recording) -> RunMeasures:
     """Measure a run."""
     shares = utilization(recording)
     return RunMeasures(
         tasks=tuple(
             measure_task(recording, index, robot.task(recording.threads[index].name))
-            for index in _by_priority(recording)
+            for index in by_priority(recording)
         ),
-        shares=tuple(shares.threads[index] for index in _by_priority(recording)),
+        shares=tuple(shares.threads[index] for index in by_priority(recording)),
         utilization=shares,
         steps=_steps(robot, scenario, recording),
         path=_path(scenario, recording),
@@ -289,13 +290,16 @@ def _met(criterion: Criterion, value: float) -> bool:
 
 
 def _sentence(criterion: Criterion, value: float) -> str:
+    return (
+        f"{criterion.measure} is {value:.4g}, expected {_expected(criterion)}; look at the report, "
+        "then change the controller or the criterion"
+    )
+
+
+def _expected(criterion: Criterion) -> str:
     bounds = []
     if criterion.minimum is not None:
         bounds.append(f"at least {criterion.minimum:g}")
     if criterion.maximum is not None:
         bounds.append(f"at most {criterion.maximum:g}")
-    expected = " and ".join(bounds)
-    return (
-        f"{criterion.measure} is {value:.4g}, expected {expected}; look at the report, "
-        "then change the controller or the criterion"
-    )
+    return " and ".join(bounds)

@@ -30,6 +30,7 @@ __all__ = [
     "TaskMeasures",
     "Utilization",
     "all_jobs",
+    "by_priority",
     "jobs_of",
     "measure_task",
     "segments",
@@ -165,6 +166,12 @@ def all_jobs(recording: Recording) -> tuple[list[Job], ...]:
         else:
             builders[subject].complete(at, value)
     return tuple(builder.jobs() for builder in builders)
+
+
+def by_priority(recording: Recording) -> list[int]:
+    """Indices of the threads, from high to low base priority."""
+    threads = recording.threads
+    return sorted(range(len(threads)), key=lambda index: (-threads[index].base_priority, index))
 
 
 def jobs_of(recording: Recording, thread: int) -> list[Job]:

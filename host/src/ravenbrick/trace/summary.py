@@ -4,59 +4,98 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ravenbrick.errors import RavenbrickError
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.scenario import Scenario
 from ravenbrick.trace.design import Design
-from ravenbrick.trace.dynamics import dynamics_summary
+from ravenbrick.trace.dynamics import (
+    HandlerDynamics,
+    TaskDynamics,
+    dynamics_summary,
+    handler_dynamics,
+    task_dynamics,
+)
 from ravenbrick.trace.measures import CriterionResult, RunMeasures, StepRecord
 from ravenbrick.trace.motion import SPEED_FILTER
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.verdict import Verdict
 
-__all__ = ["Evidence", "Run", "run_summary", "summary"]
+__all__ = ["ROLES", "Evidence", "Run", "run_summary", "summary"]
+
+
+ROLES = ("drive", "open_loop", "step")
 
 
 @dataclass(frozen=True)
 class Run:
-    """A scenario with its recording and measures; `criteria` lists what was checked."""
+    """A scenario with its recording and measures; `criteria` lists what was checked.
 
+    `problem`: why the run could not be judged, if so. `image_is_newer`: the recording is of an
+    older image than the project's. `title`: its name in the report, the scenario's unless given.
+    """
+
+    robot: Robot
     scenario: Scenario
     recording: Recording
     measures: RunMeasures
     criteria: Sequence[CriterionResult | Verdict]
+    problem: RavenbrickError | None = None
+    image_is_newer: bool = False
+    title: str = ""
+
+    @property
+    def met(self) -> bool:
+        """Whether the program survived and all that was checked holds."""
+        return self.problem is None and all(result.met for result in self.criteria)
+
+    @cached_property
+    def task_dynamics(self) -> tuple[TaskDynamics, ...]:
+        """Distributions of each task's jobs."""
+        return task_dynamics(self.robot, self.recording)
+
+    @cached_property
+    def handler_dynamics(self) -> tuple[HandlerDynamics, ...]:
+        """Distributions of each interrupt source's handlers."""
+        return handler_dynamics(self.recording)
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """All that a report is made of; None or empty for what was not done."""
+    """All that a report is made of; None or empty for what was not done.
+
+    `runs`: at least one, in the order of the report. `bounds`: response times in cycles, by task.
+    """
 
     robot: Robot
     design: Design | None
     memory: MemoryReport | None
-    drive: Run | None
-    open_loop: Run | None
-    step: Run | None
-    others: tuple[Run, ...]
+    runs: tuple[Run, ...]
     same_digest_twice: bool | None
+    bounds: Mapping[str, int] = field(default_factory=dict)
+
+    def with_role(self, role: str) -> Run | None:
+        """The run whose scenario has this role."""
+        return next((run for run in self.runs if run.scenario.role == role), None)
 
     @property
-    def runs(self) -> tuple[Run, ...]:
-        """The runs that there are."""
-        main = (self.drive, self.open_loop, self.step)
-        return (*(run for run in main if run is not None), *self.others)
+    def main(self) -> Run:
+        """The run that stands for the project: the drive, or the first."""
+        return self.with_role("drive") or self.runs[0]
 
     @property
     def step_record(self) -> StepRecord | None:
-        """The step of the first motor that the scenario asks for."""
-        steps = self.step.measures.steps if self.step else {}
-        return next(iter(steps.values()), None)
+        """The first motor's step in the run of that role, or else in the first that has one."""
+        runs = [run for run in (self.with_role("step"), *self.runs) if run is not None]
+        records = (record for run in runs for record in run.measures.steps.values())
+        return next(records, None)
 
 
 def _tasks(run: Run) -> dict[str, Any]:
@@ -97,6 +136,7 @@ def run_summary(run: Run) -> dict[str, Any]:
         "scenario": run.scenario.name,
         "seed": run.scenario.seed,
         "trace_digest": recording.digest,
+        "problem": None if run.problem is None else run.problem.sentence,
         "stop": recording.stop.reason,
         "end_cycles": recording.stop.at_cycles,
         "duration": recording.clock.seconds(recording.stop.at_cycles),
@@ -128,29 +168,30 @@ def _simulation_difference(evidence: Evidence) -> float | None:
 
 
 def _ratio(evidence: Evidence) -> float | None:
-    with_controller, without = _deviation(evidence.drive), _deviation(evidence.open_loop)
+    with_controller = _deviation(evidence.with_role("drive"))
+    without = _deviation(evidence.with_role("open_loop"))
     return with_controller / without if with_controller is not None and without else None
 
 
 def summary(evidence: Evidence) -> dict[str, Any]:
     """All figures; the keys are stable, a figure that was not measured is null."""
-    step, drive = evidence.step_record, evidence.drive
-    hertz = evidence.runs[0].recording.clock.hertz if evidence.runs else None
+    step, main = evidence.step_record, evidence.main
+    hertz = main.recording.clock.hertz
     return {
         "robot": evidence.robot.name,
         "settling_time": step.measures.settling_time if step else None,
         "overshoot": step.measures.overshoot if step else None,
-        "lateral_deviation_with": _deviation(drive),
-        "lateral_deviation_without": _deviation(evidence.open_loop),
+        "lateral_deviation_with": _deviation(evidence.with_role("drive")),
+        "lateral_deviation_without": _deviation(evidence.with_role("open_loop")),
         "lateral_deviation_ratio": _ratio(evidence),
         "simulation_difference": _simulation_difference(evidence),
-        "trace_digest": drive.recording.digest if drive else None,
+        "trace_digest": main.recording.digest,
         "same_digest_twice": evidence.same_digest_twice,
-        "cpu_utilization": drive.measures.utilization.busy if drive else None,
-        "tasks": _tasks(drive) if drive else {},
-        "dynamics": dynamics_summary(evidence.robot, drive.recording) if drive else None,
+        "cpu_utilization": main.measures.utilization.busy,
+        "tasks": _tasks(main),
+        "dynamics": dynamics_summary(main.task_dynamics, main.handler_dynamics),
         "speed_filter": SPEED_FILTER,
-        "clock_hz": [hertz.numerator, hertz.denominator] if hertz else None,
+        "clock_hz": [hertz.numerator, hertz.denominator],
         "design": dict(evidence.design.figures) if evidence.design else None,
         "memory": evidence.memory.as_json() if evidence.memory else None,
         "runs": {run.scenario.name: run_summary(run) for run in evidence.runs},

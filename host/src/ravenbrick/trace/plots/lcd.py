@@ -5,59 +5,30 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
-from matplotlib.patches import FancyBboxPatch
 
+from ravenbrick.trace.chart import Drawing
 from ravenbrick.trace.recording import Picture
 
-__all__ = ["lcd_figure"]
+__all__ = ["lcd_drawing"]
 
-GLASS, DOT, UNLIT, FRAME = "#b7c3a4", "#1d2417", "#b1bd9d", "#d9d9d6"
-SCALE = 8
-MARGIN = 6
-
-
-def _raster(picture: Picture) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """RGB image with a thin gap between dots, shape (64 * SCALE, 100 * SCALE, 3)."""
-    image = np.empty((64 * SCALE, 100 * SCALE, 3))
-    image[:] = to_rgb(GLASS)
-    dark = np.kron(picture.pixels, np.ones((SCALE, SCALE), dtype=bool))
-    rows, columns = np.indices(dark.shape)
-    dot = (rows % SCALE > 0) & (columns % SCALE > 0)
-    image[dot & dark] = to_rgb(DOT)
-    image[dot & ~dark] = to_rgb(UNLIT)
-    return image
+GLASS, DOT, FRAME = "#b7c3a4", "#1d2417", "#d9d9d6"
+SCALE, MARGIN = 4, 16
 
 
-def lcd_figure(picture: Picture) -> Figure:
-    """The LCD, 5 inches wide."""
-    figure = Figure(figsize=(5.0, 3.35))
-    axis = figure.add_axes((0, 0, 1, 1))
-    axis.set_axis_off()
-    axis.add_patch(
-        FancyBboxPatch(
-            (-MARGIN, -MARGIN),
-            100 + 2 * MARGIN,
-            64 + 2 * MARGIN,
-            boxstyle="round,pad=0,rounding_size=4",
-            facecolor=FRAME,
-            edgecolor="#9b9b97",
-            linewidth=1.5,
-        )
+def lcd_drawing(picture: Picture) -> Drawing:
+    """The LCD with a thin gap between the dots."""
+    read = " / ".join(line for line in picture.text if line.strip())
+    width, height = 100 * SCALE + 2 * MARGIN, 64 * SCALE + 2 * MARGIN
+    drawing = Drawing(width, height, f"LCD: {read}" if read else "LCD")
+    drawing.add(f'<rect width="{width}" height="{height}" rx="14" fill="{FRAME}"/>')
+    inner = f'x="8" y="8" width="{width - 16}" height="{height - 16}"'
+    drawing.add(f'<rect {inner} rx="5" fill="{GLASS}" stroke="#6f6f6a"/>')
+    rows, columns = np.nonzero(picture.pixels)
+    drawing.rectangles(
+        [
+            (MARGIN + SCALE * column, MARGIN + SCALE * row, SCALE - 0.4, SCALE - 0.4)
+            for row, column in zip(rows.tolist(), columns.tolist(), strict=True)
+        ],
+        DOT,
     )
-    axis.add_patch(
-        FancyBboxPatch(
-            (-2, -2),
-            104,
-            68,
-            boxstyle="round,pad=0,rounding_size=1",
-            facecolor=GLASS,
-            edgecolor="#6f6f6a",
-            linewidth=1,
-        )
-    )
-    axis.imshow(_raster(picture), extent=(0, 100, 64, 0), interpolation="antialiased", zorder=3)
-    axis.set_xlim(-MARGIN - 1, 100 + MARGIN + 1)
-    axis.set_ylim(64 + MARGIN + 1, -MARGIN - 1)
-    return figure
+    return drawing

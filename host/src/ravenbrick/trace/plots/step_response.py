@@ -6,80 +6,60 @@ from __future__ import annotations
 
 import math
 
-from matplotlib.figure import Figure
+import numpy as np
 
+from ravenbrick.trace.chart import COLOURS, SERIES, Drawing, Panel
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import StepRecord
 from ravenbrick.trace.motion import SETTLING_BAND, WINDOW
-from ravenbrick.trace.plots.style import COLOURS, degrees_per_second, legend, new_figure
 
-__all__ = ["step_response_figure"]
+__all__ = ["step_drawing"]
 
+WIDTH, HEIGHT, LEFT, TOP = 930, 400, 62, 62
 SHOWN = 0.8
 
 
-def step_response_figure(design: Design | None, record: StepRecord) -> Figure:
+def _band(panel: Panel, height: float) -> None:
+    """The tolerance that a settled response stays in."""
+    top, bottom = (float(panel.at_y(height * (1 + s * SETTLING_BAND))) for s in (1, -1))
+    panel.drawing.rectangles([(panel.left, top, panel.width, bottom - top)], "#d5d8dc")
+    panel.horizontal(height, COLOURS["setpoint"], 1.2, "2 3")
+
+
+def step_drawing(design: Design | None, record: StepRecord) -> Drawing:
     """Response of one motor's speed to a step of the set-point, in degrees/s over s."""
-    figure, (axis,) = new_figure(8.0, 4.4)
-    height = math.degrees(record.measures.setpoint)
-    axis.step(
-        record.difference_times,
-        degrees_per_second(record.difference),
-        color=COLOURS["faint"],
-        linewidth=0.6,
-        zorder=1,
-        where="post",
-        label="difference of counts over 4 ms, as read (250 °/s per count)",
-    )
-    axis.axhline(height, color=COLOURS["setpoint"], linewidth=1, linestyle=":", label="set-point")
-    axis.axhspan(
-        height * (1 - SETTLING_BAND),
-        height * (1 + SETTLING_BAND),
-        color=COLOURS["grid"],
-        zorder=0,
-        label=f"±{100 * SETTLING_BAND:.0f} %",
-    )
+    height = math.degrees(record.measures.setpoint or record.measures.final_value)
+    drawing = Drawing(WIDTH, HEIGHT, f"Step response of motor {record.motor}")
+    low, high = sorted((-0.08 * height, 1.45 * height)) if height else (-1.0, 1.0)
+    place = (LEFT, TOP, WIDTH - LEFT - 14, HEIGHT - TOP - 40)
+    panel = Panel(drawing, *place, (0.0, min(SHOWN, float(record.times[-1]))), (low, high))
+    _band(panel, height)
+    panel.x_axis("time after the step (s)")
+    panel.y_axis()
+    drawing.text(LEFT, 16, f"speed of motor {record.motor} (°/s)", bold=True)
+    brick = f"on the brick (slope fit, {1000 * WINDOW:.0f} ms)"
+    entries = [("difference of counts over 4 ms", COLOURS["raw"], ""), (brick, SERIES[0], "")]
+    shown = record.difference_times <= panel.x[1]
+    panel.line(
+        record.difference_times[shown], np.degrees(record.difference[shown]), COLOURS["raw"], 0.8,
+        held=True,
+    )  # fmt: skip
+    within = record.times <= panel.x[1]
+    panel.line(record.times[within], np.degrees(record.fitted[within]), SERIES[0], 3)
+    lines = [(f"set-point ±{100 * SETTLING_BAND:.0f} %", COLOURS["setpoint"], "2 3")]
     if design is not None:
-        axis.plot(
-            design.continuous.times,
-            design.continuous.values * height,
-            color=COLOURS["design"],
-            linewidth=1.2,
-            linestyle="--",
-            zorder=3,
-            label="continuous design",
-        )
-        axis.plot(
-            design.sampled.times,
-            design.sampled.values * height,
-            color=COLOURS["sampled"],
-            linewidth=1.2,
-            linestyle="-.",
-            zorder=4,
-            label="sampled simulation",
-        )
-    axis.plot(
-        record.times,
-        degrees_per_second(record.fitted),
-        color=COLOURS["left"],
-        linewidth=2.4,
-        alpha=0.75,
-        label=f"on the brick (slope fit, {1000 * WINDOW:.0f} ms)",
-    )
+        for label, response, colour, dash in (
+            ("continuous design", design.continuous, COLOURS["design"], "6 3"),
+            ("sampled simulation", design.sampled, COLOURS["sampled"], "7 2 2 2"),
+        ):
+            near = response.times <= panel.x[1]
+            panel.line(response.times[near], response.values[near] * height, colour, 1.6, dash=dash)
+            lines.append((label, colour, dash))
+    panel.legend(lines)
+    Panel(drawing, LEFT, TOP - 20, *place[2:], panel.x, panel.y).legend(entries)
     settled = record.measures.settling_time
-    if settled is not None:
-        axis.axvline(settled, color=COLOURS["left"], linewidth=0.8, linestyle=":")
-        axis.annotate(
-            f"settled after {1000 * settled:.0f} ms",
-            (settled, 0.45 * height),
-            xytext=(6, 0),
-            textcoords="offset points",
-            fontsize=9,
-            color=COLOURS["left"],
-        )
-    axis.set_xlim(0, min(SHOWN, float(record.times[-1])))
-    axis.set_ylim(-0.05 * height, 1.6 * height)
-    axis.set_xlabel("time after the step (s)")
-    axis.set_ylabel(f"speed of motor {record.motor} (°/s)")
-    legend(axis, "upper right", 2)
-    return figure
+    if settled is not None and settled <= panel.x[1]:
+        panel.vertical(settled, SERIES[0], 1, "3 3")
+        x, y = float(panel.at_x(settled)) + 7, float(panel.at_y(0.4 * height))
+        drawing.text(x, y, f"settled after {1000 * settled:.0f} ms", colour=SERIES[0])
+    return drawing
