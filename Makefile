@@ -7,6 +7,12 @@ PYTHON := .venv/bin/python
 export PATH := $(CURDIR)/.venv/bin:$(PATH):$(HOME)/.cargo/bin
 CARGO_OPTIONS := --locked --manifest-path virtual-brick/Cargo.toml
 
+# Root in the tree of another user is root for Debian packages only.
+ifeq ($(shell test "$$(id -u)" = 0 -a "$$(stat -c %u .)" != 0 && echo yes),yes)
+SHELL := tools/as_owner
+setup native develop complete: SHELL := /bin/sh
+endif
+
 .DEFAULT_GOAL := help
 .PHONY: help
 help: ## List the targets
@@ -16,8 +22,20 @@ help: ## List the targets
 setup: ## Install what is missing and build what every command needs
 	@tools/setup
 
+.PHONY: native
+native: ## The same, with JIT code in the virtual brick: busy programs run twice as fast
+	@tools/setup native
+
+.PHONY: develop
+develop: ## The same as setup, and what tests, style checks and benchmarks need
+	@tools/setup develop
+
+.PHONY: complete
+complete:
+	@tools/setup develop native
+
 .PHONY: page
-page: ## Build the brick's page for `ravenbrick view` (needs Node.js 18 and a Rust with WebAssembly)
+page: ## Build the page of `ravenbrick view` anew, after a change of it (needs Node.js and rustup)
 	@tools/page
 
 .PHONY: demo
@@ -25,7 +43,7 @@ demo: setup ## The paper's vehicle, from motor constants to turning wheels: out/
 	@.venv/bin/ravenbrick demo examples/vehicle
 
 .PHONY: test
-test: setup style test-rust test-python ## Run all tests
+test: develop style test-rust test-python ## Run all tests
 
 .PHONY: style
 style: ## Check style, borders between the parts, and generated tables
@@ -47,11 +65,11 @@ test-python: ## Tests of run-time, drivers, control, tools and the whole drive
 		drivers/tests examples
 
 .PHONY: conformance
-conformance: setup ## Full campaigns against outside truth; writes conformance/results.{json,md}
+conformance: complete ## Full campaigns against outside truth; writes conformance/results.{json,md}
 	@$(PYTHON) -m conformance.run
 
 .PHONY: bench
-bench: setup ## Ratios measured side by side; writes benchmarks/results.{json,md}
+bench: complete ## Ratios measured side by side; writes benchmarks/results.{json,md}
 	@$(PYTHON) -m benchmarks.run
 
 .PHONY: docs

@@ -17,14 +17,15 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
+import virtual_brick
 from elftools.elf.elffile import ELFFile
 from ravenbrick.whole_file import write_whole
 
 from tools.tidy import ROOT, tracked_files
 
+TYPES = ROOT / "virtual-brick" / "bindings" / "python" / "virtual_brick.pyi"
 BUILT = ROOT / "build" / "dist"
 # What a user's project is made from and built with; tests and measurements stay behind.
 SHIPPED = ("drivers", "examples", "runtime")
@@ -58,18 +59,12 @@ def package_files(scratch: Path) -> dict[str, bytes]:
         return {name: archive.read(name) for name in archive.namelist()}
 
 
-def module_files(module: Distribution, scratch: Path) -> dict[str, bytes]:
-    """The compiled module without its debug information."""
-    files = {}
-    for file in module.files or []:
-        if file.parts[0] == "virtual_brick" and file.suffix != ".pyc":
-            path = Path(str(module.locate_file(file)))
-            if file.suffix == ".so":
-                stripped = scratch / path.name
-                subprocess.run(["strip", "-o", str(stripped), str(path)], check=True)
-                path = stripped
-            files[str(file)] = path.read_bytes()
-    return files
+def module_files(scratch: Path) -> dict[str, bytes]:
+    """The compiled module without its debug information, and its types."""
+    module = Path(str(virtual_brick.__file__))
+    stripped = scratch / module.name
+    subprocess.run(["strip", "-o", str(stripped), str(module)], check=True)
+    return {module.name: stripped.read_bytes(), TYPES.name: TYPES.read_bytes()}
 
 
 def platform_tag(library: bytes, scratch: Path) -> str:
@@ -98,7 +93,7 @@ def write_wheel(folder: Path = BUILT) -> Path:
         scratch = Path(name)
         files = package_files(scratch)
         (info,) = {file.split("/")[0] for file in files if ".dist-info/" in file}
-        module = module_files(distribution("virtual-brick"), scratch)
+        module = module_files(scratch)
         (library,) = [content for file, content in module.items() if file.endswith(".so")]
         tag = f"cp311-abi3-{platform_tag(library, scratch)}"
         about = files[f"{info}/WHEEL"].decode()

@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash disable=SC2034
-# What the project needs from outside. Python packages are pinned in tools/requirements.txt,
+# What the project needs from outside. Python packages are pinned in tools/requirements*.txt,
 # Rust crates in virtual-brick/Cargo.lock.
 DEBIAN_PACKAGES=(
-    gappa
     gnat-12-arm-linux-gnueabi
     gcc-arm-none-eabi
     libnewlib-arm-none-eabi
@@ -14,6 +13,10 @@ DEBIAN_PACKAGES=(
     gcc
     libc6-dev
     make
+)
+# Only tests need these.
+DEVELOP_PACKAGES=(
+    gappa
     git
     nbc
     nxt-firmware
@@ -21,3 +24,5 @@ DEBIAN_PACKAGES=(
 RUST_MINIMUM=1.86.0
 RUST_PACKAGES=(rustc-web cargo-web)
 PYTHON=/usr/bin/python3
+# The page is built with this Rust alone, so that anyone gets the same bytes.
+PAGE_RUST=1.95.0

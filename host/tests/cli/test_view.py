@@ -15,6 +15,7 @@ from host.tests.support import fake_brick
 from host.tests.support.web import open_page
 from typer.testing import CliRunner
 
+from ravenbrick.cli import view
 from ravenbrick.cli.app import app
 from ravenbrick.cli.view import page_server
 from ravenbrick.errors import ExitCode
@@ -40,13 +41,7 @@ def call(*words: object) -> tuple[int, dict[str, Any]]:
     return result.exit_code, json.loads(result.stdout)
 
 
-def bundle(project: Path) -> Path:
-    """A page that somebody built."""
-    folder = project.parent.parent / "build" / "page"
-    (folder / "assets").mkdir(parents=True)
-    (folder / "index.html").write_text("<p>page</p>")
-    (folder / "assets" / "brick.wasm").write_bytes(b"\0asm")
-    return folder
+PAGE = {"index.html": b"<p>page</p>", "assets/brick.wasm": b"\0asm"}
 
 
 def run_file(project: Path, file: Path, **changes: Any) -> Path:
@@ -59,11 +54,19 @@ def run_file(project: Path, file: Path, **changes: Any) -> Path:
     return file
 
 
-def test_without_a_page_the_command_that_builds_it_is_named(project: Path) -> None:
-    """The bundle is not in the repository."""
+@pytest.mark.parametrize("content", [None, b"PK"])
+def test_a_missing_or_damaged_page_is_named_with_the_command_that_restores_it(
+    project: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None
+) -> None:
+    """The packed page is part of the repository."""
+    packed = project / "page.zip"
+    monkeypatch.setattr(view, "PAGE", packed)
+    if content is not None:
+        packed.write_bytes(content)
     code, answer = call("view", project, "--out", project / "there")
     assert code == ExitCode.TOOL_MISSING
-    assert "run 'make page'" in answer["error"]
+    assert "page.zip: the page is missing or damaged" in answer["error"]
+    assert "'git checkout', or build the page with 'make page'" in answer["error"]
     assert not (project / "there").exists()
 
 
@@ -71,7 +74,6 @@ def test_a_folder_for_any_web_server_has_page_session_and_image(
     project: Path, tmp_path: Path
 ) -> None:
     """`--out` writes what the server would serve."""
-    bundle(project)
     folder = tmp_path / "there"
     assert call("view", project, "drive", "--out", folder)[0] == ExitCode.OK
     session = json.loads((folder / "session.json").read_text())
@@ -79,7 +81,7 @@ def test_a_folder_for_any_web_server_has_page_session_and_image(
     assert session["inputs"][0] == {"at_cycles": 48_054_858, "name": "touch.1", "value": 1.0}
     assert {task["name"] for task in session["tasks"]} >= {"control_task", "display_task"}
     assert (folder / "image.elf").read_bytes()[:4] == b"\x7fELF"
-    assert (folder / "assets" / "brick.wasm").is_file()
+    assert list(folder.glob("assets/*.wasm")) and (folder / "index.html").is_file()
     assert call("view", project, "--out", folder)[0] == ExitCode.USAGE
 
 
@@ -104,7 +106,6 @@ def test_bounds_of_this_image_go_to_the_page_and_those_of_another_do_not(
     project: Path, tmp_path: Path
 ) -> None:
     """Without being named where `analyse` left them; named, a wrong one is refused."""
-    bundle(project)
     assert call("view", project, "--out", tmp_path / "none")[0] == ExitCode.OK
     assert set(bounds_in(tmp_path / "none").values()) == {None}
     file = timing_file(project)
@@ -123,18 +124,14 @@ def test_a_wrong_file_of_bounds_is_named(
     project: Path, tmp_path: Path, changes: dict[str, Any]
 ) -> None:
     """With its field."""
-    bundle(project)
     file = timing_file(project, **changes)
     code, answer = call("view", project, "--bounds", file, "--out", tmp_path / "there")
     assert (code, str(file) in answer["error"]) == (ExitCode.PROJECT_FILE, True)
 
 
-def test_the_server_gives_the_page_the_project_and_nothing_else(project: Path) -> None:
-    """Types, policy, and no way out of the bundle."""
-    (project.parent.parent / "build" / "secret").parent.mkdir(exist_ok=True)
-    folder = bundle(project)
-    (folder.parent / "secret").write_text("secret")
-    with page_server(folder, {"session.json": b"{}"}, 0) as server:
+def test_the_server_gives_the_page_the_project_and_nothing_else() -> None:
+    """Types, policy, and no file of the disk."""
+    with page_server(PAGE | {"session.json": b"{}"}, 0) as server:
         assert server.server_address[0] == "127.0.0.1"
         threading.Thread(target=server.serve_forever, daemon=True).start()
         address = f"http://127.0.0.1:{server.server_port}"
@@ -143,7 +140,9 @@ def test_the_server_gives_the_page_the_project_and_nothing_else(project: Path) -
             assert "default-src 'self'" in answer.headers["Content-Security-Policy"]
         with open_page(f"{address}/session.json") as answer:
             assert (answer.read(), answer.headers["Content-Type"]) == (b"{}", "application/json")
-        for path in ("/../secret", "/%2e%2e/secret", "/absent"):
+        with open_page(f"{address}/?any") as answer:
+            assert (answer.read(), answer.headers["Content-Type"]) == (b"<p>page</p>", "text/html")
+        for path in ("/../etc/passwd", "//etc/passwd", "/absent"):
             with pytest.raises(urllib.error.HTTPError, match="404"):
                 open_page(f"{address}{path}")
         server.shutdown()
@@ -151,7 +150,7 @@ def test_the_server_gives_the_page_the_project_and_nothing_else(project: Path) -
 
 def test_a_port_in_use_is_a_sentence(project: Path) -> None:
     """As for the debugger's server."""
-    with page_server(bundle(project), {}, 0) as server:
+    with page_server(PAGE, 0) as server:
         code, answer = call("view", project, "--port", server.server_port, "--no-browser")
     assert code == ExitCode.USAGE
     assert f"port {server.server_port}" in answer["error"]

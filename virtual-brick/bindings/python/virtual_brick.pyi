@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 from typing import Literal, final
 
 __all__ = [
+    "NATIVE",
+    "SOURCES",
     "AddressError",
     "ConfigurationError",
     "ImageError",
@@ -24,6 +26,11 @@ __all__ = [
 
 # The project's version that the module was built for.
 __version__: str
+# Digest of the Rust sources that it was built from (`ravenbrick.sources.brick_digest`); empty
+# when the build did not state it.
+SOURCES: str
+# Hot blocks become JIT code: built with `make native`.
+NATIVE: bool
 
 AirKind = Literal["in_range", "out_of_range", "page", "accept", "refuse", "data", "close"]
 UsbKind = Literal["reset", "control", "out", "in"]

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import json
-import shutil
 import webbrowser
 from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from mimetypes import guess_type
 from pathlib import Path
 from typing import Annotated, Any
+from zipfile import BadZipFile, ZipFile
 
 import typer
 
@@ -23,12 +24,15 @@ from ravenbrick.target.bounds_file import own_bounds, read_bounds
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.run_file import session_of
-from ravenbrick.target.workspace import Workspace, tree
+from ravenbrick.target.workspace import Workspace
+from ravenbrick.whole_file import write_whole
 
 __all__ = ["page_server", "view_command"]
 
+PAGE = Path(__file__).resolve().parents[1] / "page.zip"
 LOOPBACK = "127.0.0.1"
-TYPES = {".js": "text/javascript", ".wasm": "application/wasm"}
+TYPES = {".js": "text/javascript", ".wasm": "application/wasm", ".elf": "application/elf"}
+OTHER = "application/octet-stream"
 SESSION, IMAGE, BOUNDS = "session.json", "image.elf", "timing.json"
 # The page needs its own files, its worker, and permission to compile the brick.
 POLICY = (
@@ -37,22 +41,23 @@ POLICY = (
 )
 
 
-def _bundle() -> Path:
-    bundle = tree() / "build" / "page"
-    if not (bundle / "index.html").is_file():
+def _page() -> dict[str, bytes]:
+    """The files of the page by their names; `make page` packs them."""
+    try:
+        with ZipFile(PAGE) as archive:
+            return {name: archive.read(name) for name in archive.namelist()}
+    except (OSError, BadZipFile) as error:
         raise ToolMissingError(
-            f"{shown_path(bundle)}: the page is not built; run 'make page' in the repository "
-            "(it needs Node.js 18 or newer, npm, and Rust's target wasm32-unknown-unknown)"
-        )
-    return bundle
+            f"{shown_path(PAGE)}: the page is missing or damaged ({error}); restore the file with "
+            "'git checkout', or build the page with 'make page'"
+        ) from None
 
 
-class _Handler(SimpleHTTPRequestHandler):
-    """Files of the bundle, and the project's session and image beside them."""
+class _Handler(BaseHTTPRequestHandler):
+    """Files of the page, and the project's session and image beside them."""
 
-    def __init__(self, *arguments: Any, own: dict[str, bytes], **options: Any) -> None:
-        self._own = own
-        self.extensions_map = {**SimpleHTTPRequestHandler.extensions_map, **TYPES}
+    def __init__(self, *arguments: Any, served: dict[str, bytes], **options: Any) -> None:
+        self._served = served
         super().__init__(*arguments, **options)
 
     def end_headers(self) -> None:
@@ -62,26 +67,33 @@ class _Handler(SimpleHTTPRequestHandler):
         self.send_header("Cache-Control", "no-cache")
         super().end_headers()
 
-    def do_GET(self) -> None:
-        """The project's own files come first."""
-        content = self._own.get(self.path.partition("?")[0].lstrip("/"))
+    def do_HEAD(self) -> bytes | None:
+        """Head of the answer; the content that follows it, if there is such a file."""
+        name = self.path.partition("?")[0].lstrip("/") or "index.html"
+        content = self._served.get(name)
         if content is None:
-            super().do_GET()
-            return
+            self.send_error(404)
+            return None
         self.send_response(200)
-        kind = "application/json" if self.path.startswith(f"/{SESSION}") else "application/elf"
-        self.send_header("Content-Type", kind)
+        suffix = Path(name).suffix
+        self.send_header("Content-Type", TYPES.get(suffix) or guess_type(name)[0] or OTHER)
         self.send_header("Content-Length", str(len(content)))
         self.end_headers()
-        self.wfile.write(content)
+        return content
+
+    def do_GET(self) -> None:
+        """Head and content."""
+        content = self.do_HEAD()
+        if content is not None:
+            self.wfile.write(content)
 
     def log_message(self, *_arguments: Any) -> None:
         """Requests are not news."""
 
 
-def page_server(bundle: Path, own: dict[str, bytes], port: int) -> ThreadingHTTPServer:
+def page_server(served: dict[str, bytes], port: int) -> ThreadingHTTPServer:
     """A server on this machine only; port 0 takes a free one. Raises `UsageError`."""
-    handler = partial(_Handler, own=own, directory=str(bundle))
+    handler = partial(_Handler, served=served)
     try:
         return ThreadingHTTPServer((LOOPBACK, port), handler)
     except OSError as error:
@@ -91,14 +103,12 @@ def page_server(bundle: Path, own: dict[str, bytes], port: int) -> ThreadingHTTP
         ) from None
 
 
-def _write(bundle: Path, own: dict[str, bytes], folder: Path) -> dict[str, Any]:
+def _write(served: dict[str, bytes], folder: Path) -> dict[str, Any]:
     if folder.exists() and any(folder.iterdir()):
         raise UsageError(f"--out {folder}: is not empty; name a new folder")
-    shutil.copytree(bundle, folder, dirs_exist_ok=True)
-    for name, content in own.items():
-        (folder / name).write_bytes(content)
-    files = sorted(path for path in folder.rglob("*") if path.is_file())
-    return {"folder": str(folder), "bytes": sum(path.stat().st_size for path in files)}
+    for name, content in served.items():
+        write_whole(folder / name, content)
+    return {"folder": str(folder), "bytes": sum(map(len, served.values()))}
 
 
 @command("ravenbrick view examples/vehicle drive")
@@ -126,7 +136,6 @@ def view_command(
     chosen = scenario_or_none(directory, scenario, robot)
     workspace = Workspace.of(directory)
     loaded = read_image(elf or workspace.image(image.kind, robot.name))
-    bundle = _bundle()
     if bounds is not None:
         proven = read_bounds(bounds, loaded)
     else:
@@ -135,13 +144,13 @@ def view_command(
     if elf is not None:
         # Another program has other variables: those of the project that it has are recorded.
         session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
-    own = {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
+    served = _page() | {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
     reporter = Reporter(json_output)
     if out is not None:
-        written = _write(bundle, own, out)
+        written = _write(served, out)
         reporter.print(f"{out}: the page; put it on any static web server")
         return written
-    with page_server(bundle, own, port) as server:
+    with page_server(served, port) as server:
         address = f"http://{LOOPBACK}:{server.server_port}/"
         reporter.print(f"the brick is at {address}; Ctrl-C ends it")
         if not proven:

@@ -36,6 +36,14 @@ mod virtual_brick {
     #[pymodule_export]
     use crate::values::{Stop, Thread};
 
+    #[pymodule_export]
+    const SOURCES: &str = match option_env!("RAVENBRICK_SOURCES") {
+        Some(digest) => digest,
+        None => "",
+    };
+    #[pymodule_export]
+    const NATIVE: bool = cfg!(feature = "native");
+
     #[pymodule_init]
     fn version_of_the_project(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", crate::version())

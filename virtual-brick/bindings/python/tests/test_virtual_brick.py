@@ -19,6 +19,7 @@ import pytest
 import virtual_brick
 from elf_writer import RAM, Elf
 from gdb_replies import whole_reply
+from ravenbrick.sources import brick_digest
 from virtual_brick import ConfigurationError, ImageError, InputError, VirtualBrick
 
 COUNTER = 0x0020_8000
@@ -270,6 +271,12 @@ def test_the_stub_file_names_exactly_what_the_module_has() -> None:
     classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
     exported = {name for name, item in vars(virtual_brick).items() if isinstance(item, type)}
     assert classes == exported
+
+
+def test_the_module_was_built_from_the_sources_of_this_tree() -> None:
+    """Else the tests say nothing about the sources; 'make setup' builds it again."""
+    assert virtual_brick.SOURCES == brick_digest(Path(__file__).parents[4])
+    assert isinstance(virtual_brick.NATIVE, bool)
 
 
 def test_the_debugger_serves_gdb_and_leaves_the_brick_where_the_session_ended() -> None:

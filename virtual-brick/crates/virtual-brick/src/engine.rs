@@ -35,12 +35,12 @@ impl Engine {
     }
 }
 
-#[cfg(target_family = "wasm")]
+#[cfg(not(feature = "native"))]
 fn native_blocks<B: BlockBus>(_configuration: &Configuration) -> Blocks<B> {
     Blocks::default()
 }
 
-#[cfg(not(target_family = "wasm"))]
+#[cfg(feature = "native")]
 fn native_blocks<B: BlockBus>(configuration: &Configuration) -> Blocks<B> {
     let making = if configuration.native_at_once {
         native::Making::AtOnce
