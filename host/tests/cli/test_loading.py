@@ -93,7 +93,19 @@ def test_completion_is_installed_for_the_shell(tmp_path: Path) -> None:
     assert (tmp_path / ".bashrc").is_file()
 
 
-@pytest.mark.parametrize("name", ["home", "new"])
+def imported(module: str) -> set[str]:
+    """The packages that a module loads."""
+    program = f"import sys, ravenbrick.cli.{module}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    return {name.partition(".")[0] for name in done.stdout.split()}
+
+
+def test_run_and_build_load_what_they_compute_with() -> None:
+    assert not imported("run") & (SLOW | {"elftools"})
+    assert not imported("build") & (SLOW | {"elftools", "numpy"})
+
+
+@pytest.mark.parametrize("name", ["build", "home", "new", "run"])
 def test_the_help_of_a_command_loads_no_numerical_library(name: str) -> None:
     """They take two seconds of processor time."""
     printed, loaded = called(name, "--help")

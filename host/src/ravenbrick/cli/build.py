@@ -12,14 +12,16 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import MEMORY_HEAD, memory_rows
 from ravenbrick.errors import shown_path
 from ravenbrick.target.build import build_image
 from ravenbrick.target.elf_image import ImageKind
+from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.workspace import Workspace
 
 __all__ = ["ImageChoice", "build_command"]
+
+MEMORY_HEAD = ("memory", "bytes", "")
 
 
 class ImageChoice(Enum):
@@ -48,10 +50,26 @@ def build_command(
     with reporter.step(f"build the {image.value} image") as step:
         built = build_image(workspace, robot, image.kind)
         step.note = shown_path(built.image.path)
-    reporter.table(MEMORY_HEAD, memory_rows(built.memory))
+    reporter.table(MEMORY_HEAD, _memory_rows(built.memory))
     return {
         "image": str(built.image.path),
         "memory_file": str(built.memory_file),
         "memory": built.memory.as_json(),
         "steps": reporter.durations(),
     }
+
+
+def _memory_rows(memory: MemoryReport) -> list[list[str]]:
+    """Sizes and stacks for the terminal."""
+    share = 100 * memory.used / memory.available
+    rows = [
+        ["text", str(memory.text), ""],
+        ["data", str(memory.data), ""],
+        ["bss", str(memory.bss), ""],
+        ["used", str(memory.used), f"{share:.1f} % of {memory.available}"],
+    ]
+    for task in memory.tasks:
+        size = task.storage_size_bytes or task.declared_bytes
+        used = "not run yet" if task.used_bytes is None else f"{task.used_bytes} used"
+        rows.append([f"stack of {task.name}", str(size) if size else "unknown", used])
+    return rows

@@ -35,7 +35,6 @@ __all__ = [
     "design_project",
     "keep_peer",
     "left_bounds",
-    "memory_rows",
     "peer_runs",
     "play",
     "project_scenarios",
@@ -158,22 +157,6 @@ def left_bounds(workspace: Workspace, robot: Robot) -> dict[str, int]:
     return own_bounds(bounds, read_image(image))
 
 
-def memory_rows(memory: MemoryReport) -> list[list[str]]:
-    """Sizes and stacks for the terminal."""
-    share = 100 * memory.used / memory.available
-    rows = [
-        ["text", str(memory.text), ""],
-        ["data", str(memory.data), ""],
-        ["bss", str(memory.bss), ""],
-        ["used", str(memory.used), f"{share:.1f} % of {memory.available}"],
-    ]
-    for task in memory.tasks:
-        size = task.storage_size_bytes or task.declared_bytes
-        used = "not run yet" if task.used_bytes is None else f"{task.used_bytes} used"
-        rows.append([f"stack of {task.name}", str(size) if size else "unknown", used])
-    return rows
-
-
 def task_rows(run: Run) -> list[list[str]]:
     """Measures of each task for the terminal; times in cycles."""
 
@@ -195,7 +178,6 @@ def task_rows(run: Run) -> list[list[str]]:
 
 
 TASK_HEAD = ("task", "releases", "response min", "mean", "max", "jitter (cycles)", "misses")
-MEMORY_HEAD = ("memory", "bytes", "")
 
 
 def scenario_or_none(directory: Path, name: str | None, robot: Robot) -> Scenario:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from functools import cache
-from importlib import resources
+from pathlib import Path
 from typing import Any
 
 __all__ = ["schema"]
@@ -15,6 +15,6 @@ __all__ = ["schema"]
 @cache
 def schema(name: str) -> dict[str, Any]:
     """The schema `name` (`robot` or `scenario`)."""
-    text = resources.files(__name__).joinpath(f"{name}.schema.json").read_text("utf-8")
+    text = Path(__file__).with_name(f"{name}.schema.json").read_text("utf-8")
     loaded: dict[str, Any] = json.loads(text)
     return loaded

@@ -8,13 +8,12 @@ import io
 import struct
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
-
-from elftools.common.exceptions import ELFError
-from elftools.elf.elffile import ELFFile
-from elftools.elf.sections import SymbolTableSection
+from typing import TYPE_CHECKING, Literal
 
 from ravenbrick.errors import ImageFileError, shown_path
+
+if TYPE_CHECKING:
+    from elftools.elf.elffile import ELFFile
 
 __all__ = [
     "REGIONS",
@@ -170,6 +169,8 @@ def _sections(elf: ELFFile) -> tuple[Section, ...]:
 
 
 def _symbols(elf: ELFFile) -> dict[str, Symbol]:
+    from elftools.elf.sections import SymbolTableSection  # slow to load
+
     found: dict[str, Symbol] = {}
     for table in elf.iter_sections():
         if isinstance(table, SymbolTableSection):
@@ -204,6 +205,9 @@ def read_binary(path: Path, kind: ImageKind) -> ElfImage:
 
 def read_image(path: Path) -> ElfImage:
     """Read and check an image; raises `ImageFileError` with what is wrong and what to do."""
+    from elftools.common.exceptions import ELFError  # slow to load
+    from elftools.elf.elffile import ELFFile
+
     content = _content(path)
     _check_header(path, content)
     try:

@@ -10,13 +10,15 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.target.elf_image import REGIONS, ElfImage
 from ravenbrick.target.robot import Robot
-from ravenbrick.trace.recording import Thread
 from ravenbrick.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from ravenbrick.trace.recording import Thread
 
 __all__ = ["MemoryReport", "TaskStack", "memory_report", "with_stacks"]
 

@@ -6,13 +6,15 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterator
-from typing import Any
-
-import jsonschema
+from typing import TYPE_CHECKING, Any
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.schemas import schema
+from ravenbrick.schemas.check import meets
 from ravenbrick.target.located_toml import KeyPath, LocatedToml
+
+if TYPE_CHECKING:
+    import jsonschema
 
 __all__ = ["validate"]
 
@@ -114,6 +116,10 @@ _TRANSLATORS: dict[str, Callable[[jsonschema.ValidationError, KeyPath], Iterator
 
 
 def _complaints(document: LocatedToml, name: str) -> Iterator[Complaint]:
+    if meets(document.values, schema(name)):
+        return
+    import jsonschema  # slow to load, and only a wrong file needs it
+
     validator = jsonschema.Draft202012Validator(schema(name))
     for error in validator.iter_errors(document.values):
         path: KeyPath = tuple(error.absolute_path)

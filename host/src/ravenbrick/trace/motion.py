@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ravenbrick.trace.interpolation import monotone_cubic, moving_slope
+
 __all__ = [
     "SPEED_FILTER",
     "PathMeasures",
@@ -76,27 +78,21 @@ def _position(times: Floats, counts: Floats) -> Floats:
     instants, angles = _edges(times, counts)
     if instants.size < 2:
         return counts.astype(np.float64)
-    from scipy.interpolate import PchipInterpolator  # slow to load, and only speeds need it
-
     slope = (angles[-1] - angles[-2]) / (instants[-1] - instants[-2])
     end = angles[-1] + slope * (times[-1] - instants[-1])
     end = float(np.clip(end, counts[-1] - 0.5, counts[-1] + 0.5))
     knots = np.concatenate(([times[0]], instants, [times[-1]]))
     values = np.concatenate(([counts[0]], angles, [end]))
-    return np.asarray(PchipInterpolator(knots, values)(times))
+    return monotone_cubic(knots, values, times)
 
 
 def fitted_speed(
     times: Floats, counts: Floats, radians_per_count: float, window: float = WINDOW
 ) -> Floats:
     """Angular velocity (rad/s) at `times` (s, evenly spaced), shape (n,), from encoder counts."""
-    from scipy.signal import savgol_coeffs  # slow to load, as above
-
     interval = float(times[1] - times[0])
     half = max(round(window / interval / 2), 1)
-    kernel = savgol_coeffs(2 * half + 1, 1, deriv=1, delta=interval)
-    padded = np.pad(_position(times, counts), half, mode="reflect", reflect_type="odd")
-    return np.convolve(padded, kernel, mode="valid") * radians_per_count
+    return moving_slope(_position(times, counts), interval, half) * radians_per_count
 
 
 def count_difference_speed(
