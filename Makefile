@@ -80,6 +80,10 @@ docs: setup ## The documentation site and the lab sheets as PDF: docs/_build
 	@$(PYTHON) -m tools.sheets_pdf docs/_build/lab-sheets.pdf
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
 
+.PHONY: dist
+dist: complete ## One wheel that works without this tree: build/dist/ravenbrick-….whl
+	@$(PYTHON) -m tools.dist
+
 .PHONY: clean
 clean: ## Remove everything that was built (keeps .venv)
 	rm -rf build out docs/_build virtual-brick/target web/generated web/node_modules

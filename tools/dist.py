@@ -28,8 +28,8 @@ from tools.tidy import ROOT, tracked_files
 TYPES = ROOT / "virtual-brick" / "bindings" / "python" / "virtual_brick.pyi"
 BUILT = ROOT / "build" / "dist"
 # What a user's project is made from and built with; tests and measurements stay behind.
-SHIPPED = ("drivers", "examples", "runtime")
-SHIPPED_TOOLS = {".gpr", ".cgpr", ".mk", ".awk", ".cfg", ".rules"}
+SHIPPED = ("drivers/", "examples/", "runtime/", "docs/lessons/rubrics/", "tools/Containerfile")
+SHIPPED_TOOLS = (".gpr", ".cgpr", ".mk", ".awk", ".cfg", ".rules")
 LEFT_OUT = {"tests", "benchmarks", "regulation"}
 BUILD = "from setuptools.build_meta import build_wheel; build_wheel('wheel')"
 EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -37,12 +37,12 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 
 def shipped_files() -> dict[str, Path]:
     """The files of the tree that the wheel has, by their path in the tree."""
-    files = {path.relative_to(ROOT): path for path in tracked_files()}
+    files = {path.relative_to(ROOT).as_posix(): path for path in tracked_files()}
     return {
-        str(name): path
+        name: path
         for name, path in files.items()
-        if (name.parts[0] in SHIPPED and not LEFT_OUT & set(name.parts[:-1]))
-        or (name.parts[0] == "tools" and name.suffix in SHIPPED_TOOLS)
+        if (name.startswith(SHIPPED) and not LEFT_OUT & set(name.split("/")))
+        or (name.startswith("tools/") and name.endswith(SHIPPED_TOOLS))
     }
 
 
@@ -117,7 +117,8 @@ def write_wheel(folder: Path = BUILT) -> Path:
 def main() -> None:
     """Write the wheel and say where it is."""
     wheel = write_wheel()
-    print(f"{wheel.relative_to(ROOT)}: {wheel.stat().st_size / 1e6:.1f} MB")
+    code = "with" if virtual_brick.NATIVE else "without"
+    print(f"{wheel.relative_to(ROOT)}: {wheel.stat().st_size / 1e6:.1f} MB, {code} native code")
 
 
 if __name__ == "__main__":

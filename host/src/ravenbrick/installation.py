@@ -12,24 +12,31 @@ from typing import Any
 from ravenbrick import __version__
 from ravenbrick.errors import ToolMissingError
 
-__all__ = ["advice_for_packages", "advice_for_python", "brick_module", "optional_module"]
+__all__ = [
+    "advice_for_packages",
+    "advice_for_python",
+    "brick_module",
+    "in_checkout",
+    "optional_module",
+]
 
 PACKAGE = Path(__file__).resolve().parent
 
 
-def _in_checkout() -> bool:
+def in_checkout() -> bool:
     """Whether the package runs from a checkout of the tree, which has a set-up of its own."""
     return (PACKAGE.parents[2] / "tools" / "setup").is_file()
 
 
 def advice_for_packages(packages: Iterable[str]) -> str:
     """The one command that installs Debian packages."""
-    return f"run 'apt-get install {' '.join(dict.fromkeys(packages))}' as root"
+    names = " ".join(dict.fromkeys(packages))
+    return f"run 'apt-get install --no-install-recommends {names}' as root"
 
 
 def advice_for_python() -> str:
     """What brings the compiled module and the Python packages that the program needs."""
-    if _in_checkout():
+    if in_checkout():
         return "run 'make setup'"
     return (
         f"install the wheel of ravenbrick {__version__} again with 'pip install --force-reinstall'"

@@ -17,6 +17,7 @@ from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
 
 ROOT = Path(__file__).resolve().parents[3]
+INSTALL = "run 'apt-get install --no-install-recommends"
 GNAT, LINKER = "arm-linux-gnueabi-gcc-12", "arm-none-eabi-gcc"
 
 
@@ -56,7 +57,9 @@ def test_one_command_installs_all_missing_packages(monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("PATH", "")
     sentence = doctor()
     assert sentence.startswith("ravenbrick: missing: ")
-    (line,) = re.findall(r"run 'apt-get install ([^']+)' as root$", sentence)
+    (line,) = re.findall(
+        r"run 'apt-get install --no-install-recommends ([^']+)' as root$", sentence
+    )
     assert {"gprbuild", "gnat-12-arm-linux-gnueabi", "libnewlib-arm-none-eabi"} <= set(line.split())
     pins = (ROOT / "tools" / "pins.sh").read_text().split()
     assert set(line.split()) <= set(pins)
@@ -65,7 +68,7 @@ def test_one_command_installs_all_missing_packages(monkeypatch: pytest.MonkeyPat
 def test_a_compiler_without_ada_is_no_compiler(commands: Path) -> None:
     """The package of the C compiler alone has the same program."""
     script(commands, GNAT, "echo \"cc: fatal error: cannot execute 'gnat1'\" >&2; exit 1")
-    assert doctor().endswith("run 'apt-get install gnat-12-arm-linux-gnueabi' as root")
+    assert doctor().endswith(f"{INSTALL} gnat-12-arm-linux-gnueabi' as root")
     result = CliRunner().invoke(app, ["doctor"])
     assert f"{GNAT}: does not work: cc: fatal error: cannot execute 'gnat1'" in result.stderr
 
@@ -90,20 +93,23 @@ def test_a_linker_without_the_c_library_names_its_package(commands: Path) -> Non
         LINKER,
         f'case "$*" in *-lm*) echo "{missing}" >&2; exit 1;; *) exec /usr/bin/{LINKER} "$@";; esac',
     )
-    assert doctor().endswith("run 'apt-get install libnewlib-arm-none-eabi' as root")
+    assert doctor().endswith(f"{INSTALL} libnewlib-arm-none-eabi' as root")
 
 
-def test_a_module_of_another_version_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("fact", ["__version__", "SOURCES"])
+def test_a_module_of_another_version_is_told(monkeypatch: pytest.MonkeyPatch, fact: str) -> None:
     """In a checkout the set-up builds the right one, elsewhere the wheel has it."""
-    monkeypatch.setattr(virtual_brick, "__version__", "0.0.1")
+    monkeypatch.setattr(virtual_brick, fact, "0.0.1")
     assert doctor() == "ravenbrick: missing: Python module virtual_brick; run 'make setup'"
-    monkeypatch.setattr(installation, "PACKAGE", Path("/usr/lib/python3/dist-packages/ravenbrick"))
-    wheel = f"install the wheel of ravenbrick {__version__} again"
-    assert wheel in doctor() and "make" not in doctor()
+    if fact == "__version__":
+        monkeypatch.setattr(installation, "PACKAGE", Path("/usr/lib/python3/ravenbrick"))
+        wheel = f"install the wheel of ravenbrick {__version__} again"
+        assert wheel in doctor() and "make" not in doctor()
 
 
 def test_an_absent_python_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """By what pyproject.toml asks for."""
     wishes = ["no-such-package>=2", "not-asked-for; extra == 'export'"]
     monkeypatch.setattr("importlib.metadata.requires", lambda _name: wishes)
+    monkeypatch.setattr("ravenbrick.cli.doctor.PACKAGE", Path("/no/checkout"))
     assert doctor() == "ravenbrick: missing: Python package no-such-package; run 'make setup'"

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from importlib import metadata
@@ -20,7 +21,8 @@ from ravenbrick import __version__
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import ConnectionFailedError, ToolMissingError
-from ravenbrick.installation import advice_for_packages, advice_for_python
+from ravenbrick.installation import PACKAGE, advice_for_packages, advice_for_python, in_checkout
+from ravenbrick.sources import brick_digest
 from ravenbrick.target.build import TOOLS, Tool, find_tool
 from ravenbrick.target.real import LOADERS, brick_to_load
 from ravenbrick.target.usb_bricks import find_bricks
@@ -133,13 +135,17 @@ def _tools() -> list[Check]:
 
 
 def _module() -> Check:
-    """The compiled virtual brick: does it load, and is it of this version?"""
+    """The compiled virtual brick: does it load, and was it built from this version's sources?"""
+    name = f"Python module {MODULE}"
     try:
-        found = getattr(importlib.import_module(MODULE), "__version__", "an older version")
+        module = importlib.import_module(MODULE)
     except ImportError as error:
-        return Check(f"Python module {MODULE}", False, f"does not load: {error}")
-    told = found if found == __version__ else f"is of {found}; ravenbrick is {__version__}"
-    return Check(f"Python module {MODULE}", found == __version__, told)
+        return Check(name, False, f"does not load: {error}")
+    if getattr(module, "__version__", "") != __version__ or (
+        in_checkout() and module.SOURCES != brick_digest(tree())
+    ):
+        return Check(name, False, "was built from other sources than those of this version")
+    return Check(name, True, f"{__version__}, {'with' if module.NATIVE else 'without'} native code")
 
 
 def _requirement(wish: str) -> Check:
@@ -151,10 +157,18 @@ def _requirement(wish: str) -> Check:
         return Check(f"Python package {name}", False, f"missing ({wish})")
 
 
+def _requirements() -> list[str]:
+    """The packages that this version names; a checkout has no description of itself."""
+    manifest = PACKAGE.parents[1] / "pyproject.toml"
+    if manifest.is_file():
+        wishes: list[str] = tomllib.loads(manifest.read_text())["project"]["dependencies"]
+        return wishes
+    return [wish for wish in metadata.requires("ravenbrick") or () if "extra ==" not in wish]
+
+
 def _checks() -> list[Check]:
     python = Check("Python", sys.version_info >= (3, 11), sys.version.split()[0])
-    needed = [wish for wish in metadata.requires("ravenbrick") or () if "extra ==" not in wish]
-    return [python, *_tools(), *map(_requirement, needed), _module()]
+    return [python, *_tools(), *map(_requirement, _requirements()), _module()]
 
 
 def _connection() -> list[Check]:

@@ -87,7 +87,7 @@ _HOW_TO = """
 
 `ravenbrick` must be on the PATH, or RAVENBRICK_HOME must name the Ravenbrick tree.
 VS Code has tasks for build, run and test, and a launch configuration that debugs the virtual brick.
-The dev container mounts the tree that RAVENBRICK_HOME names on the host.
+The dev container is the image `ravenbrick`, made from tools/Containerfile of the Ravenbrick tree.
 `.github/workflows/check.yml` runs `make test` on every push; set the variable
 RAVENBRICK_REPOSITORY there.
 """
