@@ -9,10 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from host.tests.support.built import put_image
 from host.tests.support.elf_maker import make_elf
 
 from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.workspace import Workspace
 
 VEHICLE = Path(__file__).resolve().parents[2] / "examples" / "vehicle"
 
@@ -25,9 +25,7 @@ def make_project(root: Path) -> Path:
     folder.mkdir(parents=True)
     shutil.copy(VEHICLE / "robot.toml", folder)
     shutil.copytree(VEHICLE / "scenarios", folder / "scenarios")
-    image = Workspace.of(folder).image("ram", "vehicle")
-    image.parent.mkdir(parents=True)
-    image.write_bytes(make_elf())
+    put_image(folder, make_elf())
     return folder
 
 

@@ -13,7 +13,9 @@ from typing import Any
 import pytest
 from host.tests.conftest import VEHICLE, make_project
 from host.tests.support import fake_brick
+from host.tests.support.built import put_image
 from host.tests.support.elf_maker import make_elf
+from host.tests.support.fake_tools import install_fake_tools, write_recipe
 from typer.testing import CliRunner, Result
 
 from ravenbrick.cli.app import app
@@ -38,13 +40,14 @@ def complete(project: Path) -> Path:
     """The project with all that it takes to design and 'build' it."""
     shutil.copy(VEHICLE / "design.py", project)
     (project / "generated").mkdir()
-    (project / "Makefile").write_text("ram:\n\t@echo nothing to do\n")
+    write_recipe(project)
     return project
 
 
 @pytest.fixture
-def whole(project: Path) -> Path:
+def whole(project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A project that can be designed and 'built'."""
+    install_fake_tools(tmp_path / "tool-folder", monkeypatch)
     return complete(project)
 
 
@@ -54,7 +57,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Resul
     whole = complete(make_project(tmp_path_factory.mktemp("demo")))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(virtual, "brick_module", lambda: fake_brick)
-        patch.setattr(build, "TOOLS", build.TOOLS[:1])
+        install_fake_tools(whole.parent / "tool-folder", patch)
         yield Workspace.of(whole).results, call("demo", whole)
 
 
@@ -120,25 +123,28 @@ def test_an_unknown_port_names_line_and_ports(project: Path, edit: Edit) -> None
     assert f"robot.toml:{line}: ports.7: unknown port '7'" in sentence
 
 
-def test_a_missing_image_says_how_to_build_it(project: Path) -> None:
+def test_a_named_image_that_is_missing_says_how_to_build_it(project: Path) -> None:
     """Exit code 6."""
-    Workspace.of(project).image("ram", "vehicle").unlink()
-    sentence = failure(call("run", project, "drive"), ExitCode.BAD_IMAGE)
+    sentence = failure(call("run", project, "drive", "--elf", "no.elf"), ExitCode.BAD_IMAGE)
     assert "build it with 'ravenbrick build'" in sentence
 
 
-def test_a_truncated_image_is_refused(project: Path) -> None:
-    """Exit code 6."""
-    image = Workspace.of(project).image("ram", "vehicle")
-    image.write_bytes(image.read_bytes()[:-40])
-    assert "is truncated" in failure(call("run", project, "drive"), ExitCode.BAD_IMAGE)
+@pytest.mark.parametrize("change", [Path.unlink, Path.touch, lambda p: p.write_bytes(b"cut")])
+def test_an_image_that_is_not_the_built_one_is_built_again(
+    whole: Path, change: Callable[[Path], object]
+) -> None:
+    """Missing, or truncated; one that was only touched is taken as it is."""
+    image = Workspace.of(whole).image("ram", "vehicle")
+    call("build", whole)
+    change(image)
+    done = call("run", whole, "drive")
+    assert image.read_bytes() == make_elf()
+    assert ("build the ram image" in done.output) == (change is not Path.touch)
 
 
 def test_an_image_too_large_for_ram_is_refused(whole: Path) -> None:
     """Exit code 6, with the number of bytes."""
-    (whole / "Makefile").write_text(
-        'ram:\n\t@echo "region \\`RAM\' overflowed by 12 bytes"; exit 1\n'
-    )
+    write_recipe(whole, "echo \"region \\`RAM' overflowed by 12 bytes\"; exit 1")
     assert "12 bytes too large" in failure(call("build", whole), ExitCode.BAD_IMAGE)
 
 
@@ -322,9 +328,7 @@ def test_a_file_in_the_way_of_the_results_is_named(project: Path) -> None:
 
 def test_recordings_of_both_kinds_of_image_are_kept_apart(project: Path) -> None:
     """A run from flash does not replace the one from RAM."""
-    image = Workspace.of(project).image("flash", "vehicle")
-    image.parent.mkdir()
-    image.write_bytes(make_elf(base=0x100000))
+    put_image(project, make_elf(base=0x100000), "flash")
     kept = {
         parsed(call("run", project, "drive", "--image", kind, "--json"))["recording"]
         for kind in ("ram", "flash")

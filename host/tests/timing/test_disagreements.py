@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from host.tests.conftest import VEHICLE
+from host.tests.support.built import put_image
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
@@ -50,13 +51,11 @@ def changed(tmp_path: Path) -> Change:
         (project / "scenarios").mkdir()
         text = (VEHICLE / "scenarios" / "step.toml").read_text()
         (project / "scenarios" / "step.toml").write_text(text)
-        image = Workspace.of(project).image("ram", "vehicle")
-        image.parent.mkdir(parents=True)
-        shutil.copy2(BUILT, image)
         robot = project / "robot.toml"
         head, mark, tail = robot.read_text().partition(f'name = "{task}"')
         assert old in tail
         robot.write_text(head + mark + tail.replace(old, new, 1))
+        put_image(project, BUILT.read_bytes())
         return project
 
     return change

@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import play, project_scenarios
+from ravenbrick.cli.pipeline import play, project_image, project_scenarios
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.bounds_file import image_digest
-from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
@@ -235,7 +235,7 @@ def analyse_command(
     robot = read_robot(directory)
     reporter = Reporter(json_output)
     facts = read_facts(robot)
-    elf = read_image(workspace.image(image.kind, robot.name))
+    elf = project_image(workspace, robot, image.kind, reporter)
     chosen = _scenario(workspace, robot, scenario)
     with reporter.step("bound execution and response times"):
         begin = process_time()

@@ -13,7 +13,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.codegen import read_binding, read_coder_model
 from ravenbrick.errors import UsageError
-from ravenbrick.whole_file import write_whole
+from ravenbrick.target.controller_origin import replace_controller
 
 __all__ = ["bind_command"]
 
@@ -36,8 +36,7 @@ def bind_command(
         step.note = f"{interface.model}, {form}"
     with reporter.step("write C and binding") as step:
         files = found.files_with_binding(wanted)
-        for name, text in sorted(files.items()):
-            write_whole(output / name, text)
+        replace_controller(output, "bind", model, files)
         step.note = f"{len(files)} files"
     rows = [[role, interface.types[role], str(interface.sizes[role])] for role in interface.types]
     reporter.table(("data", "type", "bytes"), rows, left=("type",))

@@ -13,7 +13,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import shown_path
-from ravenbrick.target.build import build_image
+from ravenbrick.target.build import build_image, clean_project
 from ravenbrick.target.elf_image import ImageKind
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.robot import read_robot
@@ -42,14 +42,25 @@ def build_command(
     image: Annotated[
         ImageChoice, typer.Option(help="RAM below the boot monitor, or flash.")
     ] = ImageChoice.RAM,
+    tools: Annotated[
+        bool, typer.Option("--tools", help="Each tool with source and product as it runs.")
+    ] = False,
+    clean: Annotated[
+        bool, typer.Option("--clean", help="Removal of all that was built for the project.")
+    ] = False,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)
-    robot = read_robot(directory)
     reporter = Reporter(json_output)
+    if clean:
+        removed = clean_project(workspace)
+        reporter.print(f"removed: {shown_path(removed)}")
+        return {"removed": str(removed)}
+    robot = read_robot(directory)
     with reporter.step(f"build the {image.value} image") as step:
-        built = build_image(workspace, robot, image.kind)
+        built = build_image(workspace, robot, image.kind, reporter.print if tools else None)
         step.note = shown_path(built.image.path)
+        step.note += "" if built.changed else " (nothing has changed)"
     reporter.table(MEMORY_HEAD, _memory_rows(built.memory))
     return {
         "image": str(built.image.path),

@@ -20,7 +20,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import scenario_or_none
+from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError
 from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot
@@ -116,11 +116,12 @@ def debug_command(
 ) -> dict[str, Any]:
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
-    loaded = read_image(elf or Workspace.of(directory).image(image.kind, robot.name))
+    reporter, workspace = Reporter(json_output), Workspace.of(directory)
+    loaded = read_image(elf) if elf else project_image(workspace, robot, image.kind, reporter)
     brick = VirtualTarget().prepare(robot, chosen, loaded, any_program=True)
     if gdb:
         _with_gdb(brick, loaded.path, port)
     else:
-        announce = _announce(Reporter(json_output), loaded.path)
+        announce = _announce(reporter, loaded.path)
         _serve(brick, port, on_listening=announce)
     return {"cycles": brick.cycles, "digest": brick.trace_digest()}

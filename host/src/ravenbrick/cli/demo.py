@@ -13,7 +13,6 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import (
-    DESIGN_SCRIPT,
     TASK_HEAD,
     any_run,
     collect,
@@ -26,6 +25,8 @@ from ravenbrick.cli.pipeline import (
 )
 from ravenbrick.errors import CriteriaError, ScenarioError, shown_path
 from ravenbrick.target.build import Built, build_image
+from ravenbrick.target.controller_origin import read_origin
+from ravenbrick.target.design_script import DESIGN_SCRIPT
 from ravenbrick.target.memory import MemoryReport, with_stacks
 from ravenbrick.target.protocol import Target
 from ravenbrick.target.robot import Robot, read_robot
@@ -118,8 +119,11 @@ def demo_command(
         raise ScenarioError(f"{directory}/scenarios: there is no scenario; write one")
     target = VirtualTarget()
     designed = (directory / DESIGN_SCRIPT).is_file()
-    reporter = Reporter(json_output, total=len(scenarios) + 3 + designed)
-    design = _design(workspace, reporter) if designed else None
+    origin = read_origin(workspace.project / "generated")
+    reporter = Reporter(json_output, total=len(scenarios) + 3 + (designed and origin is None))
+    design = _design(workspace, reporter) if designed and origin is None else None
+    if origin is not None:
+        reporter.print(f"the controller is {origin.sentence}")
     with reporter.step("build the RAM image") as step:
         built = build_image(workspace, robot, "ram")
         step.note = f"{built.memory.used} of {built.memory.available} bytes"

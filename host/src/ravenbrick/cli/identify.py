@@ -12,7 +12,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import play
+from ravenbrick.cli.pipeline import play, project_image
 from ravenbrick.control.identification import (
     IdentifiedMotor,
     MotorData,
@@ -21,7 +21,6 @@ from ravenbrick.control.identification import (
     validate_motor,
 )
 from ravenbrick.errors import DesignError, UsageError, shown_path
-from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
 from ravenbrick.target.virtual import VirtualTarget
@@ -67,7 +66,7 @@ def identify_command(
         if name.endswith(".npz"):
             runs.append(signal_data(Recording.load(Path(name)), *_names(signals)))
             continue
-        loaded = read_image(workspace.image(image.kind, robot.name))
+        loaded = project_image(workspace, robot, image.kind, reporter)
         chosen = read_scenario(scenario_path(directory, name), robot)
         with reporter.step(f"run '{chosen.name}'") as step:
             recording = play(workspace, robot, chosen, loaded, VirtualTarget(), step.progress)

@@ -16,6 +16,7 @@ from ravenbrick.codegen import generate_c
 from ravenbrick.errors import UsageError
 from ravenbrick.simulink import import_simulink, read_workspace
 from ravenbrick.simulink.numbers import Variables
+from ravenbrick.target.controller_origin import replace_controller
 
 __all__ = ["import_command"]
 
@@ -64,9 +65,10 @@ def import_command(
         diagram = import_simulink(model, sample_time, given, library or [], subsystem)
         step.note = f"{len(diagram.blocks)} blocks"
     with reporter.step("generate C"):
-        paths = generate_c(diagram).write(output)
+        files = generate_c(diagram).files
+        replace_controller(output, "import", model, files)
     return {
         "model": str(model),
         "blocks": [{"name": b.name, "type": type(b).__name__} for b in diagram.blocks],
-        "files": [str(path) for path in paths],
+        "files": [str(output / name) for name in sorted(files)],
     }

@@ -12,9 +12,9 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import project_image
 from ravenbrick.errors import RunFaultError, UsageError
 from ravenbrick.target.byte_ports import open_port
-from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
@@ -56,9 +56,9 @@ def live_command(
 ) -> dict[str, Any]:
     workspace, robot = Workspace.of(directory), read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
-    loaded = read_image(workspace.image(image.kind, robot.name))
-    brick = VirtualTarget().prepare(robot, chosen, loaded)
     reporter = Reporter(json_output)
+    loaded = project_image(workspace, robot, image.kind, reporter)
+    brick = VirtualTarget().prepare(robot, chosen, loaded)
     if replay is not None:
         kept = LiveRecord.load(replay)
         if kept.scenario != chosen.name:

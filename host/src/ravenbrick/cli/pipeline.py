@@ -4,17 +4,19 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ravenbrick.errors import DesignError, RavenbrickError, shown_path
+from ravenbrick.cli.console import Reporter
+from ravenbrick.errors import RavenbrickError, shown_path
 from ravenbrick.target.bounds_file import own_bounds
-from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.build import BUSY, build_image, current_image
+from ravenbrick.target.design_script import run_design
+from ravenbrick.target.elf_image import ElfImage, ImageKind, read_image
+from ravenbrick.target.locks import locked
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.protocol import Progress, no_progress
 from ravenbrick.target.robot import Robot, read_robot
@@ -37,39 +39,38 @@ __all__ = [
     "left_bounds",
     "peer_runs",
     "play",
+    "project_image",
     "project_scenarios",
     "read_run",
     "scenario_or_none",
     "task_rows",
 ]
 
-DESIGN_SCRIPT = "design.py"
 # Surroundings without inputs: the user sets them.
 NO_SCENARIO = 'schema_version = 1\nname = "free"\nseed = 1\nduration_ms = 1\n'
 
 
 def design_project(workspace: Workspace) -> Design:
-    """Run design.py of the project; raises `DesignError` with the end of its output."""
-    script = workspace.project / DESIGN_SCRIPT
-    if not script.is_file():
-        raise DesignError(f"{shown_path(script)}: there is no design script; write one")
-    workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, DESIGN_SCRIPT, "--results", str(workspace.design_file)]
-    done = subprocess.run(
-        command,
-        cwd=workspace.project,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    if done.returncode != 0:
-        lines = done.stdout.strip().split("\n")
-        raise DesignError(
-            f"{shown_path(script)} failed: {lines[-1]}; correct the design and run it again",
-            detail="\n".join(lines[-15:-1]),
-        )
+    """Run design.py of the project; raises `DesignError`, which names its line."""
+    with locked(workspace.products, BUSY):
+        run_design(workspace)
     return read_design(workspace.design_file)
+
+
+def project_image(
+    workspace: Workspace, robot: Robot, kind: ImageKind, reporter: Reporter
+) -> ElfImage:
+    """The project's image, built before where it is not that of its sources as they are now.
+
+    Raises as `build_image`.
+    """
+    image = current_image(workspace, robot, kind)
+    if image is not None:
+        return image
+    with reporter.step(f"build the {kind} image") as step:
+        built = build_image(workspace, robot, kind)
+        step.note = shown_path(built.image.path)
+    return built.image
 
 
 def play(

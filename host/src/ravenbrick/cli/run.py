@@ -14,7 +14,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import TASK_HEAD, keep_peer, read_run, task_rows
+from ravenbrick.cli.pipeline import TASK_HEAD, keep_peer, project_image, read_run, task_rows
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.clock import MASTER_CLOCK
@@ -227,9 +227,13 @@ def run_command(
         snapshots=_wishes(chosen, body, save_snapshot, snapshot_at, from_snapshot),
         sound=sound,
     )
-    own = workspace.image(image.kind, robot.name)
-    loaded = read_binary(binary, at.kind) if binary else read_image(elf or own)
     reporter = Reporter(json_output)
+    if binary:
+        loaded = read_binary(binary, at.kind)
+    elif elf:
+        loaded = read_image(elf)
+    else:
+        loaded = project_image(workspace, robot, image.kind, reporter)
     with reporter.step(f"run '{chosen.name}'") as step:
         recording, peer = target.run_with_peer(robot, chosen, loaded, step.progress)
         recording.save(workspace.recording(chosen.name, loaded.kind))

@@ -12,9 +12,9 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import project_image
 from ravenbrick.errors import CriteriaError
 from ravenbrick.grading.sweep import run_sweep
-from ravenbrick.target.elf_image import read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.scenario import read_scenario, scenario_path
 from ravenbrick.target.workspace import Workspace
@@ -50,8 +50,8 @@ def sweep_command(
 ) -> dict[str, Any]:
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
-    image = read_image(Workspace.of(directory).image("ram", robot.name))
     reporter = Reporter(json_output)
+    image = project_image(Workspace.of(directory), robot, "ram", reporter)
     with reporter.step(f"run '{chosen.name}' of {count} robots") as step:
         results = run_sweep(
             robot, chosen, image.path, count, output, workers, dask, step.progress

@@ -18,7 +18,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import scenario_or_none
+from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError, shown_path
 from ravenbrick.target.bounds_file import own_bounds, read_bounds
 from ravenbrick.target.elf_image import read_image
@@ -135,7 +135,8 @@ def view_command(
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
     workspace = Workspace.of(directory)
-    loaded = read_image(elf or workspace.image(image.kind, robot.name))
+    reporter = Reporter(json_output)
+    loaded = read_image(elf) if elf else project_image(workspace, robot, image.kind, reporter)
     if bounds is not None:
         proven = read_bounds(bounds, loaded)
     else:
@@ -145,7 +146,6 @@ def view_command(
         # Another program has other variables: those of the project that it has are recorded.
         session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
     served = _page() | {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
-    reporter = Reporter(json_output)
     if out is not None:
         written = _write(served, out)
         reporter.print(f"{out}: the page; put it on any static web server")

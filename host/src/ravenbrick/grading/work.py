@@ -19,7 +19,10 @@ from ravenbrick.grading.answers import ANSWERS_FILE, Answers, parse_wanted, read
 from ravenbrick.grading.rubric import Check, Rubric, read_rubric
 from ravenbrick.grading.sandbox import Outcome, run_limited
 from ravenbrick.grading.submission import Submission, read_sources, refusal
-from ravenbrick.target.workspace import tree
+from ravenbrick.target.build import gprbuild_call
+from ravenbrick.target.build_errors import errors_in
+from ravenbrick.target.build_settings import Settings
+from ravenbrick.target.run_time import run_time_library
 
 __all__ = ["Job", "build", "grade_one", "prepare_base"]
 
@@ -42,28 +45,19 @@ class Job:
 
 
 def _gprbuild(project: Path, build: Path, rubric: Rubric) -> Outcome:
-    root, robot, limits = tree(), rubric.robot, rubric.limits
-    timed = "-timed" if robot.execution_time else ""
-    values = {
-        "IMAGE": "ram",
-        "PROJECT": "project",
-        "ROBOT": robot.name,
-        "PROFILE": robot.profile,
-        "EXECUTION_TIME": "yes" if robot.execution_time else "no",
-        "STACK_CHECK": "yes" if robot.stack_check else "no",
-        "RUN_TIME": f"{root}/build/runtime/{robot.profile}{timed}",
-    }
-    tools = root / "tools"
-    command = ["gprbuild", "-q", f"--config={tools / 'ravenbrick.cgpr'}", "-P", "robot.gpr"]
-    command += [f"--implicit-with={tools / 'run_time.gpr'}"]
-    command += [f"-X{name}={value}" for name, value in values.items()]
+    """Build in the sandbox; what the environment asks for is not for graders."""
+    limits, settings = rubric.limits, Settings.of(rubric.robot, {})
+    values = {"IMAGE": "ram", "PROJECT": "project", "ROBOT": rubric.robot.name}
+    values |= {"RAVENBRICK_BUILD": str(build), "GENERATED": "generated"}
+    build.mkdir(exist_ok=True)
+    call, environment = gprbuild_call(settings, run_time_library(settings), values, build)
     return run_limited(
-        command,
+        ["gprbuild", "-q", *call, "-cargs:Ada", "-gnatef"],
         project,
         limits.build_seconds,
         limits.memory_mb,
         limits.file_mb,
-        {"RAVENBRICK_BUILD": str(build), "GPR_PROJECT_PATH": f"{tools}:{root / 'drivers'}"},
+        environment,
     )
 
 
@@ -182,8 +176,7 @@ def build(
 def _why(outcome: Outcome, project: Path, rubric: Rubric) -> str:
     if outcome.timed_out:
         return f"the build took more than {rubric.limits.build_seconds} s of processor time"
-    lines = [line for line in outcome.output.splitlines() if ": error" in line or ".ad" in line]
-    text = "\n".join(lines[:8]) or outcome.output.strip()[-400:]
+    text = "\n".join(errors_in(outcome.output, project)[:8]) or outcome.output.strip()[-400:]
     return text.replace(str(project), ".")
 
 

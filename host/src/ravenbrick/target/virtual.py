@@ -22,9 +22,10 @@ from ravenbrick.errors import (
     UsageError,
 )
 from ravenbrick.installation import advice_for_python, brick_module
+from ravenbrick.target.build import build_image
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
-from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.fmu_body import CoSimulation, FmuBody
 from ravenbrick.target.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
 from ravenbrick.target.peers import BluetoothLink
@@ -133,7 +134,7 @@ class VirtualTarget:
         project = scenario.peer.project
         robot = read_robot(project)
         chosen = read_scenario(scenario_path(project, scenario.peer.scenario), robot)
-        return Station(robot, chosen, read_image(Workspace.of(project).image("ram", robot.name)))
+        return Station(robot, chosen, build_image(Workspace.of(project), robot, "ram").image)
 
     def _play(
         self,

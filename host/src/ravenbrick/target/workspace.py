@@ -1,30 +1,55 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where things lie: the project folder, its build products and its results."""
+"""Where things lie: the tree, a project folder, its build products and its results."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from ravenbrick.errors import UsageError
 from ravenbrick.target.elf_image import ImageKind
 
-__all__ = ["Workspace", "tree"]
+__all__ = ["Workspace", "run_time_folder", "tree"]
 
 MARKER = Path("tools") / "ravenbrick.cgpr"
+# Of this package: in a checkout the tree is around it, an installed package holds its own copy.
+PACKAGE = Path(__file__).resolve().parents[1]
+CHECKOUT = Path("host") / "src" / "ravenbrick"
 
 
 def tree() -> Path:
-    """The Ravenbrick tree that this package belongs to; raises `UsageError`."""
+    """The folder with tools/, runtime/, drivers/ and examples/; raises `UsageError`."""
     named = os.environ.get("RAVENBRICK_HOME")
-    root = Path(named).resolve() if named else Path(__file__).resolve().parents[4]
-    if (root / MARKER).is_file():
-        return root
+    places = [Path(named).resolve()] if named else [PACKAGE.parents[2], PACKAGE / "tree"]
+    for root in places:
+        if (root / MARKER).is_file():
+            return root
     raise UsageError(
-        f"'{root}' is not a Ravenbrick tree (no {MARKER} in it); set RAVENBRICK_HOME to one"
+        f"'{places[0]}' is not a Ravenbrick tree (no {MARKER} in it); set RAVENBRICK_HOME to one"
     )
+
+
+def run_time_folder(digest: Callable[[], str]) -> Path:
+    """Folder of the run-time libraries: build/runtime of a checkout, otherwise of the user's cache.
+
+    `digest` tells one state of the run-time's sources from others in the cache. Raises `UsageError`
+    where the compiler cannot take the folder's name.
+    """
+    root = tree()
+    own = root / "build" / "runtime"
+    if (root / CHECKOUT).is_dir() and os.access(root, os.W_OK) and ":" not in str(own):
+        return own
+    named = os.environ.get("XDG_CACHE_HOME", "")
+    cache = Path(named) if os.path.isabs(named) else Path.home() / ".cache"
+    if ":" in str(cache):
+        raise UsageError(
+            f"'{cache}': the compiler takes no ':' in the name of the run-time library's folder; "
+            "name another folder with XDG_CACHE_HOME"
+        )
+    return cache / "ravenbrick" / "runtime" / digest()
 
 
 @dataclass(frozen=True)
@@ -52,13 +77,18 @@ class Workspace:
         return self.root / "out" / self.project.name
 
     @property
+    def products(self) -> Path:
+        """Folder of what is built; RAVENBRICK_BUILD names another one."""
+        return Path(os.environ.get("RAVENBRICK_BUILD") or self.root / "build").resolve()
+
+    @property
     def design_file(self) -> Path:
         """What design.py leaves for the plots."""
-        return self.root / "build" / self.project.name / "design.json"
+        return self.products / self.project.name / "design.json"
 
     def build(self, kind: ImageKind) -> Path:
         """Folder of the build products of one kind of image."""
-        return self.root / "build" / self.project.name / kind
+        return self.products / self.project.name / kind
 
     def image(self, kind: ImageKind, name: str) -> Path:
         """File of the image."""

@@ -16,7 +16,7 @@ from ravenbrick.target.workspace import Workspace, tree
 __all__ = ["TEMPLATES", "Template", "create_project"]
 
 NAME = re.compile(r"[a-z][a-z0-9_-]*\Z")
-LEFT_OUT = ("Makefile", "tests", "__pycache__", "vehicle.gpr")
+LEFT_OUT = ("Makefile", "tests", "__pycache__")
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,8 @@ def _rename_main(project: Path) -> None:
             encoding="utf-8",
         )
         old.unlink()
+        project_file = project / "robot.gpr"
+        project_file.write_text(project_file.read_text("utf-8").replace("vehicle.adb", "main.adb"))
 
 
 def _adapt(project: Path, template: Template) -> None:
@@ -85,7 +87,7 @@ _HOW_TO = """
     make test                      # every scenario must meet its criteria
     ravenbrick debug . {scenario} --gdb
 
-`ravenbrick` must be on the PATH, or RAVENBRICK_HOME must name the Ravenbrick tree.
+`make` runs the `ravenbrick` of the tree that RAVENBRICK_HOME names, otherwise the one on the PATH.
 VS Code has tasks for build, run and test, and a launch configuration that debugs the virtual brick.
 The dev container is the image `ravenbrick`, made from tools/Containerfile of the Ravenbrick tree.
 `.github/workflows/check.yml` runs `make test` on every push; set the variable
@@ -113,8 +115,7 @@ def create_project(directory: Path, template_name: str) -> Workspace:
         raise UsageError(f"'{example}' is not there; restore it with git")
     try:
         shutil.copytree(example, project, ignore=_ignored)
-        if not (project / "robot.gpr").is_file():
-            shutil.copy(tree() / "examples" / "motor-bench" / "robot.gpr", project)
+        shutil.copy(tree() / "tools" / "project.mk", project / "Makefile")
         _rename_main(project)
         _adapt(project, template)
         _add_own_files(project, template)

@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The first error of a build as a sentence, the further ones as its detail."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from ravenbrick.errors import BuildError, ImageFileError, shown_path
+from ravenbrick.target.elf_image import ImageKind
+
+__all__ = ["build_failure", "errors_in"]
+
+# Compilers and project files: "file:line:column: [error:] sentence", never a warning or a remark.
+_AT = re.compile(
+    r"^(?P<place>\S.*?:\d+(?::\d+)?): (?P<kind>(?:fatal |internal compiler )?error: )?(?P<text>.+)$"
+)
+_REMARK = re.compile(r"(warning|note|info|\(style\)|in function)\b|undefined reference")
+_UNDEFINED = re.compile(
+    r"^(?:\S*/ld: )?(?P<place>.*?)(?::\(\S+\))?: undefined reference to `(?P<name>.+)'$"
+)
+_NO_BODY = re.compile(r"^cannot generate code for file (\S+) \(")
+_PLAIN = re.compile(r"^(?:gnatbind: |gprbuild: )?(?:fatal )?error[:,] (.+)$")
+_OVERFLOW = re.compile(r"region `(\w+)' overflowed by (\d+) bytes?")
+_NO_SPACE = re.compile(r"No space left on device|Disk quota exceeded")
+_HEAP = "ravenbrick_heap_size"
+DETAIL_LINES = 5
+
+
+def _shown_place(place: str, project: Path) -> str:
+    name, _, rest = place.partition(":")
+    file = Path(name) if Path(name).is_absolute() else project / name
+    return f"{shown_path(file)}:{rest}" if file.exists() else place
+
+
+def _undefined(found: re.Match[str], project: Path) -> str:
+    if found["name"] == _HEAP:
+        return (
+            "the program allocates memory with 'new', for which the brick has no heap; use "
+            "variables, or give a heap's size in bytes, such as HEAP=4096 before the command"
+        )
+    place, name = _shown_place(found["place"], project), found["name"]
+    return f"{place}: undefined reference to '{name}'; no source and no library defines it"
+
+
+def errors_in(output: str, project: Path) -> list[str]:
+    """The errors in the output of gprbuild and its tools, each a line; places as a user types them.
+
+    Lines of one message at one place are joined.
+    """
+    found: dict[str, str] = {}
+    for line in output.splitlines():
+        if undefined := _UNDEFINED.match(line):
+            found.setdefault(undefined["name"], _undefined(undefined, project))
+        elif (at := _AT.match(line)) and not _REMARK.match(at["text"]):
+            if at["kind"] or re.search(r"\.c?gpr:\d+:\d+$", at["place"]):
+                place = _shown_place(at["place"], project)
+                before = found.get(place)
+                found[place] = f"{before}; {at['text']}" if before else f"{place}: {at['text']}"
+        elif body := _NO_BODY.match(line):
+            spec = Path(body[1])
+            text = f"{spec.name}: this package needs a body, and there is no {spec.stem}.adb"
+            found.setdefault(line, text)
+        elif plain := _PLAIN.match(line):
+            found.setdefault(line, plain[1])
+    return list(found.values())
+
+
+def build_failure(
+    project: Path, kind: ImageKind, output: str, log: Path
+) -> BuildError | ImageFileError:
+    """The error for a build of a project that failed with this output, which is in the log too."""
+    whole = f"whole output: {shown_path(log)}"
+    if _NO_SPACE.search(output):
+        return BuildError(
+            f"{shown_path(log.parent)}: the disk is full; free some space there and in the folder "
+            "for temporary files, and build again"
+        )
+    if overflow := _OVERFLOW.search(output):
+        memory = "flash" if kind == "flash" and overflow[1] == "CODE" else "RAM"
+        advice = "shorten stacks or code"
+        if kind == "ram":
+            advice += ", or build a flash image with '--image flash'"
+        return ImageFileError(
+            f"{project.name}: the {kind} image is {overflow[2]} bytes too large for the {memory}; "
+            f"{advice}",
+            detail=whole,
+        )
+    errors = errors_in(output, project)
+    if not errors:
+        lines = [line for line in output.splitlines() if line.strip()]
+        return BuildError(
+            f"{project.name} could not be built, for no reason that the tools name",
+            detail="\n".join([*lines[-DETAIL_LINES:], whole]),
+        )
+    more = [f"and {len(errors) - 1 - DETAIL_LINES} further errors"]
+    further = errors[1:] if len(errors) <= 1 + DETAIL_LINES else errors[1 : 1 + DETAIL_LINES] + more
+    return BuildError(errors[0], detail="\n".join([*further, whole]))

@@ -1,0 +1,27 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Images that tests put in the place of built ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ravenbrick.target.build import choices_of, record_file
+from ravenbrick.target.build_settings import Settings
+from ravenbrick.target.elf_image import ImageKind
+from ravenbrick.target.made_from import MadeFrom
+from ravenbrick.target.robot import read_robot
+from ravenbrick.target.workspace import Workspace
+
+__all__ = ["put_image"]
+
+
+def put_image(project: Path, content: bytes, kind: ImageKind = "ram") -> Path:
+    """The project's image has this content, as if built from what is in the folder; its file."""
+    workspace, robot = Workspace.of(project), read_robot(project)
+    elf = workspace.image(kind, robot.name)
+    elf.parent.mkdir(parents=True, exist_ok=True)
+    elf.write_bytes(content)
+    made = MadeFrom.now(choices_of(workspace, robot, Settings.of(robot)), [], [elf])
+    made.write(record_file(elf))
+    return elf
