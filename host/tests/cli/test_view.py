@@ -29,10 +29,9 @@ from ravenbrick.target.workspace import Workspace
 
 
 @pytest.fixture(autouse=True)
-def brick(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A brick whose answers are known, in a tree of its own."""
+def brick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A brick whose answers are known."""
     monkeypatch.setattr(virtual, "brick_module", lambda: fake_brick)
-    monkeypatch.setenv("RAVENBRICK_HOME", str(project.parent.parent))
 
 
 def call(*words: object) -> tuple[int, dict[str, Any]]:
