@@ -98,6 +98,7 @@ pub struct Chip<B: Board> {
     pub(crate) serial_lines: PeripheralLines,
     pub(crate) stopped: bool,
     pub(crate) stolen: Cycles,
+    pub(crate) transfers_stored: u64,
     pub(crate) fault: Option<Fault>,
     pub(crate) reset: Option<ResetCause>,
     pub(crate) supply_low: bool,
@@ -142,6 +143,7 @@ impl<B: Board> Chip<B> {
             serial_lines: PeripheralLines::default(),
             stopped: false,
             stolen: 0,
+            transfers_stored: 0,
             fault: None,
             reset: None,
             supply_low: false,
@@ -261,6 +263,12 @@ impl<B: Board> Chip<B> {
             *byte = (word >> ((at & 3) * 8)) as u8;
         }
         Ok(())
+    }
+
+    /// Transfers that the peripheral data controller has stored in SRAM so far.
+    #[must_use]
+    pub fn transfers_stored(&self) -> u64 {
+        self.transfers_stored
     }
 
     /// Read one aligned word of SRAM or flash without side effects.

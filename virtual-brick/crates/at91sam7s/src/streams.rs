@@ -230,6 +230,7 @@ impl<B: Board> Chip<B> {
             return false;
         }
         self.sram.write(at, pointer, width_of(size), value);
+        self.transfers_stored += 1;
         self.stolen += self.configuration.timing.pdc_steal_cycles;
         true
     }

@@ -6,9 +6,10 @@
 use arm7tdmi::Step;
 use virtual_brick::{Access, StepObserver, StopReason, VirtualBrick};
 
-use crate::stops::{Stops, WatchState, Watched};
+use crate::stops::Stops;
 use crate::tasks::Who;
 use crate::timeline::Timeline;
+use crate::watches::{WatchState, Watched};
 
 /// Checkpoints that running again leaves in one stretch, so that the next way back is short.
 const CHECKPOINTS_PER_STRETCH: u64 = 16;
@@ -41,13 +42,15 @@ pub(crate) struct Search {
     begin: u64,
     end: u64,
     found: Option<(u64, Arrival)>,
+    /// From the beginning of the stretch on.
+    watch: Option<WatchState>,
 }
 
 /// Remembers the last wanted place of a stretch.
 struct Scan<'a> {
     stops: &'a Stops,
     search: &'a mut Search,
-    watch: WatchState,
+    watch: &'a mut WatchState,
     began_at: u64,
     pc: u32,
     who: Who,
@@ -62,6 +65,9 @@ impl StepObserver for Scan<'_> {
         if matches!(self.search.wanted, Wanted::StepOf(_)) {
             self.who = Who::now(brick);
         }
+        // While the processor slept, the data controller may have written.
+        self.search
+            .met(self.watch.hit(brick), self.began_at, self.began_at);
         false
     }
 
@@ -81,11 +87,8 @@ impl StepObserver for Scan<'_> {
         } else if instruction && self.stops.breaks_at(self.pc) {
             self.search.found = Some((self.began_at, Arrival::Breakpoint));
         }
-        if let Some(watched) = self.watch.hit(brick) {
-            if self.search.wanted == Wanted::Stop {
-                self.search.found = Some((brick.cycles(), Arrival::Watch(watched)));
-            }
-        }
+        self.search
+            .met(self.watch.hit(brick), self.began_at, brick.cycles());
         false
     }
 }
@@ -101,7 +104,21 @@ impl Search {
             begin,
             end,
             found: None,
+            watch: None,
         })
+    }
+
+    /// A watchpoint was hit by the step between two instants. GDB goes back over it itself,
+    /// unless it is told of a signal.
+    fn met(&mut self, hit: Option<Watched>, began_at: u64, ended_at: u64) {
+        if let Some(watched) = hit.filter(|_| self.wanted == Wanted::Stop) {
+            let at = if watched.needs_signal() {
+                began_at
+            } else {
+                ended_at
+            };
+            self.found = Some((at, Arrival::Watch(watched)));
+        }
     }
 
     /// Run again for at most `slice_cycles`. `Some` when the search is over: with the arrival,
@@ -114,9 +131,11 @@ impl Search {
     ) -> Option<Option<Arrival>> {
         let distance = (self.end - self.begin) / CHECKPOINTS_PER_STRETCH;
         let limit = timeline.now().saturating_add(slice_cycles).min(self.end);
+        let kept = self.watch.take();
+        let mut watch = kept.unwrap_or_else(|| stops.watch_from(timeline.brick()));
         let mut scan = Scan {
             stops,
-            watch: WatchState::new(stops, timeline.brick()),
+            watch: &mut watch,
             began_at: timeline.now(),
             pc: 0,
             who: Who::Processor,
@@ -124,8 +143,11 @@ impl Search {
         };
         let distance = distance.max(DISTANCE_CYCLES_MIN);
         let stop = timeline.run_with_checkpoints(limit, distance, &mut scan);
+        let now = timeline.now();
+        self.met(watch.hit(timeline.brick()), now, now);
         let ended = stop.is_some_and(|stop| stop.reason != StopReason::Reached);
-        if timeline.now() < self.end && !ended {
+        if now < self.end && !ended {
+            self.watch = Some(watch);
             return None;
         }
         if let Some((cycles, arrival)) = self.found {

@@ -18,6 +18,7 @@ use crate::backwards::{Arrival, Search, Wanted};
 use crate::stops::{Forward, Outcome, Progress, StepWanted};
 use crate::target::DebugTarget;
 use crate::tasks::Who;
+use crate::watches::{WatchState, Watched};
 
 /// Between two looks at the connection.
 const SLICE_CYCLES: u64 = 1 << 20;
@@ -41,6 +42,7 @@ pub(crate) struct ForwardJob {
     /// The thread whose step it is.
     tid: Option<Tid>,
     progress: Progress,
+    watch: Option<WatchState>,
     /// GDB let only one thread go on.
     locked: bool,
 }
@@ -71,14 +73,18 @@ impl DebugTarget {
         // After a way back, what was said is said again.
         self.told = self.told.min(self.timeline.brick().console_bytes());
         let limit = self.timeline.now().saturating_add(SLICE_CYCLES);
+        let brick = self.timeline.brick();
+        let watch = &mut job.watch;
+        let watch = watch.get_or_insert_with(|| self.stops.watch_from(brick));
         let for_others: &[u32] = if job.locked { &self.removed } else { &[] };
         // The observer looks at a brick that the timeline is about to run.
         let mut observer = Forward::new(
             &self.stops,
             for_others,
             job.step,
+            watch,
             &mut job.progress,
-            self.timeline.brick(),
+            brick,
         );
         let stop = self.timeline.run(limit, &mut observer);
         let outcome = observer.outcome;
@@ -105,15 +111,25 @@ impl DebugTarget {
             }
             Outcome::Watch(watched, began_at) => {
                 // GDB expects to find an ARM before the access, and makes the step itself.
-                self.timeline.go_to(began_at);
-                self.at_watch = true;
-                self.stopped = self.executing();
-                Reason::Watch {
-                    tid: self.stopped,
-                    kind: watched.kind,
-                    addr: watched.address,
+                if !watched.needs_signal() {
+                    self.timeline.go_to(began_at);
                 }
+                self.at_watchpoint(&watched)
             }
+        }
+    }
+
+    fn at_watchpoint(&mut self, watched: &Watched) -> Reason {
+        self.notices.extend(watched.notice());
+        if watched.needs_signal() {
+            return self.signal(Signal::SIGUSR1);
+        }
+        self.at_watch = true;
+        self.stopped = self.executing();
+        Reason::Watch {
+            tid: self.stopped,
+            kind: watched.watch.kind,
+            addr: watched.watch.address,
         }
     }
 
@@ -129,14 +145,7 @@ impl DebugTarget {
             None => self.beginning(),
             Some(Arrival::StepDone) => self.step_done(),
             Some(Arrival::Breakpoint) => Reason::SwBreak(self.stopped),
-            Some(Arrival::Watch(watched)) => {
-                self.at_watch = true;
-                Reason::Watch {
-                    tid: self.stopped,
-                    kind: watched.kind,
-                    addr: watched.address,
-                }
-            }
+            Some(Arrival::Watch(watched)) => self.at_watchpoint(&watched),
         })
     }
 

@@ -20,6 +20,7 @@ mod stops;
 mod target;
 mod tasks;
 mod timeline;
+mod watches;
 
 pub use arch::{Brick, BrickRegister, BrickRegisters};
 pub use server::{session, Server, SessionEnd};

@@ -6,52 +6,10 @@
 //! task: while an interrupt handler or another task executes, the step goes on.
 
 use arm7tdmi::Step;
-use gdbstub::target::ext::breakpoints::WatchKind;
 use virtual_brick::{Access, StepObserver, VirtualBrick};
 
 use crate::tasks::Who;
-
-/// Below this address lies what the remap shows: flash, or after the remap the RAM.
-const ALIAS_END: u32 = 0x10_0000;
-const RAM: u32 = 0x20_0000;
-const RAM_MASK: u32 = 0xFFFF;
-
-/// Memory that is watched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Watch {
-    pub address: u32,
-    pub length: u32,
-    pub kind: WatchKind,
-}
-
-impl Watch {
-    fn concerned(&self, access: Access) -> bool {
-        let kind = match self.kind {
-            WatchKind::Write => access.write,
-            WatchKind::Read => !access.write,
-            WatchKind::ReadWrite => true,
-        };
-        let first = u64::from(unaliased(access.address));
-        let watched = u64::from(unaliased(self.address));
-        kind && first < watched + u64::from(self.length)
-            && watched < first + u64::from(access.width_bytes)
-    }
-
-    fn bytes(&self, brick: &VirtualBrick) -> Vec<u8> {
-        let address = unaliased(self.address);
-        let length = self.length as usize;
-        brick.read_memory(address, length).unwrap_or_default()
-    }
-}
-
-/// The RAM appears at address 0 after the remap and repeats itself.
-fn unaliased(address: u32) -> u32 {
-    if address < ALIAS_END || address >> 20 == RAM >> 20 {
-        RAM | address & RAM_MASK
-    } else {
-        address
-    }
-}
+use crate::watches::{Watch, WatchState, Watched};
 
 /// What the user wants to stop at.
 #[derive(Clone, Debug, Default)]
@@ -62,7 +20,10 @@ pub(crate) struct Stops {
 
 impl Stops {
     pub(crate) fn add_breakpoint(&mut self, address: u32) {
-        self.breakpoints.push(address);
+        // GDB may insert one twice and then removes it once.
+        if !self.breaks_at(address) {
+            self.breakpoints.push(address);
+        }
     }
 
     /// False when there was none.
@@ -72,7 +33,9 @@ impl Stops {
     }
 
     pub(crate) fn add_watch(&mut self, watch: Watch) {
-        self.watches.push(watch);
+        if !self.watches.contains(&watch) {
+            self.watches.push(watch);
+        }
     }
 
     /// False when there was none.
@@ -81,71 +44,13 @@ impl Stops {
         found.map(|at| self.watches.swap_remove(at)).is_some()
     }
 
+    /// To find out about watchpoints from the present on.
+    pub(crate) fn watch_from(&self, brick: &VirtualBrick) -> WatchState {
+        WatchState::new(&self.watches, brick)
+    }
+
     pub(crate) fn breaks_at(&self, address: u32) -> bool {
         self.breakpoints.contains(&address)
-    }
-}
-
-/// A watched access.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Watched {
-    pub address: u32,
-    pub kind: WatchKind,
-}
-
-/// Finds out after each step whether watched memory was accessed. A write that leaves the value
-/// as it was is none.
-#[derive(Clone, Debug)]
-pub(crate) struct WatchState {
-    watches: Vec<(Watch, Vec<u8>)>,
-    touched: bool,
-    last: Vec<Access>,
-}
-
-impl WatchState {
-    pub(crate) fn new(stops: &Stops, brick: &VirtualBrick) -> Self {
-        let watches = stops.watches.iter();
-        Self {
-            watches: watches.map(|watch| (*watch, watch.bytes(brick))).collect(),
-            touched: false,
-            last: Vec::new(),
-        }
-    }
-
-    pub(crate) fn access(&mut self, access: Access) {
-        if self
-            .watches
-            .iter()
-            .any(|(watch, _)| watch.concerned(access))
-        {
-            self.touched = true;
-            self.last.push(access);
-        }
-    }
-
-    /// The watchpoint that the step just made hit.
-    pub(crate) fn hit(&mut self, brick: &VirtualBrick) -> Option<Watched> {
-        if !self.touched {
-            return None;
-        }
-        self.touched = false;
-        let accesses = std::mem::take(&mut self.last);
-        let mut hit = None;
-        for (watch, value) in &mut self.watches {
-            let concerned = accesses.iter().any(|access| watch.concerned(*access));
-            if !concerned {
-                continue;
-            }
-            let now = watch.bytes(brick);
-            let changed = std::mem::replace(value, now) != *value;
-            if changed || watch.kind != WatchKind::Write {
-                hit.get_or_insert(Watched {
-                    address: watch.address,
-                    kind: watch.kind,
-                });
-            }
-        }
-        hit
     }
 }
 
@@ -162,7 +67,7 @@ pub(crate) struct StepWanted {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     Breakpoint,
-    /// The step that began at this cycle accesses watched memory.
+    /// A watchpoint was hit by the step that began at this cycle.
     Watch(Watched, u64),
     StepDone,
 }
@@ -172,7 +77,7 @@ pub(crate) struct Forward<'a> {
     stops: &'a Stops,
     /// Breakpoints that GDB removed for the step of one task and that still hold for the others.
     for_others: &'a [u32],
-    watch: WatchState,
+    watch: &'a mut WatchState,
     step: Option<StepWanted>,
     progress: &'a mut Progress,
     began_at: u64,
@@ -191,13 +96,14 @@ impl<'a> Forward<'a> {
         stops: &'a Stops,
         for_others: &'a [u32],
         step: Option<StepWanted>,
+        watch: &'a mut WatchState,
         progress: &'a mut Progress,
         brick: &VirtualBrick,
     ) -> Self {
         Self {
             stops,
             for_others,
-            watch: WatchState::new(stops, brick),
+            watch,
             step,
             progress,
             began_at: brick.cycles(),
@@ -237,7 +143,12 @@ impl StepObserver for Forward<'_> {
 
     fn before_step(&mut self, brick: &VirtualBrick) -> bool {
         self.began_at = brick.cycles();
-        self.outcome = self.look_ahead(brick);
+        // While the processor slept, the data controller may have written.
+        let hit = self.watch.hit(brick);
+        self.outcome = match hit {
+            Some(watched) => Some(Outcome::Watch(watched, self.began_at)),
+            None => self.look_ahead(brick),
+        };
         self.outcome.is_some()
     }
 

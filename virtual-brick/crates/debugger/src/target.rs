@@ -25,9 +25,10 @@ use virtual_brick::VirtualBrick;
 use crate::arch::{Brick, BrickRegister, BrickRegisters, MEMORY_MAP};
 use crate::execution::Job;
 use crate::monitor;
-use crate::stops::{Stops, Watch};
+use crate::stops::Stops;
 use crate::tasks::{self, Who};
 use crate::timeline::{Change, Timeline};
+use crate::watches::Watch;
 
 /// Longest range that may be watched.
 const WATCH_BYTES_MAX: u32 = 4096;
@@ -48,6 +49,10 @@ pub struct DebugTarget {
     pub(crate) stopped: Tid,
     /// Bytes of the program's console that GDB has been shown.
     pub(crate) told: u64,
+    /// Lines of the server's own for GDB's console.
+    pub(crate) notices: String,
+    /// Watched registers of which GDB has been told how far their watch goes.
+    explained: Vec<u32>,
 }
 
 impl DebugTarget {
@@ -65,6 +70,8 @@ impl DebugTarget {
             at_watch: false,
             stopped,
             told: 0,
+            notices: String::new(),
+            explained: Vec::new(),
         }
     }
 
@@ -85,6 +92,7 @@ impl DebugTarget {
     pub(crate) fn begin_session(&mut self) {
         self.stops = Stops::default();
         self.removed.clear();
+        self.explained.clear();
         self.job = Job::Nothing;
     }
 
@@ -93,15 +101,31 @@ impl DebugTarget {
         monitor::answer(self, line)
     }
 
-    /// What the program has said since GDB was last told; nothing on the way back.
+    /// What the program has said since GDB was last told, nothing on the way back; and what the
+    /// server has to say.
     pub(crate) fn take_console(&mut self) -> Vec<u8> {
-        if matches!(self.job, Job::Back(_)) {
-            return Vec::new();
+        let mut text = Vec::new();
+        if !matches!(self.job, Job::Back(_)) {
+            let brick = self.timeline.brick();
+            text.extend(brick.console_since(self.told));
+            self.told = brick.console_bytes();
         }
-        let brick = self.timeline.brick();
-        let text = brick.console_since(self.told).to_vec();
-        self.told = brick.console_bytes();
+        text.extend(std::mem::take(&mut self.notices).into_bytes());
         text
+    }
+
+    /// GDB inserts a watchpoint at every resumption; the sentence comes once.
+    fn explain(&mut self, watch: Watch) {
+        let address = watch.address;
+        let in_memory = watch.memory(self.timeline.brick()).is_some();
+        if in_memory || watch.kind != WatchKind::Write || self.explained.contains(&address) {
+            return;
+        }
+        self.explained.push(address);
+        self.notices += &format!(
+            "watch 0x{address:08x}: a register of a peripheral; stops (SIGUSR1) when the program \
+             writes it, not when the hardware changes it; awatch stops at reads too\n"
+        );
     }
 
     fn executes(&self, tid: Tid) -> bool {
@@ -311,11 +335,13 @@ impl HwWatchpoint for DebugTarget {
         if len == 0 || len > WATCH_BYTES_MAX {
             return Ok(false);
         }
-        self.stops.add_watch(Watch {
+        let watch = Watch {
             address: addr,
             length: len,
             kind,
-        });
+        };
+        self.explain(watch);
+        self.stops.add_watch(watch);
         Ok(true)
     }
 

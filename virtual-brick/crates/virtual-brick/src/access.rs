@@ -50,6 +50,12 @@ impl VirtualBrick {
         self.chip.load(address, bytes)
     }
 
+    /// Transfers that the peripheral data controller has stored in memory so far.
+    #[must_use]
+    pub fn memory_transfers(&self) -> u64 {
+        self.chip.transfers_stored()
+    }
+
     /// The processor, to change its registers from outside.
     pub fn processor_mut(&mut self) -> &mut Cpu {
         &mut self.cpu

@@ -14,8 +14,8 @@ pub struct Access {
     pub address: u32,
     /// Bytes: 1, 2 or 4.
     pub width_bytes: u32,
-    /// A write, not a read.
-    pub write: bool,
+    /// The value of a write; none for a read.
+    pub written: Option<u32>,
 }
 
 /// Looks at a run step by step and can end it between two steps.
@@ -83,7 +83,7 @@ impl<O: StepObserver> Bus for ObservedBus<'_, O> {
         self.observer.access(Access {
             address,
             width_bytes: bytes(width),
-            write: false,
+            written: None,
         });
         self.chip.read(address, width, cycle)
     }
@@ -92,7 +92,7 @@ impl<O: StepObserver> Bus for ObservedBus<'_, O> {
         self.observer.access(Access {
             address,
             width_bytes: bytes(width),
-            write: true,
+            written: Some(value),
         });
         self.chip.write(address, width, value, cycle)
     }

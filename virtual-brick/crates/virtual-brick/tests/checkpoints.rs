@@ -35,7 +35,7 @@ impl StepObserver for Counting {
     }
 
     fn access(&mut self, access: Access) {
-        self.writes.extend(access.write.then_some(access));
+        self.writes.extend(access.written.map(|_| access));
     }
 
     fn after_step(&mut self, _brick: &VirtualBrick, _step: Step) -> bool {
@@ -74,7 +74,7 @@ fn an_observer_sees_steps_and_accesses_and_changes_nothing() {
     let expected = Access {
         address: COUNTER,
         width_bytes: 4,
-        write: true,
+        written: Some(1),
     };
     assert_eq!(observer.writes, [expected; 33]);
     observer.stop_after = u64::MAX;
