@@ -173,6 +173,27 @@ def test_a_step_over_a_delay_follows_the_task_forwards_and_backwards() -> None:
     assert back == at_delay
 
 
+def test_watched_registers_stop_at_each_access_and_say_what_is_written() -> None:
+    """GDB itself would pass in silence over a write that it cannot read back."""
+    _, _, _, write, written_by, backwards, *_, access = gdb(
+        "tbreak tasks.control_task",
+        "continue",
+        "watch nxt.registers.pio.pioa.set_output",
+        "continue",
+        "bt 1",
+        "reverse-continue",
+        "delete",
+        "awatch nxt.registers.pio.pioa.set_output",
+        "continue",
+    )
+    assert write.count("stops (SIGUSR1) when the program writes it, not when the hardware") == 1
+    for stop in (write, backwards, access):
+        assert "watched register: the program writes 0x00001000 to 0xfffff430" in stop
+    assert "SIGUSR1" in write and "SIGUSR1" in backwards
+    assert "nxt-spi-bus.adb" in written_by
+    assert "Hardware access (read/write) watchpoint" in access
+
+
 def test_the_debugged_run_is_the_run() -> None:
     """With a stop, back to the beginning and to the end, its digest is `ravenbrick run`'s."""
     _, stop, _, begin, _, why, digest = gdb(
