@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Types of objects from debug information that the project's cross compiler writes.
+//! Types of objects and source lines from debug information that the project's cross compiler writes.
 //! Needs `arm-none-eabi-gcc`, which the set-up of the project installs.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -21,6 +21,7 @@ mode_t mode;
 double wide;
 int *pointer;
 int tasks__limit;
+int discarded(int a) { return a + 1; }
 void _start(void) { pointer = &hidden; mode = driving; wide = 1.5; tasks__limit = 3; for (;;) ; }
 ";
 
@@ -43,6 +44,9 @@ fn compile() -> Image {
             "-O1",
             "-nostdlib",
             "-fno-common",
+            "-ffunction-sections",
+            "-Wl,--gc-sections",
+            "-Wl,--undefined=functional_Y,--undefined=flag",
             "-Wl,-Ttext=0x202000",
         ])
         .arg(&source)
@@ -90,4 +94,19 @@ fn a_missing_component_is_named() {
         .unwrap_err()
         .to_string();
     assert!(message.contains("no component `speed`"), "{message}");
+}
+
+#[test]
+fn lines_are_those_of_the_code_and_not_of_a_function_that_the_linker_discarded() {
+    let image = image();
+    assert_eq!(image.symbols().get("discarded"), None);
+    let lines = image.lines();
+    // Its rows begin at address 0, where the processor takes its exceptions.
+    assert_eq!([0, 4, 0x18].map(|address| lines.at(address)), [None; 3]);
+    let (file, line) = lines.at(image.entry()).unwrap();
+    assert!(file.ends_with(".c"), "{file}");
+    assert_eq!(
+        SOURCE.lines().nth(line as usize - 1).unwrap().get(..12),
+        Some("void _start(")
+    );
 }
