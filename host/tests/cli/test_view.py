@@ -81,6 +81,7 @@ def test_a_folder_for_any_web_server_has_page_session_and_image(
     assert {task["name"] for task in session["tasks"]} >= {"control_task", "display_task"}
     assert (folder / "image.elf").read_bytes()[:4] == b"\x7fELF"
     assert list(folder.glob("assets/*.wasm")) and (folder / "index.html").is_file()
+    assert json.loads((folder / "sources.json").read_text()) == {}
     assert call("view", project, "--out", folder)[0] == ExitCode.USAGE
 
 

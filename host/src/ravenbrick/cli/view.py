@@ -21,10 +21,12 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError, shown_path
 from ravenbrick.target.bounds_file import own_bounds, read_bounds
-from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.run_file import session_of
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.target.run_time import run_time_home
+from ravenbrick.target.source_texts import source_texts
+from ravenbrick.target.workspace import Workspace, tree
 from ravenbrick.whole_file import write_whole
 
 __all__ = ["page_server", "view_command"]
@@ -34,6 +36,7 @@ LOOPBACK = "127.0.0.1"
 TYPES = {".js": "text/javascript", ".wasm": "application/wasm", ".elf": "application/elf"}
 OTHER = "application/octet-stream"
 SESSION, IMAGE, BOUNDS = "session.json", "image.elf", "timing.json"
+SOURCES = "sources.json"
 # The page needs its own files, its worker, and permission to compile the brick.
 POLICY = (
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
@@ -111,6 +114,12 @@ def _write(served: dict[str, bytes], folder: Path) -> dict[str, Any]:
     return {"folder": str(folder), "bytes": sum(map(len, served.values()))}
 
 
+def _sources(image: ElfImage, workspace: Workspace) -> bytes:
+    """JSON of the sources of the project, the drivers and the run-time."""
+    own = (tree() / "drivers", tree() / "runtime", run_time_home())
+    return json.dumps(source_texts(image, (workspace.project, *own))).encode()
+
+
 @command("ravenbrick view examples/vehicle drive")
 def view_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
@@ -145,7 +154,8 @@ def view_command(
     if elf is not None:
         # Another program has other variables: those of the project that it has are recorded.
         session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
-    served = _page() | {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
+    own = {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
+    served = _page() | own | {SOURCES: _sources(loaded, workspace)}
     if out is not None:
         written = _write(served, out)
         reporter.print(f"{out}: the page; put it on any static web server")

@@ -17,7 +17,7 @@ from ravenbrick.target.locks import locked
 from ravenbrick.target.made_from import MadeFrom
 from ravenbrick.target.workspace import run_time_folder, tree
 
-__all__ = ["COMPILER", "run_time_library", "run_time_sources", "tool_identity"]
+__all__ = ["COMPILER", "run_time_home", "run_time_library", "run_time_sources", "tool_identity"]
 
 COMPILER = "arm-linux-gnueabi-gcc-12"
 FOLDERS = ("kernel", "kernel/plain", "kernel/timed", "language", "arm7tdmi", "at91sam7s", "jorvik")
@@ -57,6 +57,11 @@ def _digest() -> str:
     return whole.hexdigest()[:16]
 
 
+def run_time_home() -> Path:
+    """Folder of the run-time libraries that this tree builds; raises `UsageError`."""
+    return run_time_folder(_digest)
+
+
 def run_time_library(settings: Settings) -> Path:
     """Folder of the library, current; raises `BuildError` and `UsageError`."""
     if settings.run_time is not None:
@@ -66,7 +71,7 @@ def run_time_library(settings: Settings) -> Path:
                 "adalib/libgnat.a in it); name the folder of one, or unset it"
             )
         return settings.run_time
-    folder = run_time_folder(_digest)
+    folder = run_time_home()
     library, record = folder / settings.library, folder / f"{settings.library}.json"
     with locked(folder, "that builds the run-time library") as lock:
         made = MadeFrom.read(record)

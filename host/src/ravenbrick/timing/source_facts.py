@@ -10,7 +10,6 @@ told, also those that say nothing.
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -18,10 +17,10 @@ from pathlib import Path
 from typing import Any
 
 from elftools.common.exceptions import ELFError
-from elftools.elf.elffile import ELFFile
 
 from ravenbrick.errors import ImageFileError, ProjectFileError
 from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.target.source_texts import named_sources
 from ravenbrick.timing.facts import annotations_of
 
 __all__ = ["SourceLoop", "loop_statements", "source_facts", "statements_text"]
@@ -117,29 +116,8 @@ def loop_statements(path: Path, text: str) -> list[SourceLoop]:
 
 def _source_files(image: ElfImage) -> list[Path]:
     """Ada sources that the image's line tables name and that are there."""
-    elf = ELFFile(io.BytesIO(image.content))
-    if not elf.has_dwarf_info():
-        return []
-    dwarf = elf.get_dwarf_info()
-    found: set[Path] = set()
-    for unit in dwarf.iter_CUs():
-        program = dwarf.line_program_for_CU(unit)
-        if program is None:
-            continue
-        folder = unit.get_top_DIE().attributes.get("DW_AT_comp_dir")
-        home = Path("" if folder is None else folder.value.decode())
-        folders = _folders(program.header, home)
-        for entry in program.header["file_entry"]:
-            name = entry.name.decode()
-            if name.endswith((".adb", ".ads")) and entry.dir_index < len(folders):
-                found.add(folders[entry.dir_index] / name)
-    return sorted(path for path in found if path.is_file())
-
-
-def _folders(header: Any, home: Path) -> list[Path]:
-    """By index in the line table (DWARF 5, section 6.2.4; before, 0 is the compiler's folder)."""
-    named = [home / name.decode() for name in header["include_directory"]]
-    return named if header["version"] >= 5 else [home, *named]
+    files = (Path(name) for name in named_sources(image) if name.endswith((".adb", ".ads")))
+    return sorted(path for path in files if path.is_file())
 
 
 def statements_text(path: Path, loops: list[SourceLoop]) -> str:
