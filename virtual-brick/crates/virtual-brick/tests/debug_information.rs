@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Types of objects and source lines from debug information that the project's cross compiler writes.
-//! Needs `arm-none-eabi-gcc`, which the set-up of the project installs.
+//! Types of objects and source lines from debug information that the cross compiler writes. Needs
+//! `arm-none-eabi-gcc`, which the set-up of the project installs.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
