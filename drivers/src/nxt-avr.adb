@@ -1,7 +1,6 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with NXT.Configuration;
 with NXT.Last_Chance;
 pragma Unreferenced (NXT.Last_Chance);
 with NXT.Priorities;

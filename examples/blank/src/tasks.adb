@@ -6,7 +6,6 @@ with NXT.AVR;
 with NXT.Display;    use NXT.Display;
 with NXT.Motor_Controls;
 with NXT.Touch_Sensors;
-with System;
 
 package body Tasks is
 

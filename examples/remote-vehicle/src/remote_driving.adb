@@ -14,7 +14,6 @@ with System;
 package body Remote_Driving is
 
    use NXT;
-   use type Air.Contact;
 
    type Wheel is (Left, Right);
 
