@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 from ravenbrick.cli.app import app
 from ravenbrick.codegen import AdaBinding, ada_binding, read_binding, read_coder_model
 from ravenbrick.errors import DesignError
+from ravenbrick.target.controller_origin import ORIGIN_FILE
 
 LONG = "a_controller_with_a_long_name"
 
@@ -107,7 +108,10 @@ def test_bind_writes_the_model_and_its_binding(tmp_path: Path) -> None:
     result = json.loads(done.output)
     assert result["form"] == "reusable functions"
     assert result["supplied"] == ["rtwtypes.h"]
-    assert {path.name for path in target.iterdir()} == set(result["files"])
+    assert {path.name for path in target.iterdir()} == {*result["files"], ORIGIN_FILE}
+    (target / "own.c").write_text("int own;")
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    assert (target / "own.c").read_text() == "int own;"
     assert "ert_main.c" not in result["files"]
 
 
