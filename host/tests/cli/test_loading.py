@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from host.tests.conftest import VEHICLE
 from typer.testing import CliRunner
 
 import ravenbrick.cli
@@ -100,9 +101,34 @@ def imported(module: str) -> set[str]:
     return {name.partition(".")[0] for name in done.stdout.split()}
 
 
-def test_run_and_build_load_what_they_compute_with() -> None:
+def test_commands_load_what_they_compute_with() -> None:
     assert not imported("run") & (SLOW | {"elftools"})
     assert not imported("build") & (SLOW | {"elftools", "numpy"})
+    assert not imported("design") & SLOW
+
+
+@pytest.mark.parametrize("name", ["vehicle", "motor-bench"])
+def test_c_is_generated_without_loading_a_library_of_pictures_or_control(
+    name: str, tmp_path: Path
+) -> None:
+    """From a whole design script; its simulations come after the C."""
+    program = f"""
+import runpy, sys
+sys.argv = ["design.py", "--generated", {str(tmp_path)!r}]
+import ravenbrick.control.design as simulations
+simulations.encoder_run = lambda *_, **__: sys.exit(print(*sys.modules))
+runpy.run_path("design.py", run_name="__main__")
+"""
+    folder = VEHICLE.parent / name
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True
+    )
+    assert (tmp_path / "functional.c").read_bytes() == (
+        folder / "generated" / "functional.c"
+    ).read_bytes(), done.stderr
+    loaded = set(done.stdout.split())
+    assert "ravenbrick.codegen" in loaded
+    assert not loaded & {"control.lti", "matplotlib", "scipy.signal", "scipy.stats"}
 
 
 @pytest.mark.parametrize("name", ["build", "home", "new", "run"])

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 from ravenbrick import __version__
@@ -18,6 +19,8 @@ def main() -> None:
     if sys.argv[1:] == ["--version"]:
         print(VERSION_LINE)
         return
+    # Our matrices are small: threads for them only take processor time.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         from ravenbrick.cli.app import app  # all that --version does without
     except KeyboardInterrupt:

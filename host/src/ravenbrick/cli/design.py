@@ -12,15 +12,10 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter, Step
-from ravenbrick.cli.costs import project_costs
 from ravenbrick.cli.pipeline import design_project
-from ravenbrick.control.design_plots import DesignedLoop, read_system, write_figure
-from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
-from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
 from ravenbrick.errors import DesignError, UsageError, shown_path
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.sample_timing import sample_timing
 
 __all__ = ["design_command"]
 
@@ -74,6 +69,10 @@ def _with_schedule(
     workspace: Workspace, reporter: Reporter, path: Path, task: str, motor: str
 ) -> dict[str, Any]:
     """The designed loop with the instants of a recorded run."""
+    from ravenbrick.control.design_plots import DesignedLoop  # slow to load
+    from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
+    from ravenbrick.trace.sample_timing import sample_timing
+
     if not path.is_file():
         raise UsageError(f"{path}: there is no such recording; make one with `ravenbrick run`")
     if motor not in _MOTORS:
@@ -105,6 +104,8 @@ def _loop_of(workspace: Workspace) -> dict[str, Any]:
 
 def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
     """What a step costs in each number format, counted on the virtual brick."""
+    from ravenbrick.cli.costs import project_costs  # slow to load
+
     with reporter.step("cycles of a step on the brick"):
         rows = project_costs(workspace.project)
     table = [
@@ -125,6 +126,9 @@ def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
 
 def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
     """The pictures that the design's loop allows, and the figures in them."""
+    from ravenbrick.control.design_plots import DesignedLoop, read_system  # slow to load
+    from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
+
     content = _loop_of(workspace)
     folder = workspace.results / "design"
     if "plant" not in content:
@@ -171,6 +175,8 @@ def _counted(step: Step) -> Any:
 def _written(
     figures: dict[str, Any], folder: Path, workspace: Workspace, reporter: Reporter
 ) -> list[str]:
+    from ravenbrick.control.design_plots import write_figure  # slow to load
+
     paths = [folder / f"{name}.svg" for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):
         write_figure(figure, path)

@@ -7,22 +7,19 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ravenbrick import __version__
 from ravenbrick.codegen.frama_c import frama_c_goals
 from ravenbrick.codegen.gappa import gappa_script
 from ravenbrick.codegen.generator import GeneratedCode, generate_c
-from ravenbrick.control.limit_cycles import LimitCycleSearch, search_limit_cycles
-from ravenbrick.control.rounding_error import (
-    ClosedLoopBound,
-    PlantInLoop,
-    closed_loop_bound,
-    one_step_errors,
-)
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.program import Slot
+
+if TYPE_CHECKING:
+    from ravenbrick.control.limit_cycles import LimitCycleSearch
+    from ravenbrick.control.rounding_error import ClosedLoopBound, PlantInLoop
 
 __all__ = ["FixedPointProof", "generate_fixed_c", "prove"]
 
@@ -174,6 +171,9 @@ def prove(
     The ranges were proved when the formats were chosen. With `limit_cycles` oscillations are
     looked for besides, in the loop if there is a plant.
     """
+    from ravenbrick.control.limit_cycles import search_limit_cycles  # slow to load
+    from ravenbrick.control.rounding_error import closed_loop_bound, one_step_errors
+
     loop = None if plant is None else closed_loop_bound(fixed, plant)
     found = search_limit_cycles(fixed, plant) if limit_cycles else None
     return FixedPointProof(fixed, one_step_errors(fixed), loop, found)

@@ -6,14 +6,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-
-import control
+from typing import TYPE_CHECKING
 
 from ravenbrick.codegen.proof import prove
-from ravenbrick.control import Design, PlantInLoop
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, FixedPointOptions, Rounding, to_fixed_point
+from ravenbrick.model.lazy_control import control
 from ravenbrick.model.program import Program, with_constants
+
+if TYPE_CHECKING:
+    from ravenbrick.control import Design, PlantInLoop
 
 __all__ = ["NumberChoice", "Variant", "number_variants"]
 
@@ -32,6 +34,8 @@ class NumberChoice:
     @classmethod
     def of_design(cls, design: Design) -> NumberChoice:
         """Ranges from the battery's voltage."""
+        from ravenbrick.control import PlantInLoop  # slow to load
+
         supply = design.supply_voltage
         states = {slot.block: supply for slot in design.controller.lower().states}
         ranges = {"Input_Voltage": supply, "Real_Voltage": _SPEED_RESERVE * supply, **states}

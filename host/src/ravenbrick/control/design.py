@@ -7,11 +7,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import control
 import numpy as np
+from scipy.linalg import expm
 
 from ravenbrick.control.controller import pi_diagram
 from ravenbrick.control.design_plots import DesignedLoop
@@ -20,7 +21,7 @@ from ravenbrick.control.estimator import LoopSpecification
 from ravenbrick.control.metrics import Margins, StepMetrics, step_metrics
 from ravenbrick.control.sampled import SampledLoop, StepResponse
 from ravenbrick.control.tuning import DiscretePi, PiGains
-from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linearise
+from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linear_system
 from ravenbrick.whole_file import write_whole
 
 __all__ = ["Design", "EstimatorComparison", "compare_estimators", "finish_design"]
@@ -58,7 +59,7 @@ class EstimatorComparison:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """The result of design.py.
+    """The result of design.py: gains and controller; what they give is computed when asked for.
 
     `continuous` are the gains without sampling, `discrete` those of `controller`, designed with
     estimator and delay in the loop. Responses are to a unit step, `encoder_response` to
@@ -73,18 +74,75 @@ class Design:
     continuous: PiGains
     discrete: DiscretePi
     controller: Diagram
-    continuous_metrics: StepMetrics
-    sampled_metrics: StepMetrics
-    margins: Margins
-    continuous_response: StepResponse
-    sampled_response: StepResponse
-    encoder_response: EncoderRun
-    estimators: tuple[EstimatorComparison, ...]
+
+    @cached_property
+    def continuous_metrics(self) -> StepMetrics:
+        """Of the continuous loop's step response."""
+        return step_metrics(self.continuous.closed_loop(self.loop))
+
+    @cached_property
+    def continuous_response(self) -> StepResponse:
+        """Step response of the continuous loop."""
+        closed = self.continuous.closed_loop(self.loop)
+        time = np.linspace(0.0, RESPONSE_DURATION, 501)
+        rest = -np.linalg.solve(closed.A, closed.B[:, 0])
+        transition = expm(closed.A * time[1])
+        states = [-rest]
+        for _ in time[1:]:
+            states.append(transition @ states[-1])
+        return StepResponse(time, (np.array(states) + rest) @ closed.C[0])
+
+    @cached_property
+    def _sampled(self) -> SampledLoop:
+        own = self.specification
+        return SampledLoop(self.loop, linear_system(self.controller), own.window or 1, own.delay)
+
+    @cached_property
+    def sampled_metrics(self) -> StepMetrics:
+        """Of the sampled loop's step response; linear, from the controller's own diagram."""
+        return self._sampled.step_metrics()
+
+    @cached_property
+    def sampled_response(self) -> StepResponse:
+        """Step response of the sampled loop, linear."""
+        return self._sampled.step_response(RESPONSE_DURATION)
+
+    @cached_property
+    def margins(self) -> Margins:
+        """Of the sampled loop."""
+        return self._sampled.margins()
+
+    @cached_property
+    def encoder_response(self) -> EncoderRun:
+        """Step of the set-point with the encoder's counts."""
+        own = self.specification
+        return encoder_run(
+            self.loop,
+            self.controller,
+            self.set_point,
+            RESPONSE_DURATION,
+            own.window or 1,
+            delay=own.delay,
+        )
+
+    @cached_property
+    def estimators(self) -> tuple[EstimatorComparison, ...]:
+        """The plain one-sample difference, and the estimator in use."""
+        own = self.specification
+        window = own.window or 1
+        plain = self.continuous.discretised(IntegrationMethod.FORWARD_EULER, own.sample_time)
+        candidates = {
+            "difference over one sample": (1, plain),
+            f"difference over {window} samples": (window, self.discrete),
+        }
+        return compare_estimators(
+            self.loop, candidates, self.set_point, self.supply_voltage, own.delay
+        )
 
     @property
     def designed_loop(self) -> DesignedLoop:
         """The loop for pictures, families of gains and tolerances."""
-        controller = control.ss(linearise(self.controller))
+        controller = linear_system(self.controller)
         return DesignedLoop(self.loop, self.specification, self.continuous, controller)
 
     @property
@@ -154,12 +212,6 @@ def _response(response: StepResponse, metrics: StepMetrics) -> Mapping[str, Any]
     }
 
 
-def _continuous_response(loop: SpeedLoop, gains: PiGains) -> StepResponse:
-    time = np.linspace(0.0, RESPONSE_DURATION, 501)
-    response = control.step_response(loop.closed_loop(gains.controller()), time)
-    return StepResponse(np.asarray(response.time), np.asarray(response.outputs))
-
-
 def compare_estimators(
     loop: SpeedLoop,
     candidates: Mapping[str, tuple[int, DiscretePi]],
@@ -199,15 +251,10 @@ def finish_design(
     supply_voltage: float,
     set_point: float = 4.0,
 ) -> Design:
-    """Simulate and measure the chosen gains, and compare with the plain one-sample difference.
+    """The chosen gains with their controller's diagram, ready to generate C from.
 
-    `set_point` (V) is that of the encoder-true simulations. The linear metrics are taken from the
-    controller's own diagram.
+    `set_point` (V) is that of the encoder-true simulations.
     """
-    window = specification.window or 1
-    diagram = pi_diagram(discrete, supply_voltage, loop.time_constant)
-    sampled = SampledLoop(loop, linearise(diagram), window, specification.delay)
-    plain = continuous.discretised(IntegrationMethod.FORWARD_EULER, specification.sample_time)
     return Design(
         name=name,
         loop=loop,
@@ -216,23 +263,5 @@ def finish_design(
         set_point=set_point,
         continuous=continuous,
         discrete=discrete,
-        controller=diagram,
-        continuous_metrics=step_metrics(loop.closed_loop(continuous.controller())),
-        sampled_metrics=sampled.step_metrics(),
-        margins=sampled.margins(),
-        continuous_response=_continuous_response(loop, continuous),
-        sampled_response=sampled.step_response(RESPONSE_DURATION),
-        encoder_response=encoder_run(
-            loop, diagram, set_point, RESPONSE_DURATION, window, delay=specification.delay
-        ),
-        estimators=compare_estimators(
-            loop,
-            {
-                "difference over one sample": (1, plain),
-                f"difference over {window} samples": (window, discrete),
-            },
-            set_point,
-            supply_voltage,
-            specification.delay,
-        ),
+        controller=pi_diagram(discrete, supply_voltage, loop.time_constant),
     )

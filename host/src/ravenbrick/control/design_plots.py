@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import control
 import numpy as np
 
 from ravenbrick.control.discretisation import DiscretisationMethod, discretise
@@ -25,7 +24,8 @@ from ravenbrick.control.robustness import Extreme, MonteCarlo, Tolerance, monte_
 from ravenbrick.control.sampled import SampledLoop
 from ravenbrick.control.tuning import PiGains
 from ravenbrick.errors import DesignError
-from ravenbrick.model import SpeedLoop
+from ravenbrick.model import LinearSystem, SpeedLoop
+from ravenbrick.model.lazy_control import control
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,10 +37,10 @@ SAMPLES = 60
 _DURATION = 0.8
 
 
-def written_system(system: control.StateSpace) -> dict[str, Any]:
+def written_system(system: control.StateSpace | LinearSystem) -> dict[str, Any]:
     """A linear system as JSON values; `sample_time` is None in continuous time."""
     matrices = {name: np.asarray(getattr(system, name.upper())).tolist() for name in "abcd"}
-    sample_time = float(system.dt) if control.isdtime(system, strict=True) else None
+    sample_time = float(system.dt) if system.isdtime(strict=True) else None
     return {**matrices, "sample_time": sample_time}
 
 
@@ -85,7 +85,7 @@ class DesignedLoop:
     loop: SpeedLoop
     specification: LoopSpecification
     continuous: PiGains
-    controller: control.StateSpace
+    controller: control.StateSpace | LinearSystem
 
     def sampled(self, loop: SpeedLoop | None = None) -> SampledLoop:
         """The loop as it runs, with another plant if given."""
@@ -98,8 +98,8 @@ class DesignedLoop:
             "plant": vars(self.loop),
             "specification": vars(self.specification),
             "continuous_gains": vars(self.continuous),
-            "controller": written_system(control.ss(self.controller)),
-            "open_loop": written_system(self.sampled().open_loop()),
+            "controller": written_system(LinearSystem.of(self.controller)),
+            "open_loop": written_system(self.sampled().open_loop_system()),
         }
 
     @classmethod

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-import control
 import numpy as np
 import numpy.typing as npt
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.lazy_control import control
 
 __all__ = ["Discretisation", "DiscretisationMethod", "compare_discretisations", "discretise"]
 

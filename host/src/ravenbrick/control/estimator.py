@@ -56,7 +56,7 @@ def pi_with_estimator(
         return DiscretePi.from_coefficients(share * b0, share * b1, sample_time, method)
 
     def sampled(share: float) -> SampledLoop:
-        controller = scaled(share).controller()
+        controller = scaled(share).system()
         return SampledLoop(loop, controller, specification.window, specification.delay)
 
     def excess(share: float) -> float:

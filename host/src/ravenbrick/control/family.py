@@ -65,16 +65,16 @@ def gain_family(
     for method in IntegrationMethod:
         name = method.name.lower().replace("_", " ")
         direct = pi_direct(loop, wanted.settling_time, wanted.sample_time, method)
-        ideal = SampledLoop(loop, direct.controller()).step_metrics()
+        ideal = SampledLoop(loop, direct.system()).step_metrics()
         sampled = "sampled, ideal speed"
         add(FamilyMember(name, sampled, direct.gains, ideal.settling_time, ideal.overshoot))
         own = pi_with_estimator(loop, wanted, method)
-        real = SampledLoop(loop, own.controller(), wanted.window, wanted.delay).step_metrics()
+        real = SampledLoop(loop, own.system(), wanted.window, wanted.delay).step_metrics()
         inside = "sampled, with estimator and delay"
         add(FamilyMember(name, inside, own.gains, real.settling_time, real.overshoot))
     return tuple(found)
 
 
 def _continuous(loop: SpeedLoop, name: str, gains: PiGains) -> FamilyMember:
-    metrics = step_metrics(loop.closed_loop(gains.controller()))
+    metrics = step_metrics(gains.closed_loop(loop))
     return FamilyMember(name, "continuous", gains, metrics.settling_time, metrics.overshoot)

@@ -105,7 +105,7 @@ def settling_time(segments: Sequence[Segment], band: float) -> float:
 
     `segments` follow each other and reach far enough that nothing happens afterwards.
     """
-    for segment in reversed(segments):
+    for segment in reversed(_leaving(segments, band)):
         points = segment.turning_points()
         for (left, first), (right, last) in zip(points[-2::-1], points[:0:-1], strict=True):
             if abs(last) > band:
@@ -113,6 +113,24 @@ def settling_time(segments: Sequence[Segment], band: float) -> float:
             if abs(first) > band:
                 return segment.start + _crossing(segment, left, right, math.copysign(band, first))
     return 0.0
+
+
+def _leaving(segments: Sequence[Segment], band: float) -> list[Segment]:
+    """The segments without those that stay in [-band, band] and have no extremum, all at once."""
+    stays = np.zeros(len(segments), dtype=bool)
+    for flow in {id(s.flow): s.flow for s in segments}.values():
+        places = [i for i, segment in enumerate(segments) if segment.flow is flow]
+        states = np.array([segments[i].state for i in places])
+        rows = np.array([segments[i].row for i in places])
+        slope = np.einsum("ij,ij->i", rows @ flow.matrix, states)
+        inside = np.abs(np.einsum("ij,ij->i", rows, states)) <= band
+        for _ in range(flow.cell_count):
+            states = states @ flow.cell_transition.T
+            next_slope = np.einsum("ij,ij->i", rows @ flow.matrix, states)
+            inside &= slope * next_slope >= 0
+            slope = next_slope
+        stays[places] = inside & (np.abs(np.einsum("ij,ij->i", rows, states)) <= band)
+    return [segment for segment, inside in zip(segments, stays, strict=True) if not inside]
 
 
 def _crossing(segment: Segment, left: float, right: float, level: float) -> float:

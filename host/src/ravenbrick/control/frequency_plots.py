@@ -7,12 +7,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-import control
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from ravenbrick.control.flow import Array
 from ravenbrick.control.metrics import Margins, margins
+from ravenbrick.model.lazy_control import control
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -193,6 +192,8 @@ def root_locus_figure(open_loop: control.lti.LTI, title: str) -> Figure:
 
 def _branches(system: control.StateSpace, factors: Array) -> Any:
     """Poles for each factor, shape (factors, states), each column one branch."""
+    from scipy.optimize import linear_sum_assignment  # slow to load
+
     rows: list[Any] = []
     for factor in factors:
         feedback = factor / (1 + factor * system.D[0, 0])

@@ -9,12 +9,13 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-import control
 import numpy as np
 from scipy.optimize import brentq
 
 from ravenbrick.control.flow import FlowMatrix, Segment, largest_value, settling_time
 from ravenbrick.errors import DesignError
+from ravenbrick.model import LinearSystem
+from ravenbrick.model.lazy_control import control
 
 __all__ = ["SETTLING_BAND", "Margins", "StepMetrics", "crossovers", "margins", "step_metrics"]
 
@@ -46,14 +47,16 @@ class Margins:
     crossover: float
 
 
-def step_metrics(system: control.lti.LTI, band: float = SETTLING_BAND) -> StepMetrics:
+def step_metrics(
+    system: control.lti.LTI | LinearSystem, band: float = SETTLING_BAND
+) -> StepMetrics:
     """Exact metrics of a stable, continuous, single-input single-output system.
 
     The response is evaluated by matrix exponentials; extrema and the last crossing of the band are
     found as roots, to better than 1e-9 s. Raises `DesignError` for unstable systems.
     """
-    realised = control.ss(system)
-    matrix = np.asarray(realised.A, dtype=float)
+    realised = LinearSystem.of(system)
+    matrix = realised.A
     if matrix.size == 0:
         return StepMetrics(0.0, 0.0, float(np.real(realised.D[0, 0])))
     poles = np.linalg.eigvals(matrix)
@@ -62,19 +65,19 @@ def step_metrics(system: control.lti.LTI, band: float = SETTLING_BAND) -> StepMe
             f"the system is not stable (pole at {poles[poles.real.argmax()]:.4g}), so it does not "
             "settle; change the gains"
         )
-    rest = -np.linalg.solve(matrix, realised.B[:, 0])
+    rest = np.asarray(-np.linalg.solve(matrix, realised.B[:, 0]), dtype=float)
     final = float(realised.C[0] @ rest + realised.D[0, 0])
     if final == 0.0:
         raise DesignError("the step response ends at 0, so there is no band to settle into")
     horizon = -math.log(_REMAINDER) / float(-poles.real.max())
     flow = FlowMatrix(matrix, horizon)
-    segment = Segment(flow, 0.0, -rest, np.asarray(realised.C[0], dtype=float) / final)
+    segment = Segment(flow, 0.0, -rest, np.asarray(realised.C[0] / final))
     excess = largest_value([segment])
     overshoot = excess if excess > _REMAINDER * 10 else 0.0
     return StepMetrics(settling_time([segment], band), overshoot, final)
 
 
-def margins(open_loop: control.lti.LTI) -> Margins:
+def margins(open_loop: control.lti.LTI | LinearSystem) -> Margins:
     """Margins of the loop with unit negative feedback around `open_loop`.
 
     A discrete loop is searched up to and including half the sampling frequency, where its response
@@ -90,7 +93,7 @@ class _Sampled:
     """Frequency response of a discrete loop, and its values on a grid up to half the sampling
     frequency."""
 
-    def __init__(self, open_loop: control.lti.LTI) -> None:
+    def __init__(self, open_loop: control.lti.LTI | LinearSystem) -> None:
         self._loop, self._period = open_loop, float(open_loop.dt)
         self.nyquist = math.pi / self._period
         self.grid = np.geomspace(self.nyquist * 1e-5, self.nyquist * (1 - 1e-9), _FREQUENCIES)
@@ -118,7 +121,7 @@ def crossovers(open_loop: control.lti.LTI) -> tuple[tuple[float, float], ...]:
     return tuple(found)
 
 
-def _discrete_margins(open_loop: control.lti.LTI) -> Margins:
+def _discrete_margins(open_loop: control.lti.LTI | LinearSystem) -> Margins:
     response = _Sampled(open_loop)
     nyquist, grid, values = response.nyquist, response.grid, response.values
     gain, phase, crossover = math.inf, math.inf, math.nan

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-import control
 import numpy as np
 import numpy.typing as npt
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.lazy_control import control
 
 __all__ = ["peak_gain"]
 

@@ -9,10 +9,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import control
 import numpy as np
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.lazy_control import control
 
 __all__ = ["PidGains", "pid_by_margin", "pid_by_poles"]
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import control
 import numpy as np
 import numpy.typing as npt
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.lazy_control import control
 
 __all__ = [
     "Observer",

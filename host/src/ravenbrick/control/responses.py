@@ -8,10 +8,10 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-import control
 import numpy as np
 
 from ravenbrick.control.design_plots import written_system
+from ravenbrick.model.lazy_control import control
 from ravenbrick.whole_file import write_whole
 
 __all__ = ["write_loop_results"]

@@ -8,13 +8,13 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-import control
 import numpy as np
 
 from ravenbrick.control.flow import Array, FlowMatrix, Segment, largest_value, settling_time
 from ravenbrick.control.metrics import SETTLING_BAND, Margins, StepMetrics, margins
 from ravenbrick.errors import DesignError
-from ravenbrick.model import SpeedLoop
+from ravenbrick.model import LinearSystem, SpeedLoop
+from ravenbrick.model.lazy_control import control
 
 __all__ = ["SampledLoop", "StepResponse"]
 
@@ -41,7 +41,7 @@ class SampledLoop:
     """
 
     loop: SpeedLoop
-    controller: control.lti.LTI
+    controller: control.lti.LTI | LinearSystem
     window: int | None = None
     delay: float = 0.0
 
@@ -51,12 +51,12 @@ class SampledLoop:
         return float(self.controller.dt)
 
     @cached_property
-    def _controller(self) -> control.StateSpace:
-        system = control.ss(self.controller)
+    def _controller(self) -> LinearSystem:
+        system = LinearSystem.of(self.controller)
         if system.ninputs == 2:
             return system
         gain = np.array([[1.0, -1.0]])
-        return control.ss(system.A, system.B @ gain, system.C, system.D @ gain, system.dt)
+        return LinearSystem(system.A, system.B @ gain, system.C, system.D @ gain, system.dt)
 
     @cached_property
     def _delay(self) -> tuple[int, float]:
@@ -198,6 +198,10 @@ class SampledLoop:
 
     def open_loop(self) -> control.StateSpace:
         """The loop cut at the error: discrete system from error to fed-back signal."""
+        return self.open_loop_system().for_control()
+
+    def open_loop_system(self) -> LinearSystem:
+        """The matrices of `open_loop`."""
         length = self.window or 0
         plant = SampledLoop(self.loop, self._unit(), self.window, self.delay)
         matrix = plant.transition
@@ -208,18 +212,21 @@ class SampledLoop:
         else:
             output[0, 1] = 1.0 / (self.window * self.sample_time)
             output[0, 1 + length] = -output[0, 1]
-        motor = control.ss(
-            matrix[np.ix_(keep, keep)], matrix[keep, -1:], output[:, keep], 0.0, self.sample_time
+        entry, through = matrix[keep, -1:], np.zeros((1, 1))
+        motor = LinearSystem(
+            matrix[np.ix_(keep, keep)], entry, output[:, keep], through, self.sample_time
         )
         own = self._controller
-        error = control.ss(own.A, own.B[:, :1], own.C, own.D[:, :1], own.dt)
+        error = LinearSystem(own.A, own.B[:, :1], own.C, own.D[:, :1], own.dt)
         return motor * error
 
-    def _unit(self) -> control.StateSpace:
+    def _unit(self) -> LinearSystem:
         """A controller that passes the set-point on and ignores the fed-back signal."""
-        empty = np.zeros((0, 0))
-        return control.ss(empty, np.zeros((0, 2)), np.zeros((1, 0)), [[1.0, 0.0]], self.sample_time)
+        passed = np.array([[1.0, 0.0]])
+        return LinearSystem(
+            np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), passed, self.sample_time
+        )
 
     def margins(self) -> Margins:
         """Gain and phase margin with estimator and delay in the loop."""
-        return margins(self.open_loop())
+        return margins(self.open_loop_system())

@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import control
 import numpy as np
 
 from ravenbrick.control.controller import pi_diagram
@@ -21,6 +20,7 @@ from ravenbrick.control.encoder_run import (
 )
 from ravenbrick.control.tuning import DiscretePi
 from ravenbrick.model import IntegrationMethod
+from ravenbrick.model.lazy_control import control
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,12 +8,12 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-import control
 import numpy as np
 
 from ravenbrick.control.regulator import kalman
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Encoder, SpeedLoop, SpeedWindow
+from ravenbrick.model.lazy_control import control
 
 __all__ = [
     "EdgeTimes",

@@ -8,13 +8,13 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-import control
 import numpy as np
 from scipy.optimize import brentq
 
 from ravenbrick.control.metrics import SETTLING_BAND, step_metrics
 from ravenbrick.errors import DesignError
-from ravenbrick.model import IntegrationMethod, SpeedLoop
+from ravenbrick.model import IntegrationMethod, LinearSystem, SpeedLoop
+from ravenbrick.model.lazy_control import control
 
 __all__ = [
     "DiscretePi",
@@ -36,6 +36,17 @@ class PiGains:
     def controller(self) -> control.TransferFunction:
         """The continuous controller."""
         return control.tf([self.proportional, self.integral], [1.0, 0.0])
+
+    def closed_loop(self, loop: SpeedLoop) -> LinearSystem:
+        """From set-point to fed-back signal (V); states: integral of the error, the signal."""
+        rate = loop.loop_gain / loop.time_constant
+        error, integral = rate * self.proportional, rate * self.integral
+        return LinearSystem(
+            np.array([[0.0, -1.0], [integral, -1 / loop.time_constant - error]]),
+            np.array([[1.0], [error]]),
+            np.array([[0.0, 1.0]]),
+            np.zeros((1, 1)),
+        )
 
     def discretised(self, method: IntegrationMethod, sample_time: float) -> DiscretePi:
         """The same gains with a discrete integrator at `sample_time` (s)."""
@@ -70,6 +81,12 @@ class DiscretePi:
     def controller(self) -> control.TransferFunction:
         """The discrete controller."""
         return control.tf(list(self.coefficients), [1.0, -1.0], self.sample_time)
+
+    def system(self) -> LinearSystem:
+        """The matrices of `controller`."""
+        first, second = self.coefficients
+        one = np.ones((1, 1))
+        return LinearSystem(one, one, (first + second) * one, first * one, self.sample_time)
 
     def rounded(self, digits: int) -> DiscretePi:
         """Both gains rounded to so many significant digits, so that a file shows all of them."""
@@ -127,7 +144,7 @@ def pi_by_damping(loop: SpeedLoop, damping: float, settling_time: float) -> PiGa
 
     def excess(frequency: float) -> float:
         gains = _gains_of_damping(loop, damping, frequency)
-        return step_metrics(loop.closed_loop(gains.controller())).settling_time - settling_time
+        return step_metrics(gains.closed_loop(loop)).settling_time - settling_time
 
     grid = np.geomspace(0.5 / settling_time, 100 / settling_time, 60)
     values = [excess(frequency) for frequency in grid]

@@ -33,7 +33,8 @@ from ravenbrick.model.dynamic_blocks import (
 from ravenbrick.model.encoder import Encoder, SpeedWindow
 from ravenbrick.model.execution import Execution
 from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
-from ravenbrick.model.linearisation import linearise
+from ravenbrick.model.linear_system import LinearSystem
+from ravenbrick.model.linearisation import linear_system, linearise
 from ravenbrick.model.logic_blocks import (
     CustomFunction,
     MachineState,
@@ -94,6 +95,7 @@ __all__ = [
     "Inport",
     "IntegrationMethod",
     "Interval",
+    "LinearSystem",
     "LogicalOperator",
     "LookupTable",
     "MachineState",
@@ -129,6 +131,7 @@ __all__ = [
     "TwoWheeledBalancer",
     "UnitDelay",
     "ZeroOrderHold",
+    "linear_system",
     "linearise",
     "state_space_block",
     "to_fixed_point",

@@ -7,10 +7,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-import control
 import numpy as np
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.lazy_control import control
 
 __all__ = ["NXTWAY_GS", "TwoWheeledBalancer"]
 

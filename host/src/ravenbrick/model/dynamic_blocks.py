@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import control
 import numpy as np
 
 from ravenbrick.model.blocks import (
@@ -16,6 +15,7 @@ from ravenbrick.model.blocks import (
     Parameter,
     Value,
 )
+from ravenbrick.model.lazy_control import control
 from ravenbrick.model.program import Binary, DataType, Expression, Read, Slot
 
 __all__ = [

@@ -7,11 +7,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import control
 import numpy as np
 import numpy.typing as npt
 
 from ravenbrick.model.diagram import Diagram, DiagramError
+from ravenbrick.model.lazy_control import control
+from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.program import (
     Binary,
@@ -30,7 +31,14 @@ from ravenbrick.model.program import (
     children,
 )
 
-__all__ = ["ErrorSource", "fraction_of", "linearise", "linearise_with_errors", "lsb_of"]
+__all__ = [
+    "ErrorSource",
+    "fraction_of",
+    "linear_system",
+    "linearise",
+    "linearise_with_errors",
+    "lsb_of",
+]
 
 _Vector = npt.NDArray[np.float64]
 
@@ -59,6 +67,11 @@ def linearise(diagram: Diagram | Program) -> control.StateSpace:
     without rounding. Raises `DiagramError` for a product of two signals and for blocks that are
     not linear. Exact: affine forms run through the program's own statements.
     """
+    return linear_system(diagram).for_control()
+
+
+def linear_system(diagram: Diagram | Program) -> LinearSystem:
+    """The matrices of `linearise`."""
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
     return _Linearisation(program, 0).system()
 
@@ -80,7 +93,7 @@ def linearise_with_errors(program: Program) -> tuple[control.StateSpace, tuple[E
         for (block, what, lsb, rounding), active in zip(roundings, lines.active, strict=True)
     ]
     sources += [ErrorSource(s.block, "state", lsb_of(s), 0.0, True) for s in program.states]
-    return system, tuple(sources)
+    return system.for_control(), tuple(sources)
 
 
 def lsb_of(slot: Slot) -> float:
@@ -134,7 +147,7 @@ class _Linearisation:
         vector[column] = 1.0
         return vector
 
-    def system(self) -> control.StateSpace:
+    def system(self) -> LinearSystem:
         """Run the statements and read the matrices off."""
         program, values = self._program, self._values
         for column, slot in enumerate(self._variables):
@@ -153,7 +166,7 @@ class _Linearisation:
         rows = [values[slot.kind, slot.name] for slot in program.states]
         states = np.array(rows).reshape(order, self._width)
         outputs = np.array([values[slot.kind, slot.name] for slot in program.outputs])
-        return control.ss(
+        return LinearSystem(
             states[:, :order],
             states[:, order:-1],
             outputs[:, :order],

@@ -7,9 +7,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-import control
-
 from ravenbrick.errors import DesignError
+from ravenbrick.model.lazy_control import control
 
 __all__ = ["NXT_MOTOR", "MotorParameters", "SpeedLoop"]
 

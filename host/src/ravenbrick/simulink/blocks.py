@@ -8,7 +8,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import control
 import numpy as np
 
 from ravenbrick.control.discretisation import DiscretisationMethod, discretise
@@ -36,6 +35,7 @@ from ravenbrick.model import (
     state_space_block,
     transfer_function_block,
 )
+from ravenbrick.model.lazy_control import control
 from ravenbrick.simulink.arithmetic import ARITHMETIC
 from ravenbrick.simulink.builder import Builder, Dialog
 from ravenbrick.simulink.conditions import CONDITIONS
