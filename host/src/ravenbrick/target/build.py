@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import BuildError, ProjectFileError, ToolMissingError, UsageError
+from ravenbrick.installation import advice_for_packages
 from ravenbrick.target.build_errors import build_failure
 from ravenbrick.target.build_settings import Settings
 from ravenbrick.target.design_script import DESIGN_SCRIPT, design_is_due, run_design
@@ -92,10 +93,9 @@ def require_tools() -> None:
     missing = [tool for tool in TOOLS if find_tool(tool) is None]
     if missing:
         names = ", ".join(f"'{tool.program}' ({tool.purpose})" for tool in missing)
-        packages = " ".join(tool.package for tool in missing)
         raise ToolMissingError(
-            f"the toolchain is incomplete: {names} not found; run 'make setup', which installs "
-            f"the Debian package(s) {packages}"
+            f"the toolchain is incomplete: {names} not found; "
+            f"{advice_for_packages(tool.package for tool in missing)}"
         )
 
 
