@@ -3,7 +3,7 @@
 /** Jobs on the page against the bounds that `ravenbrick analyse` proved. */
 import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { launch, open, passes, picture, ravenbrick, says, serve, VEHICLE } from "./harness";
+import { ends, launch, open, passes, picture, ravenbrick, serve, VEHICLE } from "./harness";
 
 interface Analysed {
   tasks: {
@@ -50,7 +50,7 @@ describe("response times", () => {
     await picture(page, "8-bounds");
     await page.selectOption("#speed", "Infinity");
     await page.click("#run");
-    await says(page, "Ended (power off)");
+    await ends(page, "ended (power off)");
     for (const { name, response_bound_cycles, observed } of bounds) {
       const { missed, cells } = await row(page, name);
       const [, , , , misses, bound, share] = cells;

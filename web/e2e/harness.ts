@@ -83,10 +83,26 @@ export async function says(page: Page, words: string): Promise<void> {
   );
 }
 
+/** Wait until the run is at its beginning again. */
+export async function begins(page: Page): Promise<void> {
+  await page.waitForFunction(() =>
+    document.querySelector("#time")?.textContent?.startsWith("0.000000 s"),
+  );
+}
+
+/** Wait until the program has ended in this way. */
+export async function ends(page: Page, how: string): Promise<void> {
+  await page.waitForFunction(
+    (words) => document.querySelector("#program")?.textContent?.includes(words),
+    how,
+    { timeout: 300_000 },
+  );
+}
+
 /** A picture of the page for a person to look at. */
-export async function picture(page: Page, name: string): Promise<void> {
+export async function picture(page: Page, name: string, fullPage = true): Promise<void> {
   await page.evaluate(() => scrollTo(0, 0));
-  await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage: true });
+  await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage });
 }
 
 /** What a button of the page downloads. */

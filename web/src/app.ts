@@ -3,16 +3,18 @@
 /** The page: views, toolbar and keys around the worker. */
 import { Toolbar } from "./controls";
 import { el } from "./dom";
+import { Keys } from "./keys";
 import type { Command, Frame, Ready, Report, Saved, StepBy } from "./protocol";
 import { decodeLink, decodeRun, encodeLink, encodeRun, type StoredRun } from "./run_file";
 import { PLAIN_SESSION, stimulusCsv, type Session } from "./session";
 import { Face } from "./view/face";
 import { Floor } from "./view/floor";
-import { Joystick } from "./view/joystick";
+import { Hand } from "./view/hand";
 import { Motors } from "./view/motors";
 import { Ports } from "./view/ports";
 import { Scope } from "./view/scope";
 import { Sound } from "./view/sound";
+import { Source, type Sources } from "./view/source";
 import { Surroundings } from "./view/surroundings";
 import { Timeline } from "./view/timeline";
 import type { Actions, View } from "./view/view";
@@ -22,22 +24,18 @@ export interface Link {
   send(command: Command): void;
 }
 
-const BUTTON_KEYS: Record<string, string> = {
-  ArrowLeft: "button.left",
-  ArrowRight: "button.right",
-  Enter: "button.orange",
-  Escape: "button.grey",
-};
-
 export class App implements Actions {
   readonly toolbar: Toolbar;
   readonly scopeView = new Scope(this);
   readonly timeline = new Timeline();
-  private readonly joystick = new Joystick(this);
+  private readonly source = new Source();
   private readonly sound = new Sound();
   private readonly views: View[];
   private session: Session = PLAIN_SESSION;
   private elf: Uint8Array | null = null;
+  /** The image beside the page, which its sources belong to. */
+  private served: Uint8Array | null = null;
+  private sources: Sources = {};
   private frames: Frame | null = null;
   private factor = 1;
   private saveAs: "file" | "link" | "inputs" = "file";
@@ -50,7 +48,7 @@ export class App implements Actions {
     this.toolbar = new Toolbar(
       {
         toggle: () => this.toggle(),
-        reset: () => this.link.send({ kind: "reset" }),
+        reset: () => this.send({ kind: "reset" }),
         step: (by) => this.step(by),
         speed: (factor) => this.setSpeed(factor),
         save: (as) => this.save(as),
@@ -58,16 +56,25 @@ export class App implements Actions {
       },
       this.sound.element,
     );
-    const [face, floor] = [new Face(this), new Floor()];
-    const surroundings = new Surroundings(this);
-    const wide = [new Motors(this), new Ports(this), this.scopeView, this.timeline];
-    this.views = [face, this.joystick, surroundings, floor, ...wide];
-    const hand = el("div", { class: "stack" }, this.joystick.element, surroundings.element);
-    const parts = [face.element, hand, floor.element, ...wide.map((view) => view.element)];
-    const main = el("main", {}, ...parts);
+    const hand = new Hand(this);
+    const drive = [new Face(this), hand, new Floor()];
+    const instruments = [this.scopeView, this.source, this.timeline];
+    const hardware = [new Motors(this), new Ports(this), new Surroundings(this)];
+    this.views = [...drive, ...instruments, ...hardware];
+    const column = (name: string, views: View[]) =>
+      el("div", { class: `column ${name}` }, ...views.map((view) => view.element));
+    const columns = [column("drive", drive), column("instruments", instruments)];
+    const main = el("main", {}, ...columns, column("hardware", hardware));
     this.page.replaceChildren(this.toolbar.element, main);
-    document.addEventListener("keydown", (event) => this.key(event, true), options);
-    document.addEventListener("keyup", (event) => this.key(event, false), options);
+    addEventListener("resize", () => this.redraw(), options);
+    new Keys(
+      {
+        input: (name, value) => this.input(name, value),
+        joystick: (key, down) => hand.joystick.key(key, down),
+        command: (key) => this.command(key),
+      },
+      options,
+    );
   }
 
   /** Load what belongs to the page's address: the link's run, else the project beside the page. */
@@ -76,28 +83,47 @@ export class App implements Actions {
       const stored = await decodeLink(fragment);
       if (stored) return this.replay(stored);
     } catch (error) {
-      return this.toolbar.say(`This link: ${(error as Error).message}`);
+      return this.toolbar.refuse(`This link: ${(error as Error).message}`);
     }
     const session = await fetched("./session.json").catch(() => null);
     if (!session?.ok) {
       return this.toolbar.say("Open a program (.elf) or a saved run (.json) to begin.");
     }
     const image = await fetched("./image.elf");
-    if (!image.ok) return this.toolbar.say("There is a session.json but no image.elf beside it.");
-    this.load((await session.json()) as Session, new Uint8Array(await image.arrayBuffer()));
+    if (!image.ok) {
+      return this.toolbar.refuse("There is a session.json but no image.elf beside it.");
+    }
+    this.served = new Uint8Array(await image.arrayBuffer());
+    this.load((await session.json()) as Session, this.served);
+    const sources = await fetched("./sources.json").catch(() => null);
+    this.sources = sources?.ok ? ((await sources.json()) as Sources) : {};
+    this.provideSources();
+  }
+
+  /** An image from elsewhere has other lines. */
+  private provideSources(): void {
+    const [elf, served] = [this.elf, this.served];
+    const same = elf?.length === served?.length && elf?.every((byte, at) => byte === served?.[at]);
+    this.source.provide(same ? this.sources : {});
+  }
+
+  /** Send what somebody did: an error of what was done before is over. */
+  private send(command: Command): void {
+    this.toolbar.refuse("");
+    this.link.send(command);
   }
 
   load(session: Session, elf: Uint8Array): void {
     this.elf = elf;
-    this.link.send({ kind: "load", session, elf });
+    this.send({ kind: "load", session, elf });
   }
 
   replay({ run, elf }: StoredRun): void {
     this.elf = elf;
-    this.link.send({ kind: "replay", run, elf });
+    this.send({ kind: "replay", run, elf });
     this.setSpeed(Infinity);
     this.toolbar.setSpeed(Infinity);
-    this.link.send({ kind: "run" });
+    this.send({ kind: "run" });
   }
 
   receive(report: Report): void {
@@ -110,14 +136,15 @@ export class App implements Actions {
       case "saved":
         return void this.saved(report);
       case "replayed":
-        return this.toolbar.say(
-          report.expected === report.found
-            ? `The same run again: trace digest ${report.found}`
-            : `ANOTHER run: trace digest ${report.found}, saved was ${report.expected}`,
+        if (report.expected === report.found) {
+          return this.toolbar.say(`The same run again: trace digest ${report.found}`);
+        }
+        return this.toolbar.refuse(
+          `ANOTHER run: trace digest ${report.found}, saved was ${report.expected}`,
         );
       case "failure":
         if (report.of === "scope") this.scopeView.refused();
-        return this.toolbar.say(report.message);
+        return this.toolbar.refuse(report.message);
       case "started":
     }
   }
@@ -129,6 +156,7 @@ export class App implements Actions {
     document.title = `${project} – Ravenbrick`;
     this.toolbar.say(scenario ? `${project}, scenario ${scenario}` : project);
     for (const view of this.views) view.ready(ready);
+    this.provideSources();
   }
 
   private frame(frame: Frame): void {
@@ -139,12 +167,19 @@ export class App implements Actions {
     this.sound.frame(frame, this.factor);
   }
 
+  /** Draw the last frame again, in another size. */
+  private redraw(): void {
+    if (!this.frames) return;
+    const frame = { ...this.frames, events: new Uint8Array(), scope: new Float64Array() };
+    for (const view of this.views) view.frame(frame);
+  }
+
   input(name: string, value: number): void {
-    this.link.send({ kind: "input", name, value });
+    this.send({ kind: "input", name, value });
   }
 
   scope(channels: string[], period_ms: number): void {
-    this.link.send({ kind: "scope", channels, period_ms });
+    this.send({ kind: "scope", channels, period_ms });
   }
 
   sensors(sensors: Record<string, { kind: string }>): void {
@@ -156,23 +191,25 @@ export class App implements Actions {
   }
 
   private toggle(): void {
-    this.link.send({ kind: this.frames?.running ? "pause" : "run" });
+    const { stop, running } = this.frames ?? { stop: null, running: false };
+    if (stop && stop.reason !== "reached") this.send({ kind: "reset" });
+    this.send({ kind: running ? "pause" : "run" });
   }
 
   private step(by: StepBy): void {
     const thread = by === "job" ? this.timeline.threadOf(this.toolbar.thread.value) : -1;
-    this.link.send({ kind: "step", by, thread });
+    this.send({ kind: "step", by, thread });
   }
 
   private setSpeed(factor: number): void {
     this.factor = factor;
-    this.link.send({ kind: "speed", factor });
+    this.send({ kind: "speed", factor });
   }
 
   private save(as: "file" | "link" | "inputs"): void {
     this.saveAs = as;
-    this.link.send({ kind: "pause" });
-    this.link.send({ kind: "save" });
+    this.send({ kind: "pause" });
+    this.send({ kind: "save" });
   }
 
   private async saved({ run, elf }: Saved): Promise<void> {
@@ -197,35 +234,22 @@ export class App implements Actions {
       const same = this.elf !== null;
       this.load(same ? this.session : PLAIN_SESSION, elf);
     } catch (error) {
-      this.toolbar.say(`${file.name}: ${(error as Error).message}`);
+      this.toolbar.refuse(`${file.name}: ${(error as Error).message}`);
     }
   }
 
-  private key(event: KeyboardEvent, down: boolean): void {
-    const target = event.target as HTMLElement | null;
-    const typing = target?.closest("input, select, textarea, button") !== null;
-    if ((target && target !== document.body && typing) || event.ctrlKey || event.metaKey) return;
-    const name = BUTTON_KEYS[event.key];
-    if (name) {
-      event.preventDefault();
-      if (!event.repeat) this.input(name, down ? 1 : 0);
-      return;
-    }
-    if (event.repeat && event.key === "t") return;
-    if (this.joystick.key(event.key.toLowerCase(), down) || !down) return;
+  private command(key: string): boolean {
     const acts: Record<string, () => void> = {
       " ": () => this.toggle(),
       ".": () => this.step("instruction"),
       ",": () => this.step("line"),
       j: () => this.step("job"),
-      r: () => this.link.send({ kind: "reset" }),
+      r: () => this.send({ kind: "reset" }),
       "+": () => this.toolbar.shift(1),
       "-": () => this.toolbar.shift(-1),
     };
-    const act = acts[event.key];
-    if (!act) return;
-    event.preventDefault();
-    act();
+    acts[key]?.();
+    return key in acts;
   }
 }
 

@@ -3,6 +3,7 @@
 /** Run, pause, step, speed, reset, and files. */
 import { seconds } from "./clock";
 import { el } from "./dom";
+import { keyHelp } from "./keys";
 import type { Frame, StepBy } from "./protocol";
 
 export interface Controls {
@@ -33,6 +34,9 @@ export class Toolbar {
   private readonly rate = el("output", { id: "rate", "aria-label": "Times real speed" });
   private readonly place = el("output", { id: "place", "aria-label": "Next instruction" });
   private readonly status = el("p", { id: "status", role: "status" });
+  /** How the program ended, as long as it has; and what the page could not do. */
+  private readonly program = el("p", { id: "program", role: "status" });
+  private readonly problem = el("p", { id: "problem", role: "alert" });
   private readonly speeds: HTMLSelectElement;
   private names = "";
 
@@ -54,21 +58,32 @@ export class Toolbar {
     this.speeds = el("select", { id: "speed", "aria-label": "Speed" }, ...options);
     this.speeds.addEventListener("change", () => controls.speed(Number(this.speeds.value)));
     const reset = button("Reset", "Begin again (r)", () => controls.reset(), "reset");
+    const more = button("More", "Steps, sound, files", () => this.unfold(more), "more");
+    more.setAttribute("aria-expanded", "false");
+    const group = (...children: (Node | string)[]) => el("span", { class: "group" }, ...children);
     this.element = el(
       "header",
       {},
-      el("h1", {}, "Ravenbrick"),
       el(
         "div",
         { class: "row", role: "toolbar", "aria-label": "Run" },
-        ...[this.runButton, reset, this.speeds],
-        el("span", { class: "group" }, "Step:", ...steps, this.thread),
-        extra,
-        this.files(button),
+        el("h1", {}, "Ravenbrick"),
+        group(this.runButton, reset, this.speeds, more),
+        el("div", { class: "more row" }, group("Step:", ...steps, this.thread), this.files(button)),
+        el("div", { class: "more row" }, extra, keyHelp()),
       ),
-      el("div", { class: "row readings" }, this.time, this.rate, this.place),
-      this.status,
+      el(
+        "div",
+        { class: "row readings" },
+        ...[this.status, this.time, this.rate, this.place, this.program, this.problem],
+      ),
     );
+  }
+
+  /** On a small screen, all but the most important controls are folded. */
+  private unfold(more: HTMLElement): void {
+    const open = this.element.classList.toggle("unfolded");
+    more.setAttribute("aria-expanded", String(open));
   }
 
   private files(
@@ -98,13 +113,15 @@ export class Toolbar {
   }
 
   frame({ cycles, running, achieved, stop, place }: Frame): void {
-    this.runButton.textContent = running ? "Pause" : "Run";
+    const ended = stop !== null && stop.reason !== "reached";
+    this.runButton.textContent = running ? "Pause" : ended ? "Run again" : "Run";
     this.time.value = running
       ? `${seconds(cycles).toFixed(3)} s`
       : `${seconds(cycles).toFixed(6)} s, cycle ${cycles}`;
     this.rate.value = achieved > 0 ? `${achieved.toPrecision(3)} × real time` : "";
-    const ended = stop && stop.reason !== "reached";
-    if (ended) this.say(`Ended (${stop.reason.replace("_", " ")}): ${stop.message}`);
+    const how = ended ? `Program ended (${stop.reason.replace("_", " ")}): ${stop.message}` : "";
+    set(this.program, how);
+    this.program.classList.toggle("failed", ended && stop.reason !== "power_off");
     if (!place) {
       this.place.value = "";
       return;
@@ -137,7 +154,18 @@ export class Toolbar {
     this.controls.speed(next[1]);
   }
 
+  /** The program, or news about it. */
   say(text: string): void {
-    if (this.status.textContent !== text) this.status.textContent = text;
+    set(this.status, text);
   }
+
+  /** What the page could not do; the next action takes it away. */
+  refuse(text: string): void {
+    set(this.problem, text);
+  }
+}
+
+/** Only a change is read aloud. */
+function set(element: HTMLElement, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
 }

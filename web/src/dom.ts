@@ -37,10 +37,11 @@ function apply(element: Element, attributes: Attributes, children: Child[]): voi
   element.append(...children.filter((child) => child !== null));
 }
 
-/** A titled part of the page. */
-export function panel(id: string, title: string, ...children: Child[]): HTMLElement {
+/** A titled part of the page; `tools` stand beside its title. */
+export function panel(id: string, title: string, tools: Child[], ...children: Child[]) {
   const heading = el("h2", { id: `${id}-title` }, title);
-  return el("section", { id, "aria-labelledby": `${id}-title` }, heading, ...children);
+  const head = el("div", { class: "row head" }, heading, ...tools);
+  return el("section", { id, "aria-labelledby": `${id}-title` }, head, ...children);
 }
 
 /** Drawing surface of a canvas in CSS pixels, sized to its element; null where there is none. */

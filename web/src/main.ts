@@ -23,7 +23,7 @@ worker.addEventListener("message", ({ data }: MessageEvent<Report>) => {
   app.receive(data);
 });
 worker.addEventListener("error", (event) => {
-  app.toolbar.say(`The brick cannot run in this browser: ${event.message || "no WebAssembly"}`);
+  app.toolbar.refuse(`The brick cannot run in this browser: ${event.message || "no WebAssembly"}`);
 });
 
 await app.begin(location.hash, (address) => fetch(address));

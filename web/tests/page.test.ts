@@ -124,6 +124,162 @@ describe("the brick's face", () => {
   });
 });
 
+describe("the keyboard", () => {
+  const down = (key: string, target: EventTarget = document.body) =>
+    target.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+  const up = (key: string, target: EventTarget = document.body) =>
+    target.dispatchEvent(new KeyboardEvent("keyup", { key, bubbles: true }));
+
+  it.each([
+    ...["#run", "#reset", "#speed", "#step-l", "#sound", "#keys summary", "#timeline-view"],
+    ...['[aria-label^="Joystick"]', '[data-input="battery.voltage"]', '[data-input="touch.1"]'],
+  ])("drives the brick after %s was used", (control) => {
+    get(control).focus();
+    press("a", get(control));
+    press("t", get(control));
+    expect(inputs().map(([name]) => name)).toEqual(["motor.A.hand_angle", "touch.1", "touch.1"]);
+  });
+
+  it("leaves Space and Enter to a focused button, arrows to a slider", () => {
+    for (const key of [" ", "Enter"]) {
+      expect(down(key, get("#reset"))).toBe(true);
+      expect(down(key, get("#speed"))).toBe(true);
+    }
+    expect(down(" ", get("#sound"))).toBe(true);
+    expect(down("ArrowLeft", get('[aria-label^="Joystick"]'))).toBe(true);
+    expect(sent).toEqual([]);
+  });
+
+  it("is not held by a control that was used with the pointer", () => {
+    for (const [selector, event] of [
+      ["#speed", "change"],
+      ['[data-input="battery.voltage"]', "change"],
+      ["#reset", "click"],
+    ] as const) {
+      const control = get(selector);
+      control.focus();
+      control.dispatchEvent(new Event("pointerdown", { bubbles: true }));
+      control.dispatchEvent(new Event(event, { bubbles: true }));
+      expect(document.activeElement).toBe(document.body);
+    }
+    const speed = get("#speed");
+    speed.focus();
+    down("ArrowDown", speed);
+    speed.dispatchEvent(new Event("change", { bubbles: true }));
+    expect(document.activeElement).toBe(speed);
+  });
+
+  it("types in a text field until Escape", () => {
+    const field = get("#channel");
+    field.focus();
+    for (const key of ["a", "t", " ", "r"]) expect(down(key, field)).toBe(true);
+    expect(sent).toEqual([]);
+    press("Escape", field);
+    expect(document.activeElement).toBe(document.body);
+    expect(sent).toEqual([]);
+  });
+
+  it("lets go of a key wherever the focus is then, and when the window loses it", () => {
+    down("t");
+    up("t", get("#channel"));
+    down("Enter");
+    dispatchEvent(new Event("blur"));
+    expect(inputs()).toEqual([
+      ["touch.1", 1],
+      ["touch.1", 0],
+      ["button.orange", 1],
+      ["button.orange", 0],
+    ]);
+  });
+
+  it("has its keys listed on the page", () => {
+    const listed = [...document.querySelectorAll("#keys kbd")].map((key) => key.textContent);
+    for (const key of ["Space", ".", ",", "j", "r", "a", "d", "s", "t", "Enter", "Esc"]) {
+      expect(listed).toContain(key);
+    }
+  });
+});
+
+describe("an error", () => {
+  const problem = () => get("#problem").textContent;
+  const program = () => get("#program").textContent;
+
+  it("of the page is gone with the next action, and with another image", () => {
+    app.receive({ kind: "failure", of: "load", message: "no ELF file" });
+    expect([problem(), program()]).toEqual(["no ELF file", ""]);
+    get("#step-i").click();
+    expect(problem()).toBe("");
+    app.receive({ kind: "failure", of: "load", message: "no ELF file" });
+    app.receive(READY);
+    expect(problem()).toBe("");
+  });
+
+  it("of the program stays while it is ended, and is gone after a reset", () => {
+    const stop = { reason: "fault" as const, at_cycles: 5, message: "no memory" };
+    app.receive({ ...FRAME, stop });
+    get("#save-run").click();
+    app.receive({ ...FRAME, stop });
+    expect([problem(), program()]).toEqual(["", "Program ended (fault): no memory"]);
+    app.receive(READY);
+    app.receive({ ...FRAME, cycles: 0 });
+    expect(program()).toBe("");
+  });
+
+  it("is none when the program switched the brick off; it runs again from its beginning", () => {
+    const stop = { reason: "power_off" as const, at_cycles: 5, message: "off" };
+    app.receive({ ...FRAME, stop });
+    expect(get("#program").className).toBe("");
+    expect(get("#run").textContent).toBe("Run again");
+    sent = [];
+    get("#run").click();
+    expect(sent.map(({ kind }) => kind)).toEqual(["reset", "run"]);
+  });
+});
+
+describe("the source", () => {
+  const ELF = new Uint8Array([1, 2]);
+  const TEXT = ["procedure Vehicle is", "begin", "   null;", "end Vehicle;"].join("\n");
+  const answers: Record<string, object> = {
+    "./session.json": { json: () => Promise.resolve(READY.session) },
+    "./image.elf": { arrayBuffer: () => Promise.resolve(ELF.buffer) },
+    "./sources.json": { json: () => Promise.resolve({ "/a/b/vehicle.adb": TEXT }) },
+  };
+  const place = { pc: 8, function: "main", offset: 0, file: "/a/b/vehicle.adb", line: 3 };
+  const fetched = (address: string) => Promise.resolve({ ok: true, ...answers[address] });
+  const text = () => get("#source-text").textContent;
+  const here = () => document.querySelector("#source-text [aria-current]")?.textContent;
+
+  beforeEach(() => app.begin("", fetched as unknown as typeof fetch));
+
+  it("is shown around the line where the program is paused", () => {
+    app.receive(READY);
+    app.receive({ ...FRAME, place });
+    expect([here(), get("#source-place").textContent]).toEqual(["   null;\n", "vehicle.adb:3"]);
+    app.receive({ ...FRAME, place: { ...place, pc: 12, line: 4 } });
+    expect(here()).toBe("end Vehicle;\n");
+    expect(text()).toContain("procedure Vehicle is");
+    app.receive({ ...FRAME, running: true, place: null });
+    expect(get("#source").className).toBe("past");
+  });
+
+  it("that is not there is told: which file, or that the code has none", () => {
+    app.receive(READY);
+    app.receive({ ...FRAME, place: { ...place, file: "/gcc/libgcc2.c" } });
+    expect(text()).toContain("/gcc/libgcc2.c is not in the project");
+    app.receive({ ...FRAME, place: { ...place, file: null, line: null } });
+    expect(text()).toContain("The code of main has no source line");
+    app.receive(READY);
+    expect(text()).toContain("Paused, the program shows");
+  });
+
+  it("of another image is not that of the image beside the page", () => {
+    app.load(READY.session, new Uint8Array([3]));
+    app.receive(READY);
+    app.receive({ ...FRAME, place });
+    expect(text()).toContain("is not in the project");
+  });
+});
+
 describe("what is plugged in", () => {
   it("shows a touch sensor to press and its cable to pull", () => {
     const touch = get('button[data-input="touch.1"]');
@@ -152,6 +308,20 @@ describe("what is plugged in", () => {
 });
 
 describe("the joystick", () => {
+  it("shows the angle that a scenario sets", () => {
+    const inputs = [{ at_cycles: 1, name: "motor.A.hand_angle", value: -Math.PI / 6 }];
+    app.receive({ ...READY, session: { ...READY.session, inputs } });
+    const angle = () => get<HTMLInputElement>('[aria-label^="Joystick angle"]').value;
+    app.receive({ ...FRAME, cycles: 0 });
+    expect(angle()).toBe("0");
+    app.receive({ ...FRAME, cycles: 1 });
+    expect(angle()).toBe("-30");
+    // By hand it is turned on from there, whatever a late frame says.
+    press("a");
+    app.receive({ ...FRAME, cycles: 2 });
+    expect(angle()).toBe("-25");
+  });
+
   it("turns by slider and keys, to the left positive", () => {
     const range = get<HTMLInputElement>('[aria-label^="Joystick angle"]');
     range.value = "45";
@@ -271,7 +441,9 @@ describe("a frame", () => {
   it("says how a run ended", () => {
     const stop = { reason: "fault" as const, at_cycles: 5, message: "no memory at 16#0#" };
     app.receive({ ...FRAME, stop });
-    expect(get("#status").textContent).toBe("Ended (fault): no memory at 16#0#");
+    const program = get("#program");
+    expect(program.textContent).toBe("Program ended (fault): no memory at 16#0#");
+    expect(program.className).toBe("failed");
   });
 });
 
@@ -315,7 +487,8 @@ describe("the scope", () => {
     ]);
     app.receive({ kind: "failure", of: "scope", message: "no such symbol" });
     expect(app.scopeView.channels).not.toContain("pin:17");
-    expect(get("#status").textContent).toBe("no such symbol");
+    expect(app.scopeView.channels).toContain("symbol:vehicle_control_left");
+    expect(get("#problem").textContent).toBe("no such symbol");
   });
 });
 
@@ -331,7 +504,7 @@ describe("a saved run", () => {
     const kinds = () => sent.map((c) => c.kind);
     await vi.waitFor(() => expect(kinds()).toContain("replay"), { timeout: 100_000 });
     app.receive({ kind: "replayed", expected: "ab", found: "cd" });
-    expect(get("#status").textContent).toContain("ANOTHER run");
+    expect(get("#problem").textContent).toContain("ANOTHER run");
   });
 });
 
@@ -359,6 +532,6 @@ describe("the beginning", () => {
 
   it("says that a link is damaged", async () => {
     await app.begin("#run=AAAA", () => Promise.reject(new Error("offline")));
-    expect(get("#status").textContent).toContain("link");
+    expect(get("#problem").textContent).toContain("link");
   });
 });

@@ -32,7 +32,7 @@ export class Face implements View {
       ),
     );
     const keys = el("div", { class: "brick-buttons" }, ...buttons);
-    this.element = panel("face", "Brick", el("div", { class: "brick" }, this.screen, keys));
+    this.element = panel("face", "Brick", [], el("div", { class: "brick" }, this.screen, keys));
   }
 
   ready(): void {

@@ -39,7 +39,7 @@ export class Floor implements View {
     role: "img",
     "aria-label": "Vehicle from above with its path",
   });
-  private readonly text = el("output", { id: "pose" }, "");
+  private readonly text = el("output", { id: "pose", "aria-label": "Position and heading" }, "");
   private path: Pose[] = [];
   private pose: Pose | null = null;
   private track = 0.115;
@@ -47,7 +47,7 @@ export class Floor implements View {
   private picture: HTMLCanvasElement | null = null;
 
   constructor() {
-    this.element = panel("floor", "Floor", this.canvas, el("p", {}, this.text));
+    this.element = panel("floor", "Floor", [this.text], this.canvas);
   }
 
   ready({ session, channels }: Ready): void {
@@ -69,7 +69,7 @@ export class Floor implements View {
     // A long path keeps every second point: its shape stays.
     if (this.path.length > PATH_POINTS_MAX) this.path = this.path.filter((_, at) => at % 2 === 0);
     const turned = ((heading * 180) / Math.PI).toFixed(0);
-    this.text.value = `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m, heading ${turned}°`;
+    this.text.value = `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m, ${turned}°`;
     this.draw();
   }
 

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** The joystick: a motor held by hand, turned by slider, keyboard (A and D) or gamepad. */
-import { el, panel } from "../dom";
-import type { Ready } from "../protocol";
+import { el } from "../dom";
+import type { Frame, Ready } from "../protocol";
+import type { TimedInput } from "../session";
 import type { Actions, View } from "./view";
 
 const DEGREES = 180 / Math.PI;
@@ -14,6 +15,7 @@ const DEAD_ZONE = 0.1;
 export class Joystick implements View {
   readonly element: HTMLElement;
   private name: string | null = null;
+  private planned: TimedInput[] = [];
   private touch: string | null = null;
   private readonly shown = el("output", {}, "0°");
   private readonly range = el("input", {
@@ -22,42 +24,43 @@ export class Joystick implements View {
     max: LIMIT_DEGREES,
     step: 1,
     value: 0,
-    "aria-label": "Joystick angle in degrees",
+    "aria-label": "Joystick angle in degrees, positive to the left",
     input: () => this.turnTo(this.range.valueAsNumber),
   });
   private pad = { axis: 0, pressed: false };
 
   constructor(private readonly actions: Actions) {
     const centre = el("button", { type: "button", click: () => this.turnTo(0) }, "centre");
-    const hint =
-      "Keys A and D turn it, S centres it, T presses the first touch sensor; " +
-      "a gamepad's stick and first button do the same.";
-    this.element = panel(
-      "joystick",
-      "Joystick",
-      el("div", { class: "slider" }, this.range, this.shown, centre),
-      el("p", { class: "note" }, hint),
-    );
+    this.element = el("div", { id: "joystick" }, this.range, this.shown, centre);
   }
 
-  ready({ inputs }: Ready): void {
+  ready({ inputs, session }: Ready): void {
     this.name = inputs.find((i) => i.name.endsWith(".hand_angle"))?.name ?? null;
     this.touch = inputs.find((i) => i.name.startsWith("touch."))?.name ?? null;
     this.element.hidden = this.name === null;
-    this.range.value = "0";
-    this.shown.value = "0°";
+    this.planned = session.inputs.filter((input) => input.name === this.name);
+    this.planned.sort((a, b) => a.at_cycles - b.at_cycles);
+    this.show(0);
   }
 
-  frame(): void {
+  /** The slider follows what the scenario or the saved run does. */
+  frame({ cycles }: Frame): void {
+    while (this.planned[0] && this.planned[0].at_cycles <= cycles) {
+      this.show((this.planned.shift()?.value ?? 0) * DEGREES);
+    }
     this.poll();
   }
 
   turnTo(degrees: number): void {
     if (!this.name) return;
     const angle = Math.max(-LIMIT_DEGREES, Math.min(LIMIT_DEGREES, degrees));
-    this.range.value = String(angle);
-    this.shown.value = `${angle.toFixed(0)}°`;
+    this.show(angle);
     this.actions.input(this.name, angle / DEGREES);
+  }
+
+  private show(degrees: number): void {
+    this.range.value = degrees.toFixed(0);
+    this.shown.value = `${degrees.toFixed(0)}°`;
   }
 
   /** A key of the page; true when it was one of the joystick's. */

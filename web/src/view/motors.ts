@@ -53,7 +53,7 @@ export class Motors implements View {
   private motors: Motor[] = [];
 
   constructor(private readonly actions: Actions) {
-    this.element = panel("motors", "Motors", this.row);
+    this.element = panel("motors", "Motors", [], this.row);
   }
 
   ready({ channels, inputs }: Ready): void {

@@ -11,13 +11,14 @@ import type { Actions, View } from "./view";
 const ROWS_MAX = 60_000;
 const REDRAW_MS = 60;
 const COLOURS = ["#2f6fab", "#c4572b", "#3b8a4b", "#8455a8", "#a67c00", "#607080", "#b03060"];
-const HEIGHT = 260;
+const HEIGHT_MIN = 120;
 
 export class Scope implements View {
   readonly element: HTMLElement;
   channels: string[] = [];
   /** Instants, then a column per channel; null before the first sample of a signal. */
   private columns: (number | null)[][] = [[]];
+  private accepted: [string[], (number | null)[][]] = [[], [[]]];
   private plot: uPlot | null = null;
   private drawn = 0;
   private readonly known = el("datalist", { id: "channels" });
@@ -39,6 +40,8 @@ export class Scope implements View {
     { "aria-label": "Sampling period of the scope", change: () => this.choose(this.channels) },
     ...[0.1, 1, 10].map((ms) => el("option", { value: ms, selected: ms === 1 }, `${ms} ms`)),
   );
+  /** Value of each channel at the cursor, else the last. */
+  private values: HTMLOutputElement[] = [];
   private readonly chosen = el("ul", { class: "chips", "aria-label": "Shown channels" });
   private readonly figure = el("div", { id: "scope-plot" });
 
@@ -50,7 +53,7 @@ export class Scope implements View {
       this.show(this.name.value.trim());
       this.name.value = "";
     });
-    this.element = panel("scope", "Scope", form, this.chosen, this.figure);
+    this.element = panel("scope", "Scope", [form], this.chosen, this.figure);
   }
 
   ready({ channels }: Ready): void {
@@ -70,9 +73,13 @@ export class Scope implements View {
     if (channel && !this.channels.includes(full)) this.choose([...this.channels, full]);
   }
 
-  /** The core refused the last choice. */
+  /** The core refused the last choice: it goes on with the one before, and so does the plot. */
   refused(): void {
-    this.choose(this.channels.slice(0, -1));
+    const [channels, columns] = this.accepted;
+    // Another image may refuse what was shown before.
+    if (channels.join() === this.channels.join()) return this.choose(channels.slice(0, -1));
+    [this.channels, this.columns] = [channels, columns];
+    this.arrange();
   }
 
   frame({ scope, running }: Frame): void {
@@ -90,9 +97,16 @@ export class Scope implements View {
   }
 
   private choose(channels: string[]): void {
+    this.accepted = [this.channels, this.columns];
     this.channels = channels;
     this.columns = Array.from({ length: channels.length + 1 }, () => []);
     this.actions.scope(channels, Number(this.period.value));
+    this.arrange();
+  }
+
+  private arrange(): void {
+    const { channels } = this;
+    this.values = channels.map(() => el("output", {}));
     this.chosen.replaceChildren(
       ...channels.map((channel, index) => {
         const remove = el(
@@ -104,7 +118,8 @@ export class Scope implements View {
           },
           "×",
         );
-        const chip = el("li", {}, channel, remove);
+        const name = el("span", {}, channel.replace(/^(signal|symbol):/, ""));
+        const chip = el("li", {}, name, this.values[index] ?? null, remove);
         chip.style.borderColor = COLOURS[index % COLOURS.length] ?? "";
         return chip;
       }),
@@ -112,28 +127,42 @@ export class Scope implements View {
     this.plot?.destroy();
     this.plot = null;
     if (channels.length > 0 && this.figure.clientWidth > 0) this.plot = this.create();
+    this.draw(true);
   }
 
   private create(): uPlot {
-    const series = this.channels.map((label, index) => ({
-      label: label.replace(/^[a-z]+:/, ""),
+    const series = this.channels.map((channel, index) => ({
       stroke: COLOURS[index % COLOURS.length] ?? "black",
       width: 1.5,
-      paths: (label.startsWith("pin:") && uPlot.paths.stepped?.({ align: 1 })) || null,
+      paths: (channel.startsWith("pin:") && uPlot.paths.stepped?.({ align: 1 })) || null,
     }));
     const [stroke, line] = [colour("ink"), { stroke: colour("grid"), width: 1 }];
     const axis = { stroke, grid: line, ticks: line };
     const options: uPlot.Options = {
-      width: this.figure.clientWidth,
-      height: HEIGHT,
+      ...this.size(),
       scales: { x: { time: false } },
       axes: [
-        { ...axis, label: "s", labelSize: 16 },
+        { ...axis, size: 32, values: (_, instants) => instants.map((instant) => `${instant} s`) },
         { ...axis, size: 60 },
       ],
-      series: [{ label: "s" }, ...(series as uPlot.Series[])],
+      legend: { show: false },
+      hooks: { setCursor: [(plot) => this.read(plot)], setData: [(plot) => this.read(plot)] },
+      series: [{}, ...(series as uPlot.Series[])],
     };
     return new uPlot(options, this.columns as uPlot.AlignedData, this.figure);
+  }
+
+  private read({ cursor, data }: uPlot): void {
+    this.values.forEach((output, index) => {
+      const column = data[index + 1] ?? [];
+      const value = cursor.idx == null ? column.at(-1) : column[cursor.idx];
+      output.value = value == null ? "–" : value.toPrecision(4);
+    });
+  }
+
+  private size(): { width: number; height: number } {
+    const { clientWidth: width, clientHeight } = this.figure;
+    return { width, height: Math.max(HEIGHT_MIN, clientHeight) };
   }
 
   private draw(now = false): void {
@@ -142,8 +171,9 @@ export class Scope implements View {
     if (!this.plot || times.length === 0 || (!now && wall - this.drawn < REDRAW_MS)) return;
     this.drawn = wall;
     const end = times.at(-1) ?? 0;
-    const width = this.figure.clientWidth;
-    if (width !== this.plot.width) this.plot.setSize({ width, height: HEIGHT });
+    const size = this.size();
+    const changed = size.width !== this.plot.width || size.height !== this.plot.height;
+    if (changed) this.plot.setSize(size);
     const from = Math.max(0, end - Number(this.window.value));
     const first = Math.max(0, times.findIndex((time) => time !== null && time >= from));
     const shown = this.columns.map((column) => column.slice(first));

@@ -8,7 +8,7 @@ import type { Actions, View } from "./view";
 
 const LABELS: Record<string, string> = {
   "battery.voltage": "battery",
-  "fault.coprocessor_checksum": "wrong checksums to come",
+  "fault.coprocessor_checksum": "checksums to corrupt",
   "fault.twi_stuck": "co-processor bus stuck",
 };
 
@@ -27,8 +27,8 @@ export class Surroundings implements View {
   private readonly voltage = el("output", { id: "battery-voltage" });
 
   constructor(private readonly actions: Actions) {
-    const now = el("p", {}, "At the terminals: ", this.voltage);
-    this.element = panel("surroundings", "Battery and faults", now, this.controls);
+    const now = el("span", { class: "note" }, "terminals: ", this.voltage);
+    this.element = panel("surroundings", "Battery and faults", [now], this.controls);
   }
 
   ready({ inputs }: Ready): void {

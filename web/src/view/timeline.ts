@@ -9,7 +9,7 @@ import { Schedule, type Job, type Lane, type Piece } from "../schedule";
 import type { Task } from "../session";
 import type { View } from "./view";
 
-const LANE_HEIGHT = 30;
+const LANE_HEIGHT = 24;
 const LABEL_WIDTH = 130;
 const AXIS_HEIGHT = 18;
 const REDRAW_MS = 100;
@@ -52,13 +52,11 @@ export class Timeline implements View {
     heads.push("processor");
     const head = el("tr", {}, ...heads.map((name) => el("th", { scope: "col" }, name)));
     const table = el("table", {}, el("thead", {}, head), this.body);
-    const legend =
-      "Filled: executing. Outline: from release (↑) to completion. ↓ deadline, red: missed. " +
-      "┤ bound of the response time.";
+    const legend = "■ executes  □ from release ↑ to completion  ↓ deadline (missed: red)  ┤ bound";
     this.element = panel(
       "timeline",
       "Schedule",
-      el("div", { class: "row" }, this.width, el("span", { class: "note" }, legend)),
+      [this.width, el("span", { class: "note" }, legend)],
       this.canvas,
       el("div", { class: "scrolled", role: "region", tabindex: 0, "aria-label": "Tasks" }, table),
       this.note,
@@ -209,7 +207,9 @@ export class Timeline implements View {
 
   private tabulate(): void {
     const now = Math.max(1, this.schedule.now);
-    const rows = this.rows().map(({ label, lane, task, interrupt }) => {
+    const known = this.rows();
+    const tasksFirst = [false, true].flatMap((kind) => known.filter((r) => r.interrupt === kind));
+    const rows = tasksFirst.map(({ label, lane, task, interrupt }) => {
       const { jobs, last, worst, misses, bounded, beyond } = lane.figures;
       const { bound } = lane.limits;
       const cells = interrupt
