@@ -21,6 +21,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from benchmarks.child_time import run_timed
 from benchmarks.cpu_speed import measurements
 from tools import tables
 from tools.tables import Row, merge_rows
@@ -266,7 +267,43 @@ def timing_growth() -> Iterator[Row]:
         yield figure_row(name, each, "steps each instruction")
 
 
+# Whole processes that a user waits for.
+COMPLETION = ["_RAVENBRICK_COMPLETE=complete_bash", "COMP_WORDS=ravenbrick re", "COMP_CWORD=1"]
+START_UP = {
+    "ravenbrick --version": ["ravenbrick", "--version"],
+    "ravenbrick --help": ["ravenbrick", "--help"],
+    "completion of a command": ["env", *COMPLETION, "ravenbrick"],
+    "import of the command run": ["python", "-c", "import ravenbrick.cli.run"],
+    "import of the command build": ["python", "-c", "import ravenbrick.cli.build"],
+    "build of the vehicle, nothing changed": ["ravenbrick", "build", str(VEHICLE)],
+    "design of the vehicle": ["ravenbrick", "design", str(VEHICLE)],
+}
+SCRIPTS = {name: str(ROOT / ".venv" / "bin" / name) for name in ("python", "ravenbrick")}
+BARE = {
+    "the interpreter alone": ["python", "-c", "pass"],
+    "the interpreter with NumPy": ["python", "-c", "import numpy"],
+}
+
+
+def start_up() -> Iterator[Row]:
+    """Seconds of processor time, user and system, beside the bare interpreter's; medians."""
+    ravenbrick("build", str(VEHICLE))
+    taken: dict[str, list[float]] = {name: [] for name in (*BARE, *START_UP)}
+    for _ in range(REPEATS):
+        for name, words in (BARE | START_UP).items():
+            command = [SCRIPTS.get(word, word) for word in words]
+            seconds, code = run_timed(command, 120)
+            if code:
+                raise SystemExit(f"{' '.join(command)}: ended with {code}")
+            taken[name].append(seconds)
+    medians = {name: statistics.median(seconds) for name, seconds in taken.items()}
+    for name in START_UP:
+        for peer in BARE:
+            yield figure_row(name, medians[name], "s of processor time", peer, medians[peer])
+
+
 FIGURES: list[Callable[[], Iterator[Row]]] = [
+    start_up,
     cpu_speed,
     vehicle_speed,
     vehicle_memory,
@@ -279,16 +316,17 @@ FIGURES: list[Callable[[], Iterator[Row]]] = [
 ]
 
 
-def main() -> int:
-    """Measure, write results and tables."""
-    for number, measure in enumerate(FIGURES, 1):
+def main(names: list[str]) -> int:
+    """Measure what is named, or all; write results and tables."""
+    chosen = [measure for measure in FIGURES if not names or measure.__name__ in names]
+    for number, measure in enumerate(chosen, 1):
         rows = list(measure())
         for row in rows:
-            print(f"[{number}/{len(FIGURES)}] {row['figure']}: {row['value']:.5g} {row['unit']}")
+            print(f"[{number}/{len(chosen)}] {row['figure']}: {row['value']:.5g} {row['unit']}")
         merge_rows(RESULTS, rows, ("figure", "peer"))
     tables.main([])
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))
