@@ -8,10 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from matplotlib.figure import Figure
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
@@ -62,6 +61,9 @@ from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
 from ravenbrick.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["analyse_command"]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ravenbrick.codegen.proof import prove
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, FixedPointOptions, Rounding, to_fixed_point
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 from ravenbrick.model.program import Program, with_constants
 
 if TYPE_CHECKING:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
 
 from ravenbrick.control.controller import pi_diagram
 from ravenbrick.control.design_plots import DesignedLoop
@@ -22,6 +21,7 @@ from ravenbrick.control.metrics import Margins, StepMetrics, step_metrics
 from ravenbrick.control.sampled import SampledLoop, StepResponse
 from ravenbrick.control.tuning import DiscretePi, PiGains
 from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linear_system
+from ravenbrick.model.lazy import linalg
 from ravenbrick.whole_file import write_whole
 
 __all__ = ["Design", "EstimatorComparison", "compare_estimators", "finish_design"]
@@ -86,7 +86,7 @@ class Design:
         closed = self.continuous.closed_loop(self.loop)
         time = np.linspace(0.0, RESPONSE_DURATION, 501)
         rest = -np.linalg.solve(closed.A, closed.B[:, 0])
-        transition = expm(closed.A * time[1])
+        transition = linalg.expm(closed.A * time[1])
         states = [-rest]
         for _ in time[1:]:
             states.append(transition @ states[-1])

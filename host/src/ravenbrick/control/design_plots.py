@@ -25,7 +25,7 @@ from ravenbrick.control.sampled import SampledLoop
 from ravenbrick.control.tuning import PiGains
 from ravenbrick.errors import DesignError
 from ravenbrick.model import LinearSystem, SpeedLoop
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

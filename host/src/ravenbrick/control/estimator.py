@@ -8,12 +8,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scipy.optimize import brentq
-
 from ravenbrick.control.sampled import SampledLoop
 from ravenbrick.control.tuning import DiscretePi, pi_direct
 from ravenbrick.errors import DesignError
 from ravenbrick.model import IntegrationMethod, SpeedLoop
+from ravenbrick.model.lazy import optimize
 
 __all__ = ["LoopSpecification", "pi_with_estimator"]
 
@@ -82,7 +81,7 @@ def _first_root(excess: Callable[[float], float], wanted: float) -> float:
     for _ in range(_STEPS):
         right = left * ratio
         if excess(right) <= 0:
-            share = float(brentq(excess, left, right, xtol=1e-12))
+            share = float(optimize.brentq(excess, left, right, xtol=1e-12))
             if math.isclose(excess(share), 0.0, abs_tol=1e-6):
                 return share
         left = right

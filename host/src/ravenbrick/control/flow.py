@@ -11,10 +11,9 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import expm
-from scipy.optimize import brentq
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.lazy import linalg, optimize
 
 __all__ = ["FlowMatrix", "Segment", "largest_value", "settling_time"]
 
@@ -50,12 +49,12 @@ class FlowMatrix:
     @cached_property
     def cell_transition(self) -> Array:
         """exp(A cell)."""
-        return np.asarray(expm(self.matrix * self.cell))
+        return np.asarray(linalg.expm(self.matrix * self.cell))
 
     @cached_property
     def transition(self) -> Array:
         """exp(A duration)."""
-        return np.asarray(expm(self.matrix * self.duration))
+        return np.asarray(linalg.expm(self.matrix * self.duration))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +68,7 @@ class Segment:
 
     def value(self, elapsed: float) -> float:
         """Output `elapsed` seconds after the start."""
-        return float(self.row @ expm(self.flow.matrix * elapsed) @ self.state)
+        return float(self.row @ linalg.expm(self.flow.matrix * elapsed) @ self.state)
 
     def turning_points(self) -> list[tuple[float, float]]:
         """(elapsed, value) at both ends and at every extremum, in order of time."""
@@ -90,9 +89,9 @@ class Segment:
 
 def _slope_root(matrix: Array, state: Array, row: Array, cell: float) -> float:
     def slope(elapsed: float) -> float:
-        return float(row @ expm(matrix * elapsed) @ state)
+        return float(row @ linalg.expm(matrix * elapsed) @ state)
 
-    return float(brentq(slope, 0.0, cell, xtol=1e-15))
+    return float(optimize.brentq(slope, 0.0, cell, xtol=1e-15))
 
 
 def largest_value(segments: Sequence[Segment]) -> float:
@@ -136,4 +135,4 @@ def _leaving(segments: Sequence[Segment], band: float) -> list[Segment]:
 def _crossing(segment: Segment, left: float, right: float, level: float) -> float:
     if abs(segment.value(right)) == abs(level):
         return right
-    return float(brentq(lambda t: segment.value(t) - level, left, right, xtol=1e-14))
+    return float(optimize.brentq(lambda t: segment.value(t) - level, left, right, xtol=1e-14))

@@ -11,7 +11,7 @@ import numpy as np
 
 from ravenbrick.control.flow import Array
 from ravenbrick.control.metrics import Margins, margins
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control, optimize
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -192,14 +192,12 @@ def root_locus_figure(open_loop: control.lti.LTI, title: str) -> Figure:
 
 def _branches(system: control.StateSpace, factors: Array) -> Any:
     """Poles for each factor, shape (factors, states), each column one branch."""
-    from scipy.optimize import linear_sum_assignment  # slow to load
-
     rows: list[Any] = []
     for factor in factors:
         feedback = factor / (1 + factor * system.D[0, 0])
         poles = np.linalg.eigvals(system.A - feedback * system.B @ system.C)
         if rows:
             distance = np.abs(rows[-1][:, np.newaxis] - poles[np.newaxis])
-            poles = poles[linear_sum_assignment(distance)[1]]
+            poles = poles[optimize.linear_sum_assignment(distance)[1]]
         rows.append(poles)
     return np.array(rows)

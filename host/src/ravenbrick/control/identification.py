@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import optimize, stats
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Encoder
+from ravenbrick.model.lazy import optimize, stats
 
 __all__ = [
     "IdentifiedMotor",

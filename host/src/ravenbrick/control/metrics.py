@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ravenbrick.control.flow import FlowMatrix, Segment, largest_value, settling_time
 from ravenbrick.errors import DesignError
 from ravenbrick.model import LinearSystem
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control, optimize
 
 __all__ = ["SETTLING_BAND", "Margins", "StepMetrics", "crossovers", "margins", "step_metrics"]
 
@@ -104,7 +103,7 @@ class _Sampled:
 
     def crossover(self, left: float, right: float) -> float:
         """The gain crossover (rad/s) between these two."""
-        return float(brentq(lambda w: abs(self(w)) - 1, left, right))
+        return float(optimize.brentq(lambda w: abs(self(w)) - 1, left, right))
 
 
 def crossovers(open_loop: control.lti.LTI) -> tuple[tuple[float, float], ...]:
@@ -135,6 +134,6 @@ def _discrete_margins(open_loop: control.lti.LTI | LinearSystem) -> Margins:
             if abs(own) < abs(phase):
                 phase, crossover = own, root
         if (first.imag > 0) != (last.imag > 0) and first.real < 0:
-            root = float(brentq(lambda w: response(w).imag, left, right))
+            root = float(optimize.brentq(lambda w: response(w).imag, left, right))
             gain = min(gain, -1 / response(root).real)
     return Margins(gain, phase, crossover)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ravenbrick.errors import DesignError
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 __all__ = ["PidGains", "pid_by_margin", "pid_by_poles"]
 

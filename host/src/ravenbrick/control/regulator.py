@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ravenbrick.errors import DesignError
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 __all__ = [
     "Observer",

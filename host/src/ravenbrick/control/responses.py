@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ravenbrick.control.design_plots import written_system
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 from ravenbrick.whole_file import write_whole
 
 __all__ = ["write_loop_results"]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ravenbrick.control.peak_gain import peak_gain
 from ravenbrick.errors import DesignError
 from ravenbrick.model.fixed_point import FixedPoint
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 from ravenbrick.model.linearisation import (
     ErrorSource,
     fraction_of,

@@ -14,7 +14,7 @@ from ravenbrick.control.flow import Array, FlowMatrix, Segment, largest_value, s
 from ravenbrick.control.metrics import SETTLING_BAND, Margins, StepMetrics, margins
 from ravenbrick.errors import DesignError
 from ravenbrick.model import LinearSystem, SpeedLoop
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 __all__ = ["SampledLoop", "StepResponse"]
 

@@ -20,7 +20,7 @@ from ravenbrick.control.encoder_run import (
 )
 from ravenbrick.control.tuning import DiscretePi
 from ravenbrick.model import IntegrationMethod
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,7 @@ import numpy as np
 from ravenbrick.control.regulator import kalman
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Encoder, SpeedLoop, SpeedWindow
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 __all__ = [
     "EdgeTimes",

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ravenbrick.control.metrics import SETTLING_BAND, step_metrics
 from ravenbrick.errors import DesignError
 from ravenbrick.model import IntegrationMethod, LinearSystem, SpeedLoop
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control, optimize
 
 __all__ = [
     "DiscretePi",
@@ -150,7 +149,7 @@ def pi_by_damping(loop: SpeedLoop, damping: float, settling_time: float) -> PiGa
     values = [excess(frequency) for frequency in grid]
     for (left, right), (first, last) in zip(pairwise(grid), pairwise(values), strict=True):
         if first > 0 >= last:
-            root = float(brentq(excess, left, right, xtol=1e-12))
+            root = float(optimize.brentq(excess, left, right, xtol=1e-12))
             if abs(excess(root)) < 1e-6:
                 return _gains_of_damping(loop, damping, root)
     raise DesignError(

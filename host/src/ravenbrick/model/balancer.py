@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ravenbrick.errors import DesignError
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 __all__ = ["NXTWAY_GS", "TwoWheeledBalancer"]
 

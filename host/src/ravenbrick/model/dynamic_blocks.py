@@ -15,7 +15,7 @@ from ravenbrick.model.blocks import (
     Parameter,
     Value,
 )
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 from ravenbrick.model.program import Binary, DataType, Expression, Read, Slot
 
 __all__ = [

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 __all__ = ["LinearSystem"]
 

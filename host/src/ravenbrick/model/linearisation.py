@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ravenbrick.model.diagram import Diagram, DiagramError
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.program import (

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass, fields
 
 from ravenbrick.errors import DesignError
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 
 __all__ = ["NXT_MOTOR", "MotorParameters", "SpeedLoop"]
 

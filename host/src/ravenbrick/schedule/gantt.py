@@ -5,14 +5,16 @@
 from __future__ import annotations
 
 from fractions import Fraction
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.quantity import Time, exact
 from ravenbrick.schedule.simulation import Scheduler, Simulation, simulate
 from ravenbrick.trace.plots.style import COLOURS, new_figure, task_colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["gantt_figure", "shown_until"]
 

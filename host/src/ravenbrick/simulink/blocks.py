@@ -35,7 +35,7 @@ from ravenbrick.model import (
     state_space_block,
     transfer_function_block,
 )
-from ravenbrick.model.lazy_control import control
+from ravenbrick.model.lazy import control
 from ravenbrick.simulink.arithmetic import ARITHMETIC
 from ravenbrick.simulink.builder import Builder, Dialog
 from ravenbrick.simulink.conditions import CONDITIONS

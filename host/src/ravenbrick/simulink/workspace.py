@@ -8,7 +8,6 @@ import re
 from pathlib import Path
 
 import numpy as np
-from scipy.io import loadmat
 
 from ravenbrick.errors import DesignError
 from ravenbrick.simulink.numbers import Workspace, value_of
@@ -83,6 +82,8 @@ def _statements(text: str) -> list[str]:
 
 
 def _read_mat(path: Path, found: Workspace) -> None:
+    from scipy.io import loadmat  # slow to load
+
     try:
         values = loadmat(path, simplify_cells=True)
     except (OSError, ValueError, NotImplementedError, TypeError, KeyError) as error:

@@ -5,16 +5,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ravenbrick.telemetry.log import RunLog
 from ravenbrick.telemetry.messages import SignalDescription
 from ravenbrick.telemetry.steps import LiveStep
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["draw_signals", "signals_figure", "steps_figure", "units_of"]
 

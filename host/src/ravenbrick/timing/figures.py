@@ -5,10 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.releases import critical_instant
@@ -22,6 +19,10 @@ from ravenbrick.timing.result import microseconds
 from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, stretches
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["margin_figure", "spreads_figure", "terms_figure", "windows_figure"]
 
@@ -39,6 +40,8 @@ TERMS = (
 def terms_figure(result: dict[str, Any]) -> Figure:
     """Each bound as shares of its terms with the observed maximum as a mark, beside the share of
     the deadline that bound and observed maximum take."""
+    from matplotlib.figure import Figure  # slow to load
+
     tasks = [task for task in reversed(result["tasks"]) if task["terms"] is not None]
     figure = Figure(figsize=(10.0, 1.3 + 0.6 * len(tasks)), layout="constrained")
     shares, times = figure.subplots(1, 2, sharey=True, width_ratios=(5, 3))

@@ -9,14 +9,15 @@ from collections.abc import Sequence
 from html import escape
 from importlib import resources
 from pathlib import Path
-from typing import Any
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.result import advice, microseconds
 from ravenbrick.trace.plots.style import data_uri, png_bytes
 from ravenbrick.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = [
     "EVENT_HEAD",

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import base64
 import io
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-import matplotlib
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = [
     "COLOURS",
@@ -23,8 +24,6 @@ __all__ = [
     "png_bytes",
     "task_colour",
 ]
-
-matplotlib.use("Agg")
 
 COLOURS = {
     "setpoint": "#555555",
@@ -45,6 +44,8 @@ DPI = 150
 
 def new_figure(width: float = 8.0, height: float = 4.0, rows: int = 1) -> tuple[Figure, list[Axes]]:
     """A figure (inches) with plain axes, one below the other."""
+    from matplotlib.figure import Figure  # slow to load
+
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = figure.subplots(rows, 1, sharex=rows > 1, squeeze=False)[:, 0]
     for axis in axes:

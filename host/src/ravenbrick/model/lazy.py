@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""python-control, loaded at its first use: with what it draws with, it takes a second to load."""
+"""Libraries that are loaded at their first use: together they take more than a second to load."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from importlib.util import LazyLoader, find_spec, module_from_spec
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-__all__ = ["control"]
+__all__ = ["control", "linalg", "optimize", "stats"]
 
 
 def _lazy_module(name: str) -> ModuleType:
@@ -27,5 +27,9 @@ def _lazy_module(name: str) -> ModuleType:
 
 if TYPE_CHECKING:
     import control
+    from scipy import linalg, optimize, stats
 else:
     control = _lazy_module("control")
+    linalg = _lazy_module("scipy.linalg")
+    optimize = _lazy_module("scipy.optimize")
+    stats = _lazy_module("scipy.stats")
