@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -18,7 +19,7 @@ from typing import Any
 
 from ravenbrick.errors import BuildError, ProjectFileError, ToolMissingError, UsageError
 from ravenbrick.installation import advice_for_packages
-from ravenbrick.target.build_errors import build_failure
+from ravenbrick.target.build_errors import build_failure, disk_full, is_disk_full
 from ravenbrick.target.build_settings import Settings
 from ravenbrick.target.design_script import DESIGN_SCRIPT, design_is_due, run_design
 from ravenbrick.target.elf_image import ElfImage, ImageKind, read_image
@@ -178,13 +179,19 @@ def _run(
     return process.returncode, "".join(lines)
 
 
-def _same_objects(folder: Path, choices: dict[str, Any]) -> None:
-    """Remove objects that were compiled by other choices: gprbuild would not notice."""
+@contextmanager
+def _same_objects(folder: Path, choices: dict[str, Any]) -> Iterator[None]:
+    """Objects in a folder are compiled by these choices, each whole; gprbuild would not notice.
+
+    They are removed when others compiled them, or when whoever did was killed.
+    """
     record, text = folder / "compiled-with.json", json.dumps(choices, sort_keys=True)
     if not record.is_file() or record.read_text("utf-8") != text:
         shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True, exist_ok=True)
-        record.write_text(text, encoding="utf-8")
+    folder.mkdir(parents=True, exist_ok=True)
+    record.unlink(missing_ok=True)
+    yield
+    record.write_text(text, encoding="utf-8")
 
 
 def _check_project(workspace: Workspace, settings: Settings) -> None:
@@ -218,9 +225,7 @@ def _build(
     folder.mkdir(parents=True, exist_ok=True)
     choices = choices_of(workspace, robot, settings)
     compiled = {name: value for name, value in choices.items() if name not in ("name", "HEAP")}
-    _same_objects(folder.parent / "objects" / settings.objects, compiled)
     shared = {n: v for n, v in compiled.items() if n not in ("project folder", "GENERATED")}
-    _same_objects(workspace.products / "drivers" / settings.objects, shared)
     with _nothing_left_after_failure(elf), tempfile.TemporaryDirectory() as private:
         run_time = run_time_library(settings)
         values = {"IMAGE": kind, "PROJECT": workspace.project.name, "ROBOT": robot.name}
@@ -239,7 +244,13 @@ def _build(
         command = ["gprbuild", "-k", f"-j{os.cpu_count() or 1}", *call]
         command += ["-cargs", "-v", "-cargs:Ada", "-gnatef", "-bargs", "-v", "-largs", "-v"]
         log = folder / "build.log"
-        code, output = _run(command, workspace, environment, log, lock, show)
+        with (
+            _same_objects(folder.parent / "objects" / settings.objects, compiled),
+            _same_objects(workspace.products / "drivers" / settings.objects, shared),
+        ):
+            code, output = _run(command, workspace, environment, log, lock, show)
+            if is_disk_full(output):
+                raise disk_full(folder)
         if code != 0:
             raise build_failure(workspace.project, kind, output, log)
         image = read_image(elf)
@@ -272,7 +283,12 @@ def build_image(
             if show:
                 show(f"  python    {DESIGN_SCRIPT} -> generated/")
             run_design(workspace)
-        return _build(workspace, robot, kind, lock, show)
+        try:
+            return _build(workspace, robot, kind, lock, show)
+        except OSError as error:
+            if error.errno in (errno.ENOSPC, errno.EDQUOT):
+                raise disk_full(workspace.products) from None
+            raise
 
 
 def clean_project(workspace: Workspace) -> Path:

@@ -10,7 +10,7 @@ from pathlib import Path
 from ravenbrick.errors import BuildError, ImageFileError, shown_path
 from ravenbrick.target.elf_image import ImageKind
 
-__all__ = ["build_failure", "errors_in"]
+__all__ = ["build_failure", "disk_full", "errors_in", "is_disk_full"]
 
 # Compilers and project files: "file:line:column: [error:] sentence", never a warning or a remark.
 _AT = re.compile(
@@ -21,6 +21,7 @@ _UNDEFINED = re.compile(
     r"^(?:\S*/ld: )?(?P<place>.*?)(?::\(\S+\))?: undefined reference to `(?P<name>.+)'$"
 )
 _NO_BODY = re.compile(r"^cannot generate code for file (\S+) \(")
+_CIRCULAR = re.compile(r"^info: +((?:unit|change|remove) .+)$")
 _PLAIN = re.compile(r"^(?:gnatbind: |gprbuild: )?(?:fatal )?error[:,] (.+)$")
 _OVERFLOW = re.compile(r"region `(\w+)' overflowed by (\d+) bytes?")
 _NO_SPACE = re.compile(r"No space left on device|Disk quota exceeded")
@@ -64,7 +65,22 @@ def errors_in(output: str, project: Path) -> list[str]:
             found.setdefault(line, text)
         elif plain := _PLAIN.match(line):
             found.setdefault(line, plain[1])
+        elif found and (circular := _CIRCULAR.match(line)):
+            found.setdefault(line, circular[1])
     return list(found.values())
+
+
+def is_disk_full(output: str) -> bool:
+    """Whether one of the tools says so."""
+    return _NO_SPACE.search(output) is not None
+
+
+def disk_full(folder: Path) -> BuildError:
+    """The error for a disk that is full while this folder is written."""
+    return BuildError(
+        f"{shown_path(folder)}: the disk is full; free some space there and in the folder for "
+        "temporary files, and build again"
+    )
 
 
 def build_failure(
@@ -72,11 +88,6 @@ def build_failure(
 ) -> BuildError | ImageFileError:
     """The error for a build of a project that failed with this output, which is in the log too."""
     whole = f"whole output: {shown_path(log)}"
-    if _NO_SPACE.search(output):
-        return BuildError(
-            f"{shown_path(log.parent)}: the disk is full; free some space there and in the folder "
-            "for temporary files, and build again"
-        )
     if overflow := _OVERFLOW.search(output):
         memory = "flash" if kind == "flash" and overflow[1] == "CODE" else "RAM"
         advice = "shorten stacks or code"
