@@ -8,6 +8,9 @@
 
 export RAVENBRICK_HOME
 RAVENBRICK ?= $(if $(RAVENBRICK_HOME),"$$RAVENBRICK_HOME/.venv/bin/ravenbrick",ravenbrick)
+ifeq ($(RAVENBRICK)$(shell command -v ravenbrick),ravenbrick)
+$(error ravenbrick is not on the PATH; set RAVENBRICK_HOME to the Ravenbrick tree)
+endif
 
 .DEFAULT_GOAL := ram
 .PHONY: ram flash test design clean

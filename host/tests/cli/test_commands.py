@@ -19,7 +19,9 @@ from host.tests.support.fake_tools import install_fake_tools, write_recipe
 from typer.testing import CliRunner, Result
 
 from ravenbrick.cli.app import app
+from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.exit_codes import exit_code_table
+from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import ExitCode
 from ravenbrick.target import build, virtual
 from ravenbrick.target.workspace import Workspace
@@ -38,8 +40,8 @@ def brick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def complete(project: Path) -> Path:
     """The project with all that it takes to design and 'build' it."""
-    shutil.copy(VEHICLE / "design.py", project)
-    (project / "generated").mkdir()
+    shutil.copy2(VEHICLE / "design.py", project)
+    shutil.copytree(VEHICLE / "generated", project / "generated")
     write_recipe(project)
     return project
 
@@ -140,6 +142,44 @@ def test_an_image_that_is_not_the_built_one_is_built_again(
     done = call("run", whole, "drive")
     assert image.read_bytes() == make_elf()
     assert ("build the ram image" in done.output) == (change is not Path.touch)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "drive"),
+        ("view", "drive", "--out", "page"),
+        ("debug", "drive"),
+        ("live", "drive"),
+        ("analyse",),
+        ("identify", "drive", "drive", "--motor", "B"),
+        ("sweep", "drive"),
+        ("upload", "--out", "plain.bin"),
+        ("build",),
+    ],
+    ids=lambda words: words[0],
+)
+def test_no_command_takes_an_image_whose_source_does_not_compile(
+    whole: Path, words: tuple[str, ...]
+) -> None:
+    """The compiler's error is the first line of each."""
+    assert call("build", whole).exit_code == ExitCode.OK
+    (whole / "src" / "main.adb").write_text("procedure Main is")
+    write_recipe(whole, "echo 'main.adb:12:7: error: missing \";\"'; exit 4")
+    name, *options = words
+    sentence = failure(call(name, whole, *options), ExitCode.BUILD_FAILED)
+    assert sentence == 'ravenbrick: main.adb:12:7: missing ";"'
+
+
+def test_a_named_elf_file_of_a_project_is_built_before_it_is_bounded(whole: Path) -> None:
+    """`wcet` names the file; one that no build left is taken as it is."""
+    assert call("build", whole).exit_code == ExitCode.OK
+    image = Workspace.of(whole).image("ram", "vehicle")
+    before = image.stat().st_mtime_ns
+    assert built_file(image, Reporter(True)).stat().st_mtime_ns == before
+    (whole / "src" / "more.adb").touch()
+    assert built_file(image, Reporter(True)).stat().st_mtime_ns > before
+    assert built_file(whole / "small.elf", Reporter(True)).is_file()
 
 
 def test_an_image_too_large_for_ram_is_refused(whole: Path) -> None:

@@ -54,8 +54,8 @@ def build_command(
     reporter = Reporter(json_output)
     if clean:
         removed = clean_project(workspace)
-        reporter.print(f"removed: {shown_path(removed)}")
-        return {"removed": str(removed)}
+        reporter.print(f"removed: {', '.join(map(shown_path, removed))}")
+        return {"removed": [str(folder) for folder in removed]}
     robot = read_robot(directory)
     with reporter.step(f"build the {image.value} image") as step:
         built = build_image(workspace, robot, image.kind, reporter.print if tools else None)

@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import RavenbrickError, shown_path
 from ravenbrick.target.bounds_file import own_bounds
-from ravenbrick.target.build import BUSY, build_image, current_image
+from ravenbrick.target.build import BUSY, build_image, current_image, record_file
 from ravenbrick.target.design_script import run_design
 from ravenbrick.target.elf_image import ElfImage, ImageKind, read_image
 from ravenbrick.target.locks import locked
+from ravenbrick.target.made_from import MadeFrom
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.protocol import Progress, no_progress
-from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.robot import ROBOT_FILE, Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.design import Design, read_design
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "any_run",
+    "built_file",
     "collect",
     "design_project",
     "keep_peer",
@@ -71,6 +73,18 @@ def project_image(
         built = build_image(workspace, robot, kind)
         step.note = shown_path(built.image.path)
     return built.image
+
+
+def built_file(elf: Path, reporter: Reporter) -> Path:
+    """An ELF file; one that a project's build left is built before where it is not current."""
+    made = MadeFrom.read(record_file(elf))
+    project = Path(made.settings.get("project folder", "")) if made is not None else Path()
+    if made is not None and (project / ROBOT_FILE).is_file():
+        workspace, robot = Workspace.of(project), read_robot(project)
+        kind: ImageKind = "flash" if elf.resolve().parent.name == "flash" else "ram"
+        if workspace.image(kind, robot.name) == elf.resolve():
+            project_image(workspace, robot, kind, reporter)
+    return elf
 
 
 def play(

@@ -13,6 +13,7 @@ from elftools.elf.elffile import ELFFile
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import RavenbrickError, UsageError
 from ravenbrick.target.located_toml import utf8_text
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
@@ -109,7 +110,8 @@ def wcet_command(
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    if not elf.is_file():
+    reporter = Reporter(json_output)
+    if not built_file(elf, reporter).is_file():
         raise UsageError(f"{elf}: there is no such file; name an ELF file")
     if not own_data and (after or any_content):
         raise UsageError("--after and --any-content say what --own-data starts from; add it")
@@ -120,7 +122,7 @@ def wcet_command(
     try:
         if own_data:
             result = _own_data(elf, calls, any_content or [], options)
-            _print_own_data(Reporter(json_output), result)
+            _print_own_data(reporter, result)
             return result
         found = execution_times(elf.read_bytes(), functions=[symbol], **options)
     except ExecutionTimeError as error:
@@ -133,5 +135,5 @@ def wcet_command(
         "stack_bytes": bound.stack_bytes,
         "report": bound.report,
     }
-    _print(Reporter(json_output), result)
+    _print(reporter, result)
     return result

@@ -291,9 +291,12 @@ def build_image(
             raise
 
 
-def clean_project(workspace: Workspace) -> Path:
-    """Remove what was built for a project; its folder."""
-    folder = workspace.products / workspace.project.name
+def clean_project(workspace: Workspace) -> list[Path]:
+    """Remove what was built for a project, its own objects of the drivers too; the folders."""
+    folders = [workspace.products / workspace.project.name]
+    if workspace.root == workspace.project:
+        folders.append(workspace.products / "drivers")
     with locked(workspace.products, BUSY):
-        shutil.rmtree(folder, ignore_errors=True)
-    return folder
+        for folder in folders:
+            shutil.rmtree(folder, ignore_errors=True)
+    return folders
