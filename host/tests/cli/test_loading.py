@@ -94,6 +94,17 @@ def test_completion_is_installed_for_the_shell(tmp_path: Path) -> None:
     assert (tmp_path / ".bashrc").is_file()
 
 
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    """As in `ravenbrick home | true`."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    program = "from ravenbrick.cli import main; main()"
+    command = [sys.executable, "-c", program, "home"]
+    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True)
+    os.close(writing)
+    assert done.stderr == ""
+
+
 def imported(module: str) -> set[str]:
     """The modules that a command's module loads."""
     program = f"import sys, ravenbrick.cli.{module}; print(*{NAMES})"

@@ -184,8 +184,8 @@ def _answering(as_json: bool) -> Iterator[None]:
     """Tell in one sentence what fails inside, and end the program with its exit code."""
     try:
         yield
-    except typer.Exit:
-        raise
+    except (typer.Exit, BrokenPipeError):
+        raise  # nobody reads on, which Typer ends without a word
     except RavenbrickError as error:
         _end(error, as_json)
     except OSError as error:
