@@ -10,10 +10,13 @@ import re
 import shutil
 import subprocess
 import sysconfig
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from tools.dist import write_wheel
 
@@ -170,3 +173,13 @@ def test_the_steps_need_no_root_for_the_user() -> None:
     words = [word for word, _ in steps()]
     assert "RUN" not in words[words.index("USER") :]
     assert os.path.basename(dict(steps())["WORKDIR"]) == dict(steps())["USER"]
+
+
+def test_the_tests_run_with_versions_that_the_wheel_allows() -> None:
+    """Each dependency has a pinned version, within its range."""
+    project = tomllib.loads((ROOT / "host" / "pyproject.toml").read_text())["project"]
+    pins = re.findall(r"^([\w.-]+)==(\S+)", (ROOT / "tools/requirements.txt").read_text(), re.M)
+    versions = {canonicalize_name(name): version for name, version in pins}
+    for wish in [*project["dependencies"], *project["optional-dependencies"]["export"]]:
+        requirement = Requirement(wish)
+        assert versions[canonicalize_name(requirement.name)] in requirement.specifier, wish

@@ -38,7 +38,8 @@ _SYMPTOMS = (
     ("not running in reset mode", "the brick runs its firmware; " + _ENTER_MONITOR),
     (
         "while connecting",
-        f"the brick cannot be opened; install {UDEV_RULE} (docs/guides/real-brick.md)",
+        f"the brick cannot be opened; install {UDEV_RULE} of the folder that 'ravenbrick home' "
+        "prints (docs/guides/real-brick.md)",
     ),
     (
         "handshake",
@@ -64,8 +65,8 @@ def brick_to_load(bricks: Sequence[UsbBrick]) -> UsbBrick:
         )
     if not waiting[0].usable:
         raise ConnectionFailedError(
-            f"{waiting[0].node} may not be opened by this user; install {UDEV_RULE} "
-            "(docs/guides/real-brick.md), then plug the brick in again"
+            f"{waiting[0].node} may not be opened by this user; install {UDEV_RULE} of the folder "
+            "that 'ravenbrick home' prints (docs/guides/real-brick.md); plug the brick in again"
         )
     return waiting[0]
 
