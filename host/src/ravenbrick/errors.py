@@ -20,6 +20,7 @@ __all__ = [
     "DesignError",
     "ExitCode",
     "ImageFileError",
+    "InterruptError",
     "PeerError",
     "ProjectFileError",
     "RavenbrickError",
@@ -140,6 +141,16 @@ class DesignError(RavenbrickError):
     """The controller's design failed."""
 
     exit_code = ExitCode.DESIGN_FAILED
+
+
+class InterruptError(RavenbrickError):
+    """Ctrl-C; `data` holds what was done before."""
+
+    exit_code = ExitCode.INTERRUPTED
+
+    def __init__(self, **data: Any) -> None:
+        super().__init__("interrupted")
+        self.data = data
 
 
 class ConnectionFailedError(RavenbrickError):

@@ -22,10 +22,22 @@ def main() -> None:
     # Our matrices are small: threads for them only take processor time.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        from ravenbrick.cli.app import app  # all that --version does without
-    except KeyboardInterrupt:
-        from ravenbrick.errors import ExitCode
+        import signal  # as the rest: all that --version does without
 
+        from ravenbrick.cli.app import app
+
+        app(prog_name="ravenbrick")
+    except KeyboardInterrupt:
+        _interrupted()
+    finally:
+        # The answer is given; what is left is the interpreter's own end.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _interrupted() -> None:
+    """Ctrl-C before the program could answer for itself."""
+    if "--json" in sys.argv:
+        print('{"ok": false, "exit_code": 130, "error": "interrupted", "detail": ""}')
+    else:
         print("ravenbrick: interrupted", file=sys.stderr)
-        sys.exit(ExitCode.INTERRUPTED)
-    app(prog_name="ravenbrick")
+    sys.exit(130)

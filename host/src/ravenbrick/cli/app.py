@@ -18,7 +18,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from ravenbrick.cli import VERSION_LINE
-from ravenbrick.errors import ExitCode, RavenbrickError, UsageError, shown_path
+from ravenbrick.errors import InterruptError, RavenbrickError, UsageError, shown_path
 
 __all__ = ["COMMANDS", "JsonOption", "app", "command", "load"]
 
@@ -92,6 +92,8 @@ class Program(TyperGroup):
         try:
             alone = {**options, "standalone_mode": False}
             code = super().main(words or ["--help"], *others, **alone)
+        except (KeyboardInterrupt, typer.Abort):
+            code = _told(InterruptError(), self._as_json)
         except Exception as error:
             sentence = getattr(error, "format_message", None)
             if sentence is None:
@@ -191,9 +193,7 @@ def _answering(as_json: bool) -> Iterator[None]:
     except OSError as error:
         _end(_refused(error), as_json)
     except KeyboardInterrupt:
-        stopped = RavenbrickError("interrupted")
-        stopped.exit_code = ExitCode.INTERRUPTED
-        _end(stopped, as_json)
+        _end(InterruptError(), as_json)
     except Exception as error:
         if os.environ.get("RAVENBRICK_TRACEBACK"):
             traceback.print_exc(file=sys.stderr)

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.child import run_child
 from ravenbrick.codegen.variants import NumberChoice, number_variants
 from ravenbrick.control import Design
 from ravenbrick.errors import DesignError, RavenbrickError
@@ -28,7 +28,7 @@ _HERTZ = 336_384_000 / 7
 def project_costs(project: Path) -> list[dict[str, Any]]:
     """Rows by number format; raises `DesignError` with the script's last words."""
     command = [sys.executable, "-m", "ravenbrick.cli.costs"]
-    done = subprocess.run(command, cwd=project, capture_output=True, text=True, check=False)
+    done = run_child(command, cwd=project, errors_apart=True)
     if done.returncode != 0:
         last = (done.stderr.strip() or "no message").split("\n")[-1]
         raise DesignError(

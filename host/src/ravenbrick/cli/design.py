@@ -73,6 +73,7 @@ def _with_schedule(
     from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
     from ravenbrick.trace.sample_timing import sample_timing
 
+    path = workspace.named_recording(path)
     if not path.is_file():
         raise UsageError(f"{path}: there is no such recording; make one with `ravenbrick run`")
     if motor not in _MOTORS:

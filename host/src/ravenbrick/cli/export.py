@@ -30,10 +30,11 @@ def _source(source: Path, scenario: str | None, image: ImageChoice) -> tuple[Pat
     if scenario is None:
         raise UsageError(f"name a scenario of '{source}', or a recording instead of the folder")
     # A scenario's file may be named instead, as for 'ravenbrick run'.
-    file = workspace.recording(Path(scenario).stem, image.kind)
-    if not file.is_file():
+    own = workspace.recording(Path(scenario).stem, image.kind)
+    file = own if own.is_file() else workspace.named_recording(scenario)
+    if not file.is_file() or file.suffix != own.suffix:
         raise UsageError(
-            f"{shown_path(file)}: the scenario has not been run yet; "
+            f"{shown_path(own)}: the scenario has not been run yet; "
             f"run it with 'ravenbrick run {source} {scenario}'"
         )
     return file, workspace.results / "exports" / file.with_suffix("").name

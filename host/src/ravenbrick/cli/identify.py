@@ -64,7 +64,8 @@ def identify_command(
     runs: list[MotorData] = []
     for name in (scenario, validation):
         if name.endswith(".npz"):
-            runs.append(signal_data(Recording.load(Path(name)), *_names(signals)))
+            recorded = Recording.load(workspace.named_recording(name))
+            runs.append(signal_data(recorded, *_names(signals)))
             continue
         loaded = project_image(workspace, robot, image.kind, reporter)
         chosen = read_scenario(scenario_path(directory, name), robot)

@@ -13,7 +13,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image
-from ravenbrick.errors import RunFaultError, UsageError
+from ravenbrick.errors import InterruptError, RunFaultError, UsageError
 from ravenbrick.target.byte_ports import open_port
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
 from ravenbrick.target.robot import read_robot
@@ -79,21 +79,25 @@ def live_command(
         reporter.print(f"the run ended: {stopped.message or stopped.reason}")
         if stopped.reason == "fault":
             raise RunFaultError(f"the program stopped with a fault: {stopped.message}")
+        finished = True
     except KeyboardInterrupt:
         run_record.end_cycles, run_record.digest = brick.cycles, brick.trace_digest()
-        reporter.print("ended from the keyboard")
+        finished = False
     finally:
         port.close()
         if server is not None:
             server.close()
         if record is not None:
             run_record.save(record)
-    return {
+    answer = {
         "trace_digest": run_record.digest,
         "end_cycles": run_record.end_cycles,
         "signals": len(run_record.signals) + len(run_record.cable),
         "record": str(record) if record else None,
     }
+    if not finished:
+        raise InterruptError(**answer)
+    return answer
 
 
 def _usb_ip_server(usb: str | None, port: int | None, reporter: Reporter) -> UsbIpServer | None:

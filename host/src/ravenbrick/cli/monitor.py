@@ -13,9 +13,9 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.errors import ConnectionFailedError, UsageError, shown_path
+from ravenbrick.errors import ConnectionFailedError, InterruptError, UsageError, shown_path
 from ravenbrick.target.workspace import Workspace
-from ravenbrick.telemetry.links import open_link
+from ravenbrick.telemetry.links import check_address, open_link
 from ravenbrick.telemetry.messages import Answer, Hello, Message, Verdict
 from ravenbrick.telemetry.monitor import Monitor, replay
 from ravenbrick.telemetry.picture import signals_figure, steps_figure
@@ -76,7 +76,9 @@ class _Listener:
 
 def _watch(
     address: str, monitor: Monitor, seconds: float | None, port: int | None, reporter: Reporter
-) -> None:
+) -> bool:
+    """Until `seconds` are over, or until Ctrl-C: then the answer is False."""
+
     def over() -> bool:
         return seconds is not None and monitor.now_s >= seconds
 
@@ -88,9 +90,10 @@ def _watch(
             while not over():
                 monitor.poll()
     except KeyboardInterrupt:
-        reporter.print("ended from the keyboard")
+        return False
     finally:
         monitor.end()
+    return True
 
 
 def _write_outputs(
@@ -174,10 +177,11 @@ def monitor_command(
     if (step is None) != (design is None):
         raise UsageError("--step and --design go together: a pair of signals and a project folder")
     wanted = [_wish(text) for text in wishes or []]
-    reporter = Reporter(json_output)
+    reporter, finished = Reporter(json_output), True
     if address.endswith(_RECORD_SUFFIX):
         session = replay(Path(address))
     else:
+        check_address(address)
         listener = _Listener(reporter)
         session = Session(on_message=listener.hear)
         listener.session = session
@@ -186,7 +190,9 @@ def monitor_command(
         with ExitStack() as stack:
             spool = stack.enter_context(Spool(record)) if record is not None else None
             monitor = Monitor(session, partial(open_link, address), spool, reporter.print)
-            _watch(address, monitor, seconds, page, reporter)
+            finished = _watch(address, monitor, seconds, page, reporter)
+        if not session.runs and not finished:
+            raise InterruptError
         if not session.runs:
             raise ConnectionFailedError(
                 f"{address}: no program with telemetry answered; check that the brick runs one, "
@@ -201,4 +207,6 @@ def monitor_command(
         )
     for path in files:
         reporter.print(f"written: {shown_path(path)}")
+    if not finished:
+        raise InterruptError(**summary)
     return summary

@@ -219,6 +219,8 @@ def run_command(
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
+    if replay is not None:
+        replay = workspace.named_recording(replay)
     chosen, original = _with_inputs(chosen, robot, expect or [], stimulus or [], replay)
     target = VirtualTarget(
         callback=_callback(callback, callback_period_ms, replay),

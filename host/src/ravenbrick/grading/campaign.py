@@ -13,6 +13,7 @@ from typing import Any
 
 from ravenbrick.errors import UsageError
 from ravenbrick.grading.rubric import Rubric
+from ravenbrick.grading.sandbox import allow_sessions, end_sessions
 from ravenbrick.grading.submission import Submission
 from ravenbrick.grading.work import Job, grade_one, prepare_base
 from ravenbrick.installation import optional_module
@@ -52,12 +53,14 @@ def _stamp(rubric: Rubric, submission: Submission) -> str:
 
 def _with_threads(jobs: dict[str, Job], workers: int) -> Iterator[tuple[str, Result]]:
     """Each thread only waits for the processes of its submission."""
+    allow_sessions()
     with ThreadPoolExecutor(workers) as pool:
         futures = {pool.submit(grade_one, job): name for name, job in jobs.items()}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException:
+            end_sessions()
             pool.shutdown(cancel_futures=True)
             raise
 

@@ -13,6 +13,7 @@ from typing import Any
 from ravenbrick import __version__
 from ravenbrick.grading.answers import parse_wanted
 from ravenbrick.target.located_toml import LocatedToml, read_toml
+from ravenbrick.target.named_files import named_file
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import read_scenario
 from ravenbrick.target.validation import validate
@@ -25,6 +26,7 @@ KINDS = ("expect", "criteria", "stack_share_at_most", "memory_at_most", "builds"
 RUNS = ("expect", "criteria", "stack_share_at_most")
 PROJECT_FILES = ("application.gpr", "ravenbrick.cgpr", "run_time.gpr")
 # What a result depends on besides submission and rubric.
+RUBRICS = Path("docs/lessons/rubrics")
 TOOLS = ("drivers/src", "runtime", *(f"tools/{name}" for name in PROJECT_FILES))
 
 
@@ -152,7 +154,8 @@ def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: R
 
 def read_rubric(path: Path) -> Rubric:
     """Read a rubric and all that it names; raises `ProjectFileError` or `ScenarioError`."""
-    document = read_toml(path, missing="name a rubric, a TOML file")
+    path = named_file(path, tree(), tree() / RUBRICS, ".toml") or path
+    document = read_toml(path, missing="name a rubric, a TOML file, or one of docs/lessons/rubrics")
     validate(document, "rubric")
     values = document.values
     project = (path.parent / values["project"]).resolve()

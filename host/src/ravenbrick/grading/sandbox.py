@@ -13,14 +13,19 @@ import os
 import resource
 import signal
 import subprocess
+import threading
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["Outcome", "run_limited"]
+__all__ = ["Outcome", "allow_sessions", "end_sessions", "run_limited"]
 
 MEGABYTE = 1 << 20
 TAIL = 4000
+# Sessions by their process numbers, of all threads.
+_RUNNING: set[int] = set()
+_STOPPED = threading.Event()
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,23 @@ def _limit(seconds: int, memory_mb: int, file_mb: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (memory_mb * MEGABYTE,) * 2)
     resource.setrlimit(resource.RLIMIT_FSIZE, (file_mb * MEGABYTE,) * 2)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _kill(session: int) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(session, signal.SIGKILL)
+
+
+def allow_sessions() -> None:
+    """Let processes start, after `end_sessions`."""
+    _STOPPED.clear()
+
+
+def end_sessions() -> None:
+    """Kill what runs, in whichever thread; nothing starts any more."""
+    _STOPPED.set()
+    for session in list(_RUNNING):
+        _kill(session)
 
 
 def run_limited(
@@ -70,11 +92,20 @@ def run_limited(
         start_new_session=True,
         preexec_fn=lambda: _limit(seconds, memory_mb, file_mb),
     )
+    _RUNNING.add(process.pid)
+    if _STOPPED.is_set():
+        _kill(process.pid)
     try:
         output, _ = process.communicate(timeout=10 * seconds)
         timed_out = process.returncode == -signal.SIGXCPU
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
+        _kill(process.pid)
         output, _ = process.communicate()
         timed_out = True
+    except BaseException:
+        _kill(process.pid)
+        process.wait()
+        raise
+    finally:
+        _RUNNING.discard(process.pid)
     return Outcome(process.returncode, output.decode("utf-8", "replace")[-TAIL:], timed_out)

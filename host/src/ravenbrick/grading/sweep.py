@@ -7,10 +7,11 @@ from __future__ import annotations
 import hashlib
 import json
 import random
+import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
@@ -83,12 +84,20 @@ def _on_cluster(values: dict[str, Any]) -> Result:
 
 
 def _in_processes(variants: dict[str, Variant], workers: int) -> Iterator[tuple[str, Result]]:
+    """An interruption is for this process, which ends its workers."""
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        futures = {pool.submit(run_variant, variant): key for key, variant in variants.items()}
         try:
+            # The workers inherit what is blocked when they are started.
+            before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            try:
+                futures = {pool.submit(run_variant, v): key for key, v in variants.items()}
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException:
+            for worker in active_children():
+                worker.terminate()
             pool.shutdown(cancel_futures=True)
             raise
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.child import attended
 from ravenbrick.errors import BuildError, ProjectFileError, ToolMissingError, UsageError
 from ravenbrick.installation import advice_for_packages
 from ravenbrick.target.build_errors import build_failure, disk_full, is_disk_full
@@ -163,11 +164,11 @@ def _run(
     lines = []
     with (
         log.open("w", encoding="utf-8") as file,
-        subprocess.Popen(
+        attended(subprocess.Popen(
             command, cwd=workspace.project, env=environment, stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", errors="replace",
             pass_fds=(lock,),
-        ) as process,
+        )) as process,
     ):  # fmt: skip
         assert process.stdout is not None
         for line in process.stdout:

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
 
+from ravenbrick.child import run_child
 from ravenbrick.errors import DesignError, shown_path
 from ravenbrick.target.build_settings import Settings
 from ravenbrick.target.controller_origin import read_origin
@@ -67,14 +67,9 @@ def run_design(workspace: Workspace) -> None:
         )
     digest = file_digest(script)
     workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
-    done = subprocess.run(
+    done = run_child(
         [sys.executable, DESIGN_SCRIPT, "--results", str(workspace.design_file)],
         cwd=workspace.project,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        encoding="utf-8",
-        errors="replace",
-        check=False,
     )
     if done.returncode != 0:
         raise _failure(script, done.stdout)

@@ -7,10 +7,10 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.child import run_child
 from ravenbrick.errors import BuildError, UsageError, shown_path
 from ravenbrick.target.build_settings import Settings
 from ravenbrick.target.locks import locked
@@ -95,16 +95,7 @@ def _make(folder: Path, settings: Settings, lock: int) -> None:
     command += [f"EXECUTION_TIME={'yes' if settings.execution_time else 'no'}", "library"]
     # What a make above this one says to those below is not for this one.
     environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS")}
-    done = subprocess.run(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        encoding="utf-8",
-        errors="replace",
-        check=False,
-        env=environment | {"LC_ALL": "C"},
-        pass_fds=(lock,),
-    )
+    done = run_child(command, env=environment | {"LC_ALL": "C"}, pass_fds=(lock,))
     if done.returncode != 0:
         lines = done.stdout.strip().splitlines()
         wrong = [line for line in lines if "error" in line or "No space" in line] or ["make failed"]

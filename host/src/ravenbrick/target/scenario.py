@@ -13,6 +13,7 @@ from typing import Any
 from ravenbrick.errors import ScenarioError
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.located_toml import KeyPath, LocatedToml, dotted, read_toml
+from ravenbrick.target.named_files import named_file
 from ravenbrick.target.robot import Robot
 from ravenbrick.target.stimulus import Channels, InputCheck, TimedInput, read_stimulus
 from ravenbrick.target.validation import validate
@@ -142,14 +143,10 @@ class Scenario:
 
 
 def scenario_path(directory: Path, name: str) -> Path:
-    """File of the scenario `name` of a project: a path that exists, from here or from the project,
-
-    or a name below scenarios/.
-    """
-    for path in (Path(name), directory / name):
-        if path.is_file():
-            return path
-    return directory / "scenarios" / (name if name.endswith(".toml") else f"{name}.toml")
+    """File of the scenario `name` of a project, by the rule of `named_file`; need not be there."""
+    kept = directory / "scenarios"
+    found = named_file(name, directory, kept, ".toml")
+    return found or kept / (name if name.endswith(".toml") else f"{name}.toml")
 
 
 def _motor_input(robot: Robot, port: str, quantity: str) -> str | None:

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.child import run_child
 from ravenbrick.codegen import check_program, generate_c, random_vectors
 from ravenbrick.errors import BuildError, RunFaultError, ToolMissingError
 from ravenbrick.installation import advice_for_packages
@@ -79,7 +79,7 @@ def compile_and_count(programs: Mapping[str, Program]) -> dict[str, StepCost]:
         image = folder / "image.elf"
         link = ("-nostdlib", f"-Wl,-Ttext={ORIGIN:#x}", "-Wl,--entry=first", "-Wl,--gc-sections")
         command = [COMPILER, *FLAGS, *link, *map(str, sources), "-lgcc", "-o", str(image)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = run_child(command, errors_apart=True)
         if done.returncode != 0:
             raise BuildError("the generated C does not compile", detail=done.stderr[-2000:])
         costs, brick = count_steps(image, {m: f"{m}_step_instance" for m in programs})

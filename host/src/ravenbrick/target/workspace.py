@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ravenbrick.errors import UsageError
 from ravenbrick.target.elf_image import ImageKind
+from ravenbrick.target.named_files import named_file
 
 __all__ = ["Workspace", "run_time_folder", "tree"]
 
@@ -98,3 +99,8 @@ class Workspace:
         """File of the last recording of a scenario with one kind of image."""
         name = scenario if kind == "ram" else f"{scenario}.{kind}"
         return self.results / "recordings" / f"{name}.npz"
+
+    def named_recording(self, name: str | Path) -> Path:
+        """File of the recording that a word names, by the rule of `named_file`."""
+        kept = self.results / "recordings"
+        return named_file(name, self.project, kept, ".npz") or Path(name)

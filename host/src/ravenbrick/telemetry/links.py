@@ -8,6 +8,7 @@ import errno
 import importlib
 import socket
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Protocol
 
 import serial
@@ -16,7 +17,7 @@ from ravenbrick.errors import ToolMissingError, UsageError
 from ravenbrick.installation import advice_for_packages
 from ravenbrick.target.usb_bricks import BrickMode
 
-__all__ = ["Link", "LinkLostError", "open_link"]
+__all__ = ["Link", "LinkLostError", "check_address", "open_link"]
 
 _CONNECT_S = 2.0
 _CHUNK = 4096
@@ -163,6 +164,21 @@ def _tcp_address(text: str) -> tuple[str, int]:
     if not port.isdigit() or not 0 < int(port) < 65_536:
         raise UsageError(f"'{text}': expected tcp:PORT or tcp:HOST:PORT, the port 1 to 65535")
     return host or "127.0.0.1", int(port)
+
+
+def check_address(text: str) -> None:
+    """Raise `UsageError` for what no link can be to; a device in /dev may still come."""
+    if text.startswith("tcp:"):
+        _tcp_address(text)
+        return
+    path = Path(text)
+    if text == "usb" or text.startswith(("usb:", "/dev/")) or path.is_char_device():
+        return
+    kind = "a folder" if path.is_dir() else "a file" if path.exists() else "no device"
+    raise UsageError(
+        f"'{text}' is {kind}: expected tcp:PORT, tcp:HOST:PORT, usb, usb:SERIAL, a serial device "
+        "such as /dev/rfcomm0, or a record that ends in .rbt"
+    )
 
 
 def open_link(address: str) -> Link:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from ravenbrick.trace.export.mcap_file import write_mcap
 from ravenbrick.trace.export.perfetto_file import write_perfetto
@@ -46,6 +47,18 @@ _WRITERS = {
 
 
 def export(recording: Recording, file_format: Format, path: Path) -> Sequence[Path]:
-    """Write a recording and return the files; raises `ToolMissingError` without the library."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return _WRITERS[file_format](timeline_of(recording), path)
+    """Write a recording, all files or none, and return them.
+
+    Raises `ToolMissingError` without the format's library, `OSError` that names the file.
+    """
+    timeline, write = timeline_of(recording), _WRITERS[file_format]
+    path = path.resolve()
+    if path.exists() and not path.is_file():
+        return write(timeline, path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=".export-", dir=path.parent) as folder:
+            files = write(timeline, Path(folder) / path.name)
+            return [file.replace(path.parent / file.name) for file in files]
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, str(path)) from None
