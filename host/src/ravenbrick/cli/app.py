@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import importlib
 import json
@@ -111,6 +112,13 @@ def load(name: str) -> Any:
     return typer.main.get_command(single)
 
 
+REFUSALS = {
+    errno.ENOENT: "correct its name",
+    errno.EACCES: "name another place, or ask whoever may change its permissions",
+    errno.ENOSPC: "free room on the disk, or name another place",
+    errno.ENOTDIR: "a file is in the way of a folder: check that part of the name",
+    errno.EISDIR: "name a file in it",
+}
 _FUNCTIONS: dict[str, tuple[Callable[..., None], str]] = {}
 app = typer.Typer(
     name="ravenbrick",
@@ -143,7 +151,8 @@ def _wrong_words(error: Exception, sentence: str) -> UsageError:
     """What Typer found wrong in the command line."""
     context = getattr(error, "ctx", None)
     name = f" {context.info_name}" if context is not None and context.parent else ""
-    return UsageError(f"{sentence.rstrip('.')}; see 'ravenbrick{name} --help'")
+    sentence = sentence.rstrip(".").replace(": Value error, ", ": ")
+    return UsageError(f"{sentence}; see 'ravenbrick{name} --help'")
 
 
 def _told(error: RavenbrickError, as_json: bool) -> int:
@@ -166,10 +175,8 @@ def _end(error: RavenbrickError, as_json: bool) -> NoReturn:
 
 def _refused(error: OSError) -> RavenbrickError:
     place = shown_path(error.filename) if error.filename else "the output"
-    return UsageError(
-        f"{place}: {error.strerror or type(error).__name__}; "
-        "check that it exists, that you may write there, and that the disk is not full"
-    )
+    advice = REFUSALS.get(error.errno or 0, "check that it exists and that you may write there")
+    return UsageError(f"{place}: {error.strerror or type(error).__name__}; {advice}")
 
 
 def _defect(error: Exception) -> RavenbrickError:

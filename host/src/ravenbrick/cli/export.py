@@ -26,6 +26,8 @@ def _source(source: Path, scenario: str | None, image: ImageChoice) -> tuple[Pat
         if scenario is not None:
             raise UsageError(f"'{source}' is a recording already; leave '{scenario}' out")
         return source, source.with_suffix("")
+    if not source.exists() and source.suffix == ".npz":
+        raise UsageError(f"{source}: there is no such recording; make one with 'ravenbrick run'")
     workspace = Workspace.of(source)
     if scenario is None:
         raise UsageError(f"name a scenario of '{source}', or a recording instead of the folder")

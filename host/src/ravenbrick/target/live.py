@@ -94,6 +94,10 @@ class LiveRecord:
     @classmethod
     def load(cls, path: Path) -> LiveRecord:
         """Read what `save` wrote; raises `UsageError`."""
+        if not path.is_file():
+            raise UsageError(
+                f"{path}: there is no such record; 'ravenbrick live --record' writes one"
+            )
         try:
             content = json.loads(path.read_text("utf-8"))
             if content.pop("format") != _FORMAT:
@@ -101,9 +105,9 @@ class LiveRecord:
             signals = [AirSignal(**_with_bytes(item)) for item in content.pop("signals")]
             cable = [CableSignal(**_with_bytes(item)) for item in content.pop("cable", [])]
             return cls(signals=signals, cable=cable, **content)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             raise UsageError(
-                f"{path}: not the record of a live run ({type(error).__name__}); "
+                f"{path}: not the record of a live run, or damaged; "
                 "'ravenbrick live --record' writes one"
             ) from None
 

@@ -122,6 +122,10 @@ class Snapshot:
     @classmethod
     def load(cls, path: Path) -> Snapshot:
         """Read a file; raises SnapshotError."""
+        if not path.is_file():
+            raise SnapshotError(
+                f"{path}: there is no such snapshot; 'ravenbrick run --save-snapshot' writes one"
+            )
         try:
             if path.stat().st_size > _LARGEST_FILE:
                 raise ValueError("it is larger than any snapshot")

@@ -159,12 +159,16 @@ class Recording:
     @classmethod
     def load(cls, path: Path) -> Recording:
         """Read what `save` wrote; raises `UsageError` for a file that is not a recording."""
+        if not path.is_file():
+            raise UsageError(
+                f"{shown_path(path)}: there is no such recording; make one with 'ravenbrick run'"
+            )
         try:
             with np.load(path, allow_pickle=False) as arrays:
                 return cls._from_arrays({name: arrays[name] for name in arrays.files})
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error) as error:
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile, zlib.error):
             raise UsageError(
-                f"{shown_path(path)}: not a recording of a run ({type(error).__name__}); "
+                f"{shown_path(path)}: not a recording of a run, or damaged; "
                 "run the scenario again with 'ravenbrick run'"
             ) from None
 

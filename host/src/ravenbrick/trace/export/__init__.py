@@ -53,9 +53,9 @@ def export(recording: Recording, file_format: Format, path: Path) -> Sequence[Pa
     """
     timeline, write = timeline_of(recording), _WRITERS[file_format]
     path = path.resolve()
-    if path.exists() and not path.is_file():
-        return write(timeline, path)
     try:
+        if path.exists() and not path.is_file():
+            return write(timeline, path)
         path.parent.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(prefix=".export-", dir=path.parent) as folder:
             files = write(timeline, Path(folder) / path.name)
