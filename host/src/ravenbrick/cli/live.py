@@ -63,9 +63,7 @@ def live_command(
         kept = LiveRecord.load(replay)
         if kept.scenario != chosen.name:
             raise UsageError(f"{replay}: is of the scenario '{kept.scenario}'; name that one")
-        same = replay_live(brick, kept)
-        reporter.print("the same run again" if same else "ANOTHER trace digest than the recorded")
-        return {"trace_digest": brick.trace_digest(), "same_as_replayed": same}
+        return _replayed(brick, kept, reporter)
     port, run_record = open_port(usb or bluetooth), LiveRecord(chosen.name)
     link = "USB" if usb else "Bluetooth"
     reporter.print(f"{link} of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
@@ -98,6 +96,12 @@ def live_command(
     if not finished:
         raise InterruptError(**answer)
     return answer
+
+
+def _replayed(brick: Any, kept: LiveRecord, reporter: Reporter) -> dict[str, Any]:
+    same = replay_live(brick, kept)
+    reporter.print("the same run again" if same else "ANOTHER trace digest than the recorded")
+    return {"trace_digest": brick.trace_digest(), "same_as_replayed": same}
 
 
 def _usb_ip_server(usb: str | None, port: int | None, reporter: Reporter) -> UsbIpServer | None:

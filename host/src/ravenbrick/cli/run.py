@@ -219,8 +219,7 @@ def run_command(
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
-    if replay is not None:
-        replay = workspace.named_recording(replay)
+    replay = replay and workspace.named_recording(replay)
     chosen, original = _with_inputs(chosen, robot, expect or [], stimulus or [], replay)
     target = VirtualTarget(
         callback=_callback(callback, callback_period_ms, replay),
@@ -236,16 +235,15 @@ def run_command(
         loaded = read_image(elf)
     else:
         loaded = project_image(workspace, robot, image.kind, reporter)
+    kept = workspace.recording(chosen.name, loaded.kind)
     with reporter.step(f"run '{chosen.name}'") as step:
         recording, peer = target.run_with_peer(robot, chosen, loaded, step.progress)
-        recording.save(workspace.recording(chosen.name, loaded.kind))
+        recording.save(kept)
         run = read_run(robot, chosen, recording)
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.3f} s on the brick"
     _show(run, reporter)
     beside = _peer_run(peer, reporter)
-    kept = workspace.recording(chosen.name, loaded.kind)
     reporter.print(f"recording: {shown_path(kept)}")
-    answer = _outcome(run, beside, kept)
-    answer |= _same_as_replayed(original, recording, reporter)
+    answer = _outcome(run, beside, kept) | _same_as_replayed(original, recording, reporter)
     require_criteria([*run.criteria, *(beside.criteria if beside is not None else ())])
     return answer
