@@ -31,6 +31,9 @@ _gnat_stack_check:
         cmp     r0, r1
         cmphs   sp, r0
         bxhs    lr
+        sub     r1, r1, r0
+        ldr     r0, =ravenbrick_stack_missing
+        str     r1, [r0]
         ldr     r0, =overflow_text
         mov     r1, #0
         b       __gnat_last_chance_handler
@@ -38,3 +41,13 @@ _gnat_stack_check:
 
         .section .rodata.stack_check, "a"
 overflow_text:  .asciz  "Storage_Error: stack overflow"
+
+/* Bytes by which a stack is too small, with the margin: more than there are when what was asked for
+   lies outside of the memory. Zero until a check has failed. */
+        .section .bss.ravenbrick_stack_missing, "aw", %nobits
+        .balign 4
+        .global ravenbrick_stack_missing
+        .type   ravenbrick_stack_missing, %object
+ravenbrick_stack_missing:
+        .space  4
+        .size   ravenbrick_stack_missing, 4

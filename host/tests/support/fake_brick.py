@@ -88,6 +88,7 @@ class VirtualBrick:
 
     fault_ms: int | None = None
     threads_unobserved: str | None = None
+    link_up_cycles = 0
 
     def __init__(self, configuration_json: str, elf: bytes) -> None:
         self._configuration = json.loads(configuration_json)
@@ -116,6 +117,18 @@ class VirtualBrick:
             return Stop("power_off", self.cycles, "")
         self.cycles = cycles
         return Stop("reached", cycles, "")
+
+    def watch_calls(self, functions: list[str]) -> None:
+        """Nothing is called."""
+
+    def watched_calls(self) -> list[object]:
+        return []
+
+    def raised_at(self) -> None:
+        """No exception is raised."""
+
+    def stack_overflows(self) -> list[str]:
+        return []
 
     def run_until_picture(self, instants: list[int], first: int, end: int) -> tuple[Stop, int]:
         return run_until_picture(self, instants, first, end)

@@ -251,6 +251,21 @@ class VirtualBrick:
         """
     def threads(self) -> list[Thread]:
         """The threads; a thread's position is the subject of its events."""
+    def raised_at(self) -> tuple[str, int, int] | None:
+        """Source file, line and column where the program failed; None where nothing tells."""
+    def watch_calls(self, functions: list[str]) -> None:
+        """Note the calls of these functions from now on, by their symbols; the run is the same."""
+    def watched_calls(
+        self,
+    ) -> list[tuple[str, int, list[str], str | None, tuple[int, int]]]:
+        """Of each function, first argument and place: callers (symbols, innermost first), source
+        line, and the cycles of the first and the last call.
+        """
+    @property
+    def link_up_cycles(self) -> int | None:
+        """When the program first asked the co-processor for its readings."""
+    def stack_overflows(self) -> list[str]:
+        """A sentence for each stack that was too small: who, by how many bytes, where, what to do."""
     def thread_names(self) -> list[str]:
         """Names of the threads by the subject of events."""
     def input_names(self) -> list[str]:

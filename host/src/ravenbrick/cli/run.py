@@ -174,6 +174,8 @@ def _show(run: Run, reporter: Reporter) -> None:
     reporter.table(TASK_HEAD, task_rows(run))
     rows = [[r.label, r.shown, "met" if r.met else "not met"] for r in run.criteria]
     reporter.table(("criterion", "value", ""), rows)
+    for warning in run.recording.warnings:
+        reporter.print(f"warning: {warning}")
 
 
 @command("ravenbrick run examples/vehicle drive --expect 'lcd shows \"stopped\"'")

@@ -26,9 +26,11 @@ from ravenbrick.target.build import build_image
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.target.exception_name import with_name, with_source
 from ravenbrick.target.fmu_body import CoSimulation, FmuBody
 from ravenbrick.target.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
 from ravenbrick.target.peers import BluetoothLink
+from ravenbrick.target.port_use import WATCHED, DriverCall, port_warnings
 from ravenbrick.target.protocol import Progress, no_progress
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
@@ -151,12 +153,13 @@ class VirtualTarget:
             brick = self._assemble(robot, scenario, image, fields=fields)
             inputs = self._schedule(brick, scenario)
             self._probe(brick, robot, image)
+            brick.watch_calls(list(WATCHED))
         pins = expected_pins(scenario.expectations)
         if pins and (wishes.start or wishes.save):
             raise UsageError("a snapshot holds no record of pins; leave out what expects them")
         if pins:
             brick.log_pins(pins)
-        play = _Play(brick, scenario, image, callback, self._module.InputError, inputs)
+        play = _Play(brick, robot, scenario, image, callback, self._module.InputError, inputs)
         if wishes.save is not None:
             probes = tuple((setpoint.symbol, setpoint.type) for setpoint in robot.setpoints)
             configuration = self._configuration(robot, scenario, None)
@@ -280,13 +283,15 @@ class _Play:
     def __init__(
         self,
         brick: Any,
+        robot: Robot,
         scenario: Scenario,
         image: ElfImage,
         callback: Callback | None,
         refused: type[Exception],
         inputs: Sequence[TimedInput],
     ) -> None:
-        self._brick, self._scenario, self._image = brick, scenario, image
+        self._brick, self._robot = brick, robot
+        self._scenario, self._image = scenario, image
         self._scheduled = inputs
         self._callback, self._refused = callback, refused
         self._moment = _Moment(brick, image)
@@ -376,7 +381,7 @@ class _Play:
 
     def recording(self) -> Recording:
         """The run so far."""
-        stop = Stop(self._stop.reason, self._stop.at_cycles, self._stop.message)
+        stop = _stop(self._brick, self._stop)
         events = decode_events(self._brick.events())
         inputs = [timed for timed in self._scheduled if timed.at_cycles <= stop.at_cycles]
         pins = expected_pins(self._scenario.expectations)
@@ -391,7 +396,13 @@ class _Play:
             digest=self._brick.trace_digest(),
             inputs=tuple(sorted([*inputs, *self._inputs], key=lambda timed: timed.at_cycles)),
             screens=self._screens(events),
+            overflows=tuple(self._brick.stack_overflows()),
+            warnings=self._warnings(events),
         )
+
+    def _warnings(self, events: NDArray[np.void]) -> tuple[str, ...]:
+        calls = [DriverCall(*call) for call in self._brick.watched_calls()]
+        return port_warnings(self._robot, calls, events, self._brick.link_up_cycles)
 
     def _look(self) -> None:
         content = self._brick.lcd()
@@ -420,6 +431,12 @@ class _Play:
             if not screens or screens[-1].text != text:
                 screens.append(Screen(at, text))
         return tuple(screens)
+
+
+def _stop(brick: Any, stop: Any) -> Stop:
+    place = brick.raised_at() if stop.reason == "halted" else None
+    message = with_name(stop.message, place)
+    return Stop(stop.reason, stop.at_cycles, message, with_source(place))
 
 
 def _listener(brick: Any, scenario: Scenario) -> Any:

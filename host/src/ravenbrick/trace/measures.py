@@ -30,7 +30,7 @@ from ravenbrick.trace.schedule import (
     measure_task,
     utilization,
 )
-from ravenbrick.trace.verdict import Verdict, expects_fault, judge
+from ravenbrick.trace.verdict import ALIVE, Verdict, expects_fault, judge
 
 __all__ = [
     "RADIANS_PER_COUNT",
@@ -223,19 +223,32 @@ def measure_run(robot: Robot, scenario: Scenario, recording: Recording) -> RunMe
     )
 
 
+def _run_fault(scenario: Scenario, recording: Recording) -> RunFaultError:
+    """The cause first; scenario, instant, source line and LCD behind it."""
+    stop = recording.stop
+    seconds = recording.clock.seconds(stop.at_cycles)
+    picture = [line for line in recording.pictures[-1].text if line.strip()]
+    return RunFaultError(
+        recording.overflows[0] if stop.reason in ALIVE else stop.message or stop.reason,
+        detail="\n".join(
+            [
+                *([stop.source] if stop.source else []),
+                f"scenario '{scenario.name}' ended after {seconds:.6f} s (cycle {stop.at_cycles})",
+                *(["On the LCD:", *picture] if picture else []),
+                *(f"warning: {warning}" for warning in recording.warnings),
+            ]
+        ),
+    )
+
+
 def check_survival(scenario: Scenario, recording: Recording) -> None:
     """Raise when the program failed (`RunFaultError`) or an input never came (`ScenarioError`)."""
     stop, clock = recording.stop, recording.clock
-    if stop.reason not in ("reached", "power_off"):
-        if expects_fault(scenario.expectations):
-            return
-        picture = "\n".join(line for line in recording.pictures[-1].text if line.strip())
-        raise RunFaultError(
-            f"scenario '{scenario.name}': the program stopped after "
-            f"{clock.seconds(stop.at_cycles):.6f} s (cycle {stop.at_cycles}): "
-            f"{stop.message or stop.reason}; correct the program",
-            detail=f"On the LCD:\n{picture}" if picture else "",
-        )
+    failed = stop.reason not in ALIVE
+    if failed and expects_fault(scenario.expectations):
+        return
+    if failed or recording.overflows:
+        raise _run_fault(scenario, recording)
     late = [event for event in scenario.inputs if clock.cycles_of_ms(event.at_ms) > stop.at_cycles]
     if late:
         raise scenario.unreachable(

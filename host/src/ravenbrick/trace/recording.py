@@ -95,11 +95,12 @@ class Screen:
 
 @dataclass(frozen=True)
 class Stop:
-    """Why and when the run ended: reached, power_off, fault or halted."""
+    """Why and when the run ended: reached, power_off, fault or halted; the source line, if known."""
 
     reason: str
     at_cycles: int
     message: str
+    source: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,8 @@ class Recording:
     """One run of one image; a thread's index is the `subject` of its events.
 
     `inputs` are all that were applied, from wherever: they play the run again. `screens` are the
-    texts of the LCD in the order of time.
+    texts of the LCD in the order of time. `overflows`: a sentence for each stack that was too small.
+    `warnings`: sentences about what the program uses and robot.toml does not have.
     """
 
     scenario: str
@@ -120,6 +122,8 @@ class Recording:
     digest: str
     inputs: tuple[TimedInput, ...] = ()
     screens: tuple[Screen, ...] = ()
+    overflows: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def of_kind(self, *kinds: EventKind) -> NDArray[np.void]:
         """The events of these kinds, in order."""
@@ -151,6 +155,8 @@ class Recording:
             "digest": self.digest,
             "inputs": [[i.at_cycles, i.name, i.value] for i in self.inputs],
             "screens": [[s.at_cycles, list(s.text)] for s in self.screens],
+            "overflows": self.overflows,
+            "warnings": self.warnings,
         }
         content = io.BytesIO()
         np.savez_compressed(content, head=np.array(json.dumps(head)), **arrays)
@@ -193,6 +199,8 @@ class Recording:
             digest=head["digest"],
             inputs=tuple(TimedInput(*item) for item in head["inputs"]),
             screens=tuple(Screen(at, tuple(text)) for at, text in head["screens"]),
+            overflows=tuple(head.get("overflows", ())),
+            warnings=tuple(head.get("warnings", ())),
         )
 
 

@@ -148,6 +148,7 @@ def run_summary(run: Run) -> dict[str, Any]:
         "steps": _steps(run),
         "tasks": _tasks(run),
         "criteria": [result.as_json() for result in run.criteria],
+        "warnings": list(recording.warnings),
     }
 
 

@@ -30,7 +30,7 @@ from ravenbrick.trace.recording import Recording, Screen
 from ravenbrick.trace.schedule import TaskMeasures
 from ravenbrick.trace.units import UNITS, signal_unit
 
-__all__ = ["Measured", "Verdict", "expects_fault", "judge"]
+__all__ = ["ALIVE", "Measured", "Verdict", "expects_fault", "judge"]
 
 ALIVE = ("reached", "power_off")
 

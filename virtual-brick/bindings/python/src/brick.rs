@@ -341,6 +341,38 @@ impl VirtualBrick {
         Ok(signals)
     }
 
+    fn raised_at(&self) -> Option<(String, u32, u32)> {
+        self.0.raised_at()
+    }
+
+    fn watch_calls(&mut self, functions: Vec<String>) {
+        self.0.watch_calls(&functions);
+    }
+
+    fn watched_calls(&self) -> Vec<(String, u32, Vec<String>, Option<String>, (u64, u64))> {
+        let calls = self.0.watched_calls().into_iter();
+        calls
+            .map(|call| {
+                (
+                    call.function,
+                    call.argument,
+                    call.callers,
+                    call.place,
+                    call.cycles,
+                )
+            })
+            .collect()
+    }
+
+    #[getter]
+    fn link_up_cycles(&self) -> Option<u64> {
+        self.0.link_up_cycles()
+    }
+
+    fn stack_overflows(&self) -> Vec<String> {
+        self.0.stack_overflows()
+    }
+
     fn quantities(&self) -> Vec<(String, f64)> {
         self.0.quantities()
     }

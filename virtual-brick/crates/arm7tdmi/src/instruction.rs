@@ -183,6 +183,20 @@ impl DataProcessing {
     pub const fn reads(&self, register: u32) -> bool {
         !self.operation.moves() && self.first == register || self.second.reads(register)
     }
+
+    /// Takes much or who knows how much of a stack at once. The fast engine leaves it to the
+    /// reference engine, whose steps can be looked at: a stack can overflow here without a write.
+    pub const fn takes_large_frame(&self) -> bool {
+        const LARGE_BYTES: u32 = 128;
+        let taken = match (self.operation, self.second) {
+            (AluOperation::Sub, Operand::Constant { value, .. }) => value >= LARGE_BYTES,
+            (AluOperation::Sub | AluOperation::Add, second) => {
+                !matches!(second, Operand::Constant { .. })
+            }
+            _ => false,
+        };
+        taken && self.destination == 13
+    }
 }
 
 /// Second operand of an arithmetic operation, or offset of a transfer.

@@ -74,6 +74,8 @@ pub struct Chip<B: Board> {
     pub(crate) configuration: ChipConfiguration,
     pub(crate) aic: Aic,
     pub(crate) mc: Mc,
+    /// Code at which no block of instructions begins.
+    pub(crate) looked_at: Vec<u32>,
     pub(crate) pit: Pit,
     pub(crate) tc: TimerBlock,
     pub(crate) pio: Pio,
@@ -120,6 +122,7 @@ impl<B: Board> Chip<B> {
             configuration,
             aic: Aic::new(&timing),
             mc: Mc::default(),
+            looked_at: Vec::new(),
             pit: Pit::new(),
             tc: TimerBlock::new(),
             pio: Pio::new(),
@@ -299,6 +302,17 @@ impl<B: Board> Chip<B> {
         } else {
             Err(AddressError { address, length })
         }
+    }
+
+    /// Address of the last access that the memory controller aborted, and whether it was misaligned.
+    #[must_use]
+    pub fn aborted_access(&self) -> (u32, bool) {
+        (self.mc.abort_address(), self.mc.abort_misaligned())
+    }
+
+    /// Let each arrival at these addresses of code, if by a branch, be a step of its own.
+    pub fn look_at(&mut self, addresses: &[u32]) {
+        self.looked_at = addresses.to_vec();
     }
 
     /// Record every processor write to the SRAM word at `address`.

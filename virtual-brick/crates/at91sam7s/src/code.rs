@@ -92,6 +92,10 @@ impl<B: Board> BlockBus for Chip<B> {
         address >= VECTORS_END || !UNSET.contains(&self.code_word(address & !3))
     }
 
+    fn looks_at(&self, address: u32) -> bool {
+        self.looked_at.contains(&address)
+    }
+
     #[inline(always)]
     fn code_word(&self, address: u32) -> u32 {
         if self.is_sram(address) {

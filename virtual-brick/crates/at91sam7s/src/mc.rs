@@ -59,6 +59,11 @@ impl Mc {
         self.abort_address
     }
 
+    /// The last access was aborted because it was not aligned.
+    pub(crate) fn abort_misaligned(&self) -> bool {
+        self.abort_status & AbortCause::Misaligned as u32 != 0
+    }
+
     /// `MC_RCR`: writing 1 to bit 0 toggles what is seen at address 0.
     pub(crate) fn write_remap(&mut self, value: u32) {
         if value & 1 != 0 {

@@ -241,6 +241,7 @@ impl<'a> RegionCompiler<'a> {
             (Operation::DataProcessing(processing), _)
                 if processing.destination != 15
                     && !processing.reads(15)
+                    && !processing.takes_large_frame()
                     && is_free(processing, one.flags) =>
             {
                 self.function.data_processing_if(processing, condition);
@@ -336,7 +337,12 @@ impl<'a> RegionCompiler<'a> {
             } if plain_move && processing.destination != 15 => {
                 self.set_constant(processing.destination, pc)
             }
-            _ if processing.destination == 15 || processing.reads(15) => false,
+            _ if processing.destination == 15
+                || processing.reads(15)
+                || processing.takes_large_frame() =>
+            {
+                false
+            }
             _ => {
                 self.function.data_processing(processing, one.flags);
                 true

@@ -82,6 +82,8 @@ pub struct NxtBoard {
     inputs: Vec<InputDescription>,
     outputs: PinOutputs,
     addressed: bool,
+    /// When the co-processor's readings were asked for first.
+    first_readings_cycles: Option<Cycles>,
     phase: Cycles,
     sound: Recording,
     log: EventLog,
@@ -138,6 +140,7 @@ impl NxtBoard {
             bench: Bench::default(),
             outputs: PinOutputs::default(),
             addressed: false,
+            first_readings_cycles: None,
             phase,
             sound: Recording::default(),
             log: EventLog::default(),
@@ -153,6 +156,12 @@ impl NxtBoard {
         self.coprocessor.skip_start_up(now, self.phase, measurable);
         self.bluetooth.skip_start_up(now);
         self.slow_next = None;
+    }
+
+    /// When the co-processor's readings were asked for first.
+    #[must_use]
+    pub const fn first_readings_cycles(&self) -> Option<Cycles> {
+        self.first_readings_cycles
     }
 
     /// The Bluetooth module.
@@ -422,7 +431,7 @@ impl Board for NxtBoard {
     fn twi_start(&mut self, now: Cycles, address: u8, read: bool) -> TwiReply {
         let reply = match &mut self.bench.twi {
             Some(script) => script.start(),
-            None => self.address_coprocessor(address, read),
+            None => self.address_coprocessor(now, address, read),
         };
         let event = BusEvent::TwiStart {
             byte: address << 1 | u8::from(read),
@@ -576,10 +585,13 @@ impl NxtBoard {
         }
     }
 
-    fn address_coprocessor(&mut self, address: u8, read: bool) -> TwiReply {
+    fn address_coprocessor(&mut self, now: Cycles, address: u8, read: bool) -> TwiReply {
         self.addressed = address == ADDRESS && self.powered();
         if self.addressed {
             self.coprocessor.start(read);
+            if read {
+                self.first_readings_cycles.get_or_insert(now);
+            }
         }
         self.reply()
     }

@@ -20,8 +20,10 @@ use crate::monitor::Monitor;
 use crate::probes::Probe;
 use crate::recorder::Recorder;
 use crate::semihosting::Console;
+use crate::stacks::StackGuard;
 use crate::stop::Stop;
 use crate::threads::{Layout, Thread, ThreadObserver};
+use crate::watched_calls::CallWatch;
 
 /// A brick with a program, its surroundings and the record of its run.
 ///
@@ -37,6 +39,8 @@ pub struct VirtualBrick {
     pub(crate) inputs: InputSchedule,
     pub(crate) guard: Guard,
     pub(crate) endless_loops: EndlessLoops,
+    pub(crate) stacks: StackGuard,
+    pub(crate) call_watch: CallWatch,
     pub(crate) ended: Option<Stop>,
     pub(crate) engine: Engine,
     pub(crate) blocks: Blocks<Machine>,
@@ -114,9 +118,11 @@ impl VirtualBrick {
             configuration: Arc::new(configuration.clone()),
             cpu,
             chip,
+            stacks: StackGuard::new(&image),
             image,
             recorder,
             inputs: InputSchedule::default(),
+            call_watch: CallWatch::default(),
             guard: Guard::default(),
             endless_loops: EndlessLoops::default(),
             ended: None,
@@ -251,6 +257,12 @@ impl VirtualBrick {
     #[must_use]
     pub fn sound(&self, from_cycles: u64) -> Vec<i16> {
         self.chip.board().sound(from_cycles, self.chip.now())
+    }
+
+    /// When the program first asked the co-processor for its readings; none before.
+    #[must_use]
+    pub fn link_up_cycles(&self) -> Option<u64> {
+        self.chip.board().first_readings_cycles()
     }
 
     /// The threads of the program; empty when they cannot be observed.

@@ -7,10 +7,12 @@ mod access;
 mod assembly;
 mod brick;
 mod buses;
+mod calls;
 mod checkpoint;
 mod configuration;
 mod endless;
 mod engine;
+mod failure;
 mod guard;
 mod image;
 mod inputs;
@@ -22,8 +24,10 @@ mod probes;
 mod recorder;
 mod run;
 mod semihosting;
+mod stacks;
 mod stop;
 mod threads;
+mod watched_calls;
 
 pub use arm7tdmi::Step as CpuStep;
 pub use at91sam7s::LoggedPins;
@@ -42,6 +46,7 @@ pub use outside::OutsideError;
 pub use probes::Probe;
 pub use stop::{Stop, StopReason};
 pub use threads::Thread;
+pub use watched_calls::WatchedCall;
 
 /// Frequency of the master clock in Hz as a fraction: numerator and denominator.
 pub const CLOCK_HZ: (u64, u64) = (

@@ -11,6 +11,7 @@ use crate::configuration::Configuration;
 use crate::inputs::Input;
 use crate::memory::ChipMemory;
 use crate::probes::Probe;
+use crate::stacks::Stack;
 use crate::stop::{Stop, StopReason};
 use crate::threads::{Sink, Thread, ThreadObserver};
 
@@ -78,6 +79,39 @@ impl Recorder {
     /// Control block of the running thread, 0 while none runs.
     pub(crate) fn running_thread(&self, memory: &ChipMemory<'_>) -> Option<u32> {
         self.observer.as_ref()?.running_block(memory)
+    }
+
+    /// The running thread by its position; none while none runs.
+    pub(crate) fn running_index(&self) -> Option<usize> {
+        self.observer.as_ref()?.running_index()
+    }
+
+    /// Position of the thread with this control block.
+    pub(crate) fn thread_at(&self, block: u32) -> Option<usize> {
+        self.observer.as_ref()?.thread_at(block)
+    }
+
+    /// Name of the thread with this control block.
+    pub(crate) fn thread_name(&self, block: u32) -> Option<String> {
+        Some(self.name_of(self.thread_at(block)?))
+    }
+
+    /// Name of a thread by its position.
+    pub(crate) fn name_of(&self, index: usize) -> String {
+        let observer = self.observer.as_ref();
+        observer.map_or_else(String::new, |observer| observer.name_of(index))
+    }
+
+    /// Stack of a thread, once it was made ready.
+    pub(crate) fn stack_of(&self, index: usize) -> Option<Stack> {
+        self.observer.as_ref()?.stack_of(index)
+    }
+
+    /// The lowest word of a stack was written since the last call.
+    pub(crate) fn take_stack_alarm(&mut self) -> bool {
+        self.observer
+            .as_mut()
+            .is_some_and(ThreadObserver::take_stack_alarm)
     }
 
     /// Ask the chip to report writes of the words that the observer needs.

@@ -54,7 +54,7 @@ impl VirtualBrick {
                 });
             match slice {
                 Ok(()) => {}
-                Err(Break::End(stop)) => self.ended = Some(stop),
+                Err(Break::End(stop)) => self.ended = Some(self.explained(stop)),
                 Err(Break::Observer) => return None,
             }
         }
@@ -116,7 +116,7 @@ impl VirtualBrick {
                 self.after_step(self.cpu.next_instruction_address())?;
                 continue;
             }
-            if !O::SEES_STEPS && self.engine != Engine::Reference {
+            if !O::SEES_STEPS && self.engine != Engine::Reference && !self.stacks.following() {
                 if let Some(instruction) = self.run_blocks(end) {
                     self.after_step(instruction)?;
                     continue;
@@ -126,9 +126,14 @@ impl VirtualBrick {
                 return Err(Break::Observer);
             }
             let before = self.cpu.next_instruction_address();
+            let stack_pointer = self.cpu.register(13);
+            if self.call_watch.watches(before) {
+                self.note_call();
+            }
             let step = self.step(observer);
             let step = self.semihost(step)?;
             self.after_step(before)?;
+            self.look_at_stacks_after_step(stack_pointer);
             if self.guard.concerned(before, &self.cpu) {
                 self.look_for_dead_end(before, step)?;
             }
@@ -197,6 +202,7 @@ impl VirtualBrick {
     #[cold]
     fn attend(&mut self, instruction: u32) -> Result<(), Stop> {
         self.recorder.collect(&mut self.chip)?;
+        self.look_at_stacks();
         let Some(fault) = self.chip.fault() else {
             return Ok(());
         };

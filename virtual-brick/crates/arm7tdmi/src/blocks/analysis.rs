@@ -67,7 +67,10 @@ fn flags(instruction: &Instruction) -> Flags {
                 flags.replaces = N | Z | certain;
             }
             let second = processing.second.reads(15);
-            flags.exits = processing.destination == 15 || processing.first == 15 || second;
+            flags.exits = processing.destination == 15
+                || processing.first == 15
+                || second
+                || processing.takes_large_frame();
             flags
         }
         Operation::Multiply(product) => {

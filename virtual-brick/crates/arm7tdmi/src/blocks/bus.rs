@@ -57,6 +57,10 @@ pub trait BlockBus: Bus {
     fn target_place(&self, address: u32) -> Option<CodePlace>;
     /// A block may begin at `address`, which has a place.
     fn enters(&self, address: u32) -> bool;
+    /// Somebody wants to see each arrival at `address`: no block begins there.
+    fn looks_at(&self, _address: u32) -> bool {
+        false
+    }
     /// The word that a fetch at `address` would bring, without the fetch. Called only for
     /// addresses that have a place.
     fn code_word(&self, address: u32) -> u32;

@@ -66,6 +66,9 @@ struct Builder<'a, B: BlockBus> {
 
 /// The block that begins at `key`; none when no instruction there can be in a block.
 pub(super) fn translate<B: BlockBus>(bus: &mut B, key: u32, place: CodePlace) -> Option<Block<B>> {
+    if bus.looks_at(key & !1) {
+        return None;
+    }
     let source = read_source(bus, key, place);
     let worst = *source.worst_cycles.last()?;
     let ops = build(bus, &source).ops;
@@ -333,6 +336,10 @@ impl<B: BlockBus> Builder<'_, B> {
         if destination == 15 {
             return self.jump(processing);
         }
+        if processing.takes_large_frame() {
+            self.push(leave);
+            return;
+        }
         if processing.reads(15) {
             return match self.pc_relative(processing) {
                 Some(value) if !sets_flags => self.constant(destination, value),
@@ -364,7 +371,8 @@ impl<B: BlockBus> Builder<'_, B> {
         condition: u32,
     ) -> bool {
         let (kind, value, register, amount, mode) = operand_parts(processing.second);
-        if flags || processing.reads(15) || processing.destination == 15 {
+        let left = processing.reads(15) || processing.takes_large_frame();
+        if flags || left || processing.destination == 15 {
             return false;
         }
         let Some(handler) = data_if_handler(processing.operation, kind) else {

@@ -44,11 +44,17 @@ impl Lines {
     /// File and line of the instruction at an address.
     #[must_use]
     pub fn at(&self, address: u32) -> Option<(&str, u32)> {
+        let (file, line, _) = self.with_column(address)?;
+        Some((file, line))
+    }
+
+    /// File, line and column (0: unknown) of the instruction at an address.
+    pub(crate) fn with_column(&self, address: u32) -> Option<(&str, u32, u32)> {
         let address = u64::from(address);
         let table = self.table.as_ref()?;
         self.code.iter().find(|range| range.contains(&address))?;
         let location = table.find_location(address).ok()??;
-        Some((location.file?, location.line?))
+        Some((location.file?, location.line?, location.column.unwrap_or(0)))
     }
 }
 

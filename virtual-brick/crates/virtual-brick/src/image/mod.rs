@@ -4,6 +4,7 @@
 
 mod debug_types;
 mod error;
+mod frames;
 mod header;
 mod lines;
 mod segments;
@@ -14,6 +15,7 @@ use object::read::elf::ElfFile32;
 use object::LittleEndian;
 
 pub use error::ImageError;
+pub(crate) use frames::Frames;
 pub use lines::Lines;
 pub use segments::{Placement, Segment};
 pub use symbols::{Symbol, Symbols};
@@ -96,6 +98,11 @@ impl Image {
     #[must_use]
     pub fn lines(&self) -> Lines {
         Lines::read(&self.elf)
+    }
+
+    /// The call frame information, read anew.
+    pub(crate) fn frames(&self) -> Frames<'_> {
+        Frames::read(&self.elf)
     }
 
     /// Find a global object by name: `counter`, `functional_Y.correctedvoltage` or, for Ada,

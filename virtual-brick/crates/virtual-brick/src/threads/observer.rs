@@ -7,6 +7,7 @@ use std::sync::Arc;
 use trace::{Event, EventKind, NameSpace, Names, IDLE};
 
 use crate::image::Image;
+use crate::stacks::Stack;
 
 use super::clock::cycle_of;
 use super::layout::Layout;
@@ -30,6 +31,16 @@ pub(super) struct Watched {
     /// Nominal release of the next job, set while delayed.
     next_release: Option<u64>,
     named: bool,
+    /// As it was when the thread became ready first: what a stack overflow overwrites cannot tell.
+    pub created: Option<Created>,
+}
+
+/// What does not change while a thread exists.
+#[derive(Clone, Debug)]
+pub(super) struct Created {
+    pub name: String,
+    pub base_priority: u32,
+    pub stack: Stack,
 }
 
 /// Observer of the threads of a program that was linked with the run-time.
@@ -41,6 +52,9 @@ pub(crate) struct ThreadObserver {
     epoch_cycles: Option<u64>,
     new_watches: Vec<u32>,
     pub(super) names: ThreadNames,
+    /// Lowest words of stacks.
+    bottoms: Vec<u32>,
+    stack_alarm: bool,
 }
 
 /// Where an observation goes.
@@ -70,7 +84,37 @@ impl ThreadObserver {
             epoch_cycles: None,
             new_watches,
             names: ThreadNames { layout, image },
+            bottoms: Vec::new(),
+            stack_alarm: false,
         }
+    }
+
+    /// The running thread; none while none runs.
+    pub(crate) fn running_index(&self) -> Option<usize> {
+        (self.running != IDLE).then_some(self.running as usize)
+    }
+
+    pub(crate) fn thread_at(&self, block: u32) -> Option<usize> {
+        self.threads
+            .iter()
+            .position(|thread| thread.address == block)
+    }
+
+    pub(crate) fn name_of(&self, index: usize) -> String {
+        let created = self
+            .threads
+            .get(index)
+            .and_then(|thread| thread.created.as_ref());
+        created.map_or_else(String::new, |created| created.name.clone())
+    }
+
+    pub(crate) fn stack_of(&self, index: usize) -> Option<Stack> {
+        Some(self.threads.get(index)?.created.as_ref()?.stack)
+    }
+
+    /// The lowest word of a stack was written since the last call.
+    pub(crate) fn take_stack_alarm(&mut self) -> bool {
+        std::mem::take(&mut self.stack_alarm)
     }
 
     /// The running thread's control block as the program states it now, 0 while none runs.
@@ -104,6 +148,10 @@ impl ThreadObserver {
     ) {
         if address == self.layout.running_address {
             self.selected(at_cycles, value, memory, sink);
+            return;
+        }
+        if self.bottoms.contains(&address) {
+            self.stack_alarm = true;
             return;
         }
         let state = self
@@ -184,6 +232,7 @@ impl ThreadObserver {
             release: None,
             next_release: None,
             named: false,
+            created: None,
         });
         sink.names
             .add(NameSpace::Thread, &format!("thread {index}"));
@@ -220,6 +269,7 @@ impl ThreadObserver {
         let subject = index as u32;
         sink.event(at_cycles, EventKind::ThreadState, subject, i64::from(state));
         if state == READY {
+            self.note_created(index, memory);
             let thread = &mut self.threads[index];
             let nominal = thread.next_release.take().unwrap_or(at_cycles);
             thread.release = Some(nominal);
@@ -232,6 +282,34 @@ impl ThreadObserver {
         if state == DELAYED {
             self.threads[index].next_release = self.wake_cycle(index, memory);
         }
+    }
+
+    /// The control block is complete when the thread becomes ready first.
+    fn note_created(&mut self, index: usize, memory: &impl Memory) {
+        let thread = &self.threads[index];
+        if thread.created.is_some() {
+            return;
+        }
+        let word = |offset: u32| memory.word(thread.address.wrapping_add(offset));
+        let layout = &self.layout;
+        let fields = (
+            word(layout.base_priority),
+            word(layout.stack_base),
+            word(layout.stack_size),
+        );
+        let (Some(base_priority), Some(base), Some(size)) = fields else {
+            return;
+        };
+        let handlers = self.names.image.as_deref().and_then(Stack::of_handlers);
+        let handlers = handlers.filter(|_| self.bottoms.is_empty());
+        let bottoms = [Some(base), handlers.map(|stack| stack.base)];
+        self.bottoms.extend(bottoms.into_iter().flatten());
+        self.new_watches.extend(bottoms.into_iter().flatten());
+        self.threads[index].created = Some(Created {
+            name: self.names.of(thread.address, memory).unwrap_or_default(),
+            base_priority,
+            stack: Stack { base, size },
+        });
     }
 
     fn wake_cycle(&self, index: usize, memory: &impl Memory) -> Option<u64> {

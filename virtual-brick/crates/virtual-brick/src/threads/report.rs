@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The threads as they are now.
 
-use super::observer::ThreadObserver;
+use crate::stacks::Stack;
+
+use super::observer::{Created, ThreadObserver};
 use super::Memory;
 
 /// A thread of the program.
@@ -36,14 +38,23 @@ impl ThreadObserver {
                         .word(thread.address.wrapping_add(offset))
                         .unwrap_or(0)
                 };
-                let stack_base = field(self.layout.stack_base);
-                let stack_size = field(self.layout.stack_size);
-                Thread {
+                let shown = Created {
                     name: self.names.of(thread.address, memory).unwrap_or_default(),
                     base_priority: field(self.layout.base_priority),
-                    stack_base,
-                    stack_size,
-                    stack_used: stack_used(memory, stack_base, stack_size),
+                    stack: Stack {
+                        base: field(self.layout.stack_base),
+                        size: field(self.layout.stack_size),
+                    },
+                };
+                // A control block with another stack was overwritten.
+                let created = thread.created.clone();
+                let shown = created.filter(|c| c.stack != shown.stack).unwrap_or(shown);
+                Thread {
+                    name: shown.name,
+                    base_priority: shown.base_priority,
+                    stack_base: shown.stack.base,
+                    stack_size: shown.stack.size,
+                    stack_used: stack_used(memory, shown.stack),
                     address: thread.address,
                     state: thread.state,
                 }
@@ -53,7 +64,7 @@ impl ThreadObserver {
 }
 
 /// A stack that is no memory (fields not yet written) counts as unused.
-fn stack_used(memory: &impl Memory, base: u32, size: u32) -> u32 {
+fn stack_used(memory: &impl Memory, Stack { base, size }: Stack) -> u32 {
     const RAM_LENGTH: u32 = 65_536;
     if size > RAM_LENGTH {
         return 0;

@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! A program that failed, in words: what its run-time recorded, and what the processor still holds.
+
+use arm7tdmi::Mode;
+
+use crate::brick::VirtualBrick;
+use crate::calls::{self, Call};
+use crate::memory::ChipMemory;
+use crate::stop::{Stop, StopReason};
+use crate::threads::Memory;
+
+const RECORD: &str = "ravenbrick_failure";
+const TEXT_MAX: u32 = 80;
+/// The text of a stack check that failed.
+const CHECKED: &str = "Storage_Error: stack overflow";
+const PROGRAM_COUNTER: usize = 15;
+const LINK: usize = 14;
+
+/// What the run-time wrote before it halted.
+struct Record {
+    /// Name of a source file, or a message.
+    text: String,
+    /// Line of that file, 0, or the address of an instruction that the processor refused.
+    line: u32,
+    /// Control block of the thread, or what stands for a handler.
+    current: u32,
+}
+
+impl Record {
+    fn refused_instruction(&self) -> bool {
+        let texts = [
+            "undefined instruction",
+            "software interrupt",
+            "prefetch abort",
+            "data abort",
+        ];
+        texts.contains(&self.text.as_str())
+    }
+}
+
+/// Who executes.
+enum Who {
+    Task(String),
+    Handler(String),
+}
+
+impl VirtualBrick {
+    /// The stop with what a person needs to know first: the stack that overflowed, or the
+    /// exception, the task and the place.
+    pub(crate) fn explained(&self, stop: Stop) -> Stop {
+        if !matches!(stop.reason, StopReason::Fault | StopReason::Halted) {
+            return stop;
+        }
+        let record = self.failure_record();
+        let failed = match &record {
+            Some(record) => self.failure(record),
+            None => self.located(&stop.message),
+        };
+        let checked = record.as_ref().filter(|record| record.text == CHECKED);
+        let checked = checked
+            .and_then(|record| self.checked_overflow(record.current, &self.calls_of(record)));
+        let overflow = self.stack_overflows().into_iter().next();
+        let message = match overflow {
+            Some(overflow) => format!("{overflow}; the program ended with: {failed}"),
+            None => checked.unwrap_or(failed),
+        };
+        Stop { message, ..stop }
+    }
+
+    /// Path of the source, line and column at which the program failed.
+    #[must_use]
+    pub fn raised_at(&self) -> Option<(String, u32, u32)> {
+        let record = self.failure_record()?;
+        calls::innermost(&self.calls_of(&record)).cloned()
+    }
+
+    fn failure_record(&self) -> Option<Record> {
+        let memory = ChipMemory(&self.chip);
+        let address = self.image.symbols().get(RECORD)?.address;
+        let text = memory.word(address)?;
+        (text != 0).then_some(())?;
+        let mut letters = Vec::new();
+        for at in text..text.checked_add(TEXT_MAX)? {
+            let mut letter = [0];
+            if !memory.read(at, &mut letter) || letter[0] == 0 {
+                break;
+            }
+            letters.extend(letter);
+        }
+        Some(Record {
+            text: String::from_utf8_lossy(&letters).into_owned(),
+            line: memory.word(address + 4)?,
+            current: memory.word(address + 8)?,
+        })
+    }
+
+    /// The run-time leaves the registers of the failing thread as they were.
+    fn calls_of(&self, record: &Record) -> Vec<Call> {
+        if !matches!(self.who(record.current), Some(Who::Task(_))) {
+            return if record.refused_instruction() {
+                let mut alone = [0; 16];
+                alone[PROGRAM_COUNTER] = record.line;
+                self.calls_from(alone)
+            } else {
+                Vec::new()
+            };
+        }
+        let mut registers = [0; 16];
+        for (number, register) in (0..).zip(&mut registers[..PROGRAM_COUNTER]) {
+            *register = self.cpu.banked_register(Mode::System, number);
+        }
+        registers[PROGRAM_COUNTER] = if record.refused_instruction() {
+            record.line
+        } else {
+            calls::before_return(registers[LINK])
+        };
+        self.calls_from(registers)
+    }
+
+    /// The chain of calls that leads to these registers.
+    pub(crate) fn calls_from(&self, registers: [u32; 16]) -> Vec<Call> {
+        let memory = ChipMemory(&self.chip);
+        calls::chain(&self.image, registers, |address| memory.word(address))
+    }
+
+    fn who(&self, current: u32) -> Option<Who> {
+        if let Some(name) = self.recorder.thread_name(current) {
+            return Some(Who::Task(name));
+        }
+        // In front of what stands for a handler are its object and its code.
+        let code = ChipMemory(&self.chip).word(current.wrapping_sub(4))?;
+        let (symbol, distance) = self.image.symbols().nearest_code(code & !1)?;
+        (distance == 0).then(|| Who::Handler(symbol.to_owned()))
+    }
+
+    fn in_whom(&self, current: u32, calls: &[Call]) -> String {
+        match self.who(current) {
+            Some(Who::Task(name)) if name == "environment" => {
+                format!(" in {}", calls::environment(calls))
+            }
+            Some(Who::Task(name)) => format!(" in task {name}"),
+            Some(Who::Handler(symbol)) => format!(" in the interrupt handler {symbol}"),
+            None => String::new(),
+        }
+    }
+
+    fn failure(&self, record: &Record) -> String {
+        let calls = self.calls_of(record);
+        let whom = self.in_whom(record.current, &calls);
+        let place = calls::place(&calls);
+        if record.refused_instruction() {
+            let place = place.unwrap_or_else(|| crate::guard::place(&self.image, record.line));
+            return format!("{} at {place}{whom}", self.refusal(record));
+        }
+        let own = (record.line != 0).then(|| format!("{}:{}", record.text, record.line));
+        let place = place.or_else(|| own.clone());
+        let place = place.map_or_else(String::new, |place| format!(" at {place}"));
+        let asserted = calls
+            .iter()
+            .any(|call| call.symbol == "system__assertions__raise_assert_failure");
+        let name = if asserted {
+            "Assertion_Error"
+        } else {
+            "unhandled exception"
+        };
+        match record.text.split_once(": ") {
+            _ if own.is_some() || record.text.is_empty() => format!("{name}{place}{whom}"),
+            Some((name, why)) if name.ends_with("_Error") => {
+                format!("{name} ({why}){place}{whom}")
+            }
+            _ => format!("{name} (\"{}\"){place}{whom}", record.text),
+        }
+    }
+
+    fn refusal(&self, record: &Record) -> String {
+        let (address, misaligned) = self.chip.aborted_access();
+        match record.text.as_str() {
+            "data abort" if misaligned => {
+                format!("misaligned access to address {address:#010X} (data abort)")
+            }
+            "data abort" => {
+                format!("access to address {address:#010X}, where there is no memory (data abort)")
+            }
+            "prefetch abort" => {
+                format!(
+                    "jump to {:#010X}, where there is no memory (prefetch abort)",
+                    record.line
+                )
+            }
+            text => text.to_owned(),
+        }
+    }
+
+    /// What the brick itself refused, with the line and the task.
+    fn located(&self, message: &str) -> String {
+        if self.cpu.mode() != Some(Mode::System) {
+            return message.to_owned();
+        }
+        let mut registers = self.cpu.registers();
+        registers[PROGRAM_COUNTER] = calls::before_return(registers[PROGRAM_COUNTER]);
+        let calls = self.calls_from(registers);
+        let running = self.running_thread().unwrap_or(0);
+        match calls::place(&calls) {
+            Some(place) => format!("{message}, at {place}{}", self.in_whom(running, &calls)),
+            None => message.to_owned(),
+        }
+    }
+}

@@ -1,0 +1,269 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Stacks that are too small: noticed when the lowest word of a stack is written or an event finds
+//! the stack pointer below it; from then on the pointer is followed step by step, to the byte.
+
+use arm7tdmi::{psr, Mode};
+
+use crate::brick::VirtualBrick;
+use crate::calls::{self, Call};
+use crate::image::Image;
+use crate::memory::ChipMemory;
+use crate::threads::Memory;
+
+const STACK_POINTER: u32 = 13;
+const RAM_BYTES: u32 = 0x1_0000;
+/// RAM, and as much below it: the lowest stack is near its beginning.
+const NEAR_RAM: std::ops::Range<u32> = 0x0020_0000 - RAM_BYTES..0x0020_0000 + RAM_BYTES;
+/// As in [`arm7tdmi::DataProcessing::takes_large_frame`].
+const LARGE_FRAME_BYTES: u32 = 128;
+/// Where nothing tells the calls, they are looked for so often.
+const LOOKS_MAX: u8 = 4;
+const MISSING: &str = "ravenbrick_stack_missing";
+
+/// Lowest address and size of a stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stack {
+    pub base: u32,
+    pub size: u32,
+}
+
+impl Stack {
+    /// Bytes by which a stack pointer lies below; 0 inside, and far from any RAM.
+    fn missing(self, pointer: u32) -> u32 {
+        if NEAR_RAM.contains(&pointer) {
+            self.base.saturating_sub(pointer)
+        } else {
+            0
+        }
+    }
+
+    /// The stack of all interrupt handlers, of a program with our run-time.
+    pub(crate) fn of_handlers(image: &Image) -> Option<Self> {
+        let base = image.symbols().get("ravenbrick_handler_stack")?.address;
+        let top = image.symbols().get("ravenbrick_handler_stack_top")?.address;
+        Some(Self {
+            base,
+            size: top.checked_sub(base)?,
+        })
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Owner {
+    Thread(usize),
+    Handlers,
+}
+
+#[derive(Clone, Debug)]
+struct Overflow {
+    owner: Owner,
+    missing: u32,
+    /// How often the calls were looked for.
+    looked: u8,
+    calls: Vec<Call>,
+}
+
+/// Whose stack the stack pointer is in, and which stacks have overflowed.
+#[derive(Clone, Debug)]
+pub(crate) struct StackGuard {
+    handlers: Option<Stack>,
+    following: bool,
+    owner: Option<usize>,
+    running: Option<usize>,
+    /// The thread whose stack pointer is loaded next.
+    selected: Option<usize>,
+    pointer: u32,
+    overflows: Vec<Overflow>,
+}
+
+impl StackGuard {
+    pub(crate) fn new(image: &Image) -> Self {
+        Self {
+            handlers: Stack::of_handlers(image),
+            following: false,
+            owner: None,
+            running: None,
+            selected: None,
+            pointer: 0,
+            overflows: Vec::new(),
+        }
+    }
+
+    /// Each step is to be told.
+    #[inline(always)]
+    pub(crate) fn following(&self) -> bool {
+        self.following
+    }
+}
+
+impl VirtualBrick {
+    /// A sentence for each stack that was too small, in the order of the first overflows.
+    #[must_use]
+    pub fn stack_overflows(&self) -> Vec<String> {
+        let sentence = |overflow: &Overflow| {
+            let now = self.missing_now(overflow.owner);
+            self.overflow_sentence(overflow.owner, overflow.missing, now > 0, &overflow.calls)
+        };
+        self.stacks.overflows.iter().filter_map(sentence).collect()
+    }
+
+    /// The sentence for a stack check that failed in a thread, or in a handler.
+    pub(crate) fn checked_overflow(&self, current: u32, calls: &[Call]) -> Option<String> {
+        let symbol = self.image.symbols().get(MISSING)?;
+        let missing = ChipMemory(&self.chip).word(symbol.address)?;
+        let owner = self
+            .recorder
+            .thread_at(current)
+            .map_or(Owner::Handlers, Owner::Thread);
+        (missing > 0).then_some(())?;
+        self.overflow_sentence(owner, missing.min(RAM_BYTES), missing > RAM_BYTES, calls)
+    }
+
+    fn overflow_sentence(
+        &self,
+        owner: Owner,
+        missing: u32,
+        at_least: bool,
+        calls: &[Call],
+    ) -> Option<String> {
+        let size = self.stack(owner)?.size;
+        let least = if at_least { "at least " } else { "" };
+        let place = calls::place(calls).map_or_else(String::new, |place| format!(" at {place}"));
+        let wanted = size + missing;
+        let option = |name| format!("link with -Wl,--defsym=ravenbrick_{name}_stack_size=BYTES");
+        let (who, advice) = match owner {
+            Owner::Handlers => ("the interrupt handlers".to_owned(), option("handler")),
+            Owner::Thread(index) => match self.recorder.name_of(index) {
+                name if name == "environment" => (
+                    calls::environment(calls),
+                    format!("use a task, or {}", option("environment")),
+                ),
+                name => (
+                    format!("task {name}"),
+                    "give it a larger Storage_Size, and robot.toml the same stack_bytes".to_owned(),
+                ),
+            },
+        };
+        Some(format!(
+            "stack overflow: {who} needs {least}{missing} bytes more than its stack of {size} \
+             bytes has{place}; {advice} (more than {wanted})"
+        ))
+    }
+
+    fn stack(&self, owner: Owner) -> Option<Stack> {
+        match owner {
+            Owner::Thread(index) => self.recorder.stack_of(index),
+            Owner::Handlers => self.stacks.handlers,
+        }
+    }
+
+    fn pointer_of(&self, owner: Owner) -> u32 {
+        let mode = match owner {
+            Owner::Thread(_) => Mode::System,
+            Owner::Handlers => Mode::Supervisor,
+        };
+        self.cpu.banked_register(mode, STACK_POINTER)
+    }
+
+    fn missing_now(&self, owner: Owner) -> u32 {
+        let mine = match owner {
+            Owner::Thread(index) => self.recorder.running_index() == Some(index),
+            Owner::Handlers => self.executes(owner),
+        };
+        let stack = self.stack(owner).filter(|_| mine);
+        stack.map_or(0, |stack| stack.missing(self.pointer_of(owner)))
+    }
+
+    /// At an event. While threads are changed, in System mode with interrupts masked, the stack
+    /// pointer may still be the other thread's.
+    pub(crate) fn look_at_stacks(&mut self) {
+        let alarm = self.recorder.take_stack_alarm();
+        let changing = self.cpu.mode() == Some(Mode::System) && self.cpu.cpsr() & psr::I != 0;
+        let running = self.recorder.running_index();
+        let low = self.missing_now(Owner::Handlers) > 0
+            || (!changing && running.is_some_and(|i| self.missing_now(Owner::Thread(i)) > 0));
+        if !(alarm || low) {
+            return;
+        }
+        self.stacks.following = true;
+        self.stacks.running = running;
+        self.stacks.owner = running;
+        self.look_at_pointers();
+    }
+
+    /// After a step of the reference engine, which makes all those that take a large frame; the
+    /// stack pointer was `before`.
+    #[inline(always)]
+    pub(crate) fn look_at_stacks_after_step(&mut self, before: u32) {
+        if self.stacks.following {
+            self.follow_stacks();
+        } else if before.wrapping_sub(self.cpu.register(STACK_POINTER)) >= LARGE_FRAME_BYTES {
+            self.look_at_stacks();
+        }
+    }
+
+    #[cold]
+    fn follow_stacks(&mut self) {
+        let running = self.recorder.running_index();
+        if running != self.stacks.running {
+            self.stacks.running = running;
+            self.stacks.selected = running;
+        }
+        let pointer = self.cpu.banked_register(Mode::System, STACK_POINTER);
+        if pointer != self.stacks.pointer {
+            self.stacks.pointer = pointer;
+            if let Some(index) = self.stacks.selected.take() {
+                self.stacks.owner = Some(index);
+            }
+        }
+        self.look_at_pointers();
+    }
+
+    fn look_at_pointers(&mut self) {
+        if let Some(index) = self.stacks.owner {
+            self.look_at(Owner::Thread(index));
+        }
+        if self.cpu.mode() == Some(Mode::Supervisor) {
+            self.look_at(Owner::Handlers);
+        }
+    }
+
+    fn look_at(&mut self, owner: Owner) {
+        let stack = self.stack(owner);
+        let missing = stack.map_or(0, |stack| stack.missing(self.pointer_of(owner)));
+        if missing == 0 {
+            return;
+        }
+        let known = &mut self.stacks.overflows;
+        let number = known.iter().position(|known| known.owner == owner);
+        let number = number.unwrap_or(known.len());
+        if number == known.len() {
+            known.push(Overflow {
+                owner,
+                missing,
+                looked: 0,
+                calls: Vec::new(),
+            });
+        }
+        let overflow = &mut known[number];
+        overflow.missing = overflow.missing.max(missing);
+        let look = overflow.calls.is_empty() && overflow.looked < LOOKS_MAX;
+        if look && self.executes(owner) {
+            let calls = self.calls_from(self.cpu.registers());
+            let overflow = &mut self.stacks.overflows[number];
+            overflow.looked += 1;
+            overflow.calls = calls;
+        }
+    }
+
+    fn executes(&self, owner: Owner) -> bool {
+        match owner {
+            Owner::Thread(index) => {
+                self.cpu.mode() == Some(Mode::System)
+                    && self.recorder.running_index() == Some(index)
+            }
+            Owner::Handlers => self.cpu.mode() == Some(Mode::Supervisor),
+        }
+    }
+}
