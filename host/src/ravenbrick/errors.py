@@ -51,7 +51,7 @@ class ExitCode(IntEnum):
     TOOL_MISSING = 4, "A tool or module is missing; 'ravenbrick doctor' says how to install it."
     BUILD_FAILED = 5, "The compiler, binder or linker reported an error."
     BAD_IMAGE = 6, "The image is missing, truncated, not for the brick, or too large."
-    RUN_FAULT = 7, "The program stopped with a fault or halted on the brick."
+    RUN_FAULT = 7, "The program failed on the brick: an exception, a fault or a stack overflow."
     CRITERIA_NOT_MET = 8, "The run finished, but a pass criterion of the scenario is not met."
     SCENARIO_UNREACHABLE = 9, "The scenario cannot happen: file missing, or an instant never comes."
     DESIGN_FAILED = 10, "design.py failed or left no design behind."

@@ -265,7 +265,7 @@ class VirtualBrick:
     def link_up_cycles(self) -> int | None:
         """When the program first asked the co-processor for its readings."""
     def stack_overflows(self) -> list[str]:
-        """A sentence for each stack that was too small: who, by how many bytes, where, what to do."""
+        """A sentence for each stack that overflowed: who, by how many bytes, where, what to do."""
     def thread_names(self) -> list[str]:
         """Names of the threads by the subject of events."""
     def input_names(self) -> list[str]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-__all__ = ["with_name", "with_source"]
+__all__ = ["source_place", "with_name", "with_source"]
 
 UNNAMED = "unhandled exception"
 _RAISE = re.compile(r"raise\s+([A-Za-z][\w.]*)", re.IGNORECASE)
@@ -18,6 +18,14 @@ _RAISE = re.compile(r"raise\s+([A-Za-z][\w.]*)", re.IGNORECASE)
 _END = re.compile(r"end\b", re.IGNORECASE)
 
 Place = tuple[str, int, int]
+
+
+def source_place(place: Place | None, project: Path) -> Place | None:
+    """The place with the path of its file, which may be only a name of a file in the project."""
+    if place is None or "/" in place[0]:
+        return place
+    found = next(iter(sorted((project / "src").rglob(place[0]))), None)
+    return None if found is None else (str(found), place[1], place[2])
 
 
 def _source_line(place: Place) -> str | None:

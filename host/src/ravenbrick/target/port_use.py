@@ -57,7 +57,7 @@ class DriverCall:
 
     @property
     def device(self) -> str | None:
-        """The kind of sensor that the driver is for; None when the program reads the port itself."""
+        """The kind of sensor that the driver is for; None when no driver reads the port."""
         found = (d for c in self.callers for p, d in _DRIVERS.items() if c.startswith(p))
         return next(found, None)
 
@@ -78,7 +78,7 @@ def _sensors(robot: Robot, calls: Iterable[DriverCall]) -> Iterator[str]:
             yield f"{reads} nothing plugged into port {call.port}; add [ports.{call.port}]"
         elif call.device not in (None, plugged.device) and plugged.device != "analogue":
             yield (
-                f"{reads} device = \"{plugged.device}\" in [ports.{call.port}]; correct one of both"
+                f'{reads} device = "{plugged.device}" in [ports.{call.port}]; correct one of both'
             )
 
 

@@ -26,7 +26,7 @@ from ravenbrick.target.build import build_image
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
 from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.exception_name import with_name, with_source
+from ravenbrick.target.exception_name import source_place, with_name, with_source
 from ravenbrick.target.fmu_body import CoSimulation, FmuBody
 from ravenbrick.target.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
 from ravenbrick.target.peers import BluetoothLink
@@ -381,7 +381,7 @@ class _Play:
 
     def recording(self) -> Recording:
         """The run so far."""
-        stop = _stop(self._brick, self._stop)
+        stop = _stop(self._brick, self._stop, self._robot.directory)
         events = decode_events(self._brick.events())
         inputs = [timed for timed in self._scheduled if timed.at_cycles <= stop.at_cycles]
         pins = expected_pins(self._scenario.expectations)
@@ -433,8 +433,8 @@ class _Play:
         return tuple(screens)
 
 
-def _stop(brick: Any, stop: Any) -> Stop:
-    place = brick.raised_at() if stop.reason == "halted" else None
+def _stop(brick: Any, stop: Any, project: Path) -> Stop:
+    place = source_place(brick.raised_at(), project) if stop.reason == "halted" else None
     message = with_name(stop.message, place)
     return Stop(stop.reason, stop.at_cycles, message, with_source(place))
 

@@ -95,7 +95,7 @@ class Screen:
 
 @dataclass(frozen=True)
 class Stop:
-    """Why and when the run ended: reached, power_off, fault or halted; the source line, if known."""
+    """Why and when the run ended: reached, power_off, fault or halted; the source line if known."""
 
     reason: str
     at_cycles: int
@@ -108,7 +108,7 @@ class Recording:
     """One run of one image; a thread's index is the `subject` of its events.
 
     `inputs` are all that were applied, from wherever: they play the run again. `screens` are the
-    texts of the LCD in the order of time. `overflows`: a sentence for each stack that was too small.
+    texts of the LCD in the order of time. `overflows`: a sentence for each stack that overflowed.
     `warnings`: sentences about what the program uses and robot.toml does not have.
     """
 

@@ -304,7 +304,7 @@ impl<B: Board> Chip<B> {
         }
     }
 
-    /// Address of the last access that the memory controller aborted, and whether it was misaligned.
+    /// Address of the last access that the memory controller aborted; whether it was misaligned.
     #[must_use]
     pub fn aborted_access(&self) -> (u32, bool) {
         (self.mc.abort_address(), self.mc.abort_misaligned())

@@ -37,7 +37,7 @@ impl Call {
     }
 }
 
-/// The calls that lead to `registers[15]`, an address inside of an instruction; `word` reads memory.
+/// The calls that lead to `registers[15]`, inside of an instruction; `word` reads memory.
 pub(crate) fn chain(
     image: &Image,
     registers: [u32; 16],

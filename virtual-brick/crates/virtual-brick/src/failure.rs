@@ -11,6 +11,7 @@ use crate::stop::{Stop, StopReason};
 use crate::threads::Memory;
 
 const RECORD: &str = "ravenbrick_failure";
+const TIMING_EVENTS: &str = "ravenbrick__delays__events__ring_with_events";
 const TEXT_MAX: u32 = 80;
 /// The text of a stack check that failed.
 const CHECKED: &str = "Storage_Error: stack overflow";
@@ -68,11 +69,15 @@ impl VirtualBrick {
         Stop { message, ..stop }
     }
 
-    /// Path of the source, line and column at which the program failed.
+    /// Source, line and column (0: unknown) at which the program failed: a path, or only its name
+    /// when a handler failed.
     #[must_use]
     pub fn raised_at(&self) -> Option<(String, u32, u32)> {
         let record = self.failure_record()?;
-        calls::innermost(&self.calls_of(&record)).cloned()
+        let told = !record.refused_instruction() && record.line != 0;
+        calls::innermost(&self.calls_of(&record))
+            .cloned()
+            .or_else(|| told.then(|| (record.text.clone(), record.line, 0)))
     }
 
     fn failure_record(&self) -> Option<Record> {
@@ -140,6 +145,9 @@ impl VirtualBrick {
                 format!(" in {}", calls::environment(calls))
             }
             Some(Who::Task(name)) => format!(" in task {name}"),
+            Some(Who::Handler(symbol)) if symbol == TIMING_EVENTS => {
+                " in the handler of a timing event".to_owned()
+            }
             Some(Who::Handler(symbol)) => format!(" in the interrupt handler {symbol}"),
             None => String::new(),
         }
@@ -155,6 +163,8 @@ impl VirtualBrick {
         }
         let own = (record.line != 0).then(|| format!("{}:{}", record.text, record.line));
         let place = place.or_else(|| own.clone());
+        // Without a message, the compiler gives the place for one.
+        let bare = own.is_some() || record.text.is_empty() || place.as_ref() == Some(&record.text);
         let place = place.map_or_else(String::new, |place| format!(" at {place}"));
         let asserted = calls
             .iter()
@@ -165,7 +175,7 @@ impl VirtualBrick {
             "unhandled exception"
         };
         match record.text.split_once(": ") {
-            _ if own.is_some() || record.text.is_empty() => format!("{name}{place}{whom}"),
+            _ if bare => format!("{name}{place}{whom}"),
             Some((name, why)) if name.ends_with("_Error") => {
                 format!("{name} ({why}){place}{whom}")
             }

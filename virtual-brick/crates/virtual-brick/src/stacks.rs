@@ -117,7 +117,8 @@ impl VirtualBrick {
             .thread_at(current)
             .map_or(Owner::Handlers, Owner::Thread);
         (missing > 0).then_some(())?;
-        self.overflow_sentence(owner, missing.min(RAM_BYTES), missing > RAM_BYTES, calls)
+        // The call that did not fit was not made, nor those that it would have made.
+        self.overflow_sentence(owner, missing.min(RAM_BYTES), true, calls)
     }
 
     fn overflow_sentence(
@@ -133,7 +134,10 @@ impl VirtualBrick {
         let wanted = size + missing;
         let option = |name| format!("link with -Wl,--defsym=ravenbrick_{name}_stack_size=BYTES");
         let (who, advice) = match owner {
-            Owner::Handlers => ("the interrupt handlers".to_owned(), option("handler")),
+            Owner::Handlers => (
+                "a chain of interrupt handlers".to_owned(),
+                option("handler"),
+            ),
             Owner::Thread(index) => match self.recorder.name_of(index) {
                 name if name == "environment" => (
                     calls::environment(calls),

@@ -58,7 +58,8 @@ def _rename_main(project: Path) -> None:
 def _adapt(project: Path, template: Template) -> None:
     robot = project / "robot.toml"
     text = robot.read_text("utf-8")
-    changed = re.sub(r'^name = ".*"$', f'name = "{project.name}"', text, count=1, flags=re.M)
+    own = f'name = "{project.name}"\nstack_check = true'
+    changed = re.sub(r'^name = ".*"$', own, text, count=1, flags=re.M)
     robot.write_text(changed, encoding="utf-8")
     for file in (project / "README.md", *project.glob("scenarios/*.toml")):
         text = file.read_text("utf-8").replace(f"examples/{template.example}", ".")
