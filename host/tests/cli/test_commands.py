@@ -227,12 +227,12 @@ def test_a_criterion_that_is_not_met_has_its_own_exit_code(project: Path, edit: 
 def test_a_fault_on_the_brick_ends_the_run_with_its_sentence(
     project: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Exit code 7, with instant, fault and what is on the LCD."""
+    """Exit code 7: the fault, behind it the instant and what is on the LCD."""
     monkeypatch.setattr(fake_brick.VirtualBrick, "fault_ms", 700)
     result = call("run", project, "drive")
     sentence = failure(result, ExitCode.RUN_FAULT)
-    assert "after 0.700000 s" in sentence
-    assert "unmodelled register 0xFFFA0000" in sentence
+    assert sentence == "ravenbrick: read of the unmodelled register 0xFFFA0000"
+    assert "scenario 'drive' ended after 0.700000 s" in result.stderr
     assert "vehicle.adb:12" in result.stderr
 
 
