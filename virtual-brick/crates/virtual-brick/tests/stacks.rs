@@ -35,7 +35,7 @@ fn overflows(left: u32, instructions: &[u32]) -> Vec<String> {
     ] {
         program.poke(address, value);
     }
-    program.load(STACK_POINTER, STACK + left).status(0x1F);
+    program.status(0x1F).load(STACK_POINTER, STACK + left);
     for &instruction in instructions {
         program.raw(instruction);
     }
