@@ -35,10 +35,12 @@ def image(run_time: None) -> Callable[[str, str], bytes]:
 
     def build(name: str, kind: str) -> bytes:
         if (name, kind) not in built:
-            config = f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"
+            config = [f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"]
+            if "RAVENBRICK_RTS" not in os.environ:
+                config.append(f"--implicit-with={ROOT / 'tools' / 'run_time.gpr'}")
             project = ["-P", TESTS / "test.gpr", f"-XTEST={name}", f"-XIMAGE={kind}"]
             done = subprocess.run(
-                ["gprbuild", "-q", "-j2", config, *project],
+                ["gprbuild", "-q", "-j2", *config, *project],
                 capture_output=True,
                 text=True,
                 check=False,

@@ -66,8 +66,8 @@ EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", 
 
 @cache
 def make_runtime(runtime: str) -> None:
-    """Build the library of one of RUNTIMES."""
-    products = f"BUILD={PRODUCTS / 'runtime'}"
+    """Build the library of one of RUNTIMES; make takes no folder with a space in its name."""
+    products = f"BUILD={os.path.relpath(PRODUCTS / 'runtime', ROOT / 'runtime')}"
     subprocess.run(
         ["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products, *MAKE_VARIABLES[runtime]],
         check=True,

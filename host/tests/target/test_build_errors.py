@@ -45,8 +45,9 @@ SAID = {
     "/usr/bin/ld: main.o:(.text+0x8): undefined reference to `nowhere'\n":
         ["main.o: undefined reference to 'nowhere'; no source and no library defines it"],
     "s-memory.adb:36: undefined reference to `ravenbrick_heap_size'\n":
-        ["the program allocates memory with 'new', for which the brick has no heap; use variables, "
-         "or give a heap's size in bytes, such as HEAP=4096 before the command"],
+        ["the program needs a heap, for 'new' or for a function that returns a limited object, and "
+         "has none: use variables, name NXT.Malloc for a heap of no bytes, or give a size in "
+         "bytes, such as HEAP=4096 before the command"],
     'robot.gpr:9:25: "src" is not a valid directory\ngprbuild: "robot.gpr" processing failed\n':
         ['robot.gpr:9:25: "src" is not a valid directory'],
     CIRCULAR: ["Elaboration circularity detected",

@@ -38,8 +38,9 @@ def _shown_place(place: str, project: Path) -> str:
 def _undefined(found: re.Match[str], project: Path) -> str:
     if found["name"] == _HEAP:
         return (
-            "the program allocates memory with 'new', for which the brick has no heap; use "
-            "variables, or give a heap's size in bytes, such as HEAP=4096 before the command"
+            "the program needs a heap, for 'new' or for a function that returns a limited object, "
+            "and has none: use variables, name NXT.Malloc for a heap of no bytes, or give a size "
+            "in bytes, such as HEAP=4096 before the command"
         )
     place, name = _shown_place(found["place"], project), found["name"]
     return f"{place}: undefined reference to '{name}'; no source and no library defines it"
