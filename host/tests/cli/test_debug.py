@@ -30,6 +30,7 @@ from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
 
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()", "debug", str(VEHICLE)]
+COMMAND += ["--image", "ram"]
 ELF = Workspace.of(VEHICLE).image("ram", "vehicle")
 LONGEST_S = 300
 

@@ -66,7 +66,7 @@ def test_a_launch_begins_when_the_server_says_that_it_waits() -> None:
     assert virtual["miDebuggerServerAddress"] in said
     assert {launch["preLaunchTask"] for launch in launches.values()} <= set(tasks())
     image = virtual["program"].replace("${workspaceFolder}", str(VEHICLE))
-    assert image.endswith("build/vehicle/ram/vehicle.elf")
+    assert image.endswith("build/vehicle/debug/vehicle.elf")
 
 
 @with_schemas

@@ -78,7 +78,7 @@ def test_the_workflow_runs_what_the_folder_has(tmp_path: Path) -> None:
     project = create_project(tmp_path / "my-robot", "blank").project
     steps = read(project, WORKFLOW)["jobs"]["check"]["steps"]
     commands = [step["run"] for step in steps if "run" in step]
-    for command in (*commands, read(project, CONTAINER)["onCreateCommand"]):
+    for command in commands:
         subprocess.run(["bash", "-n", "-c", command], check=True)
     assert commands[-1].endswith("make -C project test")
     assert all(("uses" in step) != ("run" in step) for step in steps)

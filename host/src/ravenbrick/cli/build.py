@@ -14,14 +14,17 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import shown_path
 from ravenbrick.target.build import build_image, clean_project
-from ravenbrick.target.elf_image import ImageKind
+from ravenbrick.target.elf_image import DEBUGGING_BUILD, BuildKind, ImageKind
 from ravenbrick.target.memory import MemoryReport
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.workspace import Workspace
 
-__all__ = ["ImageChoice", "build_command"]
+__all__ = ["DebugOption", "ImageChoice", "build_command", "build_kind"]
 
 MEMORY_HEAD = ("memory", "bytes", "")
+DebugOption = Annotated[
+    bool, typer.Option("--debug", help="Debugging build instead, with all variables for GDB.")
+]
 
 
 class ImageChoice(Enum):
@@ -36,12 +39,18 @@ class ImageChoice(Enum):
         return "ram" if self is ImageChoice.RAM else "flash"
 
 
+def build_kind(image: ImageChoice, debug: bool) -> BuildKind:
+    """The kind of build that the options name."""
+    return "debug" if debug else image.kind
+
+
 @command("ravenbrick build examples/vehicle --image ram")
 def build_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
     image: Annotated[
         ImageChoice, typer.Option(help="RAM below the boot monitor, or flash.")
     ] = ImageChoice.RAM,
+    debug: DebugOption = False,
     tools: Annotated[
         bool, typer.Option("--tools", help="Each tool with source and product as it runs.")
     ] = False,
@@ -57,11 +66,14 @@ def build_command(
         reporter.print(f"removed: {', '.join(map(shown_path, removed))}")
         return {"removed": [str(folder) for folder in removed]}
     robot = read_robot(directory)
-    with reporter.step(f"build the {image.value} image") as step:
-        built = build_image(workspace, robot, image.kind, reporter.print if tools else None)
+    kind = build_kind(image, debug)
+    with reporter.step(f"build the {kind} image") as step:
+        built = build_image(workspace, robot, kind, reporter.print if tools else None)
         step.note = shown_path(built.image.path)
         step.note += "" if built.changed else " (nothing has changed)"
     reporter.table(MEMORY_HEAD, _memory_rows(built.memory))
+    if debug:
+        reporter.print(DEBUGGING_BUILD)
     return {
         "image": str(built.image.path),
         "memory_file": str(built.memory_file),

@@ -22,7 +22,7 @@ from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError
-from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.elf_image import DEBUGGING_BUILD, BuildKind, read_image
 from ravenbrick.target.robot import read_robot
 from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.target.workspace import Workspace
@@ -57,14 +57,18 @@ def _serve(brick: Any, port: int, **wishes: Any) -> None:
         ) from None
 
 
-def _with_gdb(brick: Any, elf: Path, port: int) -> int:
-    """Run GDB on the terminal and the server beside it; the exit code of GDB."""
+def _installed_gdb() -> str:
     program = shutil.which(GDB)
     if program is None:
         raise ToolMissingError(
             f"'{GDB}' is not installed (Debian package gdb-multiarch); install it, or leave out "
             "'--gdb' and connect the debugger that you have"
         )
+    return program
+
+
+def _with_gdb(brick: Any, elf: Path, port: int, program: str) -> int:
+    """Run GDB on the terminal and the server beside it; the exit code of GDB."""
     listening: Queue[int | Exception] = Queue()
     finished = threading.Event()
 
@@ -111,16 +115,22 @@ def debug_command(
     ] = 3333,
     gdb: Annotated[bool, typer.Option("--gdb", help="Start GDB in this terminal.")] = False,
     elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
-    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    image: Annotated[
+        ImageChoice | None, typer.Option(help="Release image (default: a debugging build).")
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     robot = read_robot(directory)
     chosen = scenario_or_none(directory, scenario, robot)
     reporter, workspace = Reporter(json_output), Workspace.of(directory)
-    loaded = read_image(elf) if elf else project_image(workspace, robot, image.kind, reporter)
+    program = _installed_gdb() if gdb else None
+    kind: BuildKind = image.kind if image else "debug"
+    loaded = read_image(elf) if elf else project_image(workspace, robot, kind, reporter)
+    if loaded.build == "debug":
+        reporter.print(f"{DEBUGGING_BUILD}; '--image ram' takes that one")
     brick = VirtualTarget().prepare(robot, chosen, loaded, any_program=True)
-    if gdb:
-        _with_gdb(brick, loaded.path, port)
+    if program:
+        _with_gdb(brick, loaded.path, port, program)
     else:
         announce = _announce(reporter, loaded.path)
         _serve(brick, port, on_listening=announce)

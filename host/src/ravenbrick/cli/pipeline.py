@@ -15,7 +15,7 @@ from ravenbrick.errors import RavenbrickError, shown_path
 from ravenbrick.target.bounds_file import own_bounds
 from ravenbrick.target.build import BUSY, build_image, current_image, record_file
 from ravenbrick.target.design_script import run_design
-from ravenbrick.target.elf_image import ElfImage, ImageKind, read_image
+from ravenbrick.target.elf_image import BuildKind, ElfImage, read_image
 from ravenbrick.target.locks import locked
 from ravenbrick.target.made_from import MadeFrom
 from ravenbrick.target.memory import MemoryReport
@@ -60,7 +60,7 @@ def design_project(workspace: Workspace) -> Design:
 
 
 def project_image(
-    workspace: Workspace, robot: Robot, kind: ImageKind, reporter: Reporter
+    workspace: Workspace, robot: Robot, kind: BuildKind, reporter: Reporter
 ) -> ElfImage:
     """The project's image, built before where it is not that of its sources as they are now.
 
@@ -97,7 +97,7 @@ def play(
 ) -> Recording:
     """Run a scenario and keep the recording, and its peer's."""
     recording, peer = target.run_with_peer(robot, scenario, image, progress)
-    recording.save(workspace.recording(scenario.name, image.kind))
+    recording.save(workspace.recording(scenario.name, image.build))
     keep_peer(peer)
     return recording
 
@@ -107,7 +107,7 @@ def keep_peer(peer: Station | None) -> Recording | None:
     if peer is None or peer.recording is None:
         return None
     workspace = Workspace.of(peer.robot.directory)
-    peer.recording.save(workspace.recording(peer.scenario.name, peer.image.kind))
+    peer.recording.save(workspace.recording(peer.scenario.name, peer.image.build))
     return peer.recording
 
 

@@ -21,7 +21,7 @@ from ravenbrick.cli.pipeline import (
     scenario_or_none,
 )
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.target.elf_image import ImageKind, read_image
+from ravenbrick.target.elf_image import DEBUGGING_BUILD, BuildKind, read_image
 from ravenbrick.target.memory import MemoryReport, memory_report, with_stacks
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.scenario import Scenario
@@ -33,22 +33,23 @@ from ravenbrick.trace.summary import Run
 
 __all__ = ["report_command"]
 
-FLASH = ".flash"
+# Behind the name of a recording of another build than that for the RAM, and what it is.
+BUILDS: dict[BuildKind, str] = {"flash": "flash image", "debug": DEBUGGING_BUILD}
 
 
 def _run_of(file: Path, workspace: Workspace, robot: Robot, scenarios: list[Scenario]) -> Run:
     """The run of a recording; one without a scenario below scenarios/ is shown all the same."""
     recording = Recording.load(file)
-    name = file.stem.removesuffix(FLASH)
+    kind: BuildKind = next((b for b in BUILDS if file.stem.endswith(f".{b}")), "ram")
+    name = file.stem.removesuffix(f".{kind}")
     scenario = next((s for s in scenarios if s.name == name), None)
     if scenario is None:
         free = scenario_or_none(robot.directory, None, robot)
         told = "Recording of a scenario that is not below scenarios/"
         scenario = replace(free, name=name, description=told)
-    kind: ImageKind = "flash" if file.stem.endswith(FLASH) else "ram"
     image = workspace.image(kind, robot.name)
     newer = image.is_file() and image.stat().st_mtime > file.stat().st_mtime
-    title = f"{name} (flash image)" if kind == "flash" else name
+    title = f"{name} ({BUILDS[kind]})" if kind in BUILDS else name
     run = any_run(robot, scenario, recording)
     return replace(run, image_is_newer=newer, title=title)
 

@@ -12,14 +12,14 @@ from typing import Annotated, Any
 import typer
 
 from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.build import DebugOption, ImageChoice, build_kind
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import TASK_HEAD, keep_peer, project_image, read_run, task_rows
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.configuration import brick_configuration
-from ravenbrick.target.elf_image import read_binary, read_image
+from ravenbrick.target.elf_image import DEBUGGING_BUILD, ElfImage, read_binary, read_image
 from ravenbrick.target.fmu_body import FmuBody
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.run_file import read_run_file
@@ -178,12 +178,20 @@ def _show(run: Run, reporter: Reporter) -> None:
         reporter.print(f"warning: {warning}")
 
 
+def _given_image(binary: Path | None, at: ImageChoice, elf: Path | None) -> ElfImage | None:
+    """The image of the options; None for the project's own."""
+    if binary:
+        return read_binary(binary, at.kind)
+    return read_image(elf) if elf else None
+
+
 @command("ravenbrick run examples/vehicle drive --expect 'lcd shows \"stopped\"'")
 def run_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
     scenario: Annotated[str, typer.Argument(help="Name below scenarios/, or a file.")],
     elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
     image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    debug: DebugOption = False,
     expect: Annotated[
         list[str] | None,
         typer.Option(help="What must be seen: a sentence, or a file of them; may be repeated."),
@@ -231,13 +239,10 @@ def run_command(
         sound=sound,
     )
     reporter = Reporter(json_output)
-    if binary:
-        loaded = read_binary(binary, at.kind)
-    elif elf:
-        loaded = read_image(elf)
-    else:
-        loaded = project_image(workspace, robot, image.kind, reporter)
-    kept = workspace.recording(chosen.name, loaded.kind)
+    loaded = _given_image(binary, at, elf)
+    if loaded is None:
+        loaded = project_image(workspace, robot, build_kind(image, debug), reporter)
+    kept = workspace.recording(chosen.name, loaded.build)
     with reporter.step(f"run '{chosen.name}'") as step:
         recording, peer = target.run_with_peer(robot, chosen, loaded, step.progress)
         recording.save(kept)
@@ -245,7 +250,9 @@ def run_command(
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.3f} s on the brick"
     _show(run, reporter)
     beside = _peer_run(peer, reporter)
-    reporter.print(f"recording: {shown_path(kept)}")
-    answer = _outcome(run, beside, kept) | _same_as_replayed(original, recording, reporter)
+    label = f" ({DEBUGGING_BUILD})" if loaded.build == "debug" else ""
+    reporter.print(f"recording: {shown_path(kept)}{label}")
+    answer = {**_outcome(run, beside, kept), "build": loaded.build}
+    answer |= _same_as_replayed(original, recording, reporter)
     require_criteria([*run.criteria, *(beside.criteria if beside is not None else ())])
     return answer

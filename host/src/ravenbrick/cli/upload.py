@@ -14,7 +14,7 @@ from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.target.build import build_image
-from ravenbrick.target.elf_image import read_image
+from ravenbrick.target.elf_image import DEBUGGING_BUILD, read_image
 from ravenbrick.target.flat_image import FlatImage, flat_flash_file, flat_image
 from ravenbrick.target.real import brick_to_load, load
 from ravenbrick.target.robot import read_robot
@@ -28,6 +28,11 @@ __all__ = ["upload_command"]
 def _project_image(source: Path, kind: Literal["ram", "flash"], reporter: Reporter) -> FlatImage:
     if source.is_file():
         image = read_image(source)
+        if image.build == "debug":
+            raise UsageError(
+                f"{shown_path(source)} is a {DEBUGGING_BUILD}; upload the release image, or the "
+                "project's folder"
+            )
         if image.kind != kind:
             raise UsageError(
                 f"{source} is a {image.kind} image; say '--image {image.kind}' to put it there"

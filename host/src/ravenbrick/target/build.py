@@ -23,7 +23,7 @@ from ravenbrick.installation import advice_for_packages
 from ravenbrick.target.build_errors import build_failure, disk_full, is_disk_full
 from ravenbrick.target.build_settings import Settings
 from ravenbrick.target.design_script import DESIGN_SCRIPT, design_is_due, run_design
-from ravenbrick.target.elf_image import ElfImage, ImageKind, read_image
+from ravenbrick.target.elf_image import BuildKind, ElfImage, read_image
 from ravenbrick.target.locks import locked
 from ravenbrick.target.made_from import MadeFrom
 from ravenbrick.target.memory import MemoryReport, memory_report
@@ -113,13 +113,13 @@ def choices_of(workspace: Workspace, robot: Robot, settings: Settings) -> dict[s
     return {"name": robot.name, **where, **settings.record(), "compiler": tools}
 
 
-def current_image(workspace: Workspace, robot: Robot, kind: ImageKind) -> ElfImage | None:
+def current_image(workspace: Workspace, robot: Robot, kind: BuildKind) -> ElfImage | None:
     """The image, if it is there and was made from the sources as they are now; otherwise None."""
     elf = workspace.image(kind, robot.name)
     made = MadeFrom.read(record_file(elf))
     if made is None or str(elf) not in made.files:
         return None
-    settings = Settings.of(robot)
+    settings = Settings.of(robot, debug=kind == "debug")
     if made.change(choices_of(workspace, robot, settings), record_file(elf)) is not None:
         return None
     return None if design_is_due(workspace, settings) else read_image(elf)
@@ -217,19 +217,22 @@ def _nothing_left_after_failure(elf: Path) -> Iterator[None]:
 
 
 def _build(
-    workspace: Workspace, robot: Robot, kind: ImageKind, lock: int,
+    workspace: Workspace, robot: Robot, kind: BuildKind, lock: int,
     show: Callable[[str], None] | None,
 ) -> Built:  # fmt: skip
-    settings = Settings.of(robot)
+    settings = Settings.of(robot, debug=kind == "debug")
     _check_project(workspace, settings)
     elf, folder = workspace.image(kind, robot.name), workspace.build(kind)
     folder.mkdir(parents=True, exist_ok=True)
     choices = choices_of(workspace, robot, settings)
     compiled = {name: value for name, value in choices.items() if name not in ("name", "HEAP")}
-    shared = {n: v for n, v in compiled.items() if n not in ("project folder", "GENERATED")}
+    apart = ("project folder", "GENERATED", "DEBUG")
+    shared = {name: value for name, value in compiled.items() if name not in apart}
     with _nothing_left_after_failure(elf), tempfile.TemporaryDirectory() as private:
         run_time = run_time_library(settings)
-        values = {"IMAGE": kind, "PROJECT": workspace.project.name, "ROBOT": robot.name}
+        # Unoptimised code may be too large for the RAM.
+        place = "flash" if settings.debug else kind
+        values = {"IMAGE": place, "PROJECT": workspace.project.name, "ROBOT": robot.name}
         values["RAVENBRICK_BUILD"] = str(workspace.products)
         call, own = gprbuild_call(settings, run_time, values, Path(private))
         environment = {k: v for k, v in os.environ.items() if k != "GPR_PROJECT_PATH"} | own
@@ -246,7 +249,7 @@ def _build(
         command += ["-cargs", "-v", "-cargs:Ada", "-gnatef", "-bargs", "-v", "-largs", "-v"]
         log = folder / "build.log"
         with (
-            _same_objects(folder.parent / "objects" / settings.objects, compiled),
+            _same_objects(folder.parent / "objects" / settings.own_objects, compiled),
             _same_objects(workspace.products / "drivers" / settings.objects, shared),
         ):
             code, output = _run(command, workspace, environment, log, lock, show)
@@ -266,7 +269,7 @@ def _build(
 def build_image(
     workspace: Workspace,
     robot: Robot,
-    kind: ImageKind,
+    kind: BuildKind,
     show: Callable[[str], None] | None = None,
 ) -> Built:
     """Build, check and measure an image, unless it is there and nothing has changed.

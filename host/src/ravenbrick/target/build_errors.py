@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 
 from ravenbrick.errors import BuildError, ImageFileError, shown_path
-from ravenbrick.target.elf_image import ImageKind
+from ravenbrick.target.elf_image import BuildKind
 
 __all__ = ["build_failure", "disk_full", "errors_in", "is_disk_full"]
 
@@ -85,12 +85,12 @@ def disk_full(folder: Path) -> BuildError:
 
 
 def build_failure(
-    project: Path, kind: ImageKind, output: str, log: Path
+    project: Path, kind: BuildKind, output: str, log: Path
 ) -> BuildError | ImageFileError:
     """The error for a build of a project that failed with this output, which is in the log too."""
     whole = f"whole output: {shown_path(log)}"
     if overflow := _OVERFLOW.search(output):
-        memory = "flash" if kind == "flash" and overflow[1] == "CODE" else "RAM"
+        memory = "flash" if kind != "ram" and overflow[1] == "CODE" else "RAM"
         advice = "shorten stacks or code"
         if kind == "ram":
             advice += ", or build a flash image with '--image flash'"

@@ -48,9 +48,12 @@ class Settings:
     generated: Path
     run_time: Path | None
     configuration: Path | None
+    debug: bool = False
 
     @classmethod
-    def of(cls, robot: Robot, variables: Mapping[str, str] = os.environ) -> Settings:
+    def of(
+        cls, robot: Robot, variables: Mapping[str, str] = os.environ, *, debug: bool = False
+    ) -> Settings:
         """What robot.toml and the variables say; raises `UsageError`."""
         folders = {n: Path(variables[n]).resolve() for n in FOLDERS if variables.get(n)}
         return cls(
@@ -64,14 +67,20 @@ class Settings:
             generated=folders.get("GENERATED", robot.directory.resolve() / "generated"),
             run_time=folders.get("RAVENBRICK_RTS"),
             configuration=folders.get("DRIVERS_CONFIGURATION"),
+            debug=debug,
         )
 
     @property
     def objects(self) -> str:
-        """Folder of the objects, apart from those that are compiled otherwise."""
+        """Folder of the drivers' objects, apart from those that are compiled otherwise."""
         parts = [self.code, self.profile if self.profile != "ravenscar" else ""]
         parts.append("checked" if self.stack_check else "")
         return "-".join(filter(None, parts))
+
+    @property
+    def own_objects(self) -> str:
+        """The same for the project's own objects; tools/application.gpr names it alike."""
+        return self.objects + ("-debug" if self.debug else "")
 
     @property
     def library(self) -> str:
@@ -92,6 +101,8 @@ class Settings:
             "HEAP": self.heap,
             "GENERATED": str(self.generated),
         }
+        if self.debug:
+            found["DEBUG"] = "yes"
         if self.configuration is not None:
             found["DRIVERS_CONFIGURATION"] = str(self.configuration)
         return found

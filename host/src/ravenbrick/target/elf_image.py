@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from elftools.elf.elffile import ELFFile
 
 __all__ = [
+    "DEBUGGING_BUILD",
     "REGIONS",
+    "BuildKind",
     "ElfImage",
     "ImageKind",
     "Region",
@@ -27,6 +29,10 @@ __all__ = [
 ]
 
 ImageKind = Literal["ram", "flash"]
+# What is built: an image for one of the two places, or the one for GDB.
+BuildKind = Literal["ram", "flash", "debug"]
+DEBUGGING_BUILD = "debugging build: its times are not those of the release image"
+_DEBUG_MARK = "ravenbrick_debugging_build"  # tools/application.gpr
 _BUILD = "build it with 'ravenbrick build'"
 _HEADER = struct.Struct("<16xHHIIIIIHHHHHH")
 
@@ -83,6 +89,11 @@ class ElfImage:
     sections: tuple[Section, ...]
     symbols: dict[str, Symbol]
     bare: bool = False
+
+    @property
+    def build(self) -> BuildKind:
+        """The kind of build, by a symbol in the image itself."""
+        return "debug" if _DEBUG_MARK in self.symbols else self.kind
 
     def size_of(self, kind: str) -> int:
         """Bytes of all sections of a kind."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ravenbrick.errors import UsageError
-from ravenbrick.target.elf_image import ImageKind
+from ravenbrick.target.elf_image import BuildKind
 from ravenbrick.target.named_files import named_file
 
 __all__ = ["Workspace", "run_time_folder", "tree"]
@@ -87,15 +87,15 @@ class Workspace:
         """What design.py leaves for the plots."""
         return self.products / self.project.name / "design.json"
 
-    def build(self, kind: ImageKind) -> Path:
+    def build(self, kind: BuildKind) -> Path:
         """Folder of the build products of one kind of image."""
         return self.products / self.project.name / kind
 
-    def image(self, kind: ImageKind, name: str) -> Path:
+    def image(self, kind: BuildKind, name: str) -> Path:
         """File of the image."""
         return self.build(kind) / f"{name}.elf"
 
-    def recording(self, scenario: str, kind: ImageKind = "ram") -> Path:
+    def recording(self, scenario: str, kind: BuildKind = "ram") -> Path:
         """File of the last recording of a scenario with one kind of image."""
         name = scenario if kind == "ram" else f"{scenario}.{kind}"
         return self.results / "recordings" / f"{name}.npz"

@@ -66,12 +66,18 @@ pub(crate) fn answer(target: &mut DebugTarget, line: &str) -> String {
         ["semihosting", "off"] => semihosting(target, false),
         ["steps", "task"] => steps(target, true),
         ["steps", "processor"] => steps(target, false),
-        ["program", path] => match loading::program(target, path) {
-            Ok(()) => time(target),
-            Err(why) => format!("{why}\n"),
-        },
+        ["program", _, ..] => program(target, line),
         ["reset"] => reset(target),
         _ => format!("no command '{line}'; 'monitor help' lists them\n"),
+    }
+}
+
+/// The file's name may have spaces, and quotation marks around it.
+fn program(target: &mut DebugTarget, line: &str) -> String {
+    let name = line.trim().strip_prefix("program").unwrap_or_default();
+    match loading::program(target, name.trim().trim_matches('"')) {
+        Ok(()) => time(target),
+        Err(why) => format!("{why}\n"),
     }
 }
 

@@ -191,13 +191,19 @@ fn interrupted(brick: &VirtualBrick) -> [Option<u32>; CPSR + 1] {
     core
 }
 
-/// An ARM instruction of the image could lie here: a context of another run-time is not one.
+/// An ARM instruction of the image could lie here, or of a subprogram that the start of a flash
+/// image copies to RAM: a context of another run-time is not one.
 fn is_code(brick: &VirtualBrick, address: u32) -> bool {
-    address % 4 == 0
-        && brick.image().segments().iter().any(|segment| {
-            let offset = address.wrapping_sub(segment.address) as usize;
-            offset < segment.bytes.len()
-        })
+    let image = brick.image();
+    let copied = || {
+        let (name, offset) = image.symbols().nearest_code(address)?;
+        Some(offset < image.symbols().get(name)?.size)
+    };
+    let loaded = image.segments().iter().any(|segment| {
+        let offset = address.wrapping_sub(segment.address) as usize;
+        offset < segment.bytes.len()
+    });
+    address % 4 == 0 && (loaded || copied() == Some(true))
 }
 
 /// The context that the run-time in Thumb state leaves at `frame`: r4-r11 and the address at which

@@ -91,7 +91,7 @@ fn flash_is_erased_and_written_in_pages_and_nothing_else_is() {
 fn another_program_begins_with_the_inputs_that_were_to_come() {
     let mut program = Program::new();
     program.load(0, 0x1234).stop();
-    let file = format!("other-{}.elf", std::process::id());
+    let file = format!("other program {}.elf", std::process::id());
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(file);
     std::fs::write(&file, support::image(&program).build()).unwrap();
     let mut free = support::brick(&program);
@@ -102,7 +102,11 @@ fn another_program_begins_with_the_inputs_that_were_to_come() {
     brick.schedule_input(50_000, "touch.1", 1.0).unwrap();
     let mut target = DebugTarget::new(brick);
     target.run_to(70_000);
-    let answer = target.monitor(&format!("program {}", file.display()));
+    assert!(target
+        .monitor(&format!("program {}", file.display()))
+        .starts_with("cycle 0,"));
+    target.run_to(70_000);
+    let answer = target.monitor(&format!("program \"{}\"", file.display()));
     std::fs::remove_file(&file).unwrap();
     assert!(answer.starts_with("cycle 0,"), "{answer}");
     target.run_to(100_000);

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
+import sys
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -68,7 +70,8 @@ def _adapt(project: Path, template: Template) -> None:
 
 def _add_own_files(project: Path, template: Template) -> None:
     """The files of the folder `files`, whose names have `+` for `/`."""
-    replaced = {"@NAME@": project.name, "@SCENARIO@": template.scenario}
+    commands = json.dumps(str(Path(sys.executable).parent), ensure_ascii=False)[1:-1]
+    replaced = {"@NAME@": project.name, "@SCENARIO@": template.scenario, "@COMMANDS@": commands}
     for source in sorted(resources.files(__package__).joinpath("files").iterdir(), key=str):
         text = source.read_text(encoding="utf-8")
         for mark, value in replaced.items():
@@ -90,6 +93,7 @@ _HOW_TO = """
 
 `make` runs the `ravenbrick` of the tree that RAVENBRICK_HOME names, otherwise the one on the PATH.
 VS Code has tasks for build, run and test, and a launch configuration that debugs the virtual brick.
+They find `ravenbrick` on the PATH, else in the folder that `.vscode/settings.json` names.
 The dev container is the image `ravenbrick`, made from tools/Containerfile of the Ravenbrick tree.
 `.github/workflows/check.yml` runs `make test` on every push; set the variable
 RAVENBRICK_REPOSITORY there.
