@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import RavenbrickError, shown_path
@@ -81,9 +81,9 @@ def built_file(elf: Path, reporter: Reporter) -> Path:
     project = Path(made.settings.get("project folder", "")) if made is not None else Path()
     if made is not None and (project / ROBOT_FILE).is_file():
         workspace, robot = Workspace.of(project), read_robot(project)
-        kind: ImageKind = "flash" if elf.resolve().parent.name == "flash" else "ram"
-        if workspace.image(kind, robot.name) == elf.resolve():
-            project_image(workspace, robot, kind, reporter)
+        for kind in get_args(BuildKind):
+            if workspace.image(kind, robot.name) == elf.resolve():
+                project_image(workspace, robot, kind, reporter)
     return elf
 
 
