@@ -266,6 +266,14 @@ def _build(
     return Built(image, memory, folder / "memory.json")
 
 
+def _unchanged(workspace: Workspace, robot: Robot, kind: BuildKind) -> Built | None:
+    image = current_image(workspace, robot, kind)
+    if image is None:
+        return None
+    memory_file = workspace.build(kind) / "memory.json"
+    return Built(image, memory_report(image, robot), memory_file, changed=False)
+
+
 def build_image(
     workspace: Workspace,
     robot: Robot,
@@ -277,12 +285,14 @@ def build_image(
     `show` gets a line for each tool as it runs. Raises `ToolMissingError`, `BuildError`,
     `DesignError`, `ImageFileError`, `ProjectFileError` or `UsageError`; then there is no image.
     """
+    built = _unchanged(workspace, robot, kind)
+    if built is not None:
+        return built
     require_tools()
     with locked(workspace.products, BUSY) as lock:
-        image = current_image(workspace, robot, kind)
-        if image is not None:
-            memory_file = workspace.build(kind) / "memory.json"
-            return Built(image, memory_report(image, robot), memory_file, changed=False)
+        built = _unchanged(workspace, robot, kind)
+        if built is not None:
+            return built
         if design_is_due(workspace, Settings.of(robot)):
             if show:
                 show(f"  python    {DESIGN_SCRIPT} -> generated/")

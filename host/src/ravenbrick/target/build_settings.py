@@ -74,7 +74,7 @@ class Settings:
     def objects(self) -> str:
         """Folder of the drivers' objects, apart from those that are compiled otherwise."""
         parts = [self.code, self.profile if self.profile != "ravenscar" else ""]
-        parts.append("checked" if self.stack_check else "")
+        parts += ["timed" if self.execution_time else "", "checked" if self.stack_check else ""]
         return "-".join(filter(None, parts))
 
     @property
