@@ -27,7 +27,8 @@ from ravenbrick.target.build import build_image, clean_project, record_file
 from ravenbrick.target.robot import Robot, read_robot
 from ravenbrick.target.workspace import Workspace
 
-SETTING = {"CODE": "thumb", "HEAP": "4096", "GENERATED": "elsewhere"}
+FOLDERS = ("DRIVERS_CONFIGURATION", "GENERATED")
+SETTING = {"CODE": "thumb", "HEAP": "4096", **dict.fromkeys(FOLDERS, "src")}
 
 
 @pytest.fixture
@@ -111,7 +112,7 @@ def test_another_setting_is_another_image(
 ) -> None:
     """Of the environment, for the command as for make; back again, too."""
     build_image(workspace, robot, "ram")
-    value = str(workspace.project / "src") if name == "GENERATED" else SETTING[name]
+    value = str(workspace.project / "src") if name in FOLDERS else SETTING[name]
     monkeypatch.setenv(name, value)
     build_image(workspace, robot, "ram")
     monkeypatch.delenv(name)
@@ -122,7 +123,6 @@ def test_another_setting_is_another_image(
 def test_another_profile_is_another_image(workspace: Workspace, robot: Robot) -> None:
     """The profile of robot.toml reaches the tools."""
     write_recipe(workspace.project, 'echo "$@" > said')
-    (workspace.project / "recipe").read_text()
     build_image(workspace, robot, "ram")
     build_image(workspace, replace(robot, profile="jorvik"), "ram")
     record = json.loads(record_file(workspace.image("ram", robot.name)).read_text())

@@ -99,8 +99,8 @@ class MadeFrom:
 
         Stamps are looked at first, contents where they differ; `record` then gets the new stamps.
         """
-        for name, value in settings.items():
-            if self.settings.get(name) != value:
+        for name in {**self.settings, **settings}:
+            if self.settings.get(name) != settings.get(name):
                 return f"the setting '{name}'"
         for folder, names in self.folders.items():
             if _names(folder) != names:
