@@ -374,3 +374,12 @@ def test_recordings_of_both_kinds_of_image_are_kept_apart(project: Path) -> None
         for kind in ("ram", "flash")
     }
     assert len(kept) == 2
+
+
+def test_a_recording_without_a_scenario_of_its_name_is_reported(project: Path) -> None:
+    """Whatever was run is shown."""
+    parsed(call("run", project, "drive", "--json"))
+    kept = Workspace.of(project).recording("drive")
+    kept.rename(kept.with_name("trial.npz"))
+    page = Path(parsed(call("report", project, "--json"))["report"]).read_text()
+    assert "Run: trial" in page and "whose scenario is not in the project" in page

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,11 +21,11 @@ from ravenbrick.cli.pipeline import (
     project_scenarios,
     scenario_or_none,
 )
-from ravenbrick.errors import UsageError, shown_path
+from ravenbrick.errors import RavenbrickError, UsageError, shown_path
 from ravenbrick.target.elf_image import DEBUGGING_BUILD, BuildKind, read_image
 from ravenbrick.target.memory import MemoryReport, memory_report, with_stacks
 from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario
+from ravenbrick.target.scenario import Scenario, read_scenario
 from ravenbrick.target.workspace import Workspace
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.recording import Recording
@@ -42,16 +43,22 @@ def _run_of(file: Path, workspace: Workspace, robot: Robot, scenarios: list[Scen
     recording = Recording.load(file)
     kind: BuildKind = next((b for b in BUILDS if file.stem.endswith(f".{b}")), "ram")
     name = file.stem.removesuffix(f".{kind}")
-    scenario = next((s for s in scenarios if s.name == name), None)
-    if scenario is None:
-        free = scenario_or_none(robot.directory, None, robot)
-        told = "Recording of a scenario that is not below scenarios/"
-        scenario = replace(free, name=name, description=told)
+    known = (s for s in scenarios if s.name == name)
+    scenario = next(known, None) or _elsewhere(robot, name)
     image = workspace.image(kind, robot.name)
     newer = image.is_file() and image.stat().st_mtime > file.stat().st_mtime
     title = f"{name} ({BUILDS[kind]})" if kind in BUILDS else name
     run = any_run(robot, scenario, recording)
     return replace(run, image_is_newer=newer, title=title)
+
+
+def _elsewhere(robot: Robot, name: str) -> Scenario:
+    """The scenario of another folder of the project, else one in which nothing is asked for."""
+    for file in sorted(robot.directory.glob(f"*/{name}.toml")):
+        with suppress(RavenbrickError):
+            return read_scenario(file, robot)
+    free = scenario_or_none(robot.directory, None, robot)
+    return replace(free, name=name, description="Recording whose scenario is not in the project")
 
 
 def _runs(workspace: Workspace, robot: Robot) -> list[Run]:

@@ -90,7 +90,7 @@ def dynamics_drawing(
     for number, (lines, columns, colour) in enumerate(rows):
         top = ROW * number + 8
         for place, line in enumerate(lines):
-            drawing.text(0, top + 14 + 15 * place, line, bold=place == 0, size=11.5)
+            drawing.text(8, top + 14 + 15 * place, line, bold=place == 0, size=11.5)
         for place, (title, shown) in enumerate(columns):
             if shown.size:
                 _cell(drawing, clock, LEFT + COLUMN * place, top, title, shown, colour)
