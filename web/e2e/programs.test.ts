@@ -1,12 +1,26 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-/** Other programs on the page: one that plays notes, one that follows a line. */
+/** Other programs on the page: one that plays notes, one that follows a line, one that fails. */
 import { execFile } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { promisify } from "node:util";
 import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { inked, launch, open, passes, picture, ravenbrick, ROOT, serve, VEHICLE } from "./harness";
+import {
+  begins,
+  ends,
+  inked,
+  launch,
+  open,
+  passes,
+  picture,
+  ravenbrick,
+  ROOT,
+  serve,
+  VEHICLE,
+} from "./harness";
 
 const LINE = "examples/line-follower";
 let browser: Browser;
@@ -50,5 +64,33 @@ describe("the floor", () => {
     await picture(page, "10-line");
     await context.close();
     server.end();
+  });
+});
+
+describe("a program that fails", () => {
+  it("is shown with the line that raised the exception, until it begins again", async () => {
+    const project = join(mkdtempSync(join(tmpdir(), "page ")), "failing");
+    await ravenbrick("new", project);
+    const source = join(project, "src", "tasks.adb");
+    const text = readFileSync(source, "utf-8");
+    const raising = text.replace("Presses.Add;\n", "raise Constraint_Error;\n");
+    expect(raising).not.toBe(text);
+    writeFileSync(source, raising);
+    const line = raising.slice(0, raising.indexOf("raise Constraint")).split("\n").length;
+    const server = await serve(project, "press");
+    const { context, page } = await open(browser, server.address);
+    await page.click("#run");
+    await ends(page, `tasks.adb:${line}`);
+    expect(await page.textContent("#source-place")).toBe(`tasks.adb:${line}`);
+    const here = await page.textContent("#source-text [aria-current]");
+    expect(here?.trim()).toBe("raise Constraint_Error;");
+    expect(await page.getAttribute("#program", "class")).toBe("failed");
+    await picture(page, "12-failed");
+    await page.click("#reset");
+    await begins(page);
+    expect(await page.textContent("#program")).toBe("");
+    await context.close();
+    server.end();
+    rmSync(project, { recursive: true });
   });
 });

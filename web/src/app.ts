@@ -29,8 +29,11 @@ export class App implements Actions {
   readonly scopeView = new Scope(this);
   readonly timeline = new Timeline();
   private readonly source = new Source();
+  private readonly floor = new Floor();
+  private readonly motors = new Motors(this);
   private readonly sound = new Sound();
   private readonly views: View[];
+  private readonly columns: [HTMLElement, HTMLElement];
   private session: Session = PLAIN_SESSION;
   private elf: Uint8Array | null = null;
   /** The image beside the page, which its sources belong to. */
@@ -57,14 +60,15 @@ export class App implements Actions {
       this.sound.element,
     );
     const hand = new Hand(this);
-    const drive = [new Face(this), hand, new Floor()];
+    const drive = [new Face(this), hand, this.floor];
     const instruments = [this.scopeView, this.source, this.timeline];
-    const hardware = [new Motors(this), new Ports(this), new Surroundings(this)];
+    const hardware = [this.motors, new Ports(this), new Surroundings(this)];
     this.views = [...drive, ...instruments, ...hardware];
     const column = (name: string, views: View[]) =>
       el("div", { class: `column ${name}` }, ...views.map((view) => view.element));
-    const columns = [column("drive", drive), column("instruments", instruments)];
-    const main = el("main", {}, ...columns, column("hardware", hardware));
+    this.columns = [column("drive", drive), column("hardware", hardware)];
+    const [first, last] = this.columns;
+    const main = el("main", {}, first, column("instruments", instruments), last);
     this.page.replaceChildren(this.toolbar.element, main);
     addEventListener("resize", () => this.redraw(), options);
     new Keys(
@@ -156,6 +160,10 @@ export class App implements Actions {
     document.title = `${project} – Ravenbrick`;
     this.toolbar.say(scenario ? `${project}, scenario ${scenario}` : project);
     for (const view of this.views) view.ready(ready);
+    // A robot that stays where it is has motors to look at instead of a path.
+    const [drive, hardware] = this.columns;
+    if (this.floor.element.hidden) drive.append(this.motors.element);
+    else hardware.prepend(this.motors.element);
     this.provideSources();
   }
 

@@ -48,6 +48,8 @@ export interface Place {
   offset: number | null;
   file: string | null;
   line: number | null;
+  /** The source line of the failure that ended the program. */
+  raised: { file: string; line: number } | null;
 }
 
 /** A brick was made; its run is at its beginning. */

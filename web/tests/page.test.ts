@@ -65,7 +65,10 @@ const FRAME: Frame = {
   scope: new Float64Array(),
   sound: new Int16Array(),
   threads: [{ name: "control_task", priority: 2, state: 1, stack_size: 4096, stack_used: 100 }],
-  place: { pc: 0x202000, function: "adainit", offset: 4, file: "/a/b/vehicle.adb", line: 12 },
+  place: {
+    ...{ pc: 0x202000, function: "adainit", offset: 4 },
+    ...{ file: "/a/b/vehicle.adb", line: 12, raised: null },
+  },
   inputs: [],
 };
 
@@ -244,7 +247,8 @@ describe("the source", () => {
     "./image.elf": { arrayBuffer: () => Promise.resolve(ELF.buffer) },
     "./sources.json": { json: () => Promise.resolve({ "/a/b/vehicle.adb": TEXT }) },
   };
-  const place = { pc: 8, function: "main", offset: 0, file: "/a/b/vehicle.adb", line: 3 };
+  const file = "/a/b/vehicle.adb";
+  const place = { pc: 8, function: "main", offset: 0, file, line: 3, raised: null };
   const fetched = (address: string) => Promise.resolve({ ok: true, ...answers[address] });
   const text = () => get("#source-text").textContent;
   const here = () => document.querySelector("#source-text [aria-current]")?.textContent;
@@ -260,6 +264,13 @@ describe("the source", () => {
     expect(text()).toContain("procedure Vehicle is");
     app.receive({ ...FRAME, running: true, place: null });
     expect(get("#source").className).toBe("past");
+  });
+
+  it("of a failed program is the line that failed, not that of the run-time's last loop", () => {
+    app.receive(READY);
+    const raised = { file, line: 2 };
+    app.receive({ ...FRAME, place: { ...place, file: "/rts/last_chance.adb", raised } });
+    expect([here(), get("#source-place").textContent]).toEqual(["begin\n", "vehicle.adb:2"]);
   });
 
   it("that is not there is told: which file, or that the code has none", () => {

@@ -14,7 +14,7 @@ export class Ports implements View {
   private readonly row = el("div", { class: "ports" });
 
   constructor(private readonly actions: Actions) {
-    const note = el("span", { class: "note" }, "another one restarts the run");
+    const note = el("span", { class: "note" }, "a change restarts the run");
     this.element = panel("ports", "Sensor ports", [note], this.row);
   }
 

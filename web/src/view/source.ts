@@ -41,18 +41,18 @@ export class Source implements View {
 
   frame({ running, place }: Frame): void {
     this.element.classList.toggle("past", running);
-    if (running || (place?.pc === this.place?.pc && place?.line === this.place?.line)) return;
+    if (running || JSON.stringify(place) === JSON.stringify(this.place)) return;
     this.place = place;
     this.show();
   }
 
   private show(): void {
-    const { file, line } = this.place ?? { file: null, line: null };
+    const { file, line } = this.place?.raised ?? this.place ?? { file: null, line: null };
     const text = file === null ? undefined : this.sources[file];
     this.where.value = file === null ? "" : `${nameOf(file)}:${line}`;
     if (text === undefined || file === null || line === null) {
       this.shown = null;
-      this.text.replaceChildren(this.reason());
+      this.text.replaceChildren(this.reason(file));
       return;
     }
     if (file !== this.shown) this.fill(file, text);
@@ -70,9 +70,9 @@ export class Source implements View {
     this.shown = file;
   }
 
-  private reason(): string {
+  private reason(file: string | null): string {
     if (!this.place) return "Paused, the program shows its source line here.";
-    const { file, function: name } = this.place;
+    const name = this.place.function;
     if (file !== null) return `${file} is not in the project, the drivers or the run-time.`;
     return `The code ${name ? `of ${name} ` : ""}has no source line.`;
   }

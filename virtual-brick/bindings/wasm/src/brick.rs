@@ -191,7 +191,10 @@ impl VirtualBrick {
     }
 
     /// The next instruction: `{pc, function, offset, file, line}` as JSON; unknown ones are null.
+    /// `raised` is `{file, line}` of the failure that ended the program, else null.
     pub fn place(&mut self) -> String {
+        let ended = self.brick.ended().is_some();
+        let raised = ended.then(|| self.brick.raised_at()).flatten();
         let pc = self.brick.processor().next_instruction_address();
         let image = self.brick.image();
         let lines = self.lines.get_or_insert_with(|| image.lines());
@@ -200,6 +203,7 @@ impl VirtualBrick {
         json!({
             "pc": pc, "function": function.map(|f| f.0), "offset": function.map(|f| f.1),
             "file": line.map(|l| l.0), "line": line.map(|l| l.1),
+            "raised": raised.map(|(file, line, _)| json!({"file": file, "line": line})),
         })
         .to_string()
     }
