@@ -203,7 +203,7 @@ def test_an_interruption_while_gprbuild_builds(
     [
         ("run", "drive"),
         ("live", "drive", "--bluetooth", "tcp:0"),
-        ("debug", "drive", "--port", "0"),
+        ("debug", "drive", "--port", "0", "--image", "ram"),
         ("identify", "drive", "step"),
         ("sweep", "drive", "--count", "3", "--workers", "2"),
         ("analyse",),
@@ -228,7 +228,7 @@ def test_an_interrupted_command_answers_in_json(project: Path, stage: Stage) -> 
     ("command", "rest"),
     [
         ("monitor", ("tcp:1",)),
-        ("debug", ("drive", "--port", "0")),
+        ("debug", ("drive", "--port", "0", "--image", "ram")),
     ],
 )
 def test_an_interruption_of_what_waits_for_others(
