@@ -31,6 +31,7 @@ def test_every_template_makes_a_complete_folder(name: str, tmp_path: Path) -> No
     project = create_project(tmp_path / "my-robot", name).project
     robot = read_robot(project)
     assert robot.name == "my-robot"
+    assert robot.stack_check == (name != "motor"), "with checks, its image does not fit the RAM"
     for file in project.glob("scenarios/*.toml"):
         read_scenario(file, robot)
     wanted = ("Makefile", "robot.gpr", "README.md", "src/main.adb", ".gitignore")

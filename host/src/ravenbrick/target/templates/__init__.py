@@ -23,16 +23,22 @@ LEFT_OUT = ("Makefile", "tests", "__pycache__")
 
 @dataclass(frozen=True)
 class Template:
-    """An example below examples/, and the scenario to begin with."""
+    """An example below examples/, and the scenario to begin with.
+
+    `stack_check`: whether its image has room for the checks in RAM.
+    """
 
     example: str
     scenario: str
     description: str
+    stack_check: bool = True
 
 
 TEMPLATES = {
     "vehicle": Template("vehicle", "drive", "two driven wheels, castor, wired joystick"),
-    "motor": Template("motor-bench", "step", "one motor on the bench, speed and position"),
+    "motor": Template(
+        "motor-bench", "step", "one motor on the bench, speed and position", stack_check=False
+    ),
     "balance": Template("balancer", "let-go", "two-wheeled balancing robot with a gyro"),
     "line": Template("line-follower", "lap", "follows a line with a light sensor"),
     "blank": Template("blank", "press", "one motor, one touch sensor, two tasks"),
@@ -60,7 +66,7 @@ def _rename_main(project: Path) -> None:
 def _adapt(project: Path, template: Template) -> None:
     robot = project / "robot.toml"
     text = robot.read_text("utf-8")
-    own = f'name = "{project.name}"\nstack_check = true'
+    own = f'name = "{project.name}"' + ("\nstack_check = true" if template.stack_check else "")
     changed = re.sub(r'^name = ".*"$', own, text, count=1, flags=re.M)
     robot.write_text(changed, encoding="utf-8")
     for file in (project / "README.md", *project.glob("scenarios/*.toml")):
