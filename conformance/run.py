@@ -266,6 +266,21 @@ DIGEST = (
 )
 GDB = (f"{HOST_TESTS}/cli/test_debug.py", f"{HOST_TESTS}/cli/test_debug_programs.py")
 IDE = f"{HOST_TESTS}/cli/test_ide.py"
+TRAPS = (
+    f"{HOST_TESTS}/target/test_build.py",
+    f"{HOST_TESTS}/target/test_build_errors.py",
+    f"{HOST_TESTS}/cli/test_failures.py",
+    f"{HOST_TESTS}/cli/test_first_lines.py",
+    f"{HOST_TESTS}/cli/test_interrupt.py",
+    f"{HOST_TESTS}/cli/test_debugging_build.py",
+    f"{HOST_TESTS}/cli/test_doctor.py",
+    f"{HOST_TESTS}/cli/test_vs_code.py",
+    f"{HOST_TESTS}/trace/test_report.py",
+    "tools/tests/test_setup.py",
+    "tools/tests/test_environment.py",
+)
+PATHS = (f"{HOST_TESTS}/target/test_paths.py", "tools/tests/test_paths.py")
+WHEEL = "tools/tests/test_dist.py"
 GRADERS = (f"{HOST_TESTS}/trace/test_expectations.py", f"{HOST_TESTS}/cli/test_grading.py")
 STIMULI = f"{HOST_TESTS}/target/test_stimulus.py"
 EXPORT = (f"{HOST_TESTS}/trace/test_export.py", f"{HOST_TESTS}/trace/test_real_runs.py")
@@ -475,6 +490,9 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
     ("tools", pytest_suite("tools", "digest: native = Python = Node.js = browser", *DIGEST)),
     ("tools", pytest_suite("tools", "gdb: debugger, forwards and backwards", *GDB)),
     ("tools", pytest_suite("tools", "gdb: files for VS Code and OpenOCD, by their schemas", IDE)),
+    ("tools", pytest_suite("tools", "trap: the first line after each mistake", *TRAPS)),
+    ("tools", pytest_suite("tools", "wheel: used without the tree", WHEEL)),
+    ("tools", pytest_suite("tools", "paths: spaces, quotes, letters, links, length", *PATHS)),
     ("tools", pytest_suite("tools", "run --expect, stimuli", *GRADERS, STIMULI)),
     ("tools", pytest_suite("tools", "perfetto: read by its library", *EXPORT, "-k", "perfetto")),
     ("tools", pytest_suite("tools", "vcd: read by its library", *EXPORT, "-k", "vcd")),

@@ -34,6 +34,8 @@ HEAD = """#!/bin/sh
 '''exec' "$(dirname "$(readlink -f "$0")")/python" "$0" "$@"
 ' '''
 """
+# How the module venv names the folder in bin/activate, and what a shell takes for any name.
+SPELLINGS = (f'VIRTUAL_ENV="{VENV}"\n', f"VIRTUAL_ENV={shlex.quote(str(VENV))}\n")
 MAIN = "import sys\nfrom ravenbrick.cli import main\nsys.exit(main())\n"
 
 
@@ -73,8 +75,7 @@ def wrong_place() -> Iterator[str]:
     if not activate.is_file() or not (SITE / "pip").is_dir():
         yield from (":all", ":brick")
         return
-    spellings = (f'VIRTUAL_ENV="{VENV}"\n', f"VIRTUAL_ENV={shlex.quote(str(VENV))}\n")
-    if not any(spelling in activate.read_text() for spelling in spellings):
+    if not any(spelling in activate.read_text() for spelling in SPELLINGS):
         yield ":place"
 
 
@@ -121,6 +122,8 @@ def link() -> None:
     """Make the package importable, and the programs independent of where the tree lies."""
     for old in (*SITE.glob("__editable__.ravenbrick-*.pth"), *SITE.glob("ravenbrick-*.dist-info")):
         shutil.rmtree(old) if old.is_dir() else old.unlink()
+    activate = VENV / "bin" / "activate"
+    activate.write_text(activate.read_text().replace(*SPELLINGS))
     LINK.write_text(LINKED)
     PROGRAM.write_text(HEAD + MAIN)
     PROGRAM.chmod(0o755)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""README's command in a folder with blank, quote and umlaut, reached by a symbolic link."""
+"""README's command in a folder with blank, quotes and umlaut, reached by a symbolic link."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LONG = "a folder with a long name, as cloud drives have them " * 2
 def tree(tmp_path: Path) -> Path:
     """A checkout that was moved there after its set-up: what was built is taken along."""
     assert virtual_brick.SOURCES == brick_digest(ROOT), "run 'make setup'"
-    place = tmp_path / LONG / "Jürgen's brick"
+    place = tmp_path / LONG / 'Jürgen\'s "brick"'
     for path in tracked_files():
         name = path.relative_to(ROOT)
         if name.parts[0] in PARTS or name.parts[:2] == ("examples", "vehicle"):
@@ -39,7 +39,7 @@ def tree(tmp_path: Path) -> Path:
     return link
 
 
-def test_the_demo_runs_in_a_folder_with_blank_quote_and_umlaut(tree: Path) -> None:
+def test_the_demo_runs_in_a_folder_with_blank_quotes_and_umlaut(tree: Path) -> None:
     """Set-up notices the move; C, Ada and assembly are compiled, the drive is driven."""
     environment = {"PATH": os.environ["PATH"], "HOME": os.environ["HOME"], "LANG": "C.UTF-8"}
     done = subprocess.run(

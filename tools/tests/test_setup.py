@@ -170,7 +170,7 @@ def test_where_sudo_is_refused_the_command_is_one_with_sudo(machine: Path) -> No
     assert "\n    sudo apt-get install --no-install-recommends gnat-12" in result.stderr
 
 
-@pytest.mark.parametrize("letter", [":", '"', "$", "\\", "#", "%"])
+@pytest.mark.parametrize("letter", [":", "$", "\\", "#", "%"])
 def test_a_path_that_the_tools_cannot_handle_is_told_at_once(machine: Path, letter: str) -> None:
     """Before anything is installed."""
     (machine / "clone").rename(machine / f"my {letter} clone")

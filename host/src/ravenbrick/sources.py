@@ -19,7 +19,9 @@ BRICK = (
     "virtual-brick/Cargo.toml",
     "virtual-brick/Cargo.lock",
     "virtual-brick/crates/*/Cargo.toml",
-    "virtual-brick/crates/*/src/**/*.rs",
+    "virtual-brick/crates/*/src/**/*",
+    "virtual-brick/crates/wcet/annotations/*.toml",
+    "virtual-brick/crates/wcet/examples/support/*.rs",
     "virtual-brick/bindings/python/Cargo.toml",
     "virtual-brick/bindings/python/src/**/*.rs",
 )

@@ -158,6 +158,8 @@ def test_objects_of_the_reference_give_the_image_of_a_whole_build(tmp_path: Path
     project = create_project(tmp_path / "whole", "blank").project
     for file in (folder / "src").iterdir():
         shutil.copy(file, project / "src")
+    robot = project / "robot.toml"
+    robot.write_text(robot.read_text().replace("stack_check = true\n", ""))  # as the reference
     subprocess.run(["make", "-C", project, f"RAVENBRICK_HOME={tree()}"], check=True)
     whole = read_image(project / "build" / "whole" / "ram" / "whole.elf")
     assert flat_image(read_image(image / work.ELF)) == flat_image(whole)
