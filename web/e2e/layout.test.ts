@@ -87,9 +87,12 @@ describe("the keyboard", () => {
   it("drives after any control was clicked", async () => {
     const { context, page } = await open(browser, drive.address);
     await page.selectOption("#speed", "2");
+    await page.keyboard.press("Space");
+    await passes(page, 0.1);
     const clicked = ["#reset", "#sound", '[data-input="battery.voltage"]', "#keys summary"];
     for (const [turn, control] of clicked.entries()) {
       await page.click(control);
+      await begins(page);
       await page.keyboard.press("a");
       expect(await joystick(page)).toBe(String(5 * (turn + 1)));
     }
