@@ -26,11 +26,13 @@ from host.tests.support.recordings import preempted
 
 from ravenbrick.target.workspace import Workspace
 
-# In a module's place: whoever imports it stands still there.
+# In a module's place: whoever imports it stands still there. Short sleeps, since Python misses a
+# signal that comes between its last look and the system call until the call ends.
 STANDS_STILL = """
 import os, time
 os.write(os.open({moment!r}, os.O_WRONLY), b"here")
-time.sleep(600)
+for _ in range(12_000):
+    time.sleep(0.05)
 """
 MAIN = "from ravenbrick.cli import main; main()"
 # As a signal that comes while this module is being looked for.
