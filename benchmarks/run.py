@@ -267,14 +267,15 @@ def timing_growth() -> Iterator[Row]:
         yield figure_row(name, each, "steps each instruction")
 
 
-# Whole processes that a user waits for.
+# Whole processes that a user waits for; imports as the command makes them, without threads of BLAS.
+ALONE = ["env", "OPENBLAS_NUM_THREADS=1"]
 COMPLETION = ["_RAVENBRICK_COMPLETE=complete_bash", "COMP_WORDS=ravenbrick re", "COMP_CWORD=1"]
 START_UP = {
     "ravenbrick --version": ["ravenbrick", "--version"],
     "ravenbrick --help": ["ravenbrick", "--help"],
     "completion of a command": ["env", *COMPLETION, "ravenbrick"],
-    "import of the command run": ["python", "-c", "import ravenbrick.cli.run"],
-    "import of the command build": ["python", "-c", "import ravenbrick.cli.build"],
+    "import of the command run": [*ALONE, "python", "-c", "import ravenbrick.cli.run"],
+    "import of the command build": [*ALONE, "python", "-c", "import ravenbrick.cli.build"],
     "build of the vehicle, nothing changed": ["ravenbrick", "build", str(VEHICLE)],
     "design of the vehicle": ["ravenbrick", "design", str(VEHICLE)],
 }
