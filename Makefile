@@ -49,7 +49,7 @@ test: develop style test-rust test-python ## Run all tests
 style: ## Check style, borders between the parts, and generated tables
 	@$(PYTHON) -m tools.tidy
 	@$(PYTHON) -m tools.tables --check
-	@$(PYTHON) -m ruff check --quiet host tools runtime drivers examples benchmarks conformance \
+	@$(PYTHON) -m ruff check --quiet host tools runtime drivers examples verification \
 		virtual-brick/bindings
 	@$(PYTHON) -m mypy --no-error-summary --config-file host/pyproject.toml host/src
 
@@ -65,12 +65,12 @@ test-python: ## Tests of run-time, drivers, control, tools and the whole drive
 		drivers/tests examples
 
 .PHONY: conformance
-conformance: complete ## Full campaigns against outside truth; writes conformance/results.{json,md}
-	@$(PYTHON) -m conformance.run
+conformance: complete ## Full campaigns against outside truth; writes verification/results.{json,md}
+	@$(PYTHON) -m verification.run
 
 .PHONY: bench
-bench: complete ## Ratios measured side by side; writes benchmarks/results.{json,md}
-	@$(PYTHON) -m benchmarks.run
+bench: complete ## Ratios measured side by side; writes verification/benchmarks/results.{json,md}
+	@$(PYTHON) -m verification.benchmarks.run
 
 .PHONY: docs
 docs: setup ## The documentation site and the lab sheets as PDF: docs/_build

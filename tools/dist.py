@@ -30,7 +30,7 @@ BUILT = ROOT / "build" / "dist"
 # What a user's project is made from and built with; tests and measurements stay behind.
 SHIPPED = ("drivers/", "examples/", "runtime/", "docs/lessons/rubrics/", "tools/Containerfile")
 SHIPPED_TOOLS = (".gpr", ".cgpr", ".mk", ".awk", ".cfg", ".rules")
-LEFT_OUT = {"tests", "benchmarks", "regulation"}
+LEFT_OUT = {"tests", "regulation"}
 BUILD = "from setuptools.build_meta import build_wheel; build_wheel('wheel')"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 

@@ -17,7 +17,7 @@ HEAD = """<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->
 """
 PLANT_HEAD = """# The plant beside published measurements
 
-Generated from `conformance/plant_points.json` by `python -m conformance.plant_points`; do not
+Generated from `verification/plant/points.json` by `python -m verification.plant.points`; do not
 edit.
 
 Each measurement of a real NXT motor that was found published, repeated on the virtual motor. A
@@ -102,10 +102,11 @@ def plant_page(data: Row) -> str:
 
 FIRMWARE_HEAD = """# Firmware images on the virtual brick
 
-Generated from `conformance/firmware_images.json` by `python -m conformance.firmware_images`; do not
+Generated from `verification/firmware/images.json` by `python -m verification.firmware.images`; do
+not
 edit. Images that were not made for this brick, unchanged, from power-on (nxtOSEK's: from the boot
 monitor's RAM). None is part of this project: each is looked for where its variable says. A test
-compares the picture (`conformance/test_firmware_images.py`); menus, buttons, programs and hosts of
+compares the picture (`verification/firmware/test_images.py`); menus, buttons, programs and hosts of
 LEGO's firmware have tests of their own in `host/tests/firmware` and
 `virtual-brick/crates/virtual-brick/tests/nxt_firmware.rs`.
 """
@@ -134,7 +135,8 @@ def firmware_pages(rows: list[Row]) -> dict[str, str]:
 
 FUZZ_HEAD = """# Fuzzing
 
-Generated from `conformance/fuzz.json` by `python -m conformance.fuzz.campaign`; do not edit.
+Generated from `verification/fuzz/results.json` by `python -m verification.fuzz.campaign`; do not
+edit.
 
 What no honest user gives the virtual brick, each for the same time in every `make conformance`:
 first the target's corpus of right content as it is, then content damaged at random. A *finding* is
@@ -143,8 +145,8 @@ again, or memory beyond its bound (512 MB of growth a target, 1 GB in the native
 talk to a brick that runs LEGO's firmware; after each hostile session an honest host must be served.
 """
 FUZZ_TAIL = """A content that is not borne is kept in `build/fuzz/findings`, and `python -m
-conformance.fuzz.campaign --give FILE` gives it again; a native target names its seed, and `fuzz 1
-SEED` runs it first. Corpora: `conformance/fuzz/corpus`, a compiled C program with debug
+verification.fuzz.campaign --give FILE` gives it again; a native target names its seed, and `fuzz 1
+SEED` runs it first. Corpora: `verification/fuzz/corpus`, a compiled C program with debug
 information, random programs, and snapshots that are saved when the campaign begins.
 
 ## Found and mended

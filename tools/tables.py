@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write the Markdown tables of `conformance/`, `benchmarks/` and some reference pages from results.
+"""Write the Markdown tables of `verification/` and some reference pages from results.
 
 `python -m tools.tables` writes them; `--check` fails when a table is not what its file says.
 """
@@ -86,7 +86,9 @@ def merge_rows(path: Path, rows: list[Row], key: tuple[str, ...]) -> None:
     path.write_text(json.dumps(list(merged.values()), indent=1, sort_keys=True) + "\n")
 
 
-CONFORMANCE, BENCHMARKS, DOCS = ROOT / "conformance", ROOT / "benchmarks", ROOT / "docs"
+VERIFICATION, BENCHMARKS = ROOT / "verification", ROOT / "verification" / "benchmarks"
+POINTS = VERIFICATION / "plant" / "points.json"
+DOCS = ROOT / "docs"
 
 
 def _firmware(rows: list[Row]) -> dict[Path, str]:
@@ -99,11 +101,11 @@ def _one(target: Path, render: Callable[[Any], str]) -> Callable[[Any], dict[Pat
 
 # Results, and what makes the files from them.
 PAGES: tuple[tuple[Path, Callable[[Any], dict[Path, str]]], ...] = (
-    (CONFORMANCE / "results.json", _one(CONFORMANCE / "results.md", conformance_table)),
+    (VERIFICATION / "results.json", _one(VERIFICATION / "results.md", conformance_table)),
     (BENCHMARKS / "results.json", _one(BENCHMARKS / "results.md", benchmark_table)),
-    (CONFORMANCE / "plant_points.json", _one(DOCS / "reference" / "plant-points.md", plant_page)),
-    (CONFORMANCE / "firmware_images.json", _firmware),
-    (CONFORMANCE / "fuzz.json", _one(DOCS / "reference" / "fuzzing.md", fuzz_page)),
+    (POINTS, _one(DOCS / "reference" / "plant-points.md", plant_page)),
+    (VERIFICATION / "firmware" / "images.json", _firmware),
+    (VERIFICATION / "fuzz" / "results.json", _one(DOCS / "reference" / "fuzzing.md", fuzz_page)),
 )
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 import virtual_brick
 
-from drivers.tests.observe import Brick, bench
+from verification.support.bricks.observe import Brick, bench
 
 TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent.parent

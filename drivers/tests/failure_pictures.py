@@ -14,8 +14,8 @@ from pathlib import Path
 
 import virtual_brick
 
-from drivers.tests.observe import Brick, bench
 from examples.devices.pictures import picture
+from verification.support.bricks.observe import Brick, bench
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build"))

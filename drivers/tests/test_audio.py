@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pytest
 import virtual_brick
 
-from drivers.tests.observe import CLOCK_DENOMINATOR, CLOCK_NUMERATOR, Brick, bench
+from verification.support.bricks.observe import CLOCK_DENOMINATOR, CLOCK_NUMERATOR, Brick, bench
 
 SAMPLE_CYCLES = 1_000
 RATE = CLOCK_NUMERATOR / CLOCK_DENOMINATOR / SAMPLE_CYCLES

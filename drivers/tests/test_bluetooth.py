@@ -11,7 +11,7 @@ import pytest
 from ravenbrick.errors import PeerError
 from ravenbrick.target.peers import BluetoothComputer, BluetoothLink, UsbComputer
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 OTHER = "00:16:53:0A:0B:0C"
 NAME_FIRST, NAME_LENGTH = 7, 16

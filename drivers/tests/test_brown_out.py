@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
-from drivers.tests.power_cut import ERASED, PAGE_COUNT, memory_of, start
+from verification.support.bricks.observe import Brick
+from verification.support.bricks.power_cut import ERASED, PAGE_COUNT, memory_of, start
 
 POWER_ON, BROWN_OUT = 0, 4
 SAVING_FROM_MS, START_MS = 400.0, 400.0

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 LOGS = {
     "write": "S 02a 41a 02a P done beats 058",

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 SENSOR = {"2": {"kind": "color"}}
 MEASURED, NO_SENSOR, WRONG_CHECKSUM = range(3)

@@ -13,8 +13,8 @@ import pytest
 from ravenbrick.target.peers import UsbComputer
 
 from drivers.tests.test_color import SURFACES
-from host.tests.support.nxt_firmware import MENU_MS, firmware_brick, run_ms
-from host.tests.support.nxt_sockets import UsbSocket
+from verification.support.bricks.nxt_firmware import MENU_MS, firmware_brick, run_ms
+from verification.support.bricks.nxt_sockets import UsbSocket
 
 PORT = nxt.sensor.Port.S2
 START_MS, MEASURE_MS = 700, 30

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 SENSORS = {
     "1": {"kind": "touch"},

@@ -14,7 +14,7 @@ from ravenbrick.telemetry.frames import frame
 from ravenbrick.telemetry.messages import Sample, encode
 
 from drivers.tests.conftest import ROOT
-from drivers.tests.cost_table import (
+from verification.benchmarks.driver_costs import (
     PROGRAMS,
     SAMPLE_BYTES,
     TELEMETRY,

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from drivers.tests.observe import FONT, Brick
+from verification.support.bricks.observe import FONT, Brick
 
 LETTER_F = ["#####", "#....", "#....", "####.", "#....", "#....", "#....", "....."]
 

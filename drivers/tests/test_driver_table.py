@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import re
 
-from drivers.tests.driver_table import COSTS, DEVICES, PAGE, ROOT, page
+from verification.benchmarks.driver_table import COSTS, DEVICES, PAGE, ROOT, page
 
 SOURCES = ROOT / "drivers" / "src"
 WITHOUT_DEVICE = {

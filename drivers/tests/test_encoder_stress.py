@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from drivers.tests.observe import NXT_MOTOR, Brick
+from verification.support.bricks.observe import NXT_MOTOR, Brick
 
 RAD_PER_S = math.radians(2_000)
 TURN_MS = 700.0

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 SOURCE = Path(__file__).resolve().parent / "last_chance" / "last_chance.adb"
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from ravenbrick.telemetry.frames import FrameReader
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 LENGTHS = [1, 5, 30, 90, 120]
 

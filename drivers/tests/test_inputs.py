@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick, battery
+from verification.support.bricks.observe import Brick, battery
 
 BUTTONS = {"orange": 1, "left": 2, "grey": 3, "right": 4}
 MILLIVOLTS_PER_COUNT = 13.848

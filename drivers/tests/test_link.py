@@ -13,7 +13,7 @@ import pytest
 import virtual_brick
 
 from drivers.tests.conftest import ROOT, TESTS
-from drivers.tests.observe import Brick, bench
+from verification.support.bricks.observe import Brick, bench
 
 SENSORS = {"2": {"kind": "analogue"}}
 DRIVEN = {"A": (0, True), "B": (60, True), "C": (40, True)}

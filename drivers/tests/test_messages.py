@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 STAY_ON, SWITCH_OFF = 0x00, 0x5A
 PWM_KHZ = 8

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 
 def test_motors_obey_the_commands(brick: Callable[..., Brick]) -> None:

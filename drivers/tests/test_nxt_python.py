@@ -18,8 +18,8 @@ import pytest
 from ravenbrick.errors import PeerError
 from ravenbrick.target.peers import BluetoothComputer, UsbComputer
 
-from drivers.tests.observe import Brick
-from host.tests.support.nxt_sockets import BluetoothSocket, UsbSocket
+from verification.support.bricks.nxt_sockets import BluetoothSocket, UsbSocket
+from verification.support.bricks.observe import Brick
 
 DEVICE, CONFIGURATION, TEXT = 1, 2, 3
 GET_DESCRIPTOR, GET_CONFIGURATION = 6, 8

@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
-from drivers.tests.power_cut import (
+from verification.support.bricks.observe import Brick
+from verification.support.bricks.power_cut import (
     ERASED,
     PAGE_BYTES,
     PAGE_COUNT,

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
-from drivers.tests.power_cut import memory_of, start
+from verification.support.bricks.observe import Brick
+from verification.support.bricks.power_cut import memory_of, start
 
 POWER_ON, WATCHDOG = 0, 1
 ONE_SECOND = "0x1FFF20FF"

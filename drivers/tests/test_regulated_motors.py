@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from drivers.regulation.design import GENERATED, design, generate
-from drivers.tests.observe import Brick, battery
+from verification.support.bricks.observe import Brick, battery
 
 RUN_MS, TURN_BACK_MS, FLOAT_MS, AGAIN_MS = 405.0, 3_005.0, 4_505.0, 5_005.0
 SPEED_STEP = 32

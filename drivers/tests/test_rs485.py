@@ -10,7 +10,7 @@ from collections.abc import Callable
 import pytest
 from ravenbrick.target.peers import Rs485Line
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 BITS_PER_BYTE, RATE = 10, 48_054_857 / 52
 

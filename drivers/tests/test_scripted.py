@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable
 
 import pytest
 
-from drivers.tests.observe import HEIGHT, WIDTH, Brick
-from drivers.tests.power_cut import FIRST_PAGE
+from verification.support.bricks.observe import HEIGHT, WIDTH, Brick
+from verification.support.bricks.power_cut import FIRST_PAGE
 
 GREETING = b"\xccLet's samba nxt arm in arm, (c)LEGO System A/S"
 WILLING = (99, b"", 0)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 PORTS = {"1": {"kind": "light"}, "2": {"kind": "sound"}}
 RED = 5

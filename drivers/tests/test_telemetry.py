@@ -20,7 +20,7 @@ from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.frames import frame
 from ravenbrick.telemetry.messages import Ask, Refused, SetParameter, Verdict, encode
 
-from drivers.tests.observe import Brick, bench
+from verification.support.bricks.observe import Brick, bench
 
 START_MS = 1500
 PERIOD_US = 4_000

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick
+from verification.support.bricks.observe import Brick
 
 SONAR = {"4": {"kind": "ultrasonic"}}
 MEASURED, NO_ECHO, NO_ANSWER = range(3)

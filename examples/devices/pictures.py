@@ -17,8 +17,8 @@ from typing import Any
 
 import virtual_brick
 
-from drivers.tests.observe import Brick, bench
 from tools.lcd_picture import lcd_svg
+from verification.support.bricks.observe import Brick, bench
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host.tests.support.built import put_image
-from host.tests.support.elf_maker import make_elf
+from verification.support.built import put_image
+from verification.support.elf_maker import make_elf
 
 from ravenbrick.target.robot import Robot, read_robot
 

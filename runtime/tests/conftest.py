@@ -9,7 +9,7 @@ import json
 import pytest
 import virtual_brick
 
-from runtime.tests.harness import BENCH, CYCLES_PER_MS, Run, Runner, build
+from verification.support.bricks.runtime_programs import BENCH, CYCLES_PER_MS, Run, Runner, build
 
 
 @pytest.fixture(scope="session")

@@ -12,8 +12,8 @@ from types import ModuleType
 
 import pytest
 
-from runtime.benchmarks import footprints, paths, sections
-from runtime.benchmarks.measure import figures
+from verification.benchmarks.runtime import footprints, paths, sections
+from verification.benchmarks.runtime.measure import figures
 
 # Limit of the worst sample in cycles
 LIMITS = {

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from runtime.tests.harness import CYCLES_PER_MS, Runner
+from verification.support.bricks.runtime_programs import CYCLES_PER_MS, Runner
 
 KERNEL = Path(__file__).resolve().parents[1] / "kernel"
 DECLARATION = re.compile(r"^   (?:procedure|function) (\w+)([^;]|;(?=[^()]*\)))*;", re.M)

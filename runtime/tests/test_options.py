@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import pytest
 
-from runtime.tests.harness import CYCLES_PER_MS, Run, Runner, build, is_in
+from verification.support.bricks.runtime_programs import CYCLES_PER_MS, Run, Runner, build, is_in
 
 UNITS_PER_TICK = 7
 CYCLES_PER_TICK = 16

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from runtime.tests.harness import RUNTIMES, make_runtime
+from verification.support.bricks.runtime_programs import RUNTIMES, make_runtime
 
 REJECTED = Path(__file__).parent / "rejected"
 SAME = "same"

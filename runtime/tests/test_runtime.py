@@ -17,8 +17,8 @@ import pytest
 import virtual_brick
 from elftools.elf.elffile import ELFFile
 
-from runtime.benchmarks.footprints import linked_bytes
-from runtime.tests.harness import (
+from verification.benchmarks.runtime.footprints import linked_bytes
+from verification.support.bricks.runtime_programs import (
     BENCH,
     CYCLES_PER_MS,
     CYCLES_PER_SECOND,

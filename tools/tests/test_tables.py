@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tools.result_pages import fuzz_page, plant_page
-from tools.tables import CONFORMANCE, benchmark_table, conformance_table, merge_rows
+from tools.tables import VERIFICATION, benchmark_table, conformance_table, merge_rows
 
 SUITE = {
     "area": "cpu",
@@ -63,7 +63,7 @@ def test_merging_replaces_rows_with_the_same_key(tmp_path: Path) -> None:
 
 def test_the_plants_page_judges_each_value_and_names_the_contradiction() -> None:
     """A value with a band is in or out; without one it stands alone."""
-    data = json.loads((CONFORMANCE / "plant_points.json").read_text())
+    data = json.loads((VERIFICATION / "plant" / "points.json").read_text())
     page = plant_page(data)
     assert "| 9 V, no load | speed, rpm | 170 | 164.9 to 175.1 | 167.9, in |" in page
     assert "| 9 V, no load | current, A | 0.060 |  | 0.055 |" in page

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import virtual_brick
 
-from drivers.tests.observe import Brick, bench
+from verification.support.bricks.observe import Brick, bench
 
 VEHICLE = Path(__file__).resolve().parent.parent
 ROOT = VEHICLE.parent.parent

@@ -18,7 +18,7 @@ from ravenbrick.target.virtual import VirtualTarget
 from ravenbrick.trace.sample_timing import sample_timing
 from typer.testing import CliRunner
 
-from conformance.identification import IMAGE, campaign
+from verification.control.identification import IMAGE, campaign
 
 VEHICLE = Path(__file__).resolve().parent.parent
 EXPERIMENTS = VEHICLE / "experiments"

@@ -17,8 +17,8 @@ from ravenbrick.cli.app import app
 from ravenbrick.target.templates import create_project
 from typer.testing import CliRunner, Result
 
-from drivers.tests.observe import Brick, bench
-from host.tests.support.coder_models import FORMS, Form, coder_files
+from verification.support.bricks.observe import Brick, bench
+from verification.support.codegen.coder_models import FORMS, Form, coder_files
 
 VEHICLE = Path(__file__).resolve().parent.parent
 ROOT = VEHICLE.parent.parent

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.tests.observe import Brick, battery
+from verification.support.bricks.observe import Brick, battery
 
 START_MS = 600
 STOPPED, CLOSED_LOOP, OPEN_LOOP, STEP_RESPONSE, OFF = range(5)

@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 from host.tests.conftest import VEHICLE, make_project
-from host.tests.support import fake_brick
-from host.tests.support.built import put_image
-from host.tests.support.elf_maker import make_elf
-from host.tests.support.fake_tools import install_fake_tools, write_recipe
 from typer.testing import CliRunner, Result
+from verification.support.bricks import fake_brick
+from verification.support.built import put_image
+from verification.support.elf_maker import make_elf
+from verification.support.fake_tools import install_fake_tools, write_recipe
 
 from ravenbrick.cli.app import app
 from ravenbrick.cli.console import Reporter

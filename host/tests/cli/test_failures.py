@@ -7,8 +7,8 @@ from __future__ import annotations
 import re
 
 import pytest
-from host.tests.support.failing_program import FailingProgram, failing_project
 from typer.testing import CliRunner
+from verification.support.failing_program import FailingProgram, failing_project
 
 from ravenbrick.cli.app import app
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host.tests.support import fake_brick
 from typer.testing import CliRunner, Result
+from verification.support.bricks import fake_brick
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode

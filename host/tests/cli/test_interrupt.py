@@ -21,8 +21,8 @@ from pathlib import Path
 from select import select
 
 import pytest
-from host.tests.support.fake_tools import install_fake_tools, write_recipe
-from host.tests.support.recordings import preempted
+from verification.support.fake_tools import install_fake_tools, write_recipe
+from verification.support.recordings import preempted
 
 from ravenbrick.target.workspace import Workspace
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host.tests.support.nxt_firmware import IMAGE
+from verification.support.bricks.nxt_firmware import IMAGE
 
 ROOT = Path(__file__).resolve().parents[3]
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host.tests.support import fake_brick
-from host.tests.support.web import open_page
 from typer.testing import CliRunner
+from verification.support.bricks import fake_brick
+from verification.support.web import open_page
 
 from ravenbrick.cli import view
 from ravenbrick.cli.app import app

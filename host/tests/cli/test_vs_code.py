@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from host.tests.conftest import VEHICLE
-from host.tests.support.vs_code import VSCode, matcher_problems, problems_in
+from verification.support.vs_code import VSCode, matcher_problems, problems_in
 
 from ravenbrick.cli.debug import GDB
 from ravenbrick.target.build import TOOLS, find_tool

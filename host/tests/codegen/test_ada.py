@@ -10,11 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host.tests.codegen.c_build import ada_object, arm_image, run
-from host.tests.codegen.emulation import run_on_arm
-from host.tests.codegen.paper_pi import fixed_pi, paper_pi
 from host.tests.codegen.test_block_c import all_models
 from host.tests.codegen.test_fixed_point_c import CASES
+from verification.support.codegen.c_build import ada_object, arm_image, run
+from verification.support.codegen.emulation import run_on_arm
+from verification.support.codegen.paper_pi import fixed_pi, paper_pi
 
 from ravenbrick.codegen import check_program, generate_ada, generate_c, random_vectors
 from ravenbrick.errors import DesignError

@@ -7,8 +7,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from host.tests.codegen.c_build import ada_object
-from host.tests.codegen.paper_pi import paper_pi
+from verification.support.codegen.c_build import ada_object
+from verification.support.codegen.paper_pi import paper_pi
 
 from ravenbrick.codegen import AdaBinding, ada_binding, generate_c, read_header
 from ravenbrick.errors import DesignError

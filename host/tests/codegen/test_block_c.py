@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.codegen.c_build import arm_image, host_library
-from host.tests.codegen.emulation import run_on_arm
-from host.tests.model.block_table import TABLE, block_diagram, wide_diagram
+from verification.support.codegen.block_table import TABLE, block_diagram, wide_diagram
+from verification.support.codegen.c_build import arm_image, host_library
+from verification.support.codegen.emulation import run_on_arm
 
 from ravenbrick.codegen import check_program, generate_c, random_vectors
 from ravenbrick.errors import DesignError

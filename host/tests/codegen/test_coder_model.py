@@ -9,9 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host.tests.support.coder_check import compare_with_direct_calls
-from host.tests.support.coder_models import FORMS, Form, coder_files
 from typer.testing import CliRunner
+from verification.support.codegen.coder_check import compare_with_direct_calls
+from verification.support.codegen.coder_models import FORMS, Form, coder_files
 
 from ravenbrick.cli.app import app
 from ravenbrick.codegen import AdaBinding, ada_binding, read_binding, read_coder_model

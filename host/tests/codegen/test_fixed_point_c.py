@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.codegen.c_build import ARM, WARNINGS, host_library, run
-from host.tests.codegen.paper_pi import LOOP, fixed_pi, paper_pi, plant
+from verification.support.codegen.c_build import ARM, WARNINGS, host_library, run
+from verification.support.codegen.paper_pi import LOOP, fixed_pi, paper_pi, plant
 
 from ravenbrick.codegen import (
     check_program,

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from host.tests.codegen.brick_cycles import Cost, image_of_checks, step_costs
-from host.tests.codegen.c_build import WORD_FLAGS, ada_object
-from host.tests.codegen.paper_pi import fixed_pi
+from verification.support.codegen.brick_cycles import Cost, image_of_checks, step_costs
+from verification.support.codegen.c_build import WORD_FLAGS, ada_object
+from verification.support.codegen.paper_pi import fixed_pi
 
 from ravenbrick.codegen import StepVectors, check_program, generate_ada, generate_c
 from ravenbrick.model import Execution, Rounding

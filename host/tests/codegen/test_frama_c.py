@@ -7,7 +7,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from host.tests.codegen.paper_pi import fixed_pi, plant
+from verification.support.codegen.paper_pi import fixed_pi, plant
 
 import ravenbrick.codegen.frama_c as frama_c
 from ravenbrick.codegen import check_with_frama_c, frama_c_goals, generate_fixed_c

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.codegen.c_build import ARM, WARNINGS, arm_image, host_library, run
-from host.tests.codegen.emulation import run_on_arm
+from verification.support.codegen.c_build import ARM, WARNINGS, arm_image, host_library, run
+from verification.support.codegen.emulation import run_on_arm
 
 from ravenbrick.codegen import check_program, generate_c, random_vectors
 from ravenbrick.control import DiscretePi, pi_diagram

@@ -12,8 +12,8 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from host.tests.codegen.paper_pi import fixed_pi
 from host.tests.codegen.test_block_c import all_models
+from verification.support.codegen.paper_pi import fixed_pi
 
 from ravenbrick.codegen import generate_c
 from ravenbrick.codegen.rtwtypes import used_types

@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from host.tests.codegen.c_build import host_library
 from host.tests.codegen.test_block_c import write
-from host.tests.model.random_diagrams import fixed_form, random_diagram
+from verification.support.codegen.c_build import host_library
+from verification.support.codegen.random_diagrams import fixed_form, random_diagram
 
 from ravenbrick.model import Diagram
 from ravenbrick.model.program import Program

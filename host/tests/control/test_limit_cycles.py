@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from host.tests.codegen.paper_pi import fixed_pi, plant
+from verification.support.codegen.paper_pi import fixed_pi, plant
 
 from ravenbrick.codegen import generate_fixed_c
 from ravenbrick.control import search_limit_cycles

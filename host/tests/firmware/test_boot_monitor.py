@@ -8,7 +8,7 @@ import struct
 from typing import Any
 
 import pytest
-from host.tests.support.nxt_firmware import (
+from verification.support.bricks.nxt_firmware import (
     FLASH,
     IMAGE,
     MENU_MS,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.support.nxt_firmware import brick_at_the_menu, encoder, picture, run_ms
+from verification.support.bricks.nxt_firmware import brick_at_the_menu, encoder, picture, run_ms
 
 from ravenbrick.target.peers import UsbComputer
 from ravenbrick.target.sound_file import save_sound

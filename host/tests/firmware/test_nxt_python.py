@@ -11,8 +11,8 @@ import nxt.brick
 import nxt.motor
 import pytest
 from host.tests.firmware.test_nxc import compiled
-from host.tests.support.nxt_firmware import COMPUTER, brick_at_the_menu, encoder, run_ms
-from host.tests.support.nxt_sockets import BluetoothSocket, UsbSocket
+from verification.support.bricks.nxt_firmware import COMPUTER, brick_at_the_menu, encoder, run_ms
+from verification.support.bricks.nxt_sockets import BluetoothSocket, UsbSocket
 
 from ravenbrick.target.peers import BluetoothComputer, UsbComputer
 

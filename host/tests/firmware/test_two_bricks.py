@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from host.tests.support.nxt_firmware import firmware_brick
+from verification.support.bricks.nxt_firmware import firmware_brick
 
 from ravenbrick.errors import PeerError
 from ravenbrick.target.peers import BluetoothLink

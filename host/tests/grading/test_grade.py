@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host.tests.grading.submissions import RUBRIC, SOURCES, write_submission
+from verification.support.submissions import RUBRIC, SOURCES, write_submission
 
 from ravenbrick.errors import ProjectFileError, UsageError
 from ravenbrick.grading import work

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host.tests.grading.submissions import BLANK
 from typer.testing import CliRunner
+from verification.support.submissions import BLANK
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode

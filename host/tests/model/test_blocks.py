@@ -9,7 +9,7 @@ from collections.abc import Callable
 import control
 import numpy as np
 import pytest
-from host.tests.model.block_table import TABLE, block_diagram
+from verification.support.codegen.block_table import TABLE, block_diagram
 
 import ravenbrick.model as model
 from ravenbrick.model import (

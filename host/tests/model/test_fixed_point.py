@@ -9,7 +9,7 @@ import math
 import control
 import numpy as np
 import pytest
-from host.tests.model.block_table import block_diagram
+from verification.support.codegen.block_table import block_diagram
 
 from ravenbrick.codegen import prove
 from ravenbrick.control import PlantInLoop, one_step_errors

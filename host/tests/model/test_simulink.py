@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.model.simulink_files import FIRST, block, line, run, single_file
 from scipy import signal
+from verification.support.codegen.simulink_files import FIRST, block, line, run, single_file
 
 from ravenbrick.codegen import generate_c
 from ravenbrick.errors import DesignError

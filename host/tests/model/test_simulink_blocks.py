@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.codegen.c_build import host_library
-from host.tests.model.simulink_files import block, line, run, single_file
 from scipy import signal
 from scipy.interpolate import RegularGridInterpolator
+from verification.support.codegen.c_build import host_library
+from verification.support.codegen.simulink_files import block, line, run, single_file
 
 from ravenbrick.codegen import check_program, generate_c, random_vectors
 from ravenbrick.errors import DesignError

@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from host.tests.support.fake_tools import install_fake_tools, write_recipe
+from verification.support.fake_tools import install_fake_tools, write_recipe
 
 from ravenbrick.errors import (
     BuildError,

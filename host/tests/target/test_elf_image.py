@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from host.tests.support.elf_maker import make_elf
+from verification.support.elf_maker import make_elf
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.target.elf_image import ElfImage, read_image

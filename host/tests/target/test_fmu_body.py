@@ -12,9 +12,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host.tests.support.nxt_firmware import CONFIGURATION, encoder, firmware_brick, run_ms
-from host.tests.support.nxt_sockets import UsbSocket
 from typer.testing import CliRunner
+from verification.support.bricks.nxt_firmware import CONFIGURATION, encoder, firmware_brick, run_ms
+from verification.support.bricks.nxt_sockets import UsbSocket
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import RunFaultError, UsageError

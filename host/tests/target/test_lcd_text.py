@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
-from host.tests.support import fake_brick
+from verification.support.bricks import fake_brick
 
 from ravenbrick.target.lcd_text import lcd_text
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import nxt.brick
 import pytest
-from host.tests.support.nxt_firmware import brick_at_the_menu, firmware_brick, run_ms
+from verification.support.bricks.nxt_firmware import brick_at_the_menu, firmware_brick, run_ms
 
 from ravenbrick.target.byte_ports import TcpPort
 from ravenbrick.target.live import LiveRecord, LiveRun, replay_live

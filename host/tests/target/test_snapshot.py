@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 import virtual_brick
-from host.tests.support.nxt_firmware import CONFIGURATION, IMAGE
+from verification.support.bricks.nxt_firmware import CONFIGURATION, IMAGE
 
 from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.target.snapshot import Snapshot, SnapshotError

@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from host.tests.support.elf_maker import make_elf
+from verification.support.elf_maker import make_elf
 
 from ravenbrick.target.elf_image import ElfImage, read_image
 from ravenbrick.target.source_texts import source_texts

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from host.tests.support.recordings import preempted
+from verification.support.recordings import preempted
 
 from ravenbrick.errors import ProjectFileError, ScenarioError, ToolMissingError
 from ravenbrick.target.clock import MASTER_CLOCK

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host.tests.support.elf_maker import make_elf
 from typer.testing import CliRunner
+from verification.support.elf_maker import make_elf
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ConnectionFailedError, ExitCode, ImageFileError, ToolMissingError

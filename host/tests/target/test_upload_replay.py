@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from host.tests.support.nxt_firmware import (
+from verification.support.bricks.nxt_firmware import (
     FLASH,
     IMAGE,
     MENU_MS,
@@ -23,7 +23,7 @@ from host.tests.support.nxt_firmware import (
     picture,
     run_ms,
 )
-from host.tests.support.played_usb import build_library, run_with_device
+from verification.support.bricks.played_usb import build_library, run_with_device
 
 from ravenbrick.errors import ExitCode
 from ravenbrick.target.build import build_image

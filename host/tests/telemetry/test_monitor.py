@@ -16,9 +16,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from host.tests.support.web import open_page
 from host.tests.telemetry.fake_program import Program, Server, sent
 from typer.testing import CliRunner
+from verification.support.web import open_page
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode, UsageError

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 from host.tests.conftest import VEHICLE
-from host.tests.support.built import put_image
 from typer.testing import CliRunner
+from verification.support.built import put_image
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ProjectFileError

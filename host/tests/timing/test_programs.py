@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A few programs of the campaign in `conformance/timing`, on the virtual brick."""
+"""A few programs of the campaign in `verification/timing`, on the virtual brick."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from conformance.timing.just_missed import MISSED, REACHED, UNEXPLAINED, explain
-from conformance.timing.program_campaign import Load, campaign
+from verification.timing.just_missed import MISSED, REACHED, UNEXPLAINED, explain
+from verification.timing.program_campaign import Load, campaign
 
 
 def test_no_response_time_of_generated_programs_exceeds_its_bound() -> None:

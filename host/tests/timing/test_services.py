@@ -15,7 +15,7 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from conformance.timing.kernel_services import service_times
+from verification.timing.kernel_services import service_times
 
 
 @pytest.mark.parametrize("code", ["arm", "thumb"])

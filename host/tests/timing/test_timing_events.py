@@ -17,8 +17,8 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from conformance.timing.ada_programs import Subject, analysed
-from conformance.timing.timing_events import events
+from verification.timing.ada_programs import Subject, analysed
+from verification.timing.timing_events import events
 
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.task_file import read_task_file

@@ -16,7 +16,7 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from conformance.timing.ada_programs import Subject, analysed, subject
+from verification.timing.ada_programs import Subject, analysed, subject
 
 from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.target.virtual import VirtualTarget

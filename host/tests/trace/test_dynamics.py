@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from host.tests.support.recordings import preempted
+from verification.support.recordings import preempted
 
 from ravenbrick.target.robot import Robot
 from ravenbrick.trace.dynamics import (

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from host.tests.support.recordings import preempted
+from verification.support.recordings import preempted
 
 from ravenbrick.errors import ToolMissingError
 from ravenbrick.target.clock import MASTER_CLOCK

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.support.recordings import preempted
+from verification.support.recordings import preempted
 
 from ravenbrick.errors import RunFaultError
 from ravenbrick.target.robot import Robot, Task

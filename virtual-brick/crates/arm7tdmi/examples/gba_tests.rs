@@ -3,7 +3,7 @@
 //! Runs `arm.gba` and `thumb.gba` of the public suite jsmolka/gba-tests on the core with a small
 //! bus: cartridge, work memories, memory of the screen, and a status register that changes with
 //! each read. The programs test themselves and leave the number of the first failure in a
-//! register. Prints a conformance summary as JSON.
+//! register. Prints a summary as JSON.
 //!
 //! Usage: `cargo run --release -p arm7tdmi --example gba_tests -- FOLDER`. Failures go to standard
 //! error; the exit code is 1 if there are any, 2 if a program is missing.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Runs the files `*.json.bin` of the public suite SingleStepTests/ARM7TDMI (its format of
-//! December 2024: five opcodes per test) and prints a conformance summary as JSON.
+//! December 2024: five opcodes per test) and prints a summary as JSON.
 //!
 //! Usage: `cargo run --release -p arm7tdmi --example public_single_step -- FOLDER`.
 //! Differences go to standard error; the exit code is 1 if there are any, 2 if nothing ran.

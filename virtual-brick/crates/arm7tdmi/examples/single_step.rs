@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Runs all single-step vectors of an archive and prints a conformance summary as JSON.
+//! Runs all single-step vectors of an archive and prints a summary as JSON.
 //!
 //! Usage: `cargo run --release -p arm7tdmi --example single_step -- ARCHIVE.tar.xz`.
 //! Differences go to standard error; the exit code is 1 if there are any, 2 if nothing ran.

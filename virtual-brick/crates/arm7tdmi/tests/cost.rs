@@ -12,7 +12,7 @@ use support::{archive, counts::Counts, single_step::Class};
 
 const ARCHIVE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/../../../conformance/cpu/arm7tdmi-single-step.tar.xz"
+    "/../../../verification/processor/arm7tdmi-single-step.tar.xz"
 );
 const ENCODINGS: u32 = 400_000;
 const ORIGIN: u32 = 0x2000;

@@ -11,7 +11,7 @@ use support::{archive, single_step::Class};
 
 const ARCHIVE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/../../../conformance/cpu/arm7tdmi-single-step.tar.xz"
+    "/../../../verification/processor/arm7tdmi-single-step.tar.xz"
 );
 
 fn failures(records_per_class: usize) -> (usize, Vec<String>) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Runs random programs on both engines for a time and compares registers, memory, cycles and
-//! trace at random instants. Prints a conformance summary as JSON.
+//! trace at random instants. Prints a summary as JSON.
 //!
 //! Usage: `cargo run --release -p virtual-brick --example compare_engines -- [SECONDS [SEED]]`.
 //! Differences go to standard error; the exit code is 1 if there are any.

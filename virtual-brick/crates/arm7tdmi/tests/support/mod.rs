@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Reading and running the single-step vectors of conformance/cpu.
+//! Reading and running the single-step vectors of verification/processor.
 
 #![allow(dead_code)] // each test binary uses its part
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The single-step vectors: one instruction each, with the state before and after, the writes
-//! and the cycles by kind. The format is described in conformance/cpu/README.md.
+//! and the cycles by kind. The format is described in verification/processor/README.md.
 
 use super::counts::Counts;
 use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Instruction, Mode, TimingProfile, Width};

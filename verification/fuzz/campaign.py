@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The campaign: every target for the same time, first its corpus, then damaged content.
+
+`python -m verification.fuzz.campaign [SECONDS [SEED]]` gives each target so many seconds, writes
+`verification/fuzz/results.json` and from it docs/reference/fuzzing.md. What a target does not bear
+is kept
+in build/fuzz/findings; `python -m verification.fuzz.campaign --give FILE` gives such a file again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import random
+import resource
+import shutil
+import subprocess
+import sys
+import time
+import traceback
+from pathlib import Path
+from typing import Any
+
+from tools import tables
+from verification.fuzz.targets import Target, targets
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "verification" / "fuzz" / "results.json"
+CORPUS = Path(__file__).resolve().parent / "corpus"
+BUILD = ROOT / "build" / "fuzz"
+TARGET_SECONDS = 20
+IN_RUST = 5
+GROWTH_MOST_KB = 512 * 1024
+GIVEN = {
+    "damaged image": "ELF files with and without debug information, damaged; run if accepted",
+    "damaged configuration": "JSON with wrong bytes; a brick is run if it is accepted",
+    "random program": "random words as ARM and Thumb code",
+    "random register writes": "programs that write random values to all peripherals",
+    "random inputs": "inputs of random names, values and instants, not-a-numbers among them",
+}
+
+
+def image() -> Path:
+    """The image with debug information; built in the folder with the corpus of the Rust targets."""
+    folder = BUILD / "corpus"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(CORPUS / "configuration", folder / "configuration")
+    (folder / "image").mkdir()
+    elf = folder / "image" / "program.elf"
+    options = ["-g", "-Og", "-mcpu=arm7tdmi", "-nostdlib", "-Wl,-Ttext=0x202000"]
+    source = str(Path(__file__).resolve().parent / "program.c")
+    subprocess.run(["arm-none-eabi-gcc", *options, "-o", str(elf), source], check=True)
+    return elf
+
+
+def in_rust(seconds: int, seed: int) -> list[dict[str, Any]]:
+    """The facade's own targets."""
+    command = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "virtual-brick"]
+    command += ["--example", "fuzz", "--", str(IN_RUST * seconds), str(seed)]
+    command += [str(BUILD / "corpus")]
+    crates = ROOT / "virtual-brick"
+    done = subprocess.run(command, cwd=crates, capture_output=True, text=True)
+    if not done.stdout.strip():
+        raise SystemExit(f"fuzz: no result\n{done.stderr[-2000:]}")
+    print(done.stderr, end="", file=sys.stderr)
+    rows = json.loads(done.stdout)
+    return [
+        {
+            "target": row["target"],
+            "given": GIVEN[row["target"]],
+            "corpus": row["corpus"],
+            "seconds": seconds,
+            "case_count": row["case_count"],
+            "findings": row["case_count"] - row["passed"],
+        }
+        for row in rows
+    ]
+
+
+def _bears(target: Target, content: bytes) -> bool:
+    """Whether a case passed; what was not borne is kept."""
+    try:
+        target.case(content)
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
+        # A panic of the native module is not an `Exception`.
+        folder = BUILD / "findings"
+        folder.mkdir(parents=True, exist_ok=True)
+        file = folder / f"{target.name.replace(', ', '-').replace(' ', '-')}-{_name(content)}.bin"
+        file.write_bytes(content)
+        cause = traceback.format_exc(limit=-1).strip()
+        print(f"{target.name}: {file}\n{cause}", file=sys.stderr)
+        return False
+    return True
+
+
+def _name(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:8]
+
+
+def of_target(target: Target, seconds: float, seed: int) -> dict[str, Any]:
+    """Corpus, then damaged content until the time is over."""
+    numbers = random.Random(seed)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    end = time.monotonic() + seconds
+    results = [_bears(target, content) for content in target.corpus]
+    while time.monotonic() < end:
+        content = target.damage(numbers, numbers.choice(target.corpus))
+        results.append(_bears(target, content))
+    growth = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    if growth > GROWTH_MOST_KB:
+        print(f"{target.name}: memory grew by {growth} KB", file=sys.stderr)
+        results.append(False)
+    return {
+        "target": target.name,
+        "given": target.given,
+        "corpus": len(target.corpus),
+        "seconds": round(seconds),
+        "case_count": len(results),
+        "findings": results.count(False),
+    }
+
+
+def campaign(seconds: int = TARGET_SECONDS, seed: int = 1) -> list[dict[str, Any]]:
+    """Every target; the rows, which are also written."""
+    program = image()
+    rows = in_rust(seconds, seed)
+    for make in targets(program):
+        target = make()
+        try:
+            rows.append(of_target(target, seconds, seed))
+        finally:
+            target.close()
+    RESULTS.write_text(json.dumps(rows, indent=1, sort_keys=True) + "\n")
+    return rows
+
+
+def give(file: Path) -> int:
+    """A kept content to the target in its name; 1 when it is still not borne."""
+    for make in targets(image()):
+        target = make()
+        if file.name.startswith(target.name.replace(", ", "-").replace(" ", "-")):
+            target.case(file.read_bytes())
+            print("borne")
+            return 0
+    raise SystemExit(f"{file}: no target in its name")
+
+
+def main(arguments: list[str]) -> int:
+    """The campaign, its page; 1 when something was found."""
+    if arguments[:1] == ["--give"]:
+        return give(Path(arguments[1]))
+    rows = campaign(*(int(text) for text in arguments[:2]))
+    for row in rows:
+        print(f"{row['target']}: {row['case_count']} cases, {row['findings']} findings")
+    tables.main([])
+    return 1 if any(row["findings"] for row in rows) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

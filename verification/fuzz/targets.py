@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is given damaged content in Python: snapshot files and the sockets of a live brick.
+
+A target has a corpus of right contents and a way to damage them. `case` gives one content and
+raises when it did more than be refused with words.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import queue
+import random
+import socket
+import struct
+import tempfile
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+import virtual_brick
+from ravenbrick.target.byte_ports import TcpPort
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.target.snapshot import Snapshot, SnapshotError
+from ravenbrick.target.stimulus import TimedInput
+from ravenbrick.target.usbip import UsbIpServer
+
+from verification.fuzz.damage import damaged, damaged_snapshot
+
+__all__ = ["Target", "targets"]
+
+HERE = Path(__file__).resolve().parent
+FIRMWARE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
+FLASH = 0x0010_0000
+MENU_CYCLES = 6_000 * 48_055
+CONFIGURATION = (HERE / "corpus" / "configuration" / "vehicle.json").read_text()
+BRICK = json.dumps({"bluetooth": json.loads(CONFIGURATION)["bluetooth"]})
+LIST = struct.pack(">HHI", 0x0111, 0x8005, 0)
+LOOPBACK = "127.0.0.1"
+# A file may say honestly that it was saved after hours; such a one is read, but not run here.
+RUN_CYCLES_MOST = 10_000_000
+PIECES_MOST = 12
+REPLAYED_EACH = 16
+PATIENCE_S = 20.0
+
+
+class Target(Protocol):
+    """Something that is given content from outside."""
+
+    name: str
+    given: str
+    corpus: list[bytes]
+
+    def damage(self, numbers: random.Random, content: bytes) -> bytes:
+        """Content gone wrong."""
+
+    def case(self, content: bytes) -> None:
+        """Give it; raises when it is not refused in good order."""
+
+    def close(self) -> None:
+        """No more cases."""
+
+
+def _stored(kind: str) -> list[bytes]:
+    return [path.read_bytes() for path in sorted((HERE / "corpus" / kind).iterdir())]
+
+
+class SnapshotFiles:
+    """Snapshot files, loaded and restored."""
+
+    name = "malformed snapshot"
+    given = "snapshot files with wrong bytes or fields, mostly under a right sum"
+
+    def __init__(self, image: Path) -> None:
+        self._image: ElfImage = read_image(image)
+        self._folder = tempfile.TemporaryDirectory()
+        self._path = Path(self._folder.name) / "given.rbs"
+        self.corpus = [self._saved(inputs) for inputs in ((), (TimedInput(5, "touch.1", 1.0),))]
+
+    def _saved(self, inputs: tuple[TimedInput, ...]) -> bytes:
+        brick = virtual_brick.VirtualBrick(CONFIGURATION, self._image.content)
+        for timed in inputs:
+            brick.schedule_input(timed.at_cycles, timed.name, timed.value)
+        brick.add_probe("total", "i32")
+        brick.run_until(100_000)
+        probes = (("total", "i32"),)
+        Snapshot.take(brick, CONFIGURATION, self._image, inputs, probes).save(self._path)
+        return self._path.read_bytes()
+
+    def damage(self, numbers: random.Random, content: bytes) -> bytes:
+        return damaged_snapshot(numbers, content)
+
+    def case(self, content: bytes) -> None:
+        self._path.write_bytes(content)
+        with contextlib.suppress(SnapshotError):
+            snapshot = Snapshot.load(self._path)
+            if snapshot.cycles < RUN_CYCLES_MOST:
+                snapshot.restore(virtual_brick, self._image)
+
+    def close(self) -> None:
+        self._folder.cleanup()
+
+
+class LivePeer:
+    """A peer on the Bluetooth or the USB/IP port of a brick that runs LEGO's firmware.
+
+    After each session a well-behaved host must find the USB port served, unless LEGO's firmware was
+    misled to what a strict brick stops at, such as a wild pointer; now and then the record of the
+    whole run is played again and must give the same run.
+    """
+
+    def __init__(self, kind: str) -> None:
+        self.name = f"hostile peer, {kind}"
+        self.given = f"sessions with wrong bytes on the {kind} port, cut into pieces, hung up"
+        self.corpus = _stored(kind)
+        self._usb = kind == "usb-ip"
+        self._brick = virtual_brick.VirtualBrick.from_binary(BRICK, FIRMWARE.read_bytes(), FLASH)
+        self._brick.run_until(MENU_CYCLES)
+        self._start = self._brick.snapshot()
+        self._sessions = 0
+
+    def damage(self, numbers: random.Random, content: bytes) -> bytes:
+        return damaged(numbers, content)
+
+    def case(self, content: bytes) -> None:
+        self._brick.restore(self._start)
+        port, usb, record = TcpPort(0), UsbIpServer(0), LiveRecord("none")
+        try:
+            self._session(content, port, usb, record)
+        finally:
+            port.close()
+            usb.close()
+        self._sessions += 1
+        if self._sessions % REPLAYED_EACH == 0:
+            self._brick.restore(self._start)
+            assert replay_live(self._brick, record), "the record gives another run"
+
+    def _session(self, content: bytes, port: TcpPort, usb: UsbIpServer, record: LiveRecord) -> None:
+        number = usb.port if self._usb else int(port.address.partition(":")[2])
+        client = socket.create_connection((LOOPBACK, number), timeout=PATIENCE_S)
+        size = max(1, -(-len(content) // PIECES_MOST))
+        pieces = [content[at : at + size] for at in range(0, len(content), size)]
+        live = LiveRun(self._brick, port, record, "1234", speed=0, usb_ip=usb)
+        stopped = live.run(None, stop=_sender(client, pieces))
+        client.close()
+        if stopped.reason == "fault":
+            return
+        with socket.create_connection((LOOPBACK, usb.port), timeout=PATIENCE_S) as honest:
+            honest.sendall(LIST)
+            honest.setblocking(False)
+            answer = bytearray()
+            stopped = live.run(None, stop=_receiver(honest, answer, 12))
+        assert stopped.reason == "fault" or answer[:8] == struct.pack(">HHI", 0x0111, 5, 0), (
+            "USB/IP is not served any more"
+        )
+
+    def close(self) -> None:
+        self._brick = None
+
+
+def _sender(client: socket.socket, pieces: list[bytes]) -> Callable[[], bool]:
+    """Sends a piece in each slice of the run; true when all are sent or the server hung up."""
+    client.setblocking(False)
+    waiting = list(pieces)
+
+    def step() -> bool:
+        try:
+            if waiting:
+                client.sendall(waiting.pop(0))
+            client.recv(4096)
+        except BlockingIOError:
+            pass
+        except OSError:
+            return True
+        return not waiting
+
+    return step
+
+
+def _receiver(client: socket.socket, answer: bytearray, count: int) -> Callable[[], bool]:
+    slices = iter(range(400))
+
+    def step() -> bool:
+        with contextlib.suppress(BlockingIOError):
+            answer.extend(client.recv(4096))
+        return len(answer) >= count or next(slices, None) is None
+
+    return step
+
+
+class DebugPeer:
+    """A peer on the debugger's socket; afterwards the server must answer an honest one."""
+
+    name = "hostile peer, gdb"
+    given = "sessions of GDB's protocol with wrong packets, hung up anywhere"
+
+    def __init__(self, image: Path) -> None:
+        self.corpus = _stored("gdb")
+        self._ended = threading.Event()
+        brick = virtual_brick.VirtualBrick(CONFIGURATION, image.read_bytes())
+        told: queue.Queue[int | BaseException] = queue.Queue()
+
+        def serve() -> None:
+            try:
+                stop = self._ended.is_set
+                brick.serve_debugger(0, LOOPBACK, on_listening=told.put, should_stop=stop)
+            except BaseException as error:
+                told.put(error)
+
+        self._told = told
+        self._server = threading.Thread(target=serve, daemon=True)
+        self._server.start()
+        port = told.get(timeout=PATIENCE_S)
+        assert isinstance(port, int), port
+        self._port = port
+
+    def damage(self, numbers: random.Random, content: bytes) -> bytes:
+        return damaged(numbers, content)
+
+    def case(self, content: bytes) -> None:
+        with socket.create_connection((LOOPBACK, self._port), timeout=PATIENCE_S) as client:
+            client.settimeout(0.01)
+            with contextlib.suppress(OSError):
+                client.sendall(content)
+                client.recv(4096)
+        with socket.create_connection((LOOPBACK, self._port), timeout=PATIENCE_S) as honest:
+            honest.settimeout(PATIENCE_S)
+            honest.sendall(b"$?#3f")
+            answer = b""
+            while b"#" not in answer:
+                piece = honest.recv(4096)
+                assert piece, f"the server hung up: {self._failure()}"
+                answer += piece
+        assert answer.lstrip(b"+").startswith((b"$T", b"$S", b"$W")), answer
+
+    def _failure(self) -> Any:
+        return self._told.get_nowait() if not self._told.empty() else "no reason"
+
+    def close(self) -> None:
+        self._ended.set()
+        self._server.join(PATIENCE_S)
+
+
+def targets(image: Path) -> list[Callable[[], Target]]:
+    """Makers of all targets; those that need LEGO's firmware only where it is installed."""
+    found: list[Callable[[], Target]] = [lambda: SnapshotFiles(image), lambda: DebugPeer(image)]
+    if FIRMWARE.exists():
+        found += [lambda: LivePeer("usb-ip"), lambda: LivePeer("bluetooth")]
+    return found

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Published measurements of real motors repeated on the plant.
+
+`python -m verification.plant.points` measures and writes `plant_points.json` and, from it,
+docs/reference/plant-points.md.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from tools import tables
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "verification" / "plant" / "points.json"
+COMMAND = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "plant"]
+
+
+def measure() -> dict[str, Any]:
+    """Points with the value of each set; written to the results file."""
+    command = [*COMMAND, "--example", "published_points"]
+    result = subprocess.run(command, cwd=ROOT / "virtual-brick", capture_output=True, text=True)
+    if result.returncode != 0:
+        raise SystemExit(f"published_points: no result\n{result.stderr[-2000:]}")
+    data: dict[str, Any] = json.loads(result.stdout)
+    RESULTS.write_text(json.dumps(data, indent=1, sort_keys=True) + "\n")
+    return data
+
+
+def outcome(data: dict[str, Any]) -> tuple[int, int, list[dict[str, Any]]]:
+    """Values with a band, those within, and those out with their reasons."""
+    judged = [m["passes"] for p in data["points"] for m in p["measured"] if m["passes"] is not None]
+    reasons = Counter(miss["reason"] for miss in data["missed"])
+    excluded = [{"count": n, "reason": reason} for reason, n in sorted(reasons.items())]
+    return len(judged), sum(judged), excluded
+
+
+if __name__ == "__main__":
+    measure()
+    sys.exit(tables.main([]))

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The brick's own firmware 1.29 (Debian package `nxt-firmware`) on the virtual brick."""
+
+from __future__ import annotations
+
+import json
+import struct
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+import virtual_brick
+from elf_writer import Elf
+from ravenbrick.target.clock import MASTER_CLOCK
+
+IMAGE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
+FLASH = 0x0010_0000
+COMPUTER = "00:1A:7D:00:00:01"
+MENU_MS = 6_000
+MOTOR = {
+    "parameters": {
+        "resistance": 6.8562,
+        "torque_constant": 0.31739,
+        "electric_constant": 0.46839,
+        "viscous_friction": 0.0011278,
+        "inertia": 0.000842,
+    }
+}
+CONFIGURATION: dict[str, Any] = {
+    "battery": {"kind": "aa", "voltage": 8.0},
+    "motors": {port: MOTOR for port in "ABC"},
+    "sensors": {"1": {"kind": "touch"}},
+    "bluetooth": {
+        "address": "00:16:53:0A:0B:0C",
+        "name": "Rover",
+        "known": [{"address": COMPUTER, "name": "computer"}],
+    },
+}
+
+
+def firmware_brick(**changes: Any) -> Any:
+    """A brick with the firmware, just switched on; skips where the package is absent."""
+    if not IMAGE.exists():
+        pytest.skip(f"{IMAGE} is absent: install the Debian package nxt-firmware")
+    elf = Elf(FLASH)
+    elf.segments.append((FLASH, IMAGE.read_bytes()))
+    return virtual_brick.VirtualBrick(json.dumps({**CONFIGURATION, **changes}), elf.build())
+
+
+def run_ms(brick: Any, milliseconds: int) -> None:
+    """Let time pass; the run must go on."""
+    stop = brick.run_until(brick.cycles + MASTER_CLOCK.cycles_of_ms(milliseconds))
+    assert stop.reason == "reached", stop.message
+
+
+@cache
+def _menu() -> Any:
+    brick = firmware_brick()
+    run_ms(brick, MENU_MS)
+    return brick.snapshot()
+
+
+def brick_at_the_menu() -> Any:
+    """A brick whose firmware shows its menu; each caller has its own."""
+    brick = firmware_brick()
+    brick.restore(_menu())
+    return brick
+
+
+def encoder(brick: Any, port: str) -> float:
+    """Tacho edges of a motor, at the last sample."""
+    values = brick.signals()[f"motor.{port}.encoder"][1]
+    return float(struct.unpack("<d", values[-8:])[0])
+
+
+def picture(brick: Any) -> list[str]:
+    """The LCD, two rows of pixels in a line of half-height blocks, without trailing blanks."""
+    pixels = brick.lcd()
+    rows = [pixels[100 * row : 100 * row + 100] for row in range(64)]
+    blocks = {(0, 0): " ", (1, 0): "▀", (0, 1): "▄", (1, 1): "█"}
+    lines = (
+        "".join(blocks[pair] for pair in zip(upper, lower, strict=True))
+        for upper, lower in zip(rows[::2], rows[1::2], strict=True)
+    )
+    return [line.rstrip() for line in lines]

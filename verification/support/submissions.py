@@ -1,0 +1,31 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Submissions for the first lab, good and bad, made from the example."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BLANK = ROOT / "examples" / "blank"
+RUBRIC = ROOT / "docs" / "lessons" / "rubrics" / "lab-01.toml"
+SOURCES = {file.name: file.read_text() for file in (BLANK / "src").iterdir()}
+
+
+def write_submission(folder: Path, tasks: str | None = None, **others: str) -> Path:
+    """A folder with the example's sources, but this body of the tasks and these other files."""
+    (folder / "src").mkdir(parents=True)
+    for name, text in (SOURCES | others).items():
+        (folder / "src" / name).write_text(text)
+    if tasks is not None:
+        (folder / "src" / "tasks.adb").write_text(tasks)
+    return folder
+
+
+def variant(number: int) -> str:
+    """A body of the tasks with a duty cycle of its own, between too slow and good."""
+    duty = 20 + number % 60
+    comment = f"   --  Submission {number}\n"
+    text = SOURCES["tasks.adb"].replace("then 50 else", f"then {duty} else")
+    return re.sub(r"^package body Tasks is\n", rf"\g<0>\n{comment}", text, flags=re.M)

@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The Ada programs of this folder: as images, and with what is known about them."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from ravenbrick.cli.timing_profile import TimingProfile
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.timing.analysis import Analysis, analyse
+from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.started import elaborated
+from ravenbrick.trace.recording import Recording
+
+__all__ = ["Subject", "analysed", "built", "subject"]
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A program with its project's files."""
+
+    robot: Robot
+    image: ElfImage
+    scenario: Scenario
+    facts: Facts
+
+    def run(self, timing: str = "nominal") -> Recording:
+        """Its scenario, in a timing profile."""
+        target = VirtualTarget(settings=TimingProfile(timing).settings)
+        return target.run(self.robot, self.scenario, self.image)
+
+
+def built(folder: str, program: str) -> ElfImage:
+    """The program of `FOLDER/FOLDER.gpr`, with the Ravenscar run-time."""
+    build = ROOT / "build" / "verification" / folder
+    project = FOLDER / folder / f"{folder}.gpr"
+    subprocess.run(
+        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
+         "-P", str(project), f"-XBUILD={build}"],
+        check=True,
+        env=os.environ | {
+            "LC_ALL": "C",
+            "RAVENBRICK_RTS": str(ROOT / "build" / "runtime" / "ravenscar"),
+        },
+    )  # fmt: skip
+    return read_image(build / f"{program}.elf")
+
+
+@cache
+def subject(folder: str, program: str) -> Subject:
+    """A program that has `robot.toml`, `timing.toml` and the scenario `steady`, built."""
+    robot = read_robot(FOLDER / folder)
+    scenario = read_scenario(scenario_path(FOLDER / folder, "steady"), robot)
+    return Subject(robot, built(folder, program), scenario, read_facts(robot))
+
+
+def analysed(program: Subject, facts: Facts, timing: str = "nominal") -> Analysis:
+    """Bounds under these facts in a timing profile. Raises as `analyse`."""
+    brick = elaborated(program.robot, program.scenario, program.image)
+    return analyse(program.robot, program.image, brick, facts, timing)

@@ -1,0 +1,248 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Bounds of the run-time's services against the longest times that can be brought about.
+
+`python -m verification.timing.kernel_services` writes docs/reference/kernel-services.md and prints
+one JSON object. The benchmarks `staged` and `moments` play each service in the situation in which
+it takes longest: other tasks ahead in every queue, a more urgent task to switch to, and the clock's
+count beginning again, which it does each 24 minutes. Own times are taken step by step; interrupts
+and other tasks are left out of them.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.timing.bounds import execution_times
+from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.kernel import (
+    DELAY_UNTIL,
+    EVENT_RING,
+    EXPIRE,
+    RESUME,
+    RINGS,
+    SUSPEND,
+    handler_facts,
+    interrupt_costs,
+    run_time_facts,
+)
+from ravenbrick.timing.started import attached_handlers
+
+from verification.benchmarks.runtime.calls import CallTimes
+from verification.benchmarks.runtime.measure import image_of
+from verification.benchmarks.runtime.steps import steps_in
+
+__all__ = ["LARGEST_RATIO", "ServiceTime", "service_times"]
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = ROOT / "docs" / "reference" / "kernel-services.md"
+LARGEST_RATIO = 1.10
+
+# The clock counts ticks of 16 cycles in 32 bits; the scenes lie around each new beginning.
+COUNT_CYCLES = 16 * 2**32
+BEFORE_CYCLES = 3_000_000
+AFTER_CYCLES = 250_000
+ELABORATED_CYCLES = 3_000_000
+
+SYNCHRONOUS = "ada__synchronous_task_control"
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A program that brings services into their worst situation, and facts about it."""
+
+    program: str
+    services: tuple[tuple[str, str], ...]
+    facts: str
+    wraps: int
+    interrupts: tuple[tuple[str, str], ...] = ()
+    expiring: tuple[str, ...] = ()
+
+
+STAGED = Scene(
+    "staged",
+    (
+        ("protected procedure, then more urgent tasks go on", "stage__touch_object"),
+        ("the same with an interrupt's ceiling", "stage__touch_masking"),
+        ("switch at the end of a protected action", "system__tasking__protected_objects__dispatch"),
+        ("entry call, barrier open, then more urgent tasks go on", "stage__pass_always"),
+        ("protected procedure that opens an entry and serves it", "stage__open_gate"),
+        ("Suspend_Until_True, own part", SUSPEND),
+        ("Set_True", f"{SYNCHRONOUS}__set_true"),
+        ("Set_False", f"{SYNCHRONOUS}__set_false"),
+        ("delay until, own part", DELAY_UNTIL),
+        ("Clock", "stage__read_clock"),
+        ("alarm's handler, one release", "ravenbrick__delays__ring"),
+        ("return of a task that was preempted", RESUME),
+    ),
+    annotations_of(
+        {"loop": [{"symbol": "stage__source__cue_actorsP", "index": 0, "iterations": 4}]}
+    ),
+    wraps=4,
+    interrupts=(
+        (
+            "interrupt that releases a task, until a more urgent one goes on",
+            "stage__late_source__cue_lastP",
+        ),
+        ("alarm's interrupt, one release, until a thread goes on", RINGS[0]),
+    ),
+)
+MOMENTS = Scene(
+    "moments",
+    (
+        ("timing event: Set_Handler of one that is set", "occasions__move_last"),
+        ("timing event: Cancel_Handler", "occasions__cancel_last"),
+        ("timing event: expiry, its handler included", EXPIRE),
+    ),
+    "",
+    wraps=2,
+    interrupts=(("alarm's interrupt, expiry of one event, until a thread goes on", EVENT_RING),),
+    expiring=("occasions__bell__ringP",),
+)
+AHEAD = 3
+
+# Executed by handlers only.
+IN_HANDLERS = (EXPIRE,)
+
+
+@dataclass(frozen=True)
+class ServiceTime:
+    """One service: bound and longest observed time in cycles, and how often it was seen."""
+
+    service: str
+    symbol: str
+    bound: int
+    observed: int
+    count: int
+
+    @property
+    def ratio(self) -> float:
+        """Bound over observed."""
+        return self.bound / self.observed if self.observed else 0.0
+
+    @property
+    def is_close(self) -> bool:
+        """Is the bound not exceeded and at most a tenth above?"""
+        return self.observed <= self.bound <= LARGEST_RATIO * self.observed
+
+
+def _recorded(elf: Path, wraps: int) -> list[CallTimes]:
+    windows = [
+        (wrap * COUNT_CYCLES - BEFORE_CYCLES, wrap * COUNT_CYCLES + AFTER_CYCLES)
+        for wrap in range(1, wraps + 1)
+    ]
+    recorded = steps_in(elf, windows)
+    recorded[0].brick.run_until(ELABORATED_CYCLES)
+    return [CallTimes(steps) for steps in recorded]
+
+
+def _annotations(image: ElfImage, scene: Scene) -> list[tuple[str, str]]:
+    _, known = run_time_facts(image, AHEAD, scene.expiring)
+    return [(scene.program, scene.facts), *known]
+
+
+def _services(
+    image: ElfImage,
+    scene: Scene,
+    annotations: Sequence[tuple[str, str]],
+    times: Sequence[CallTimes],
+) -> list[ServiceTime]:
+    rows = []
+    for service, symbol in scene.services:
+        known = [handler_facts(), *annotations] if symbol in IN_HANDLERS else annotations
+        found = execution_times(image.content, functions=[symbol], annotations=known)
+        seen = [
+            cycles
+            for each in times
+            for cycles in (each.of_resumptions() if symbol == RESUME else each.of_calls(symbol))
+        ]
+        cycles = found.functions[0].cycles + found.return_cycles
+        rows.append(ServiceTime(service, symbol, cycles, max(seen, default=0), len(seen)))
+    return rows
+
+
+def _interrupts(
+    image: ElfImage,
+    scene: Scene,
+    annotations: Sequence[tuple[str, str]],
+    times: Sequence[CallTimes],
+) -> list[ServiceTime]:
+    attached = attached_handlers(times[0].steps.brick, image)
+    titles = {symbol: title for title, symbol in scene.interrupts}
+    handlers = [handler for handler in attached if handler.symbol in titles]
+    rows = []
+    for cost in interrupt_costs(image, handlers, annotations):
+        symbol = cost.handler.symbol
+        seen = [c for each in times for c in each.of_interrupts([symbol])[symbol]]
+        rows.append(
+            ServiceTime(titles[symbol], symbol, cost.cycles, max(seen, default=0), len(seen))
+        )
+    return rows
+
+
+def service_times(code: str = "arm") -> list[ServiceTime]:
+    """All services, programs and run-time in `code` ("arm" or "thumb").
+
+    Raises:
+        ExecutionTimeError: A service has no bound.
+        subprocess.CalledProcessError: A program could not be built or recorded.
+    """
+    rows = []
+    for scene in (STAGED, MOMENTS):
+        elf = image_of(scene.program, "ram", code)
+        image = read_image(elf)
+        times = _recorded(elf, scene.wraps)
+        annotations = _annotations(image, scene)
+        rows += _services(image, scene, annotations, times)
+        rows += _interrupts(image, scene, annotations, times)
+    return rows
+
+
+def _table(codes: dict[str, list[ServiceTime]]) -> str:
+    ratios = [row.ratio for rows in codes.values() for row in rows]
+    lines = [
+        "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
+        "<!-- SPDX-License-Identifier: Apache-2.0 -->",
+        "# Services of the run-time: bound and longest time",
+        "",
+        "Generated by `python -m verification.timing.kernel_services`. Cycles, code in RAM, at",
+        "most",
+        f"{AHEAD} other tasks ahead in a queue. The times were brought about by the programs",
+        "`staged` and `moments` (verification/benchmarks/runtime), which play each service in",
+        "its worst",
+        "situation. The time of interrupts and of other tasks is left out, the application's part",
+        f"is included. Bound over longest time: {min(ratios):.3f} to {max(ratios):.3f}.",
+    ]
+    for code, rows in codes.items():
+        lines += ["", f"## {code} code", ""]
+        lines += [
+            "| service | function | bound | longest seen | ratio | times |",
+            "| --- | --- | ---: | ---: | ---: | ---: |",
+        ]
+        lines += [
+            f"| {r.service} | `{r.symbol}` | {r.bound} | {r.observed} | {r.ratio:.3f} | {r.count} |"
+            for r in rows
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Write and print; 1 when a time lies above its bound or too far below."""
+    codes = {"ARM": service_times("arm"), "Thumb": service_times("thumb")}
+    TABLE.write_text(_table(codes))
+    answer = [
+        {"code": code, **asdict(row), "ratio": row.ratio, "close": row.is_close}
+        for code, rows in codes.items()
+        for row in rows
+    ]
+    print(json.dumps(answer, indent=1))
+    return int(not all(row["close"] for row in answer))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
