@@ -117,8 +117,8 @@ def write_wheel(folder: Path = BUILT) -> Path:
 def main() -> None:
     """Write the wheel and say where it is."""
     wheel = write_wheel()
-    code = "with" if virtual_brick.NATIVE else "without"
-    print(f"{wheel.relative_to(ROOT)}: {wheel.stat().st_size / 1e6:.1f} MB, {code} native code")
+    code = "with" if virtual_brick.JIT else "without"
+    print(f"{wheel.relative_to(ROOT)}: {wheel.stat().st_size / 1e6:.1f} MB, {code} JIT code")
 
 
 if __name__ == "__main__":

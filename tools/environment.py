@@ -93,9 +93,9 @@ def wrong_brick(native: bool) -> Iterator[str]:
     digest = import_module("ravenbrick.sources").brick_digest(ROOT)
     try:
         module = import_module("virtual_brick")
-        if module.NATIVE:
+        if module.JIT:
             yield ":native"
-        if module.SOURCES != digest or native > module.NATIVE:
+        if module.SOURCES != digest or native > module.JIT:
             yield ":brick"
     except (ImportError, AttributeError):
         yield ":brick"

@@ -134,10 +134,10 @@ CRATE_BORDERS = {
     "arm7tdmi": set(),
     "plant": set(),
     "trace": set(),
-    "native": {"arm7tdmi"},
+    "jit": {"arm7tdmi"},
     "at91sam7s": {"arm7tdmi"},
     "nxt": {"at91sam7s", "plant"},
-    "virtual-brick": {"arm7tdmi", "at91sam7s", "native", "nxt", "plant", "trace"},
+    "virtual-brick": {"arm7tdmi", "at91sam7s", "jit", "nxt", "plant", "trace"},
     "debugger": {"arm7tdmi", "at91sam7s", "nxt", "plant", "trace", "virtual-brick"},
     "wcet": {"arm7tdmi"},
 }
@@ -179,7 +179,7 @@ def newest_release() -> Iterator[Complaint]:
         yield changelog, 1, f"the newest release is not the version, {version[0]}"
 
 
-UNSAFE = ROOT / "virtual-brick" / "crates" / "native" / "src" / "machine.rs"
+UNSAFE = ROOT / "virtual-brick" / "crates" / "jit" / "src" / "machine.rs"
 
 
 def no_unsafe(path: Path, lines: list[str]) -> Iterator[Complaint]:

@@ -34,7 +34,7 @@ def pattern(tmp_path_factory: pytest.TempPathFactory) -> Path:
     site = site_of(tree)
     (site / "pip").mkdir()
     file(site / NUMPY)
-    (site / "virtual_brick.py").write_text(f"NATIVE = False\nSOURCES = '{brick_digest(tree)}'\n")
+    (site / "virtual_brick.py").write_text(f"JIT = False\nSOURCES = '{brick_digest(tree)}'\n")
     assert tool(tree, "check", "requirements") == [":link"]
     tool(tree, "link")
     assert tool(tree, "check", "requirements") == []
@@ -158,8 +158,8 @@ def test_a_brick_that_is_absent_broken_or_of_other_sources_is_built(
     assert tool(tree, "check", "requirements") == [":brick"]
 
 
-def test_native_code_is_built_when_asked_for_and_kept(tree: Path) -> None:
-    """A later set-up, after a change of the sources, builds it again with native code."""
+def test_jit_code_is_built_when_asked_for_and_kept(tree: Path) -> None:
+    """A later set-up, after a change of the sources, builds it again with JIT code."""
     assert tool(tree, "check", "requirements", "native") == [":brick"]
     module = site_of(tree) / "virtual_brick.py"
     module.write_text(module.read_text().replace("False", "True"))

@@ -5,7 +5,7 @@
 The same ELF files run everywhere, engine after engine and the whole in rounds: programs of three
 kinds in ARM and in Thumb state, with their data apart from their code and on the same page. Times
 are processor time, without loading (`qemu_system` says how that is had of a whole machine). Those
-of our engines are what passes on the clock, since a thread makes native code beside the run: not
+of our engines are what passes on the clock, since a thread compiles JIT code beside the run: not
 less than the run's own processor time, and what a user waits for. One more mean counts processor
 time of both threads. A figure is the median of the rounds. Every engine must end with the same
 result.

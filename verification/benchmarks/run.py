@@ -93,7 +93,7 @@ def vehicle_speed() -> Iterator[Row]:
     """Virtual seconds per second for the drive, recorded, nothing drawn.
 
     Times real time is what a user waits for, so it is taken by the clock on the wall. A thread
-    makes native code beside the run: the second figure counts what both cost the processors.
+    compiles JIT code beside the run: the second figure counts what both cost the processors.
     """
     from ravenbrick.target.elf_image import read_image
     from ravenbrick.target.robot import read_robot

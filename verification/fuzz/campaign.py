@@ -85,7 +85,7 @@ def _bears(target: Target, content: bytes) -> bool:
     except KeyboardInterrupt:
         raise
     except BaseException:
-        # A panic of the native module is not an `Exception`.
+        # A panic of the compiled module is not an `Exception`.
         folder = BUILD / "findings"
         folder.mkdir(parents=True, exist_ok=True)
         file = folder / f"{target.name.replace(', ', '-').replace(' ', '-')}-{_name(content)}.bin"

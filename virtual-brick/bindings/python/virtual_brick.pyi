@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Literal, final
 
 __all__ = [
-    "NATIVE",
+    "JIT",
     "SOURCES",
     "AddressError",
     "ConfigurationError",
@@ -30,7 +30,7 @@ __version__: str
 # when the build did not state it.
 SOURCES: str
 # Hot blocks become JIT code: built with `make native`.
-NATIVE: bool
+JIT: bool
 
 AirKind = Literal["in_range", "out_of_range", "page", "accept", "refuse", "data", "close"]
 UsbKind = Literal["reset", "control", "out", "in"]

@@ -145,7 +145,7 @@ def _module() -> Check:
         in_checkout() and module.SOURCES != brick_digest(tree())
     ):
         return Check(name, False, "was built from other sources than those of this version")
-    return Check(name, True, f"{__version__}, {'with' if module.NATIVE else 'without'} native code")
+    return Check(name, True, f"{__version__}, {'with' if module.JIT else 'without'} JIT code")
 
 
 def _requirement(wish: str) -> Check:

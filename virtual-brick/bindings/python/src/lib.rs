@@ -42,7 +42,7 @@ mod virtual_brick {
         None => "",
     };
     #[pymodule_export]
-    const NATIVE: bool = cfg!(feature = "native");
+    const JIT: bool = cfg!(feature = "jit");
 
     #[pymodule_init]
     fn version_of_the_project(module: &Bound<'_, PyModule>) -> PyResult<()> {

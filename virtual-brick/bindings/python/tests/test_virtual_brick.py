@@ -224,7 +224,7 @@ def test_other_python_threads_run_during_a_run() -> None:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork:DeprecationWarning")
 def test_a_brick_runs_on_alike_in_a_forked_process_and_ends_there() -> None:
-    """A fork copies the brick, but not the thread that makes its native code."""
+    """A fork copies the brick, but not the thread that compiles its JIT code."""
     brick = counting()
     brick.run_until(MILLISECOND)
     reading, writing = os.pipe()
@@ -276,7 +276,7 @@ def test_the_stub_file_names_exactly_what_the_module_has() -> None:
 def test_the_module_was_built_from_the_sources_of_this_tree() -> None:
     """Else the tests say nothing about the sources; 'make setup' builds it again."""
     assert virtual_brick.SOURCES == brick_digest(Path(__file__).parents[4])
-    assert isinstance(virtual_brick.NATIVE, bool)
+    assert isinstance(virtual_brick.JIT, bool)
 
 
 def test_the_debugger_serves_gdb_and_leaves_the_brick_where_the_session_ended() -> None:

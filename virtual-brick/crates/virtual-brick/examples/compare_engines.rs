@@ -51,11 +51,11 @@ fn main() -> ExitCode {
 
 fn compare(seed: u64, kind: Kind, longest: u32) -> Result<(), String> {
     let elf = random::image(seed, kind);
-    let brick = |engine, native_after_runs| {
+    let brick = |engine, jit_threshold_runs| {
         let mut configuration = support::vehicle();
         configuration.engine = engine;
-        configuration.native_after_runs = native_after_runs;
-        configuration.native_at_once = seed % 3 != 0;
+        configuration.jit_threshold_runs = jit_threshold_runs;
+        configuration.jit_synchronous = seed % 3 != 0;
         VirtualBrick::new(&configuration, &elf).map_err(|error| error.to_string())
     };
     // Code of the host is made so early that most of what runs is such code; now and then a thread

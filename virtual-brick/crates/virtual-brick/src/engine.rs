@@ -23,7 +23,7 @@ pub enum Engine {
 
 /// Runs of a block's operations before code of the host is made of it. To make it costs as much as
 /// some thousand runs, but another thread does it, and what runs so often goes on running.
-pub(crate) const NATIVE_AFTER_RUNS: u32 = 200;
+pub(crate) const JIT_THRESHOLD_RUNS: u32 = 200;
 
 impl Engine {
     /// Decoded blocks as the engine uses them, none yet.
@@ -35,20 +35,20 @@ impl Engine {
     }
 }
 
-#[cfg(not(feature = "native"))]
+#[cfg(not(feature = "jit"))]
 fn native_blocks<B: BlockBus>(_configuration: &Configuration) -> Blocks<B> {
     Blocks::default()
 }
 
-#[cfg(feature = "native")]
+#[cfg(feature = "jit")]
 fn native_blocks<B: BlockBus>(configuration: &Configuration) -> Blocks<B> {
-    let making = if configuration.native_at_once {
-        native::Making::AtOnce
+    let making = if configuration.jit_synchronous {
+        jit::Making::AtOnce
     } else {
-        native::Making::Beside
+        jit::Making::Beside
     };
-    let after_runs = configuration.native_after_runs;
-    native::Translator::new(after_runs, making).map_or_else(Blocks::default, |translator| {
+    let after_runs = configuration.jit_threshold_runs;
+    jit::Translator::new(after_runs, making).map_or_else(Blocks::default, |translator| {
         Blocks::with_native(Box::new(translator))
     })
 }

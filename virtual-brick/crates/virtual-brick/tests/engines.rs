@@ -12,11 +12,11 @@ use virtual_brick::{Access, CpuStep, Engine, StepObserver, StopReason, VirtualBr
 
 const RAM_BYTES: usize = 0x1_0000;
 
-fn brick(elf: &[u8], engine: Engine, native_after_runs: u32) -> VirtualBrick {
+fn brick(elf: &[u8], engine: Engine, jit_threshold_runs: u32) -> VirtualBrick {
     let mut configuration = vehicle();
     configuration.engine = engine;
-    configuration.native_after_runs = native_after_runs;
-    configuration.native_at_once = true;
+    configuration.jit_threshold_runs = jit_threshold_runs;
+    configuration.jit_synchronous = true;
     VirtualBrick::new(&configuration, elf).unwrap()
 }
 

@@ -11,7 +11,7 @@ use nxt::{BatteryConfiguration, BluetoothConfiguration, BoardConfiguration, Sens
 use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
 use serde::Deserialize;
 
-use crate::engine::{Engine, NATIVE_AFTER_RUNS};
+use crate::engine::{Engine, JIT_THRESHOLD_RUNS};
 
 pub use error::ConfigurationError;
 pub use timing::Timing;
@@ -35,10 +35,10 @@ pub struct Configuration {
     /// What executes instructions; the run is the same with each.
     pub engine: Engine,
     /// Runs of a block of instructions before the fast engine makes code of the host of it.
-    pub native_after_runs: u32,
+    pub jit_threshold_runs: u32,
     /// The run waits while such code is made; else it goes on with the blocks, which is faster, and
     /// it depends on the host when the code is there.
-    pub native_at_once: bool,
+    pub jit_synchronous: bool,
     /// Timing that no document fixes.
     pub timing: Timing,
 }
@@ -134,8 +134,8 @@ impl Fields {
                     .unwrap_or(defaults.signal_values),
             },
             engine: timing.engine(self.engine),
-            native_after_runs: NATIVE_AFTER_RUNS,
-            native_at_once: false,
+            jit_threshold_runs: JIT_THRESHOLD_RUNS,
+            jit_synchronous: false,
             timing,
         })
     }

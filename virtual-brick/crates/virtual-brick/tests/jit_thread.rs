@@ -29,7 +29,7 @@ fn alone() -> MutexGuard<'static, ()> {
 fn brick(elf: &[u8], engine: Engine) -> VirtualBrick {
     let mut configuration = vehicle();
     configuration.engine = engine;
-    configuration.native_after_runs = 2;
+    configuration.jit_threshold_runs = 2;
     VirtualBrick::new(&configuration, elf).unwrap()
 }
 
