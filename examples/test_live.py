@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ravenbrick.brick.links.byte_ports import open_port
+from ravenbrick.brick.links.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import PeerError
-from ravenbrick.target.byte_ports import open_port
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import MonitorWindow, read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import MonitorWindow, read_scenario, scenario_path
 from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.steps import live_steps
 from ravenbrick.trace.schedule import jobs_of

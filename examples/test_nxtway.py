@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ravenbrick.target.build import build_image
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Input, Scenario, read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.image.build import build_image
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Input, Scenario, read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.measures import evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording
 

@@ -3,7 +3,7 @@
 """`make dist`: one wheel that works without the tree; Debian's cross tools are all else it needs.
 
 setuptools makes the package `ravenbrick`; this program adds the compiled module `virtual_brick` of
-the running Python, and below `ravenbrick/tree` the folders that `ravenbrick.target.workspace.tree`
+the running Python, and below `ravenbrick/tree` the folders that `ravenbrick.project.workspace.tree`
 looks for, laid out as in a checkout. Equal inputs give equal bytes.
 """
 
@@ -21,7 +21,7 @@ from pathlib import Path
 
 import virtual_brick
 from elftools.elf.elffile import ELFFile
-from ravenbrick.whole_file import write_whole
+from ravenbrick.atomic_write import atomic_write
 
 from tools.tidy import ROOT, tracked_files
 
@@ -110,7 +110,7 @@ def write_wheel(folder: Path = BUILT) -> Path:
                 archive.writestr(entry, content, zipfile.ZIP_DEFLATED, 9)
         shutil.rmtree(folder, ignore_errors=True)
         wheel = folder / f"{info.removesuffix('.dist-info')}-{tag}.whl"
-        write_whole(wheel, packed.read_bytes())
+        atomic_write(wheel, packed.read_bytes())
         return wheel
 
 

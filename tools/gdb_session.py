@@ -47,7 +47,6 @@ SESSION = (
 TELLING = re.compile(r"\(gdb\) |Thread \d+ hit |(?:Old|New) value|#[01] .*\b(?:panel|tasks)\.")
 
 
-
 def talk(command: list[str], commands: tuple[str, ...]) -> list[str]:
     """Run a program that reads GDB's commands; what GDB said to each. Raises `OSError`."""
     lines = [*QUIET, f"echo {MARK}\\n"]

@@ -14,15 +14,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ravenbrick.brick.links.peers import BluetoothComputer
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.pipeline import design_project
-from ravenbrick.target.build import build_image
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.peers import BluetoothComputer
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.build import build_image
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.telemetry import Session
 from ravenbrick.telemetry.picture import steps_figure
 from ravenbrick.telemetry.steps import LiveStep, live_steps

@@ -15,8 +15,8 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.sources import source_digests
-from ravenbrick.whole_file import write_whole
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILT = ROOT / "build" / "page"
@@ -68,8 +68,8 @@ def pack(tools: list[str]) -> None:
         for name in described["files"]:
             entry = zipfile.ZipInfo(name, DATE)
             archive.writestr(entry, (BUILT / name).read_bytes(), zipfile.ZIP_DEFLATED, 9)
-    write_whole(PACKED, content.getvalue())
-    write_whole(MANIFEST, json.dumps(described, indent=1) + "\n")
+    atomic_write(PACKED, content.getvalue())
+    atomic_write(MANIFEST, json.dumps(described, indent=1) + "\n")
     print(f"{PACKED.relative_to(ROOT)}: {len(content.getvalue())} bytes")
 
 

@@ -268,8 +268,8 @@ DIGEST = (
 GDB = (f"{HOST_TESTS}/cli/test_debug.py", f"{HOST_TESTS}/cli/test_debug_programs.py")
 IDE = f"{HOST_TESTS}/cli/test_ide.py"
 TRAPS = (
-    f"{HOST_TESTS}/target/test_build.py",
-    f"{HOST_TESTS}/target/test_build_errors.py",
+    f"{HOST_TESTS}/image/test_build.py",
+    f"{HOST_TESTS}/image/test_build_errors.py",
     f"{HOST_TESTS}/cli/test_failures.py",
     f"{HOST_TESTS}/cli/test_first_lines.py",
     f"{HOST_TESTS}/cli/test_interrupt.py",
@@ -280,10 +280,10 @@ TRAPS = (
     "tools/tests/test_setup.py",
     "tools/tests/test_environment.py",
 )
-PATHS = (f"{HOST_TESTS}/target/test_paths.py", "tools/tests/test_paths.py")
+PATHS = (f"{HOST_TESTS}/image/test_paths.py", "tools/tests/test_paths.py")
 WHEEL = "tools/tests/test_dist.py"
-GRADERS = (f"{HOST_TESTS}/trace/test_expectations.py", f"{HOST_TESTS}/cli/test_grading.py")
-STIMULI = f"{HOST_TESTS}/target/test_stimulus.py"
+GRADERS = (f"{HOST_TESTS}/project/test_criteria.py", f"{HOST_TESTS}/cli/test_grading.py")
+STIMULI = f"{HOST_TESTS}/project/test_stimuli.py"
 EXPORT = (f"{HOST_TESTS}/trace/test_export.py", f"{HOST_TESTS}/trace/test_real_runs.py")
 
 
@@ -397,7 +397,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         pytest_suite(
             "plant",
             "FMI 2 and FMI 3 units as the body",
-            f"{HOST_TESTS}/target/test_fmu_body.py",
+            f"{HOST_TESTS}/brick/test_fmu_body.py",
         ),
     ),
     (
@@ -405,7 +405,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         pytest_suite(
             "peripherals",
             "USB/IP for host tools, hostile peers on the sockets",
-            f"{HOST_TESTS}/target/test_live_sockets.py",
+            f"{HOST_TESTS}/brick/test_live_sockets.py",
         ),
     ),
     (
@@ -413,7 +413,7 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         pytest_suite(
             "peripherals",
             "snapshot files: restored runs, damaged files",
-            f"{HOST_TESTS}/target/test_snapshot.py",
+            f"{HOST_TESTS}/brick/test_snapshot.py",
         ),
     ),
     ("runtime", pytest_suite("runtime", "behaviours on the virtual brick", "runtime/tests")),
@@ -552,8 +552,8 @@ SUITES: list[tuple[str, Callable[[], Row]]] = [
         pytest_suite(
             "course",
             "upload: bus, failures in words, libnxt on the virtual brick",
-            "host/tests/target/test_upload.py",
-            "host/tests/target/test_upload_replay.py",
+            "host/tests/hardware/test_upload.py",
+            "host/tests/hardware/test_upload_replay.py",
         ),
     ),
 ]

@@ -8,8 +8,8 @@ import contextlib
 from collections.abc import Callable
 
 import pytest
+from ravenbrick.brick.links.peers import BluetoothComputer, BluetoothLink, UsbComputer
 from ravenbrick.errors import PeerError
-from ravenbrick.target.peers import BluetoothComputer, BluetoothLink, UsbComputer
 
 from verification.support.bricks.observe import Brick
 

@@ -10,7 +10,7 @@ import nxt.brick
 import nxt.sensor
 import nxt.sensor.generic
 import pytest
-from ravenbrick.target.peers import UsbComputer
+from ravenbrick.brick.links.peers import UsbComputer
 
 from drivers.tests.test_color import SURFACES
 from verification.support.bricks.nxt_firmware import MENU_MS, firmware_brick, run_ms

@@ -15,8 +15,8 @@ import nxt.sensor
 import nxt.sensor.digital
 import nxt.sensor.generic
 import pytest
+from ravenbrick.brick.links.peers import BluetoothComputer, UsbComputer
 from ravenbrick.errors import PeerError
-from ravenbrick.target.peers import BluetoothComputer, UsbComputer
 
 from verification.support.bricks.nxt_sockets import BluetoothSocket, UsbSocket
 from verification.support.bricks.observe import Brick

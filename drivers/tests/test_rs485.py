@@ -8,7 +8,7 @@ import itertools
 from collections.abc import Callable
 
 import pytest
-from ravenbrick.target.peers import Rs485Line
+from ravenbrick.brick.links.peers import Rs485Line
 
 from verification.support.bricks.observe import Brick
 

@@ -12,10 +12,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import virtual_brick
-from ravenbrick.target.byte_ports import open_port
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
-from ravenbrick.target.peers import BluetoothComputer, StreamPeer, UsbStream
+from ravenbrick.brick.links.byte_ports import open_port
+from ravenbrick.brick.links.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.brick.links.peers import BluetoothComputer, StreamPeer, UsbStream
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.frames import frame
 from ravenbrick.telemetry.messages import Ask, Refused, SetParameter, Verdict, encode

@@ -12,7 +12,7 @@ import pytest
 from verification.support.built import put_image
 from verification.support.elf_maker import make_elf
 
-from ravenbrick.target.robot import Robot, read_robot
+from ravenbrick.project.robot import Robot, read_robot
 
 VEHICLE = Path(__file__).resolve().parents[2] / "examples" / "vehicle"
 

@@ -508,7 +508,7 @@ def test_jorvik_queues(run: Runner) -> None:
 
 by_priority = pytest.param(
     "jorvik-priority",
-    "hmlw" "sp" "21",
+    "hmlwsp21",
     marks=pytest.mark.skipif(
         not os.environ.get("RAVENBRICK_LONG"),
         reason="builds a library of its own: RAVENBRICK_LONG=1 runs it",
@@ -516,7 +516,7 @@ by_priority = pytest.param(
 )
 
 
-@pytest.mark.parametrize(("runtime", "order"), [("jorvik", "mwlh" "sp" "12"), by_priority])
+@pytest.mark.parametrize(("runtime", "order"), [("jorvik", "mwlhsp12"), by_priority])
 def test_entries_are_served_by_the_policy(run: Runner, runtime: str, order: str) -> None:
     """By the order of declarations and calls, or by the callers' priorities (RM D.4).
 

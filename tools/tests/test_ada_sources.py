@@ -8,9 +8,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from ravenbrick.target.build_settings import Settings
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.run_time import COMPILER, run_time_library
+from ravenbrick.image.build_settings import Settings
+from ravenbrick.image.run_time import COMPILER, run_time_library
+from ravenbrick.project.robot import read_robot
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"

@@ -22,7 +22,7 @@ from typing import Any
 
 import virtual_brick
 from elftools.elf.elffile import ELFFile
-from ravenbrick.target.peers import BluetoothComputer
+from ravenbrick.brick.links.peers import BluetoothComputer
 from ravenbrick.telemetry import Session
 
 from verification.support.bricks.observe import CLOCK_DENOMINATOR, CLOCK_NUMERATOR, Brick, bench

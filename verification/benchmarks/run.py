@@ -95,10 +95,10 @@ def vehicle_speed() -> Iterator[Row]:
     Times real time is what a user waits for, so it is taken by the clock on the wall. A thread
     compiles JIT code beside the run: the second figure counts what both cost the processors.
     """
-    from ravenbrick.target.elf_image import read_image
-    from ravenbrick.target.robot import read_robot
-    from ravenbrick.target.scenario import read_scenario, scenario_path
-    from ravenbrick.target.virtual import VirtualTarget
+    from ravenbrick.brick.run import VirtualTarget
+    from ravenbrick.image.elf import read_image
+    from ravenbrick.project.robot import read_robot
+    from ravenbrick.project.scenario import read_scenario, scenario_path
 
     ravenbrick("build", str(VEHICLE))
     robot = read_robot(VEHICLE)
@@ -221,9 +221,9 @@ def page_speed() -> Iterator[Row]:
 
 def timing_analysis() -> Iterator[Row]:
     """Seconds of `ravenbrick analyse` without the run, in a small and in a large program."""
-    from ravenbrick.target.elf_image import read_image
-    from ravenbrick.target.robot import read_robot
-    from ravenbrick.target.scenario import read_scenario, scenario_path
+    from ravenbrick.image.elf import read_image
+    from ravenbrick.project.robot import read_robot
+    from ravenbrick.project.scenario import read_scenario, scenario_path
     from ravenbrick.timing.analysis import analyse
     from ravenbrick.timing.facts import read_facts
     from ravenbrick.timing.started import elaborated

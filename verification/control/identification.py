@@ -9,11 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.control.identification import fit_motor
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.trace.motor_data import motor_data
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -21,12 +21,12 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import virtual_brick
-from ravenbrick.target.byte_ports import TcpPort
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
-from ravenbrick.target.snapshot import Snapshot, SnapshotError
-from ravenbrick.target.stimulus import TimedInput
-from ravenbrick.target.usbip import UsbIpServer
+from ravenbrick.brick.links.byte_ports import TcpPort
+from ravenbrick.brick.links.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.brick.links.usbip import UsbIpServer
+from ravenbrick.brick.snapshot import Snapshot, SnapshotError
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.project.stimuli import TimedInput
 
 from verification.fuzz.damage import damaged, damaged_snapshot
 

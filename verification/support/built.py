@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ravenbrick.target.build import choices_of, record_file
-from ravenbrick.target.build_settings import Settings
-from ravenbrick.target.elf_image import ImageKind
-from ravenbrick.target.made_from import MadeFrom
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.build import choices_of, record_file
+from ravenbrick.image.build_settings import Settings
+from ravenbrick.image.elf import ImageKind
+from ravenbrick.image.manifest import MadeFrom
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import Workspace
 
 __all__ = ["put_image"]
 

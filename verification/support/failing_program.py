@@ -10,10 +10,10 @@ import struct
 from pathlib import Path
 
 from elftools.elf.elffile import ELFFile
-from ravenbrick.target.build import build_image
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.templates import create_project
+from ravenbrick.image.build import build_image
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.templates import create_project
 
 __all__ = ["FailingProgram", "failing_project"]
 

@@ -8,9 +8,9 @@ import os
 from pathlib import Path
 
 import pytest
-from ravenbrick.target.build import TOOLS
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.build import TOOLS
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import Workspace
 
 from verification.support.elf_maker import make_elf
 
@@ -18,8 +18,8 @@ __all__ = ["install_fake_tools", "write_recipe"]
 
 SCRIPTS = {
     "gprbuild": "#!/bin/sh\n. ./recipe\n",
-    "gprclean": "#!/bin/sh\necho \"Parsing \\\"$PWD/robot.gpr\\\"\"\n"
-    "echo \"adding source dir= \\\"$PWD/src/\\\"\"\n",
+    "gprclean": '#!/bin/sh\necho "Parsing \\"$PWD/robot.gpr\\""\n'
+    'echo "adding source dir= \\"$PWD/src/\\""\n',
 }
 
 

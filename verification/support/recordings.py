@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import numpy as np
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.stimulus import TimedInput
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.project.stimuli import TimedInput
 from ravenbrick.trace.recording import (
     EVENT_TYPE,
     IDLE,

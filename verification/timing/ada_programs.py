@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.timing_profile import TimingProfile
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.started import elaborated

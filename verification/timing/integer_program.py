@@ -14,7 +14,7 @@ import sys
 from typing import Any
 
 import virtual_brick
-from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.ipet import longest_path
 
 from verification.timing.examples import EXAMPLES

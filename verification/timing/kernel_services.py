@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from ravenbrick.target.elf_image import ElfImage, read_image
+from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.timing.bounds import execution_times
 from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.kernel import (

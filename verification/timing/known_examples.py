@@ -7,9 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import WAITS, body_of, known_facts
 from ravenbrick.timing.facts import Facts, read_facts
 

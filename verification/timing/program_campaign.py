@@ -23,13 +23,13 @@ from typing import Any
 
 import virtual_brick
 from elftools.elf.elffile import ELFFile
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import ElfImage
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
 from ravenbrick.schedule.offsets import synchronous_bound
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.response_time import response_time_bounds
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.alarm import AlarmCosts, alarm_costs
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of

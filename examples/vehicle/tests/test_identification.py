@@ -9,12 +9,12 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
 from ravenbrick.errors import UsageError
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario
 from ravenbrick.trace.sample_timing import sample_timing
 from typer.testing import CliRunner
 

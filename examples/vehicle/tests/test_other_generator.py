@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 import virtual_brick
 from ravenbrick.cli.app import app
-from ravenbrick.target.templates import create_project
+from ravenbrick.project.templates import create_project
 from typer.testing import CliRunner, Result
 
 from verification.support.bricks.observe import Brick, bench

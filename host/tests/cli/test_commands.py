@@ -18,13 +18,14 @@ from verification.support.built import put_image
 from verification.support.elf_maker import make_elf
 from verification.support.fake_tools import install_fake_tools, write_recipe
 
+from ravenbrick.brick import run as virtual
 from ravenbrick.cli.app import app
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.exit_codes import exit_code_table
 from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import ExitCode
-from ravenbrick.target import build, virtual
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image import build
+from ravenbrick.project.workspace import Workspace
 
 Edit = Callable[[str, str, str], int]
 COMMANDS = ("design", "build", "run", "export", "report", "demo", "doctor")
@@ -184,7 +185,7 @@ def test_a_named_elf_file_of_a_project_is_built_before_it_is_bounded(whole: Path
 
 def test_an_image_too_large_for_ram_is_refused(whole: Path) -> None:
     """Exit code 6, with the number of bytes."""
-    write_recipe(whole, "echo \"region \\`RAM' overflowed by 12 bytes\"; exit 1")
+    write_recipe(whole, 'echo "region \\`RAM\' overflowed by 12 bytes"; exit 1')
     assert "12 bytes too large" in failure(call("build", whole), ExitCode.BAD_IMAGE)
 
 

@@ -20,14 +20,14 @@ from tools import gdb_session
 from tools.gdb_session import talk
 from typer.testing import CliRunner
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
 from ravenbrick.cli.debug import GDB, gdb_command
 from ravenbrick.errors import ExitCode
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()", "debug", str(VEHICLE)]
 COMMAND += ["--image", "ram"]

@@ -14,16 +14,16 @@ import pytest
 from tools.gdb_session import talk
 from typer.testing import CliRunner, Result
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
 from ravenbrick.cli.debug import GDB, gdb_command
 from ravenbrick.errors import ExitCode
-from ravenbrick.target.build import TOOLS, build_image, find_tool
-from ravenbrick.target.elf_image import DEBUGGING_BUILD, ElfImage
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario
-from ravenbrick.target.templates import create_project
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.build import TOOLS, build_image, find_tool
+from ravenbrick.image.elf import DEBUGGING_BUILD, ElfImage
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario
+from ravenbrick.project.templates import create_project
+from ravenbrick.project.workspace import Workspace
 
 pytestmark = [
     pytest.mark.skipif(

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.workspace import Workspace
 
 # What is typed, with the project's folder as {project}; what the first line begins with.
 SLIPS = [

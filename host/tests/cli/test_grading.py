@@ -13,10 +13,10 @@ import pytest
 from typer.testing import CliRunner, Result
 from verification.support.bricks import fake_brick
 
+from ravenbrick.brick import run as virtual
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
-from ravenbrick.target import virtual
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.recording import Recording
 
 Edit = Callable[[str, str, str], int]

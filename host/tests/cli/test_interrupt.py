@@ -24,7 +24,7 @@ import pytest
 from verification.support.fake_tools import install_fake_tools, write_recipe
 from verification.support.recordings import preempted
 
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.workspace import Workspace
 
 # In a module's place: whoever imports it stands still there. Short sleeps, since Python misses a
 # signal that comes between its last look and the system call until the call ends.

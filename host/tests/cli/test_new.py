@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 
 from ravenbrick.errors import UsageError
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario
-from ravenbrick.target.templates import TEMPLATES, create_project
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario
+from ravenbrick.project.templates import TEMPLATES, create_project
 
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 SLOW = pytest.mark.skipif(

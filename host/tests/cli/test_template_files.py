@@ -16,7 +16,7 @@ import jsonschema
 import pytest
 import yaml
 
-from ravenbrick.target.templates import TEMPLATES, create_project
+from ravenbrick.project.templates import TEMPLATES, create_project
 
 SCHEMAS = os.environ.get("RAVENBRICK_VSCODE_SCHEMAS")
 WORKFLOW, CONTAINER = ".github/workflows/check.yml", ".devcontainer/devcontainer.json"

@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 from host.tests.conftest import VEHICLE
 
-from ravenbrick.target.build import TOOLS, find_tool
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.build import TOOLS, find_tool
+from ravenbrick.project.workspace import Workspace
 
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 

@@ -15,17 +15,17 @@ from typer.testing import CliRunner
 from verification.support.bricks import fake_brick
 from verification.support.web import open_page
 
+from ravenbrick.brick import run as virtual
+from ravenbrick.brick.session import session_of
 from ravenbrick.cli import view
 from ravenbrick.cli.app import app
 from ravenbrick.cli.view import page_server
 from ravenbrick.errors import ExitCode
-from ravenbrick.target import virtual
-from ravenbrick.target.bounds_file import image_digest
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.run_file import session_of
-from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
+from ravenbrick.timing.bounds_file import image_digest
 
 
 @pytest.fixture(autouse=True)

@@ -17,7 +17,7 @@ from host.tests.conftest import VEHICLE
 from verification.support.vs_code import VSCode, matcher_problems, problems_in
 
 from ravenbrick.cli.debug import GDB
-from ravenbrick.target.build import TOOLS, find_tool
+from ravenbrick.image.build import TOOLS, find_tool
 
 pytestmark = [
     pytest.mark.skipif(shutil.which(GDB) is None, reason=f"{GDB} is not installed"),

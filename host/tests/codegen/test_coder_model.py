@@ -16,7 +16,7 @@ from verification.support.codegen.coder_models import FORMS, Form, coder_files
 from ravenbrick.cli.app import app
 from ravenbrick.codegen import AdaBinding, ada_binding, read_binding, read_coder_model
 from ravenbrick.errors import DesignError
-from ravenbrick.target.controller_origin import ORIGIN_FILE
+from ravenbrick.image.controller_origin import ORIGIN_FILE
 
 LONG = "a_controller_with_a_long_name"
 

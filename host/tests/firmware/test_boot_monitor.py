@@ -18,7 +18,7 @@ from verification.support.bricks.nxt_firmware import (
     run_ms,
 )
 
-from ravenbrick.target.peers import UsbComputer
+from ravenbrick.brick.links.peers import UsbComputer
 
 USER_RAM = 0x0020_2000
 PAGE = 256

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from verification.support.bricks.nxt_firmware import brick_at_the_menu, encoder, picture, run_ms
 
-from ravenbrick.target.peers import UsbComputer
-from ravenbrick.target.sound_file import save_sound
+from ravenbrick.brick.links.peers import UsbComputer
+from ravenbrick.brick.sound_file import save_sound
 
 PROGRAM = """
 task main()

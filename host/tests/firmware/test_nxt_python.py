@@ -14,7 +14,7 @@ from host.tests.firmware.test_nxc import compiled
 from verification.support.bricks.nxt_firmware import COMPUTER, brick_at_the_menu, encoder, run_ms
 from verification.support.bricks.nxt_sockets import BluetoothSocket, UsbSocket
 
-from ravenbrick.target.peers import BluetoothComputer, UsbComputer
+from ravenbrick.brick.links.peers import BluetoothComputer, UsbComputer
 
 PROGRAM = "task main() { OnFwd(OUT_B, 50); Wait(400); Off(OUT_B); Wait(5000); }"
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from verification.support.bricks.nxt_firmware import firmware_brick
 
+from ravenbrick.brick.links.peers import BluetoothLink
 from ravenbrick.errors import PeerError
-from ravenbrick.target.peers import BluetoothLink
 
 SECOND_CYCLES = 48_054_858
 

@@ -73,9 +73,11 @@ def test_a_rubric_of_numbers_builds_nothing(tmp_path: Path) -> None:
     (tmp_path / "all" / "ada" / "answers.toml").write_text("gain = 2.03\nfriction = 0.3\n")
     rubric = read_rubric(tmp_path / "rubric.toml")
     found = find_submissions([tmp_path / "all"])
-    assert found == find_submissions([tmp_path / "all" / "ada"]) == [
-        Submission("ada", tmp_path / "all" / "ada")
-    ]
+    assert (
+        found
+        == find_submissions([tmp_path / "all" / "ada"])
+        == [Submission("ada", tmp_path / "all" / "ada")]
+    )
     (result,) = run_campaign(rubric, found, tmp_path / "out", workers=1)
     assert (result["points"], result["of"]) == (3, 4)
     assert [row["found"] for row in result["checks"]] == ["gain = 2.03", "friction = 0.3"]

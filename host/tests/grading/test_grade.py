@@ -21,10 +21,10 @@ from ravenbrick.grading import work
 from ravenbrick.grading.rubric import read_rubric
 from ravenbrick.grading.sandbox import run_limited
 from ravenbrick.grading.submission import Submission, find_submissions, read_sources, refusal
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.flat_image import flat_image
-from ravenbrick.target.templates import create_project
-from ravenbrick.target.workspace import tree
+from ravenbrick.image.elf import read_image
+from ravenbrick.image.raw_binary import flat_image
+from ravenbrick.project.templates import create_project
+from ravenbrick.project.workspace import tree
 
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 

@@ -19,9 +19,9 @@ from verification.support.submissions import BLANK
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
 from ravenbrick.grading.sweep import draw, run_sweep
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 
 LONG = pytest.mark.skipif("RAVENBRICK_LONG" not in os.environ, reason="workers: make conformance")
 

@@ -12,7 +12,7 @@ import pytest
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import NXT_MOTOR, Encoder, MotorParameters, SpeedLoop, SpeedWindow
-from ravenbrick.target.robot import read_robot
+from ravenbrick.project.robot import read_robot
 
 VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
 

@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 from host.tests.conftest import VEHICLE
 
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.run_file import session_of
-from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.brick.session import session_of
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 
 ROOT = VEHICLE.parent.parent
 ELF = Workspace.of(VEHICLE).image("ram", "vehicle")

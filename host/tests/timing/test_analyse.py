@@ -12,16 +12,16 @@ from pathlib import Path
 import pytest
 from host.tests.conftest import VEHICLE
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import ImageFileError, RavenbrickError
+from ravenbrick.image.build import TOOLS, find_tool
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.sensitivity import largest_wcet
-from ravenbrick.target.build import TOOLS, find_tool
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 from ravenbrick.timing.explanation import why_apart
@@ -137,9 +137,7 @@ def test_a_task_that_robot_toml_leaves_out_is_an_error(
 
 
 def test_a_stack_that_may_overflow_is_said_first(analysis: Analysis) -> None:
-    tasks = [
-        replace(found, task=replace(found.task, stack_bytes=600)) for found in analysis.tasks
-    ]
+    tasks = [replace(found, task=replace(found.task, stack_bytes=600)) for found in analysis.tasks]
     result = result_of(replace(analysis, tasks=tuple(tasks)), {})
     assert not result["stacks_suffice"] and result["schedulable"]
     first, second, *_ = advice(result)
@@ -163,9 +161,7 @@ def test_a_damaged_image_is_named_with_what_to_do(image: ElfImage) -> None:
         execution_times(content[: place // 2], functions=["memcpy"])
 
 
-def test_a_fact_about_a_function_that_is_not_there_is_told(
-    image: ElfImage, tmp_path: Path
-) -> None:
+def test_a_fact_about_a_function_that_is_not_there_is_told(image: ElfImage, tmp_path: Path) -> None:
     assert unused_facts(read_facts(read_robot(VEHICLE)), image) == []
     text = (VEHICLE / "timing.toml").read_text()
     text = text.replace('symbol = "nxt__display__put_integer"', 'symbol = "put_intger"', 1)

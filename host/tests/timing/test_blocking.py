@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ravenbrick.target.robot import Task, read_robot
+from ravenbrick.project.robot import Task, read_robot
 from ravenbrick.timing.analysis import BlockingCause, blocking_cause
 from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.kernel import Services

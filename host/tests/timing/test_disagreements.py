@@ -15,13 +15,13 @@ from host.tests.conftest import VEHICLE
 from typer.testing import CliRunner
 from verification.support.built import put_image
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ProjectFileError
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ravenbrick.target.robot import Task, read_robot
+from ravenbrick.project.robot import Task, read_robot
 from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.kernel import MASKING, InterruptCost, Services
 from ravenbrick.timing.masked import Masking

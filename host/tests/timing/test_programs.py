@@ -8,7 +8,7 @@ import importlib.util
 
 import pytest
 
-from ravenbrick.target.build import TOOLS, find_tool
+from ravenbrick.image.build import TOOLS, find_tool
 
 if importlib.util.find_spec("virtual_brick") is None:
     pytest.skip("the module virtual_brick is not built", allow_module_level=True)

@@ -11,7 +11,7 @@ import pytest
 from host.tests.conftest import VEHICLE
 
 from ravenbrick.errors import ProjectFileError
-from ravenbrick.target.robot import read_robot
+from ravenbrick.project.robot import read_robot
 from ravenbrick.timing.facts import read_facts
 from ravenbrick.timing.source_facts import loop_statements, statements_text
 

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from ravenbrick.errors import ImageFileError
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.robot import read_robot
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import read_robot
 from ravenbrick.timing.analysis import analyse
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import read_facts

@@ -9,7 +9,7 @@ import importlib.util
 
 import pytest
 
-from ravenbrick.target.build import TOOLS, find_tool
+from ravenbrick.image.build import TOOLS, find_tool
 
 if importlib.util.find_spec("virtual_brick") is None:
     pytest.skip("the module virtual_brick is not built", allow_module_level=True)
@@ -18,8 +18,8 @@ if any(find_tool(tool) is None for tool in TOOLS):
 
 from verification.timing.ada_programs import Subject, analysed, subject
 
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.observed import check_interrupt_rates, exceeded, observe
 

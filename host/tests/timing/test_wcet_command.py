@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.workspace import Workspace
 
 if importlib.util.find_spec("virtual_brick") is None:
     pytest.skip("the module virtual_brick is not built", allow_module_level=True)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from verification.support.recordings import preempted
 
-from ravenbrick.target.robot import Robot
+from ravenbrick.project.robot import Robot
 from ravenbrick.trace.dynamics import (
     TaskDynamics,
     dynamics_summary,

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 from verification.support.recordings import preempted
 
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ToolMissingError
-from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.trace.export import Format, export
 from ravenbrick.trace.export.timeline import nanoseconds
 

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from host.tests.conftest import VEHICLE
 
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, input_check, read_scenario, scenario_path
-from ravenbrick.target.stimulus import Channels, read_stimulus
-from ravenbrick.target.stimulus_callback import Callback, Moment
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.brick.stimulus_callback import Callback, Moment
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.criteria_text import parse_expectation
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, input_check, read_scenario, scenario_path
+from ravenbrick.project.stimuli import Channels, read_stimulus
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.dynamics import handler_dynamics, task_dynamics
-from ravenbrick.trace.expectation_text import parse_expectation
 from ravenbrick.trace.export import Format, export
 from ravenbrick.trace.export.timeline import timeline_of
 from ravenbrick.trace.measures import measure_run

@@ -15,8 +15,8 @@ import pytest
 from verification.support.recordings import preempted
 
 from ravenbrick.errors import RunFaultError
-from ravenbrick.target.robot import Robot, Task
-from ravenbrick.target.scenario import Scenario, read_scenario
+from ravenbrick.project.robot import Robot, Task
+from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.trace.measures import measure_run
 from ravenbrick.trace.recording import Picture, Recording, Stop
 from ravenbrick.trace.report import write_report

@@ -11,8 +11,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from ravenbrick.target.clock import Clock
-from ravenbrick.target.robot import Task
+from ravenbrick.clock import Clock
+from ravenbrick.project.robot import Task
 from ravenbrick.trace.recording import EVENT_TYPE, IDLE, EventKind, Recording, Stop, Thread
 from ravenbrick.trace.schedule import (
     IDLE_OWNER,

@@ -53,9 +53,7 @@ FEATURES = {
     "secondary stack": ("s-secsta",),
 }
 JORVIK = {
-    "Jorvik: entries with queues": (
-        *("s-tpobop", "s-tpoben", "ravenbrick-entry_queues"),
-    ),
+    "Jorvik: entries with queues": (*("s-tpobop", "s-tpoben", "ravenbrick-entry_queues"),),
     "Jorvik: relative delay": ("s-reldel",),
     "Jorvik: `Ada.Calendar`": ("a-calend", "a-caldel"),
 }

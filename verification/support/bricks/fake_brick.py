@@ -14,7 +14,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-from ravenbrick.target.slices import run_until_picture
+from ravenbrick.brick.slices import run_until_picture
 
 CLOCK = (336_384_000, 7)
 HERTZ = CLOCK[0] / CLOCK[1]

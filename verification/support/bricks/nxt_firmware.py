@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import virtual_brick
 from elf_writer import Elf
-from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.clock import MASTER_CLOCK
 
 IMAGE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 FLASH = 0x0010_0000

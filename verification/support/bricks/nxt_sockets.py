@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import struct
 
-from ravenbrick.target.peers import BluetoothComputer, UsbComputer
+from ravenbrick.brick.links.peers import BluetoothComputer, UsbComputer
 
 __all__ = ["BluetoothSocket", "UsbSocket"]
 

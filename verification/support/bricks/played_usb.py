@@ -12,8 +12,8 @@ import threading
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from ravenbrick.brick.links.peers import DEVICE_DESCRIPTOR, UsbComputer
 from ravenbrick.errors import PeerError
-from ravenbrick.target.peers import DEVICE_DESCRIPTOR, UsbComputer
 
 SOURCE = Path(__file__).with_suffix(".c")
 HEAD = struct.Struct("<iI")

@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.target.step_cost import BENCH
+from ravenbrick.brick.step_cost import BENCH
 
 
 def silent_brick(image: Path) -> Any:

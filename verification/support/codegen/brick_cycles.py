@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ravenbrick.target.step_cost import FIRST_WORDS
-from ravenbrick.target.step_cost import StepCost as Cost
-from ravenbrick.target.step_cost import count_steps as step_costs
+from ravenbrick.brick.step_cost import FIRST_WORDS
+from ravenbrick.brick.step_cost import StepCost as Cost
+from ravenbrick.brick.step_cost import count_steps as step_costs
 
 from verification.support.codegen.c_build import arm_image
 

@@ -12,19 +12,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ravenbrick.atomic_write import atomic_write
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import play, project_image, project_scenarios
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.target.bounds_file import image_digest
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
+from ravenbrick.timing.bounds_file import image_digest
 from ravenbrick.timing.chain import ChainDelay, chain_delay
 from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.facts import Facts, read_facts, unused_facts
@@ -60,7 +61,6 @@ from ravenbrick.timing.task_set_file import task_set_text
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
-from ravenbrick.whole_file import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -268,7 +268,7 @@ def analyse_command(
         report = write_timing_report(robot.name, result, figures, notes, workspace.results)
         step.note = shown_path(report)
         task_file = workspace.results / "taskset.toml"
-        write_whole(task_file, task_set_text(robot.name, analysis.task_set, analysis.overheads))
+        atomic_write(task_file, task_set_text(robot.name, analysis.task_set, analysis.overheads))
     _print(reporter, result, notes)
     return {
         **result,

@@ -13,7 +13,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.codegen import read_binding, read_coder_model
 from ravenbrick.errors import UsageError
-from ravenbrick.target.controller_origin import replace_controller
+from ravenbrick.image.controller_origin import replace_controller
 
 __all__ = ["bind_command"]
 

@@ -13,11 +13,11 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import shown_path
-from ravenbrick.target.build import build_image, clean_project
-from ravenbrick.target.elf_image import DEBUGGING_BUILD, BuildKind, ImageKind
-from ravenbrick.target.memory import MemoryReport
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.build import build_image, clean_project
+from ravenbrick.image.elf import DEBUGGING_BUILD, ImageKind
+from ravenbrick.image.memory import MemoryReport
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import BuildKind, Workspace
 
 __all__ = ["DebugOption", "ImageChoice", "build_command", "build_kind"]
 

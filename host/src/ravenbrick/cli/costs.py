@@ -14,11 +14,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.child import run_child
+from ravenbrick.brick.step_cost import compile_and_count
 from ravenbrick.codegen.variants import NumberChoice, number_variants
 from ravenbrick.control import Design
 from ravenbrick.errors import DesignError, RavenbrickError
-from ravenbrick.target.step_cost import compile_and_count
+from ravenbrick.subprocesses import run_child
 
 __all__ = ["project_costs"]
 

@@ -17,15 +17,15 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError
-from ravenbrick.target.elf_image import DEBUGGING_BUILD, BuildKind, read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.elf import DEBUGGING_BUILD, read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import BuildKind, Workspace
 
 __all__ = ["GDB", "debug_command", "gdb_command"]
 

@@ -10,6 +10,8 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.brick.protocol import Target
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import (
@@ -24,15 +26,13 @@ from ravenbrick.cli.pipeline import (
     task_rows,
 )
 from ravenbrick.errors import CriteriaError, ScenarioError, shown_path
-from ravenbrick.target.build import Built, build_image
-from ravenbrick.target.controller_origin import read_origin
-from ravenbrick.target.design_script import DESIGN_SCRIPT
-from ravenbrick.target.memory import MemoryReport, with_stacks
-from ravenbrick.target.protocol import Target
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.build import Built, build_image
+from ravenbrick.image.controller_origin import read_origin
+from ravenbrick.image.design_script import DESIGN_SCRIPT
+from ravenbrick.image.memory import MemoryReport, with_stacks
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import require_criteria
 from ravenbrick.trace.report import write_report

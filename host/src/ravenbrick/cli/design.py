@@ -14,7 +14,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter, Step
 from ravenbrick.cli.pipeline import design_project
 from ravenbrick.errors import DesignError, UsageError, shown_path
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.recording import Recording
 
 __all__ = ["design_command"]

@@ -21,12 +21,12 @@ from ravenbrick import __version__
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import ConnectionFailedError, ToolMissingError
+from ravenbrick.hardware.upload import LOADERS, brick_to_load
+from ravenbrick.hardware.usb_bricks import find_bricks
+from ravenbrick.image.build import TOOLS, Tool, find_tool
 from ravenbrick.installation import PACKAGE, advice_for_packages, advice_for_python, in_checkout
+from ravenbrick.project.workspace import tree
 from ravenbrick.sources import brick_digest
-from ravenbrick.target.build import TOOLS, Tool, find_tool
-from ravenbrick.target.real import LOADERS, brick_to_load
-from ravenbrick.target.usb_bricks import find_bricks
-from ravenbrick.target.workspace import tree
 
 __all__ = ["Check", "doctor_command"]
 

@@ -13,7 +13,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.export import Format, export
 from ravenbrick.trace.recording import Recording
 

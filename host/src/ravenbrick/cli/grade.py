@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import CriteriaError, RavenbrickError, UsageError
@@ -18,7 +19,6 @@ from ravenbrick.grading.adapters import ADAPTERS
 from ravenbrick.grading.campaign import run_campaign
 from ravenbrick.grading.rubric import read_rubric
 from ravenbrick.grading.submission import find_submissions
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["grade_command"]
 
@@ -68,7 +68,7 @@ def grade_command(
         raise RavenbrickError(f"the grader failed on {defects[0]}", detail="\n".join(defects[1:]))
     text = ADAPTERS[form.value](results)
     if report is not None:
-        write_whole(report, text)
+        atomic_write(report, text)
     elif form is not Form.TEXT or len(results) == 1:
         reporter.print(text)
     else:

@@ -9,6 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.atomic_write import atomic_write
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
@@ -21,13 +23,11 @@ from ravenbrick.control.identification import (
     validate_motor,
 )
 from ravenbrick.errors import DesignError, UsageError, shown_path
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.motor_data import motor_data, signal_data
 from ravenbrick.trace.recording import Recording
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["identify_command"]
 
@@ -91,7 +91,7 @@ def identify_command(
             "is loaded, changes, or is not of this model: nothing was written"
         )
     path = output or workspace.design_file.parent / f"motor-{motor}.toml"
-    write_whole(path, _parameter_file(found, checked, robot, motor, scenario))
+    atomic_write(path, _parameter_file(found, checked, robot, motor, scenario))
     reporter.print(f"parameters: {shown_path(path)}")
     return {
         "motor": motor,

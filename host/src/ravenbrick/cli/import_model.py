@@ -14,9 +14,9 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.codegen import generate_c
 from ravenbrick.errors import UsageError
+from ravenbrick.image.controller_origin import replace_controller
 from ravenbrick.simulink import import_simulink, read_workspace
 from ravenbrick.simulink.numbers import Variables
-from ravenbrick.target.controller_origin import replace_controller
 
 __all__ = ["import_command"]
 

@@ -9,18 +9,18 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.brick.links.byte_ports import open_port
+from ravenbrick.brick.links.live import LiveRecord, LiveRun, replay_live
+from ravenbrick.brick.links.usbip import UsbIpServer
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image
 from ravenbrick.errors import InterruptError, RunFaultError, UsageError
-from ravenbrick.target.byte_ports import open_port
-from ravenbrick.target.live import LiveRecord, LiveRun, replay_live
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.usbip import UsbIpServer
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 
 __all__ = ["live_command"]
 

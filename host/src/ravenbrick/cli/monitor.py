@@ -11,10 +11,11 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import ConnectionFailedError, InterruptError, UsageError, shown_path
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.telemetry.links import check_address, open_link
 from ravenbrick.telemetry.messages import Answer, Hello, Message, Verdict
 from ravenbrick.telemetry.monitor import Monitor, replay
@@ -25,7 +26,6 @@ from ravenbrick.telemetry.steps import live_steps
 from ravenbrick.telemetry.window import show_live
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.plots.style import png_bytes
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["monitor_command"]
 
@@ -117,7 +117,7 @@ def _write_outputs(
             pictures[f"{name}-steps.png"] = steps_figure(steps, design, *names)
         written.append(stem.with_name(f"{name}.npz"))
         for file, figure in pictures.items():
-            write_whole(stem.with_name(file), png_bytes(figure))
+            atomic_write(stem.with_name(file), png_bytes(figure))
             written.append(stem.with_name(file))
     return written
 

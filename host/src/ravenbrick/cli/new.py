@@ -11,8 +11,8 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.target.templates import TEMPLATES, create_project
-from ravenbrick.target.workspace import tree
+from ravenbrick.project.templates import TEMPLATES, create_project
+from ravenbrick.project.workspace import tree
 
 __all__ = ["home_command", "new_command"]
 

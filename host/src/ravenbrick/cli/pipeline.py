@@ -10,19 +10,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from ravenbrick.brick.protocol import Progress, no_progress
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import RavenbrickError, shown_path
-from ravenbrick.target.bounds_file import own_bounds
-from ravenbrick.target.build import BUSY, build_image, current_image, record_file
-from ravenbrick.target.design_script import run_design
-from ravenbrick.target.elf_image import BuildKind, ElfImage, read_image
-from ravenbrick.target.locks import locked
-from ravenbrick.target.made_from import MadeFrom
-from ravenbrick.target.memory import MemoryReport
-from ravenbrick.target.protocol import Progress, no_progress
-from ravenbrick.target.robot import ROBOT_FILE, Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario, scenario_path
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.build import BUSY, build_image, current_image, record_file
+from ravenbrick.image.design_script import run_design
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.image.locks import locked
+from ravenbrick.image.manifest import MadeFrom
+from ravenbrick.image.memory import MemoryReport
+from ravenbrick.project.robot import ROBOT_FILE, Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
+from ravenbrick.project.workspace import BuildKind, Workspace
+from ravenbrick.timing.bounds_file import own_bounds
 from ravenbrick.trace.design import Design, read_design
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording
@@ -30,7 +30,7 @@ from ravenbrick.trace.summary import ROLES, Evidence, Run
 from ravenbrick.trace.task_set import check_task_set
 
 if TYPE_CHECKING:
-    from ravenbrick.target.virtual import Station, VirtualTarget
+    from ravenbrick.brick.run import Station, VirtualTarget
 
 __all__ = [
     "any_run",

@@ -22,11 +22,11 @@ from ravenbrick.cli.pipeline import (
     scenario_or_none,
 )
 from ravenbrick.errors import RavenbrickError, UsageError, shown_path
-from ravenbrick.target.elf_image import DEBUGGING_BUILD, BuildKind, read_image
-from ravenbrick.target.memory import MemoryReport, memory_report, with_stacks
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.image.elf import DEBUGGING_BUILD, read_image
+from ravenbrick.image.memory import MemoryReport, memory_report, with_stacks
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario
+from ravenbrick.project.workspace import BuildKind, Workspace
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.report import write_report

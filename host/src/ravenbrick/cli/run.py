@@ -11,19 +11,22 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.brick.configuration import brick_configuration
+from ravenbrick.brick.fmu_body import FmuBody
+from ravenbrick.brick.run import Station, VirtualTarget
+from ravenbrick.brick.snapshot import Snapshot, SnapshotWishes
+from ravenbrick.brick.stimulus_callback import Callback, load_callback
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import DebugOption, ImageChoice, build_kind
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import TASK_HEAD, keep_peer, project_image, read_run, task_rows
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.configuration import brick_configuration
-from ravenbrick.target.elf_image import DEBUGGING_BUILD, ElfImage, read_binary, read_image
-from ravenbrick.target.fmu_body import FmuBody
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.run_file import read_run_file
-from ravenbrick.target.scenario import (
+from ravenbrick.image.elf import DEBUGGING_BUILD, ElfImage, read_binary, read_image
+from ravenbrick.project.criteria_file import read_expectations_of
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import (
     Scenario,
     check_expectations,
     check_stimuli,
@@ -31,12 +34,9 @@ from ravenbrick.target.scenario import (
     read_scenario,
     scenario_path,
 )
-from ravenbrick.target.snapshot import Snapshot, SnapshotWishes
-from ravenbrick.target.stimulus import Channels, read_stimulus
-from ravenbrick.target.stimulus_callback import Callback, load_callback
-from ravenbrick.target.virtual import Station, VirtualTarget
-from ravenbrick.target.workspace import Workspace
-from ravenbrick.trace.expectation_file import read_expectations_of
+from ravenbrick.project.stimuli import Channels, read_stimulus
+from ravenbrick.project.stimuli.run_file import read_run_file
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.measures import require_criteria
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.summary import Run, run_summary

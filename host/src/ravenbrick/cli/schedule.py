@@ -13,13 +13,13 @@ from typing import Annotated, Any
 
 import typer
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import UsageError
 from ravenbrick.schedule.quantity import Time, exact, shown
 from ravenbrick.schedule.report import advice, analysis
 from ravenbrick.schedule.task_file import Rule, TaskFile, read_task_file
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["schedule_command"]
 
@@ -126,5 +126,5 @@ def _drawn(found: TaskFile, path: Path, end: Time | None) -> Path:
     kind = path.suffix.removeprefix(".")
     dated = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
     figure.savefig(content, format=kind, dpi=150, metadata={dated: None} if dated else None)
-    write_whole(path, content.getvalue())
+    atomic_write(path, content.getvalue())
     return path

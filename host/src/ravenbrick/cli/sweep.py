@@ -15,9 +15,9 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image
 from ravenbrick.errors import CriteriaError
 from ravenbrick.grading.sweep import run_sweep
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.scenario import read_scenario, scenario_path
-from ravenbrick.target.workspace import Workspace
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
 
 __all__ = ["sweep_command"]
 
@@ -41,9 +41,9 @@ def sweep_command(
     directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
     scenario: Annotated[str, typer.Argument(help="Name below scenarios/, or a file.")],
     count: Annotated[int, typer.Option(min=1, help="Robots to draw.")] = 20,
-    output: Annotated[
-        Path, typer.Option(help="Folder of results; kept for the next time.")
-    ] = Path("out/sweep"),
+    output: Annotated[Path, typer.Option(help="Folder of results; kept for the next time.")] = Path(
+        "out/sweep"
+    ),
     workers: Annotated[int, typer.Option(min=1, help="Runs at a time.")] = os.cpu_count() or 1,
     dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use.")] = None,
     json_output: JsonOption = False,
@@ -53,9 +53,7 @@ def sweep_command(
     reporter = Reporter(json_output)
     image = project_image(Workspace.of(directory), robot, "ram", reporter)
     with reporter.step(f"run '{chosen.name}' of {count} robots") as step:
-        results = run_sweep(
-            robot, chosen, image.path, count, output, workers, dask, step.progress
-        )
+        results = run_sweep(robot, chosen, image.path, count, output, workers, dask, step.progress)
         met = sum(result["met"] for result in results)
         step.note = f"{met} of {count} meet all criteria"
     reporter.table(("criterion", "met", "seen"), _rows(results), left=("met", "seen"))

@@ -9,18 +9,18 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.target.build import build_image
-from ravenbrick.target.elf_image import DEBUGGING_BUILD, read_image
-from ravenbrick.target.flat_image import FlatImage, flat_flash_file, flat_image
-from ravenbrick.target.real import brick_to_load, load
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.usb_bricks import find_bricks
-from ravenbrick.target.workspace import Workspace
-from ravenbrick.whole_file import write_whole
+from ravenbrick.hardware.upload import brick_to_load, load
+from ravenbrick.hardware.usb_bricks import find_bricks
+from ravenbrick.image.build import build_image
+from ravenbrick.image.elf import DEBUGGING_BUILD, read_image
+from ravenbrick.image.raw_binary import FlatImage, flat_flash_file, flat_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import Workspace
 
 __all__ = ["upload_command"]
 
@@ -66,7 +66,7 @@ def upload_command(
     flat = flat_flash_file(source) if restore else _project_image(source, kind, reporter)
     facts = {"kind": kind, "bytes": len(flat.content), "address": flat.address}
     if out is not None:
-        write_whole(out, flat.content)
+        atomic_write(out, flat.content)
         reporter.print(f"written: {out}, {len(flat.content):,} bytes for 0x{flat.address:08X}")
         return {**facts, "file": str(out)}
     brick = brick_to_load(find_bricks())

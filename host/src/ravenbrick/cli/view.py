@@ -15,19 +15,19 @@ from zipfile import BadZipFile, ZipFile
 
 import typer
 
+from ravenbrick.atomic_write import atomic_write
+from ravenbrick.brick.session import session_of
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.build import ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError, shown_path
-from ravenbrick.target.bounds_file import own_bounds, read_bounds
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.robot import read_robot
-from ravenbrick.target.run_file import session_of
-from ravenbrick.target.run_time import run_time_home
-from ravenbrick.target.source_texts import source_texts
-from ravenbrick.target.workspace import Workspace, tree
-from ravenbrick.whole_file import write_whole
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.image.run_time import run_time_home
+from ravenbrick.image.source_texts import source_texts
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import Workspace, tree
+from ravenbrick.timing.bounds_file import own_bounds, read_bounds
 
 __all__ = ["page_server", "view_command"]
 
@@ -110,7 +110,7 @@ def _write(served: dict[str, bytes], folder: Path) -> dict[str, Any]:
     if folder.exists() and any(folder.iterdir()):
         raise UsageError(f"--out {folder}: is not empty; name a new folder")
     for name, content in served.items():
-        write_whole(folder / name, content)
+        atomic_write(folder / name, content)
     return {"folder": str(folder), "bytes": sum(map(len, served.values()))}
 
 

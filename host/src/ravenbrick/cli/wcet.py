@@ -15,7 +15,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import RavenbrickError, UsageError
-from ravenbrick.target.located_toml import utf8_text
+from ravenbrick.schemas.located_toml import utf8_text
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 
 __all__ = ["wcet_command"]

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.control.controller import pi_diagram
 from ravenbrick.control.design_plots import DesignedLoop
 from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
@@ -22,7 +23,6 @@ from ravenbrick.control.sampled import SampledLoop, StepResponse
 from ravenbrick.control.tuning import DiscretePi, PiGains
 from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linear_system
 from ravenbrick.model.lazy import linalg
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["Design", "EstimatorComparison", "compare_estimators", "finish_design"]
 
@@ -200,7 +200,7 @@ class Design:
 
     def write_results(self, path: Path) -> None:
         """Write `results` as JSON."""
-        write_whole(path, json.dumps(self.results(), indent=1) + "\n")
+        atomic_write(path, json.dumps(self.results(), indent=1) + "\n")
 
 
 def _response(response: StepResponse, metrics: StepMetrics) -> Mapping[str, Any]:

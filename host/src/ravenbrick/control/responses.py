@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.control.design_plots import written_system
 from ravenbrick.model.lazy import control
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["write_loop_results"]
 
@@ -55,4 +55,4 @@ def write_loop_results(
     }
     if open_loop is not None:
         results["loop"] = {"open_loop": written_system(control.ss(open_loop))}
-    write_whole(path, json.dumps(results, indent=1) + "\n")
+    atomic_write(path, json.dumps(results, indent=1) + "\n")

@@ -11,13 +11,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.errors import UsageError
 from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.sandbox import allow_sessions, end_sessions
 from ravenbrick.grading.submission import Submission
 from ravenbrick.grading.work import Job, grade_one, prepare_base
 from ravenbrick.installation import optional_module
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["on_cluster", "run_campaign"]
 
@@ -39,7 +39,7 @@ def _kept(results: Path, submission: Submission, digest: str) -> Result | None:
 
 def _keep(results: Path, submission: Submission, digest: str, result: Result) -> None:
     content = json.dumps({"of": digest, "result": result}, indent=1)
-    write_whole(_stored(results, submission), content)
+    atomic_write(_stored(results, submission), content)
 
 
 def _stamp(rubric: Rubric, submission: Submission) -> str:

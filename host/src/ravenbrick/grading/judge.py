@@ -10,15 +10,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import RavenbrickError
 from ravenbrick.grading.rubric import Check, Rubric, read_rubric
 from ravenbrick.grading.work import ELF, check_row
-from ravenbrick.target.elf_image import ElfImage, read_image
-from ravenbrick.target.memory import memory_report
-from ravenbrick.target.scenario import Scenario, read_scenario
-from ravenbrick.target.virtual import VirtualTarget
-from ravenbrick.trace.expectation import Expectation
-from ravenbrick.trace.expectation_text import parse_expectation
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.image.memory import memory_report
+from ravenbrick.project.criteria import Expectation
+from ravenbrick.project.criteria_text import parse_expectation
+from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.trace.measures import RunMeasures, check_survival, evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.verdict import expects_fault, judge

@@ -12,13 +12,13 @@ from typing import Any
 
 from ravenbrick import __version__
 from ravenbrick.grading.answers import parse_wanted
-from ravenbrick.target.located_toml import LocatedToml, read_toml
-from ravenbrick.target.named_files import named_file
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import read_scenario
-from ravenbrick.target.validation import validate
-from ravenbrick.target.workspace import tree
-from ravenbrick.trace.expectation_text import ExpectationSyntaxError, parse_expectation
+from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
+from ravenbrick.project.named_files import named_file
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import read_scenario
+from ravenbrick.project.workspace import tree
+from ravenbrick.schemas.located_toml import LocatedToml, read_toml
+from ravenbrick.schemas.validation import validate
 
 __all__ = ["Check", "Limits", "Rubric", "digest_of", "read_rubric"]
 

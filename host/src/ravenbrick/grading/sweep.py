@@ -15,14 +15,14 @@ from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.atomic_write import atomic_write
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import RavenbrickError
 from ravenbrick.grading.campaign import on_cluster
-from ravenbrick.target.elf_image import read_image
-from ravenbrick.target.robot import Robot, read_robot
-from ravenbrick.target.scenario import Scenario, read_scenario
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["Variant", "draw", "run_sweep"]
 
@@ -147,6 +147,6 @@ def run_sweep(
         stream = _in_processes(waiting, max(workers, 1))
     for key, result in stream:
         done[key] = result
-        write_whole(kept[key], json.dumps(result))
+        atomic_write(kept[key], json.dumps(result))
         progress(len(done) / count)
     return sorted(done.values(), key=lambda result: int(result["number"]))

@@ -19,10 +19,10 @@ from ravenbrick.grading.answers import ANSWERS_FILE, Answers, parse_wanted, read
 from ravenbrick.grading.rubric import Check, Rubric, read_rubric
 from ravenbrick.grading.sandbox import Outcome, run_limited
 from ravenbrick.grading.submission import Submission, read_sources, refusal
-from ravenbrick.target.build import gprbuild_call
-from ravenbrick.target.build_errors import errors_in
-from ravenbrick.target.build_settings import Settings
-from ravenbrick.target.run_time import run_time_library
+from ravenbrick.image.build import gprbuild_call
+from ravenbrick.image.build_errors import errors_in
+from ravenbrick.image.build_settings import Settings
+from ravenbrick.image.run_time import run_time_library
 
 __all__ = ["Job", "build", "grade_one", "prepare_base"]
 

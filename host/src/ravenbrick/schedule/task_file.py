@@ -14,7 +14,6 @@ from typing import Any
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.schedule.assignment import audsley, deadline_monotonic, rate_monotonic
 from ravenbrick.schedule.driver_costs import CostError, DriverCosts, read_driver_costs
-from ravenbrick.schedule.located_json import read_json
 from ravenbrick.schedule.model import (
     NO_OVERHEADS,
     RELEASES,
@@ -25,7 +24,8 @@ from ravenbrick.schedule.model import (
     TaskSetError,
 )
 from ravenbrick.schedule.quantity import Time, exact
-from ravenbrick.target.located_toml import KeyPath, LocatedToml, read_toml
+from ravenbrick.schemas.located_json import read_json
+from ravenbrick.schemas.located_toml import KeyPath, LocatedToml, read_toml
 
 __all__ = ["Rule", "TaskFile", "read_task_file"]
 

@@ -14,8 +14,8 @@ from typing import Any, Protocol
 import serial
 
 from ravenbrick.errors import ToolMissingError, UsageError
+from ravenbrick.hardware.usb_bricks import BrickMode
 from ravenbrick.installation import advice_for_packages
-from ravenbrick.target.usb_bricks import BrickMode
 
 __all__ = ["Link", "LinkLostError", "check_address", "open_link"]
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from ravenbrick.target.clock import Clock
+from ravenbrick.clock import Clock
 from ravenbrick.telemetry.messages import Sample, SignalDescription, unpack_value
 from ravenbrick.trace.recording import EVENT_TYPE, Recording, Signal, Stop
 

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import ElfImage
 from ravenbrick.schedule.model import Overheads
 from ravenbrick.schedule.model import Task as ScheduledTask
 from ravenbrick.schedule.quantity import exact
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage
 from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.kernel import INTERRUPT, InterruptCost, Services, interrupt_costs

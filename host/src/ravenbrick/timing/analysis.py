@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.response_time import ResponseTimeBound, response_time_bounds
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.robot import Robot, Task
 from ravenbrick.timing.alarm import AlarmCosts, alarm_costs, coarse_alarm
 from ravenbrick.timing.bounds import (
     Bound,

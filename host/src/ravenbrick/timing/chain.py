@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.facts import SOURCE_NUMBERS, Chain
 from ravenbrick.trace.recording import EventKind, Recording

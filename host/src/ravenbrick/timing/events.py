@@ -18,7 +18,7 @@ from elftools.dwarf.die import DIE
 from elftools.dwarf.dwarfinfo import DWARFInfo
 from elftools.elf.elffile import ELFFile
 
-from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError
 from ravenbrick.timing.facts import EventLoad, Facts
 from ravenbrick.timing.kernel import (

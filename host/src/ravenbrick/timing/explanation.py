@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ravenbrick.target.clock import MASTER_CLOCK
+from ravenbrick.clock import MASTER_CLOCK
 
 __all__ = ["why_apart"]
 

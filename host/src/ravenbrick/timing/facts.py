@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.located_toml import KeyPath, LocatedToml, read_toml
-from ravenbrick.target.robot import Robot
-from ravenbrick.target.validation import validate
-from ravenbrick.target.workspace import tree
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.workspace import tree
+from ravenbrick.schemas.located_toml import KeyPath, LocatedToml, read_toml
+from ravenbrick.schemas.validation import validate
 from ravenbrick.timing.ipet import FlowFact
 from ravenbrick.trace.interrupts import SOURCES
 

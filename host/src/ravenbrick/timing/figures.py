@@ -7,10 +7,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from ravenbrick.project.robot import Robot
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.simulation import simulate
-from ravenbrick.target.robot import Robot
 from ravenbrick.timing.analysis import Analysis, TaskTiming
 from ravenbrick.timing.chain import ChainDelay
 from ravenbrick.timing.loop import Loop, phase_margin
@@ -54,9 +54,7 @@ def terms_figure(result: dict[str, Any]) -> Figure:
     _deadline_bars(times, tasks)
     shares.set_yticks(range(len(tasks)), [task["name"] for task in tasks])
     handles, labels = shares.get_legend_handles_labels()
-    figure.legend(
-        handles, labels, frameon=False, fontsize=8.5, ncols=8, loc="outside lower center"
-    )
+    figure.legend(handles, labels, frameon=False, fontsize=8.5, ncols=8, loc="outside lower center")
     return figure
 
 

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.protocol import Progress, no_progress
-from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Scenario
-from ravenbrick.target.stimulus import TimedInput
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.brick.protocol import Progress, no_progress
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import Scenario
+from ravenbrick.project.stimuli import TimedInput
 from ravenbrick.timing.long_run import cyclic_begin
 from ravenbrick.timing.observed import Observed, observe
 from ravenbrick.trace.recording import EventKind, Recording, decode_events

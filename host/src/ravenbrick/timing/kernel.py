@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ravenbrick.errors import ImageFileError
-from ravenbrick.target.elf_image import ElfImage
+from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.started import (

@@ -22,8 +22,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.robot import Task
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Task
 from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.events import EventCost
 from ravenbrick.timing.kernel import InterruptCost, Services, passage_cycles

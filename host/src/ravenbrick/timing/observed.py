@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.robot import Robot
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.project.robot import Robot
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import Facts, InterruptLoad

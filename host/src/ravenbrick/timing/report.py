@@ -11,10 +11,10 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.result import advice, microseconds
 from ravenbrick.trace.plots.style import data_uri, png_bytes
-from ravenbrick.whole_file import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -198,6 +198,6 @@ def write_timing_report(
     """Write timing.html, with `notes` below the advice, and timing.json; returns the report's
     file."""
     report = folder / "timing.html"
-    write_whole(report, _page(name, result, figures, notes))
-    write_whole(folder / "timing.json", json.dumps(result, indent=1) + "\n")
+    atomic_write(report, _page(name, result, figures, notes))
+    atomic_write(folder / "timing.json", json.dumps(result, indent=1) + "\n")
     return report

@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
-from ravenbrick.target.clock import MASTER_CLOCK
 from ravenbrick.timing.analysis import Analysis, ModeBounds, TaskTiming
 from ravenbrick.timing.observed import Observed, ratio
 from ravenbrick.trace.interrupts import source_name

@@ -19,8 +19,8 @@ from typing import Any
 from elftools.common.exceptions import ELFError
 
 from ravenbrick.errors import ImageFileError, ProjectFileError
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.source_texts import named_sources
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.image.source_texts import named_sources
 from ravenbrick.timing.facts import annotations_of
 
 __all__ = ["SourceLoop", "loop_statements", "source_facts", "statements_text"]

@@ -16,12 +16,12 @@ from typing import Any
 
 from elftools.elf.elffile import ELFFile
 
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ImageFileError
-from ravenbrick.target.clock import MASTER_CLOCK
-from ravenbrick.target.elf_image import ElfImage
-from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Scenario
-from ravenbrick.target.virtual import VirtualTarget
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import Scenario
 from ravenbrick.timing.bounds import Call
 
 __all__ = [

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.robot import Robot
+from ravenbrick.project.robot import Robot
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, by_priority, jobs_of, measure_task, stretches

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.errors import CriteriaError, RunFaultError, ScenarioError
-from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Criterion, Scenario
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import Criterion, Scenario
 from ravenbrick.trace.motion import (
     PathMeasures,
     StepMeasures,

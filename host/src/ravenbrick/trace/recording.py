@@ -18,10 +18,10 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from ravenbrick.atomic_write import atomic_write
+from ravenbrick.clock import Clock
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.target.clock import Clock
-from ravenbrick.target.stimulus import TimedInput
-from ravenbrick.whole_file import write_whole
+from ravenbrick.project.stimuli import TimedInput
 
 __all__ = [
     "EVENT_TYPE",
@@ -160,7 +160,7 @@ class Recording:
         }
         content = io.BytesIO()
         np.savez_compressed(content, head=np.array(json.dumps(head)), **arrays)
-        write_whole(path, content.getvalue())
+        atomic_write(path, content.getvalue())
 
     @classmethod
     def load(cls, path: Path) -> Recording:

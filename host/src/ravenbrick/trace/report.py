@@ -11,6 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.trace.chart import Drawing
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.markup import Drawings, Table, counted, table
@@ -19,7 +20,6 @@ from ravenbrick.trace.plots.path import path_drawing
 from ravenbrick.trace.plots.step_response import step_drawing
 from ravenbrick.trace.report_run import anchor, compared, outcome, run_section, run_title
 from ravenbrick.trace.summary import Evidence, summary
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["write_report"]
 
@@ -239,8 +239,8 @@ def write_report(evidence: Evidence, folder: Path) -> tuple[Path, dict[str, Any]
         if old.stem not in kept:
             old.unlink()
     for name, drawing in kept.items():
-        write_whole(folder / "figures" / f"{name}.svg", drawing.svg())
-    write_whole(folder / "summary.json", json.dumps(figures, indent=1) + "\n")
+        atomic_write(folder / "figures" / f"{name}.svg", drawing.svg())
+    atomic_write(folder / "summary.json", json.dumps(figures, indent=1) + "\n")
     report = folder / "report.html"
-    write_whole(report, page)
+    atomic_write(report, page)
     return report, figures

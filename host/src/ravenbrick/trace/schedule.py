@@ -17,7 +17,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.robot import Task
+from ravenbrick.project.robot import Task
 from ravenbrick.trace.recording import IDLE, EventKind, Recording
 
 __all__ = [

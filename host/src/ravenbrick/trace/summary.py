@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from ravenbrick.errors import RavenbrickError
-from ravenbrick.target.memory import MemoryReport
-from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Scenario
+from ravenbrick.image.memory import MemoryReport
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.dynamics import (
     HandlerDynamics,

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ravenbrick.target.robot import Robot, Task
+from ravenbrick.project.robot import Robot, Task
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import jobs_of
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.errors import ScenarioError
-from ravenbrick.trace.expectation import (
+from ravenbrick.project.criteria import (
     DeadlinesMet,
     Expectation,
     FaultExpected,
@@ -28,7 +28,7 @@ from ravenbrick.trace.expectation import (
 )
 from ravenbrick.trace.recording import Recording, Screen
 from ravenbrick.trace.schedule import TaskMeasures
-from ravenbrick.trace.units import UNITS, signal_unit
+from ravenbrick.units import UNITS, signal_unit
 
 __all__ = ["ALIVE", "Measured", "Verdict", "expects_fault", "judge"]
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.installation import optional_module
 from ravenbrick.trace.export.timeline import Lane, Series, Timeline, nanoseconds
-from ravenbrick.whole_file import write_whole
 
 __all__ = ["write_perfetto"]
 
@@ -152,5 +152,5 @@ def write_perfetto(timeline: Timeline, path: Path) -> tuple[Path, ...]:
         event.terminating_flow_ids.extend(ended)
         if kind == COUNTER:
             event.double_counter_value = value
-    write_whole(path, trace.SerializeToString(deterministic=True))
+    atomic_write(path, trace.SerializeToString(deterministic=True))
     return (path,)

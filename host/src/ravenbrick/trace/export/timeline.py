@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.clock import Clock
+from ravenbrick.clock import Clock
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording, Screen
 from ravenbrick.trace.schedule import (
@@ -26,7 +26,7 @@ from ravenbrick.trace.schedule import (
     all_jobs,
     segments,
 )
-from ravenbrick.trace.units import signal_unit
+from ravenbrick.units import signal_unit
 
 __all__ = ["Lane", "Mark", "Series", "Timeline", "nanoseconds", "timeline_of"]
 

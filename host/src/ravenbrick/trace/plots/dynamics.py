@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.clock import Clock
+from ravenbrick.clock import Clock
 from ravenbrick.trace.chart import COLOURS, Drawing, Panel, task_colour, ticks
 from ravenbrick.trace.dynamics import HandlerDynamics, TaskDynamics, histogram
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.robot import Floor, Robot
+from ravenbrick.project.robot import Floor, Robot
 from ravenbrick.trace.chart import COLOURS, SERIES, Drawing, Panel
 from ravenbrick.trace.recording import Recording
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ravenbrick.target.robot import Robot
+from ravenbrick.project.robot import Robot
 from ravenbrick.trace.chart import COLOURS, Drawing, Panel, task_colour
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import (

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.target.robot import Robot
-from ravenbrick.target.scenario import Scenario
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.chart import COLOURS, SERIES, Anchor, Drawing, Panel
 from ravenbrick.trace.measures import setpoint_speed
 from ravenbrick.trace.recording import Recording

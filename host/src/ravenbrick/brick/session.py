@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The session that the page loads: a program's surroundings, tasks and inputs, as JSON.
+
+docs/reference/run-files.md describes the fields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ravenbrick.brick.configuration import brick_configuration
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import Scenario
+
+__all__ = ["session_of"]
+
+
+def session_of(
+    robot: Robot,
+    scenario: Scenario,
+    named: bool = True,
+    bounds_cycles: Mapping[str, int] | None = None,
+) -> dict[str, Any]:
+    """The session that the page loads; `named` false hides a scenario that was made up.
+
+    `bounds_cycles` are proven response times by the name of the task.
+    """
+    bounds = bounds_cycles or {}
+    return {
+        "project": robot.name,
+        "scenario": scenario.name if named else None,
+        "configuration": brick_configuration(robot, scenario, MASTER_CLOCK),
+        "probes": [{"symbol": s.symbol, "kind": s.type} for s in robot.setpoints],
+        "tasks": [
+            {
+                "name": task.name,
+                "release": task.release,
+                "period_us": task.period_us,
+                "deadline_us": task.deadline_us,
+                "priority": task.priority,
+                "bound_cycles": bounds.get(task.name),
+            }
+            for task in robot.tasks
+        ],
+        "inputs": [
+            {"at_cycles": timed.at_cycles, "name": timed.name, "value": timed.value}
+            for timed in scenario.timed_inputs()
+        ],
+    }

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A project's design.py: when it is run, and what its failure says."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from ravenbrick.atomic_write import atomic_write
+from ravenbrick.errors import DesignError, shown_path
+from ravenbrick.image.build_settings import Settings
+from ravenbrick.image.controller_origin import read_origin
+from ravenbrick.image.manifest import file_digest
+from ravenbrick.project.workspace import Workspace
+from ravenbrick.subprocesses import run_child
+
+__all__ = ["DESIGN_SCRIPT", "design_is_due", "remember_design", "run_design"]
+
+DESIGN_SCRIPT = "design.py"
+RECORD = "designed.json"
+# Files that were copied together are no older than one another.
+COPIED_TOGETHER_NS = 2_000_000_000
+_FRAME = re.compile(r'^ *File "(.+)", line (\d+)', re.MULTILINE)
+_DETAIL_LINES = 14
+
+
+def design_is_due(workspace: Workspace, settings: Settings) -> bool:
+    """Whether the controller in generated/ is one of design.py and older than it."""
+    script, folder = workspace.project / DESIGN_SCRIPT, workspace.project / "generated"
+    if not script.is_file() or settings.generated != folder or read_origin(folder) is not None:
+        return False
+    made = [file for pattern in ("*.c", "*.ad[bs]") for file in folder.glob(pattern)]
+    if not made:
+        return True
+    record = workspace.design_file.with_name(RECORD)
+    try:
+        return bool(json.loads(record.read_text("utf-8"))["script"] != file_digest(script))
+    except (OSError, ValueError, KeyError, TypeError):
+        newest = max(file.stat().st_mtime_ns for file in made)
+        due = script.stat().st_mtime_ns > newest + COPIED_TOGETHER_NS
+    if not due:
+        remember_design(workspace, file_digest(script))
+    return due
+
+
+def remember_design(workspace: Workspace, digest: str) -> None:
+    """Record that the controller in generated/ is of the design.py with this digest."""
+    with suppress(OSError):
+        record = workspace.design_file.with_name(RECORD)
+        atomic_write(record, json.dumps({"script": digest}) + "\n")
+
+
+def run_design(workspace: Workspace) -> None:
+    """Run design.py, which writes generated/ and the design's figures; raises `DesignError`."""
+    script = workspace.project / DESIGN_SCRIPT
+    if not script.is_file():
+        raise DesignError(f"{shown_path(script)}: there is no design script; write one")
+    origin = read_origin(workspace.project / "generated")
+    if origin is not None:
+        raise DesignError(
+            f"{shown_path(script)}: would write over the controller in generated/, which is "
+            f"{origin.sentence}; remove {shown_path(origin.file)} to have design.py write it"
+        )
+    digest = file_digest(script)
+    workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
+    done = run_child(
+        [sys.executable, DESIGN_SCRIPT, "--results", str(workspace.design_file)],
+        cwd=workspace.project,
+    )
+    if done.returncode != 0:
+        raise _failure(script, done.stdout)
+    remember_design(workspace, digest)
+
+
+def _failure(script: Path, output: str) -> DesignError:
+    """The exception, and the last line of the project's own Python on the way to it."""
+    lines = output.strip().splitlines() or ["it printed nothing"]
+    place = shown_path(script)
+    for file, number in _FRAME.findall(output):
+        path = script.parent / file
+        if path.is_relative_to(script.parent) and path.is_file():
+            place = f"{shown_path(path)}:{number}"
+    return DesignError(
+        f"{place}: {lines[-1].strip()}; correct the design and run it again",
+        detail="\n".join(lines[-_DETAIL_LINES:-1]),
+    )

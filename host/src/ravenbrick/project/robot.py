@@ -1,0 +1,324 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What `robot.toml` says, typed, and how it is read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from ravenbrick.schemas.located_toml import LocatedToml, read_toml
+from ravenbrick.schemas.validation import validate
+
+__all__ = [
+    "Battery",
+    "Body",
+    "Floor",
+    "MotorPort",
+    "Mount",
+    "Quantity",
+    "Robot",
+    "SensorPort",
+    "Setpoint",
+    "Task",
+    "Wall",
+    "read_robot",
+]
+
+ROBOT_FILE = "robot.toml"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A physical constant; `tolerance` is the half width in the same unit."""
+
+    value: float
+    unit: str
+    tolerance: float
+    source: str
+
+    def allows(self, value: float) -> bool:
+        """Whether `value` lies within the tolerance (one part in 10^9 for rounding)."""
+        slack = 1e-9 * max(abs(self.value), 1.0)
+        return abs(value - self.value) <= self.tolerance + slack
+
+
+@dataclass(frozen=True)
+class MotorPort:
+    """A motor on port A, B or C; `motor` names its parameter set."""
+
+    motor: str
+    role: str
+    held_by_hand: bool
+    hand_rate: Quantity | None
+
+
+@dataclass(frozen=True)
+class Mount:
+    """Where a sensor sits: m forwards from and to the left of the axle's middle, rad."""
+
+    x: float
+    y: float
+    direction: float
+
+
+@dataclass(frozen=True)
+class SensorPort:
+    """A sensor on port 1 to 4; `axis` and `rest` (counts) are of a gyro."""
+
+    device: str
+    role: str
+    mount: Mount | None = None
+    axis: Literal["pitch", "yaw"] | None = None
+    rest: Quantity | None = None
+
+    @property
+    def measures_plant(self) -> bool:
+        """Whether the plant and its surroundings give the value instead of an input."""
+        return self.mount is not None or self.axis is not None
+
+
+@dataclass(frozen=True)
+class Floor:
+    """A picture on the floor; `corner` (m) is its lower left one, `outside` a reflectance."""
+
+    image: Path
+    pixel: Quantity
+    corner: tuple[float, float]
+    outside: float
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A straight wall between two points; m."""
+
+    begin: tuple[float, float]
+    end: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Body:
+    """A bench, a vehicle with two driven wheels and a castor, or one that balances on them."""
+
+    kind: Literal["bench", "differential_drive", "balancer"]
+    left: str | None
+    right: str | None
+    quantities: Mapping[str, Quantity]
+
+
+@dataclass(frozen=True)
+class Battery:
+    """Kind of cells, open-circuit voltage and internal resistance."""
+
+    kind: str
+    voltage: Quantity
+    internal_resistance: Quantity
+
+
+@dataclass(frozen=True)
+class Task:
+    """One task of the application; times in microseconds."""
+
+    name: str
+    description: str
+    release: Literal["cyclic", "sporadic", "background"]
+    period_us: int | None
+    deadline_us: int | None
+    priority: int
+    stack_bytes: int
+
+
+@dataclass(frozen=True)
+class Setpoint:
+    """The variable with a motor's speed set-point; value times `scale` is in `scale.unit`."""
+
+    port: str
+    symbol: str
+    type: str
+    scale: Quantity
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A whole robot; `document` gives the lines for later errors."""
+
+    document: LocatedToml
+    name: str
+    description: str
+    motor_ports: Mapping[str, MotorPort]
+    sensor_ports: Mapping[str, SensorPort]
+    motors: Mapping[str, Mapping[str, Quantity]]
+    body: Body
+    battery: Battery
+    tasks: tuple[Task, ...]
+    setpoints: tuple[Setpoint, ...]
+    floor: Floor | None = None
+    walls: tuple[Wall, ...] = ()
+    profile: Literal["ravenscar", "jorvik"] = "ravenscar"
+    execution_time: bool = False
+    stack_check: bool = False
+
+    @property
+    def directory(self) -> Path:
+        """The folder of `robot.toml`."""
+        return self.document.path.parent
+
+    def task(self, name: str) -> Task | None:
+        """The task with this name in whatever letter case."""
+        return next((task for task in self.tasks if task.name.lower() == name.lower()), None)
+
+
+def _quantity(table: Mapping[str, Any]) -> Quantity:
+    return Quantity(
+        float(table["value"]), table["unit"], float(table["tolerance"]), table["source"]
+    )
+
+
+def _motor_port(table: Mapping[str, Any]) -> MotorPort:
+    rate = table.get("hand_rate")
+    return MotorPort(
+        table["motor"], table["role"], table.get("held_by_hand", False), rate and _quantity(rate)
+    )
+
+
+def _sensor_port(table: Mapping[str, Any]) -> SensorPort:
+    mount, rest = table.get("mount"), table.get("rest")
+    return SensorPort(
+        table["device"],
+        table["role"],
+        mount and Mount(mount["x"], mount["y"], mount.get("direction", 0.0)),
+        table.get("axis"),
+        rest and _quantity(rest),
+    )
+
+
+def _floor(directory: Path, table: Mapping[str, Any]) -> Floor:
+    x, y = table["corner"]
+    image = directory / table["image"]
+    return Floor(image, _quantity(table["pixel"]), (x, y), table.get("outside", 1.0))
+
+
+def _wall(table: Mapping[str, Any]) -> Wall:
+    return Wall((table["from"][0], table["from"][1]), (table["to"][0], table["to"][1]))
+
+
+def _body(table: Mapping[str, Any]) -> Body:
+    quantities = {name: _quantity(value) for name, value in table.items() if type(value) is dict}
+    return Body(table["kind"], table.get("left"), table.get("right"), quantities)
+
+
+def _task(table: Mapping[str, Any]) -> Task:
+    return Task(
+        name=table["name"],
+        description=table.get("description", ""),
+        release=table["release"],
+        period_us=table.get("period_us"),
+        deadline_us=table.get("deadline_us"),
+        priority=table["priority"],
+        stack_bytes=table["stack_bytes"],
+    )
+
+
+def _setpoint(table: Mapping[str, Any]) -> Setpoint:
+    return Setpoint(table["port"], table["symbol"], table["type"], _quantity(table["scale"]))
+
+
+def _check_motor_names(document: LocatedToml) -> None:
+    motors = document.values["motors"]
+    for port, table in document.values["ports"].items():
+        if "motor" in table and table["motor"] not in motors:
+            known = ", ".join(f"'{name}'" for name in motors)
+            raise document.error(
+                ("ports", port, "motor"),
+                f"there is no [motors.{table['motor']}]; known parameter sets: {known}",
+            )
+
+
+def _check_wheels(document: LocatedToml) -> None:
+    body, ports = document.values["body"], document.values["ports"]
+    for side in ("left", "right"):
+        if side in body and body[side] not in ports:
+            raise document.error(
+                ("body", side),
+                f"nothing is plugged into port {body[side]}; add [ports.{body[side]}]",
+            )
+    if "left" in body and body["left"] == body.get("right"):
+        raise document.error(("body", "right"), "is the port of the left wheel; name another port")
+
+
+def _check_tasks(document: LocatedToml) -> None:
+    seen: set[str] = set()
+    for index, task in enumerate(document.values["tasks"]):
+        if task["name"].lower() in seen:
+            raise document.error(
+                ("tasks", index, "name"), f"the task '{task['name']}' is there twice; remove one"
+            )
+        seen.add(task["name"].lower())
+
+
+def _check_setpoints(document: LocatedToml) -> None:
+    for index, setpoint in enumerate(document.values.get("setpoints", [])):
+        if setpoint["port"] not in document.values["ports"]:
+            raise document.error(
+                ("setpoints", index, "port"),
+                f"nothing is plugged into port {setpoint['port']}; add [ports.{setpoint['port']}]",
+            )
+
+
+def _check_sensors(document: LocatedToml) -> None:
+    needs = {"light": "floor", "ultrasonic": "walls"}
+    for port, table in document.values["ports"].items():
+        device = table["device"]
+        for field, devices in (("mount", tuple(needs)), ("axis", ("gyro",)), ("rest", ("gyro",))):
+            if field in table and device not in devices:
+                raise document.error(
+                    ("ports", port, field),
+                    f"is for {' and '.join(devices)} only, not for {device}; remove it",
+                )
+        if "mount" in table and needs[device] not in document.values:
+            raise document.error(
+                ("ports", port, "mount"), f"has nothing to look at; add [{needs[device]}]"
+            )
+    image = document.values.get("floor", {}).get("image")
+    if image and not (document.path.parent / image).is_file():
+        raise document.error(("floor", "image"), f"there is no file '{image}'; correct its name")
+
+
+def read_robot(directory: Path) -> Robot:
+    """Read `robot.toml` of a project folder; raises `ProjectFileError`."""
+    document = read_toml(
+        directory / ROBOT_FILE, missing=f"'{directory}' must be a project folder with robot.toml"
+    )
+    validate(document, "robot")
+    checks = (_check_motor_names, _check_wheels, _check_tasks, _check_setpoints, _check_sensors)
+    for check in checks:
+        check(document)
+    values = document.values
+    ports = values["ports"]
+    battery = values["battery"]
+    return Robot(
+        document=document,
+        name=values["name"],
+        description=values.get("description", ""),
+        motor_ports={p: _motor_port(ports[p]) for p in sorted(ports) if p in "ABC"},
+        sensor_ports={p: _sensor_port(ports[p]) for p in sorted(ports) if p in "1234"},
+        motors={
+            name: {key: _quantity(value) for key, value in table.items()}
+            for name, table in values["motors"].items()
+        },
+        body=_body(values["body"]),
+        battery=Battery(
+            battery["kind"],
+            _quantity(battery["voltage"]),
+            _quantity(battery["internal_resistance"]),
+        ),
+        tasks=tuple(_task(table) for table in values["tasks"]),
+        setpoints=tuple(_setpoint(table) for table in values.get("setpoints", [])),
+        floor=_floor(document.path.parent, values["floor"]) if "floor" in values else None,
+        walls=tuple(_wall(table) for table in values.get("walls", [])),
+        profile=values.get("profile", "ravenscar"),
+        execution_time=values.get("execution_time", False),
+        stack_check=values.get("stack_check", False),
+    )

@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Bounds of response times from the file that `ravenbrick analyse` writes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from ravenbrick.errors import ProjectFileError, UsageError
+from ravenbrick.image.elf import ElfImage
+
+__all__ = ["image_digest", "own_bounds", "read_bounds"]
+
+ADVICE = "let 'ravenbrick analyse PROJECT' write it again"
+
+
+def image_digest(image: ElfImage) -> str:
+    """SHA-256 of the image's file, as hexadecimal digits."""
+    return hashlib.sha256(image.content).hexdigest()
+
+
+def read_bounds(path: Path, image: ElfImage) -> dict[str, int]:
+    """Longest response time in cycles by task; tasks without a bound are left out.
+
+    Raises `UsageError` when there is no such file or it bounds another image, `ProjectFileError`
+    when it is none of `ravenbrick analyse`.
+    """
+    if not path.is_file():
+        raise UsageError(f"{path}: there is no such file; {ADVICE}")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        digest = content["image_sha256"]
+        bounds = {
+            str(task["name"]): int(task["response_bound_cycles"])
+            for task in content["tasks"]
+            if task["response_bound_cycles"] is not None
+        }
+    except json.JSONDecodeError as error:
+        raise ProjectFileError(path, error.lineno, "", f"no JSON: {error.msg}") from None
+    except UnicodeDecodeError:
+        raise ProjectFileError(path, 1, "", f"not UTF-8 text; {ADVICE}") from None
+    except KeyError as error:
+        raise ProjectFileError(path, 1, str(error.args[0]), f"is missing; {ADVICE}") from None
+    except (TypeError, ValueError) as error:
+        raise ProjectFileError(path, 1, "tasks", f"{error}; {ADVICE}") from None
+    if digest != image_digest(image):
+        raise UsageError(f"{path}: bounds another image than {image.path}; {ADVICE}")
+    return bounds
+
+
+def own_bounds(path: Path, image: ElfImage) -> dict[str, int]:
+    """As `read_bounds`, of a file that need not be there or be of this image: then no bounds."""
+    try:
+        return read_bounds(path, image)
+    except UsageError:
+        return {}

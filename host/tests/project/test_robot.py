@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from ravenbrick.brick.configuration import brick_configuration
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.errors import ProjectFileError
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import input_check, read_scenario, scenario_path
+from ravenbrick.schemas import schema
+
+Edit = Callable[[str, str, str], int]
+
+BROKEN = [
+    (
+        "resistance = { value = 6.8562",
+        'resistance = { value = "six"',
+        "motors.nxt.resistance.value",
+        "expected a number",
+    ),
+    ('unit = "ohm"', 'unit = "kohm"', "motors.nxt.resistance.unit", "expected 'ohm'"),
+    ("period_us = 4_000", "period_us = 4.5", "tasks[1].period_us", "expected a whole number"),
+    ("period_us = 4_000", "period_ms = 4", "tasks[1].period_ms", "did you mean 'period_us'?"),
+    ("mass = { value = 0.6", "mass = { value = -0.6", "body.mass.value", "expected more than 0"),
+    ("[ports.1]", "[ports.D]", "ports.D", "unknown port 'D'"),
+    ('device = "touch"', 'device = "radar"', "ports.1.device", "expected one of 'touch'"),
+    ('left = "B"', 'left = "D"', "body.left", "expected one of 'A', 'B', 'C'"),
+    ('right = "C"', 'right = "B"', "body.right", "is the port of the left wheel"),
+    (
+        'motor = "nxt"\nrole = "left',
+        'motor = "ev3"\nrole = "left',
+        "ports.B.motor",
+        "there is no [motors.ev3]",
+    ),
+    ('name = "display_task"', 'name = "Control_Task"', "tasks[2].name", "is there twice"),
+    ("schema_version = 1", "schema_version = 2", "schema_version", "expected 1"),
+    (
+        "schema_version = 1",
+        'profile = "full"\nschema_version = 1',
+        "profile",
+        "expected one of 'ravenscar', 'jorvik'",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "field", "problem"), BROKEN, ids=lambda v: str(v)[:30])
+def test_a_wrong_field_is_named_with_its_line(
+    project: Path, edit: Edit, old: str, new: str, field: str, problem: str
+) -> None:
+    """The error gives file, line, field and what was expected."""
+    line = edit("robot.toml", old, new)
+    with pytest.raises(ProjectFileError) as caught:
+        read_robot(project)
+    assert caught.value.field == field
+    assert caught.value.line == line
+    assert problem in caught.value.sentence
+    assert f"robot.toml:{line}: {field}: " in caught.value.sentence
+
+
+def test_a_missing_field_is_named_at_its_table(project: Path, edit: Edit) -> None:
+    """What is not there is reported at the table where it belongs."""
+    line = edit("robot.toml", 'kind = "li_ion"\n', "")
+    with pytest.raises(ProjectFileError, match=r"battery\.kind: is missing; add it") as caught:
+        read_robot(project)
+    assert caught.value.line == line - 1
+
+
+def test_further_errors_are_listed_in_the_detail(project: Path, edit: Edit) -> None:
+    """The first error is the sentence, the others follow."""
+    edit("robot.toml", 'unit = "kg"', 'unit = "g"')
+    edit("robot.toml", "priority = 30", "priority = 300")
+    with pytest.raises(ProjectFileError, match=r"body\.mass\.unit") as caught:
+        read_robot(project)
+    assert "tasks[0].priority: is 300; expected at most 255" in caught.value.detail
+
+
+def test_a_folder_without_robot_toml_is_refused(tmp_path: Path) -> None:
+    """The error says what kind of folder is expected."""
+    with pytest.raises(ProjectFileError, match="must be a project folder"):
+        read_robot(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["robot", "scenario"])
+def test_the_published_schemas_are_valid_schemas(name: str) -> None:
+    """Anyone can use the schemas with their own tools."""
+    jsonschema.Draft202012Validator.check_schema(schema(name))
+
+
+def test_every_constant_of_the_vehicle_has_a_source(robot: Robot) -> None:
+    """Value, unit, tolerance and source are all there."""
+    quantities = [q for motor in robot.motors.values() for q in motor.values()]
+    quantities += list(robot.body.quantities.values())
+    assert len(quantities) == 14
+    assert all(len(q.source) > 5 and q.unit for q in quantities)
+
+
+def test_the_configuration_of_the_brick_has_the_scenarios_deviations(
+    project: Path, robot: Robot
+) -> None:
+    """Only the motor that deviates differs; a bench has no body."""
+    drive = read_scenario(scenario_path(project, "drive"), robot)
+    made = brick_configuration(robot, drive, MASTER_CLOCK)
+    left, right = (made["motors"][port]["parameters"] for port in "BC")
+    assert left["torque_constant"] == 0.31739
+    assert right["torque_constant"] == pytest.approx(0.92 * 0.31739)
+    assert right["coulomb_friction"] == pytest.approx(1.5 * left["coulomb_friction"])
+    assert right["inertia"] == left["inertia"]
+    assert made["body"]["left"] == "B"
+    assert made["motors"]["A"]["held_by_hand"] is True
+    assert made["signal_period_cycles"] == 48_055
+    step = read_scenario(scenario_path(project, "step"), robot)
+    assert brick_configuration(robot, step, MASTER_CLOCK)["body"] == {"kind": "bench"}
+
+
+SENSORS = '[ports.1]\ndevice = "touch"'
+WRONG_SENSORS = [
+    ('device = "gyro"\nmount = { x = 0.1, y = 0.0 }', "ports.1.mount", "is for light and"),
+    ('device = "light"\naxis = "yaw"', "ports.1.axis", "is for gyro only, not for light"),
+    ('device = "light"\nmount = { x = 0.1, y = 0.0 }', "ports.1.mount", "add [floor]"),
+    ('device = "ultrasonic"\nmount = { x = 0.1, y = 0.0 }', "ports.1.mount", "add [walls]"),
+    ('device = "light"\nmount = { x = 3.0, y = 0.0 }', "ports.1.mount.x", "expected at most 1"),
+]
+
+
+@pytest.mark.parametrize(("new", "field", "problem"), WRONG_SENSORS)
+def test_a_sensor_that_cannot_measure_is_named(
+    project: Path, edit: Edit, new: str, field: str, problem: str
+) -> None:
+    """Where it sits, what it looks at and what it turns with must fit together."""
+    edit("robot.toml", SENSORS, f"[ports.1]\n{new}")
+    with pytest.raises(ProjectFileError) as caught:
+        read_robot(project)
+    assert caught.value.field == field
+    assert problem in caught.value.sentence
+
+
+def test_floor_walls_and_mounts_reach_the_brick(project: Path, edit: Edit) -> None:
+    """The picture becomes reflectances in 1/255, row by row from the top."""
+    import matplotlib.image
+
+    matplotlib.image.imsave(project / "floor.png", [[0.0, 1.0], [1.0, 0.0]], cmap="gray")
+    sensor = 'device = "light"\nmount = { x = 0.1, y = 0.02 }'
+    edit("robot.toml", SENSORS, f"[ports.1]\n{sensor}")
+    pixel = '{ value = 0.01, unit = "m", tolerance = 0.0, source = "test" }'
+    with (project / "robot.toml").open("a") as file:
+        file.write(f'[floor]\nimage = "floor.png"\npixel = {pixel}\ncorner = [-1.0, 2]\n')
+        file.write("[[walls]]\nfrom = [0, 1]\nto = [2, 1]\n")
+    robot = read_robot(project)
+    scenario = (project / "scenarios" / "step.toml").read_text()
+    (project / "scenarios" / "step.toml").write_text(scenario.split("[[inputs]]")[0])
+    read = read_scenario(scenario_path(project, "step"), robot)
+    configuration = brick_configuration(robot, read, MASTER_CLOCK)
+    assert configuration["surroundings"] == {
+        "floor": {
+            "pixel": 0.01,
+            "corner": [-1.0, 2],
+            "width": 2,
+            "reflectance": [0, 255, 255, 0],
+            "outside": 1.0,
+        },
+        "walls": [{"from": [0, 1], "to": [2, 1]}],
+    }
+    mount = {"x": 0.1, "y": 0.02, "direction": 0.0}
+    assert configuration["sensors"]["1"] == {"kind": "light", "mount": mount}
+
+
+KINDS = schema("robot")["properties"]["battery"]["properties"]["kind"]["enum"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_brick_takes_every_kind_of_battery(project: Path, edit: Edit, kind: str) -> None:
+    """What the schema allows, the virtual brick has."""
+    module = pytest.importorskip("virtual_brick")
+    edit("robot.toml", 'kind = "li_ion"', f'kind = "{kind}"')
+    robot = read_robot(project)
+    scenario = read_scenario(scenario_path(project, "drive"), robot)
+    configuration = json.dumps(brick_configuration(robot, scenario, MASTER_CLOCK))
+    with pytest.raises(module.ImageError):
+        module.VirtualBrick(configuration, b"no image")
+
+
+def test_a_color_sensor_is_set_by_the_scenario(project: Path, edit: Edit) -> None:
+    """Its inputs are those that the virtual brick has."""
+    module = pytest.importorskip("virtual_brick")
+    edit("robot.toml", SENSORS, '[ports.1]\ndevice = "color"')
+    robot = read_robot(project)
+    check = input_check(robot)
+    names = ["color.1", "color.1.red", "color.1.green", "color.1.blue"]
+    assert [check(name) for name in names] == [None] * len(names)
+    assert "no color sensor on sensor port 2" in str(check("color.2.red"))
+    path = project / "scenarios" / "step.toml"
+    path.write_text(path.read_text().split("[[inputs]]")[0])
+    scenario = read_scenario(scenario_path(project, "step"), robot)
+    configuration = brick_configuration(robot, scenario, MASTER_CLOCK)
+    assert configuration["sensors"]["1"] == {"kind": "color"}
+    with pytest.raises(module.ImageError):
+        module.VirtualBrick(json.dumps(configuration), b"")
