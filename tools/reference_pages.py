@@ -121,7 +121,7 @@ def _specifications(folders: tuple[str, ...]) -> Iterator[tuple[str, str]]:
     """Name and text of each unit that programs may name, by name."""
     found = {}
     for folder in folders:
-        for file in (ROOT / folder).glob("*.ads"):
+        for file in (ROOT / folder).rglob("*.ads"):
             text = file.read_text("utf-8")
             unit = UNIT.search(text)
             if unit is not None and not unit.group(1) and not unit.group(2).startswith(INNER_UNITS):

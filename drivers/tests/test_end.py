@@ -9,7 +9,7 @@ from pathlib import Path
 
 from verification.support.bricks.observe import Brick
 
-SOURCE = Path(__file__).resolve().parent / "last_chance" / "last_chance.adb"
+SOURCE = Path(__file__).resolve().parent / "programs" / "last_chance" / "last_chance.adb"
 
 
 def failing_line() -> int:

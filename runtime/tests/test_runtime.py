@@ -23,6 +23,7 @@ from verification.support.bricks.runtime_programs import (
     CYCLES_PER_MS,
     CYCLES_PER_SECOND,
     IDLE,
+    PROGRAMS,
     UNITS_PER_SECOND,
     Run,
     Runner,
@@ -83,7 +84,7 @@ def states_of(elf: Path) -> dict[str, str]:
 
 def line_of(program: str, mark: str) -> int:
     """Line of the source of `program` that holds `mark`."""
-    source = (Path(__file__).parent / program / f"{program}.adb").read_text().split("\n")
+    source = (PROGRAMS / program / f"{program}.adb").read_text().split("\n")
     return 1 + source.index(next(text for text in source if mark in text))
 
 
@@ -307,7 +308,7 @@ class TestFailures:
     def test_a_range_violation_reaches_the_hook_with_file_and_line(self, run: Runner) -> None:
         """The hook of the drivers is called once, then the processor halts."""
         result = run("range_check")
-        source = (Path(__file__).parent / "range_check" / "failing_task.adb").read_text()
+        source = (PROGRAMS / "range_check" / "failing_task.adb").read_text()
         line = 1 + source.split("\n").index(
             next(text for text in source.split("\n") if "the failing line" in text)
         )

@@ -14,7 +14,10 @@ from ravenbrick.project.robot import read_robot
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
-DRIVERS = [ROOT / "drivers" / name for name in ("src", "generated", "configuration")]
+DRIVERS = [
+    *sorted((ROOT / "drivers" / "src").iterdir()),
+    *(ROOT / "drivers" / name for name in ("generated", "configuration")),
+]
 SWITCHES = ("-c", "-gnatc", "-gnat2012", "-gnatwa", "-gnatw.X", "-gnaty3aAbcefhiklnprtuM100")
 # What an example takes from another one.
 SHARED = ("remote-vehicle/protocol", "vehicle/src", "vehicle/generated")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-FONT_FILE = Path(__file__).resolve().parents[3] / "drivers" / "src" / "nxt-fonts.ads"
+FONT_FILE = Path(__file__).resolve().parents[3] / "drivers" / "src" / "display" / "nxt-fonts.ads"
 GLYPH = re.compile(r"'(.)' => \(((?:2#[01]{8}#(?:, )?){5})\)")
 
 WIDTH, HEIGHT = 100, 64

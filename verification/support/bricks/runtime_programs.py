@@ -19,6 +19,7 @@ __all__ = [
     "CYCLES_PER_MS",
     "CYCLES_PER_SECOND",
     "IDLE",
+    "PROGRAMS",
     "RUNTIMES",
     "UNITS_PER_SECOND",
     "Run",
@@ -29,7 +30,8 @@ __all__ = [
 ]
 
 ROOT = Path(__file__).resolve().parents[3]
-PROGRAMS = ROOT / "runtime" / "tests"
+TESTS = ROOT / "runtime" / "tests"
+PROGRAMS = TESTS / "programs"
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 BUILD = PRODUCTS / "runtime" / "tests"
 RUNTIMES = {
@@ -93,11 +95,11 @@ def build(
     folder = BUILD / f"{code}-on-{runtime}"
     elf = folder / name / image / f"{name}.elf"
     subprocess.run(
-        ["gprbuild", "-q", f"--config={CONFIGURATION}", "-P", str(PROGRAMS / "test.gpr"),
+        ["gprbuild", "-q", f"--config={CONFIGURATION}", "-P", str(TESTS / "test.gpr"),
          f"-XTEST={name}", f"-XIMAGE={image}", f"-XCODE={code}", f"-XBUILD={folder}",
          *options, f"--create-map-file={elf.with_suffix('.map')}"],
         check=True,
-        cwd=PROGRAMS,
+        cwd=TESTS,
         env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(RUNTIMES[runtime])},
     )  # fmt: skip
     return elf
