@@ -18,7 +18,7 @@ def test_the_page_of_commands_has_every_command_with_its_example() -> None:
     page = command_page()
     shown = re.findall(r"^## ravenbrick (\S+)$", page, re.MULTILINE)
     assert shown == sorted(COMMANDS)
-    assert "| `--rubric` | The rubric, a TOML file. |" in page
+    assert "| `--rubric` | Rubric (TOML). |" in page
 
 
 def test_pages_of_files_have_nested_fields_with_units() -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick analyse`: every response time bounded before the run, beside what the run showed."""
+"""`ravenbrick analyse`: bounds of execution and response times, compared with a run."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ import typer
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
+from ravenbrick.cli.build import ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import play, project_image, project_scenarios
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
@@ -216,19 +216,20 @@ def _print(reporter: Reporter, result: dict[str, Any], notes: Sequence[str]) -> 
 
 @command("ravenbrick analyse examples/vehicle --scenario drive")
 def analyse_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    directory: ProjectArgument,
     scenario: Annotated[
-        str | None, typer.Option(help="What is run beside the bounds; the first unless given.")
+        str | None, typer.Option(help="Scenario to simulate for comparison (default: the first).")
     ] = None,
-    image: Annotated[
-        ImageChoice, typer.Option(help="RAM below the boot monitor, or flash.")
-    ] = ImageChoice.RAM,
+    image: ImageOption = ImageChoice.RAM,
     hunt_attempts: Annotated[
         int,
-        typer.Option("--hunt", min=0, help="Variants of the scenario tried for long responses."),
+        typer.Option("--hunt", min=0, help="Number of input variants in the worst-case search."),
     ] = 0,
     hours: Annotated[
-        float, typer.Option(min=0.0, help="Virtual time observed besides, the scenario repeated.")
+        float,
+        typer.Option(
+            min=0.0, help="Additional observation in virtual hours, with the scenario repeated."
+        ),
     ] = 0.0,
     timing_profile: TimingProfileOption = TimingProfile.NOMINAL,
     json_output: JsonOption = False,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The command line's root, and how every command ends."""
+"""The root command, and the error handling of all commands."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Annotated, Any, NoReturn, ParamSpec
 
 import typer
@@ -21,34 +22,42 @@ from typer.core import TyperCommand, TyperGroup
 from ravenbrick.cli import VERSION_LINE
 from ravenbrick.errors import InterruptError, RavenbrickError, UsageError, shown_path
 
-__all__ = ["COMMANDS", "JsonOption", "app", "command", "load"]
+__all__ = [
+    "COMMANDS",
+    "JsonOption",
+    "ProjectArgument",
+    "ScenarioArgument",
+    "app",
+    "command",
+    "load",
+]
 
 Arguments = ParamSpec("Arguments")
 Result = dict[str, Any]
 
 # Commands by name; the sentence is their help.
 COMMANDS = {
-    "analyse": "Bound execution and response times from the binary and show them beside a run.",
+    "analyse": "Bound execution and response times from the binary and compare them with a run.",
     "bind": "Write the Ada binding of a generated model from its header, beside the model's C.",
-    "build": "Compile, bind and link the image, and report its memory.",
+    "build": "Compile, bind and link the image, and report its memory use.",
     "debug": "Debug the program with GDB, forwards and backwards in time.",
     "demo": "Design, generate, build, run every scenario, measure, and write the report.",
     "design": "Run design.py: tune, discretise, simulate, and generate the controller's C.",
-    "doctor": "Look for toolchain, Python modules and a real brick; say what is missing.",
-    "export": "Write a recording for Perfetto, GTKWave, Surfer, Foxglove, spreadsheet or notebook.",
-    "grade": "Build and run submissions in a sandbox, and judge them by a rubric.",
+    "doctor": "Check the toolchain, the Python modules and the connection to a real brick.",
+    "export": "Convert a recording for Perfetto, GTKWave, Surfer, Foxglove, CSV or Parquet.",
+    "grade": "Build and run submissions in a sandbox, and grade them by a rubric.",
     "home": "Print the folder of the Ravenbrick tree, for Makefiles.",
-    "identify": "Run an experiment on the virtual brick, fit and validate the motor's parameters.",
-    "import": "Read a Simulink model, and generate C from it; lists every block that it cannot.",
+    "identify": "Run an experiment on the virtual brick; fit and validate the motor's parameters.",
+    "import": "Generate C from a Simulink model, or list the blocks that are not supported.",
     "live": "Run the program in real time for other programs, such as `ravenbrick monitor`.",
-    "monitor": "Show and record telemetry live, change parameters, compare with a design.",
-    "new": "Make a project folder from a template; never overwrites anything.",
+    "monitor": "Show and record live telemetry, change parameters, compare with a design.",
+    "new": "Create a project folder from a template; existing files are never overwritten.",
     "report": "Write report.html, summary.json and PNGs from the last recordings.",
-    "run": "Run a scenario on the virtual brick, keep the recording, check the pass criteria.",
-    "schedule": "Bound the response times of a task set given as a file.",
-    "sweep": "Run a scenario with many motors within robot.toml's tolerances; judge every run.",
+    "run": "Run a scenario on the virtual brick, record it, and check its pass criteria.",
+    "schedule": "Bound the response times of a task set from a file.",
+    "sweep": "Run a scenario with random motors within robot.toml's tolerances; check every run.",
     "upload": "Build the image and load it over USB into a brick in its boot monitor.",
-    "view": "See and steer the brick in a browser tab; the program runs in the tab itself.",
+    "view": "Show and operate the virtual brick in a browser tab, where the program runs.",
     "wcet": "Bound the execution time of a function of an ELF file.",
 }
 # Commands whose module has another name.
@@ -128,8 +137,10 @@ app = typer.Typer(
     **OPTIONS,
 )
 JsonOption = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object instead of text; no progress.")
+    bool, typer.Option("--json", help="Print one JSON object instead of text and progress.")
 ]
+ProjectArgument = Annotated[Path, typer.Argument(help="Project folder with robot.toml.")]
+ScenarioArgument = Annotated[str, typer.Argument(help="Scenario: name in scenarios/, or file.")]
 
 
 def _version(wanted: bool) -> None:
@@ -184,7 +195,7 @@ def _defect(error: Exception) -> RavenbrickError:
     place = f"{os.path.basename(where.filename)}:{where.lineno}"
     return RavenbrickError(
         f"defect of Ravenbrick itself: {type(error).__name__} at {place}: {error}; "
-        "please report it; RAVENBRICK_TRACEBACK=1 shows the way to it"
+        "please report it; set RAVENBRICK_TRACEBACK=1 for a traceback"
     )
 
 

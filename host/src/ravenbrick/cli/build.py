@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick build`: the image and what it takes of the memory."""
+"""`ravenbrick build`: build the image and report its memory use."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import shown_path
 from ravenbrick.image.build import build_image, clean_project
@@ -19,16 +19,16 @@ from ravenbrick.image.memory import MemoryReport
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import BuildKind, Workspace
 
-__all__ = ["DebugOption", "ImageChoice", "build_command", "build_kind"]
+__all__ = ["DebugOption", "ElfOption", "ImageChoice", "ImageOption", "build_command", "build_kind"]
 
 MEMORY_HEAD = ("memory", "bytes", "")
 DebugOption = Annotated[
-    bool, typer.Option("--debug", help="Debugging build instead, with all variables for GDB.")
+    bool, typer.Option("--debug", help="Debugging build: all variables are visible in GDB.")
 ]
 
 
 class ImageChoice(Enum):
-    """Where the image is to run."""
+    """Memory that the image runs from."""
 
     RAM = "ram"
     FLASH = "flash"
@@ -39,6 +39,10 @@ class ImageChoice(Enum):
         return "ram" if self is ImageChoice.RAM else "flash"
 
 
+ElfOption = Annotated[Path | None, typer.Option(help="ELF image in place of the project's.")]
+ImageOption = Annotated[ImageChoice, typer.Option(help="Memory of the image: RAM or flash.")]
+
+
 def build_kind(image: ImageChoice, debug: bool) -> BuildKind:
     """The kind of build that the options name."""
     return "debug" if debug else image.kind
@@ -46,16 +50,14 @@ def build_kind(image: ImageChoice, debug: bool) -> BuildKind:
 
 @command("ravenbrick build examples/vehicle --image ram")
 def build_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
-    image: Annotated[
-        ImageChoice, typer.Option(help="RAM below the boot monitor, or flash.")
-    ] = ImageChoice.RAM,
+    directory: ProjectArgument,
+    image: ImageOption = ImageChoice.RAM,
     debug: DebugOption = False,
     tools: Annotated[
-        bool, typer.Option("--tools", help="Each tool with source and product as it runs.")
+        bool, typer.Option("--tools", help="Print each tool with its source and product.")
     ] = False,
     clean: Annotated[
-        bool, typer.Option("--clean", help="Removal of all that was built for the project.")
+        bool, typer.Option("--clean", help="Remove everything built for the project.")
     ] = False,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

@@ -18,8 +18,8 @@ from typing import Annotated, Any
 import typer
 
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
+from ravenbrick.cli.build import ElfOption, ImageChoice
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError
@@ -106,17 +106,19 @@ def _announce(reporter: Reporter, elf: Path) -> Callable[[int], None]:
 
 @command("ravenbrick debug examples/vehicle drive --gdb")
 def debug_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    directory: ProjectArgument,
     scenario: Annotated[
-        str | None, typer.Argument(help="Whose inputs come; without it, set them in GDB.")
+        str | None,
+        typer.Argument(help="Scenario that provides the inputs (default: set them in GDB)."),
     ] = None,
     port: Annotated[
-        int, typer.Option(min=0, max=65535, help="TCP port on this machine; 0 takes a free one.")
+        int, typer.Option(min=0, max=65535, help="TCP port on this machine (0: any free port).")
     ] = 3333,
     gdb: Annotated[bool, typer.Option("--gdb", help="Start GDB in this terminal.")] = False,
-    elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
+    elf: ElfOption = None,
     image: Annotated[
-        ImageChoice | None, typer.Option(help="Release image (default: a debugging build).")
+        ImageChoice | None,
+        typer.Option(help="Release image to debug (default: a debugging build)."),
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

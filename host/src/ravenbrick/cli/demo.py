@@ -5,14 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Annotated, Any
-
-import typer
+from typing import Any
 
 from ravenbrick.brick.protocol import Target
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import (
     TASK_HEAD,
@@ -109,7 +106,7 @@ def _show(evidence: Evidence, figures: dict[str, Any], reporter: Reporter) -> No
 
 @command("ravenbrick demo examples/vehicle")
 def demo_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    directory: ProjectArgument,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick design`: from the plant's constants to generated C."""
+"""`ravenbrick design`: from the plant's parameters to generated C."""
 
 from __future__ import annotations
 
@@ -29,19 +29,23 @@ def design_command(
         bool,
         typer.Option(
             "--plots",
-            help="Bode, Nyquist, root locus, gain family, discretisations, tolerances as pictures.",
+            help="Pictures: Bode, Nyquist, root locus, gain family, discretisations, tolerances.",
         ),
     ] = False,
     costs: Annotated[
         bool,
-        typer.Option("--costs", help="Cycles on the brick: single precision beside fixed point."),
+        typer.Option(
+            "--costs", help="Execution time on the brick in single precision and in fixed point."
+        ),
     ] = False,
     timing: Annotated[
         Path | None,
-        typer.Option(help="Recorded run (.npz): the loop with its jitter and delay, as a picture."),
+        typer.Option(
+            help="Recording (.npz) whose jitter and delay are shown in the loop's response."
+        ),
     ] = None,
-    task: Annotated[str, typer.Option(help="The recorded run's control task.")] = "control_task",
-    motor: Annotated[str, typer.Option(help="The motor that it drives, A, B or C.")] = "B",
+    task: Annotated[str, typer.Option(help="Control task in the recording.")] = "control_task",
+    motor: Annotated[str, typer.Option(help="Motor that the task drives: A, B or C.")] = "B",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)

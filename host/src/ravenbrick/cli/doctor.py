@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick doctor`: is everything there that the other commands need, and does it work?"""
+"""`ravenbrick doctor`: check of the tools and modules that the other commands need."""
 
 from __future__ import annotations
 
@@ -209,14 +209,14 @@ def doctor_command(json_output: JsonOption = False) -> dict[str, Any]:
     reporter = Reporter(json_output)
     checks = _checks()
     reporter.table(
-        ("what", "state", "found"),
+        ("component", "state", "found"),
         [[check.name, "ok" if check.ok else "MISSING", check.found] for check in checks],
         left=("state", "found"),
     )
     connection = _connection()
     reporter.print("\nFor a real brick:")
     reporter.table(
-        ("what", "state", "found"),
+        ("component", "state", "found"),
         [[check.name, "ok" if check.ok else "no", check.found] for check in connection],
         left=("state", "found"),
     )

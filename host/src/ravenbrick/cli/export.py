@@ -44,15 +44,17 @@ def _source(source: Path, scenario: str | None, image: ImageChoice) -> tuple[Pat
 
 @command("ravenbrick export examples/vehicle drive --format perfetto")
 def export_command(
-    source: Annotated[Path, typer.Argument(help="A recording (.npz), or a project folder.")],
+    source: Annotated[Path, typer.Argument(help="Recording (.npz) or project folder.")],
     scenario: Annotated[
-        str | None, typer.Argument(help="The scenario whose last recording to take.")
+        str | None, typer.Argument(help="Scenario whose last recording is exported.")
     ] = None,
-    file_format: Annotated[
-        Format, typer.Option("--format", help="The format to write.")
-    ] = Format.PERFETTO,
-    out: Annotated[Path | None, typer.Option(help="The file to write.")] = None,
-    image: Annotated[ImageChoice, typer.Option(help="Which image had run.")] = ImageChoice.RAM,
+    file_format: Annotated[Format, typer.Option("--format", help="File format.")] = Format.PERFETTO,
+    out: Annotated[
+        Path | None, typer.Option(help="File to write (default: beside the recording, or in out/).")
+    ] = None,
+    image: Annotated[
+        ImageChoice, typer.Option(help="Image that was run: RAM or flash.")
+    ] = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     file, stem = _source(source, scenario, image)

@@ -35,22 +35,26 @@ class Form(StrEnum):
 @command("ravenbrick grade submissions/ --rubric docs/lessons/rubrics/lab-01.toml")
 def grade_command(
     submissions: Annotated[
-        list[Path], typer.Argument(help="Folders with src/, .zip files, or folders of these.")
+        list[Path],
+        typer.Argument(help="Folders with src/, .zip files, or folders that contain these."),
     ],
-    rubric: Annotated[Path, typer.Option(help="The rubric, a TOML file.")],
+    rubric: Annotated[Path, typer.Option(help="Rubric (TOML).")],
     output: Annotated[
-        Path, typer.Option(help="Folder of results and images; kept for the next time.")
+        Path, typer.Option(help="Folder for results and images; the next campaign uses them again.")
     ] = Path("out/grade"),
-    workers: Annotated[int, typer.Option(min=1, help="Submissions at a time.")] = os.cpu_count()
-    or 1,
-    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use.")] = None,
+    workers: Annotated[
+        int, typer.Option(min=1, help="Number of submissions graded at the same time.")
+    ] = os.cpu_count() or 1,
+    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler.")] = None,
     run_design: Annotated[
-        bool, typer.Option("--run-design", help="Run the submission's design.py on this machine.")
+        bool, typer.Option("--run-design", help="Run each submission's design.py on this machine.")
     ] = False,
-    form: Annotated[Form, typer.Option("--format", help="Form of the report.")] = Form.TEXT,
-    report: Annotated[Path | None, typer.Option(help="File for the report.")] = None,
+    form: Annotated[Form, typer.Option("--format", help="Format of the report.")] = Form.TEXT,
+    report: Annotated[
+        Path | None, typer.Option(help="File for the report (default: print it).")
+    ] = None,
     at_least: Annotated[
-        float, typer.Option(min=0, max=1, help="Share of the points that each must reach.")
+        float, typer.Option(min=0, max=1, help="Minimum score for each submission, 0 to 1.")
     ] = 0.0,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

@@ -11,8 +11,8 @@ import typer
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
+from ravenbrick.cli.build import ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import play, project_image
 from ravenbrick.control.identification import (
@@ -44,18 +44,23 @@ def _names(text: str) -> tuple[str, str]:
 
 @command("ravenbrick identify . experiments/identify.toml experiments/identify-check.toml")
 def identify_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    directory: ProjectArgument,
     scenario: Annotated[
         str,
-        typer.Argument(help="Experiment: drives the motor open loop; or a live recording (.npz)."),
+        typer.Argument(help="Open-loop experiment (scenario), or live recording (.npz)."),
     ],
-    validation: Annotated[str, typer.Argument(help="Other experiment, to validate on.")],
-    motor: Annotated[str, typer.Option(help="Motor A, B or C.")] = "B",
+    validation: Annotated[
+        str, typer.Argument(help="Second experiment or recording, for validation.")
+    ],
+    motor: Annotated[str, typer.Option(help="Motor: A, B or C.")] = "B",
     signals: Annotated[
-        str, typer.Option(help="VOLTAGE:ANGLE, the names in a live recording; V and counts.")
+        str,
+        typer.Option(help="Signals VOLTAGE:ANGLE of a live recording, in V and encoder counts."),
     ] = "control:angle",
-    output: Annotated[Path | None, typer.Option(help="Where to write the parameters.")] = None,
-    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    output: Annotated[
+        Path | None, typer.Option(help="File for the parameters (default: motor-<MOTOR>.toml).")
+    ] = None,
+    image: ImageOption = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)

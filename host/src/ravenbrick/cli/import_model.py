@@ -40,19 +40,22 @@ def _variables(given: list[str], files: list[Path]) -> Variables:
 
 @command("ravenbrick import controller.slx --sample-time 0.004 --set Kp=0.36 --output generated")
 def import_command(
-    model: Annotated[Path, typer.Argument(help="Simulink model, .slx or .mdl.")],
-    sample_time: Annotated[float, typer.Option(help="Seconds between two steps.")],
-    output: Annotated[Path, typer.Option(help="Folder for the C.")],
+    model: Annotated[Path, typer.Argument(help="Simulink model (.slx or .mdl).")],
+    sample_time: Annotated[float, typer.Option(help="Sample time in seconds.")],
+    output: Annotated[Path, typer.Option(help="Folder for the generated C.")],
     variables: Annotated[
-        list[str] | None, typer.Option("--set", help="Workspace variable, name=number.")
+        list[str] | None,
+        typer.Option("--set", help="Workspace variable, as NAME=NUMBER; may be repeated."),
     ] = None,
     workspace: Annotated[
-        list[Path] | None, typer.Option(help="Variables: assignments of an .m file, or a .mat.")
+        list[Path] | None,
+        typer.Option(help="File with workspace variables: .m with assignments, or .mat."),
     ] = None,
     library: Annotated[
-        list[Path] | None, typer.Option(help="Folder with libraries and referenced models.")
+        list[Path] | None,
+        typer.Option(help="Folder with libraries and referenced models; may be repeated."),
     ] = None,
-    subsystem: Annotated[str, typer.Option(help="Path of a subsystem: only that.")] = "",
+    subsystem: Annotated[str, typer.Option(help="Path of the only subsystem to import.")] = "",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     if not model.is_file():

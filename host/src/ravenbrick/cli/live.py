@@ -13,8 +13,8 @@ from ravenbrick.brick.links.byte_ports import open_port
 from ravenbrick.brick.links.live import LiveRecord, LiveRun, replay_live
 from ravenbrick.brick.links.usbip import UsbIpServer
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
+from ravenbrick.cli.build import ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image
 from ravenbrick.errors import InterruptError, RunFaultError, UsageError
@@ -27,31 +27,31 @@ __all__ = ["live_command"]
 
 @command("ravenbrick live examples/motor-bench step --bluetooth tcp:5555")
 def live_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
-    scenario: Annotated[str, typer.Argument(help="Whose surroundings and inputs to take.")],
+    directory: ProjectArgument,
+    scenario: Annotated[str, typer.Argument(help="Scenario that provides environment and inputs.")],
     bluetooth: Annotated[
-        str, typer.Option(help="tcp:PORT on 127.0.0.1 (0 takes any), or pty.")
+        str, typer.Option(help="Bluetooth port: tcp:PORT on 127.0.0.1 (0: any free port), or pty.")
     ] = "tcp:5555",
     usb: Annotated[
-        str | None, typer.Option(help="tcp:PORT or pty for the brick's USB instead.")
+        str | None, typer.Option(help="USB port in place of Bluetooth: tcp:PORT or pty.")
     ] = None,
     usb_ip: Annotated[
-        int | None, typer.Option(min=0, max=65_535, help="USB/IP on this port; 0 takes any.")
+        int | None, typer.Option(min=0, max=65_535, help="USB/IP server's TCP port (0: any).")
     ] = None,
-    pin: Annotated[str, typer.Option(help="The program's Bluetooth code.")] = "1234",
+    pin: Annotated[str, typer.Option(help="Bluetooth PIN of the program.")] = "1234",
     seconds: Annotated[
-        float | None, typer.Option(min=0.1, help="Virtual seconds; without it until Ctrl-C.")
+        float | None, typer.Option(min=0.1, help="Virtual seconds (default: until Ctrl-C).")
     ] = None,
     speed: Annotated[
-        float, typer.Option(min=0.0, help="Virtual seconds per second; 0: as fast as possible.")
+        float, typer.Option(min=0.0, help="Virtual seconds per real second (0: no limit).")
     ] = 1.0,
     record: Annotated[
-        Path | None, typer.Option(help="Keep what came from outside, to play it again.")
+        Path | None, typer.Option(help="File for the external inputs, for a later --replay.")
     ] = None,
     replay: Annotated[
-        Path | None, typer.Option(help="Play such a record instead, and compare the runs.")
+        Path | None, typer.Option(help="File of --record to replay; both runs are compared.")
     ] = None,
-    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    image: ImageOption = ImageChoice.RAM,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace, robot = Workspace.of(directory), read_robot(directory)

@@ -147,30 +147,33 @@ def monitor_command(
     address: Annotated[
         str,
         typer.Argument(
-            help="tcp:PORT, tcp:HOST:PORT, a serial device, usb, usb:SERIAL, or a record (.rbt)."
+            help="tcp:PORT, tcp:HOST:PORT, serial device, usb, usb:SERIAL, or record (.rbt)."
         ),
     ],
     seconds: Annotated[
-        float | None, typer.Option(min=0.1, help="How long; without it until Ctrl-C.")
+        float | None, typer.Option(min=0.1, help="Duration in seconds (default: until Ctrl-C).")
     ] = None,
     wishes: Annotated[
-        list[str] | None, typer.Option("--set", help="NAME=VALUE; may be repeated.")
+        list[str] | None,
+        typer.Option("--set", help="Parameter to change, as NAME=VALUE; may be repeated."),
     ] = None,
     record: Annotated[
-        Path | None, typer.Option(help="A new file (.rbt) that keeps all bytes as they come.")
+        Path | None, typer.Option(help="New file (.rbt) for all received bytes.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Stem of the recording (.npz) and the picture (.png).")
+        Path | None,
+        typer.Option(help="Path without suffix for the recording (.npz) and the picture (.png)."),
     ] = None,
     step: Annotated[
-        str | None, typer.Option(help="SETPOINT:OUTPUT, to lay live steps over a design.")
+        str | None,
+        typer.Option(help="Signals SETPOINT:OUTPUT whose steps are compared with a design."),
     ] = None,
     design: Annotated[
-        Path | None, typer.Option(help="The project whose design --step compares with.")
+        Path | None, typer.Option(help="Project folder with the design for --step.")
     ] = None,
     page: Annotated[
         int | None,
-        typer.Option(min=1024, max=65535, help="Serve a live page on this port of 127.0.0.1."),
+        typer.Option(min=1024, max=65535, help="TCP port on 127.0.0.1 for a live web page."),
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

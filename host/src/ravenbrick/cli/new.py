@@ -21,7 +21,9 @@ CHOICES = "; ".join(f"{name}: {template.description}" for name, template in TEMP
 
 @command("ravenbrick new my-robot --template motor")
 def new_command(
-    directory: Annotated[Path, typer.Argument(help="Folder to make; its name is the robot's.")],
+    directory: Annotated[
+        Path, typer.Argument(help="New project folder; its name becomes the robot's name.")
+    ],
     template: Annotated[str, typer.Option(help=CHOICES)] = "blank",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The stages that the commands are made of."""
+"""Stages shared by the commands."""
 
 from __future__ import annotations
 

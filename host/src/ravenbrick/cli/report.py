@@ -7,11 +7,9 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import (
     any_run,
@@ -90,7 +88,7 @@ def _memory(workspace: Workspace, robot: Robot, runs: list[Run]) -> MemoryReport
 
 @command("ravenbrick report examples/vehicle")
 def report_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    directory: ProjectArgument,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)

@@ -16,8 +16,8 @@ from ravenbrick.brick.fmu_body import FmuBody
 from ravenbrick.brick.run import Station, VirtualTarget
 from ravenbrick.brick.snapshot import Snapshot, SnapshotWishes
 from ravenbrick.brick.stimulus_callback import Callback, load_callback
-from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.build import DebugOption, ImageChoice, build_kind
+from ravenbrick.cli.app import JsonOption, ProjectArgument, ScenarioArgument, command
+from ravenbrick.cli.build import DebugOption, ElfOption, ImageChoice, ImageOption, build_kind
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import TASK_HEAD, keep_peer, project_image, read_run, task_rows
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
@@ -52,9 +52,9 @@ class Engine(StrEnum):
     REFERENCE = "reference"
 
 
-SaveSnapshotOption = Annotated[Path | None, typer.Option(help="Save a snapshot in this file.")]
+SaveSnapshotOption = Annotated[Path | None, typer.Option(help="File for a snapshot.")]
 SoundOption = Annotated[
-    Path | None, typer.Option(help="Save what the loudspeaker plays as a WAV file.")
+    Path | None, typer.Option(help="WAV file for the sound of the loudspeaker.")
 ]
 
 
@@ -187,41 +187,39 @@ def _given_image(binary: Path | None, at: ImageChoice, elf: Path | None) -> ElfI
 
 @command("ravenbrick run examples/vehicle drive --expect 'lcd shows \"stopped\"'")
 def run_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
-    scenario: Annotated[str, typer.Argument(help="Name below scenarios/, or a file.")],
-    elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
-    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    directory: ProjectArgument,
+    scenario: ScenarioArgument,
+    elf: ElfOption = None,
+    image: ImageOption = ImageChoice.RAM,
     debug: DebugOption = False,
     expect: Annotated[
         list[str] | None,
-        typer.Option(help="What must be seen: a sentence, or a file of them; may be repeated."),
+        typer.Option(help="Expectation: a sentence, or a file of sentences; may be repeated."),
     ] = None,
     stimulus: Annotated[
         list[Path] | None,
-        typer.Option(help="Inputs over time: .csv, .vcd, or a run of the page; may be repeated."),
+        typer.Option(help="Inputs over time (.csv, .vcd, run file of the page); may be repeated."),
     ] = None,
     callback: Annotated[
-        str | None, typer.Option(help="Python function that gives inputs: module:function.")
+        str | None, typer.Option(help="Python function that provides inputs, as MODULE:FUNCTION.")
     ] = None,
     callback_period_ms: Annotated[
-        int, typer.Option(min=1, help="How often to ask the callback.")
+        int, typer.Option(min=1, help="Period of the callback in milliseconds.")
     ] = 10,
     replay: Annotated[
-        Path | None, typer.Option(help="Play the inputs of this recording, or run of the page.")
+        Path | None, typer.Option(help="Recording or run file of the page to replay.")
     ] = None,
-    binary: Annotated[
-        Path | None, typer.Option("--bin", help="Image without headers instead, as in memory.")
-    ] = None,
-    at: Annotated[ImageChoice, typer.Option(help="Where --bin goes.")] = ImageChoice.FLASH,
+    binary: Annotated[Path | None, typer.Option("--bin", help="Raw binary image.")] = None,
+    at: Annotated[ImageChoice, typer.Option(help="Load address of --bin.")] = ImageChoice.FLASH,
     timing_profile: TimingProfileOption = TimingProfile.NOMINAL,
     engine: Annotated[
-        Engine, typer.Option(help="Executor of instructions; 'make native' speeds 'fast' up.")
+        Engine, typer.Option(help="Execution engine; 'make native' makes 'fast' faster.")
     ] = Engine.FAST,
-    body: Annotated[Path | None, typer.Option(help="FMU in place of the robot's body.")] = None,
+    body: Annotated[Path | None, typer.Option(help="FMU that replaces the robot's body.")] = None,
     save_snapshot: SaveSnapshotOption = None,
-    snapshot_at: Annotated[float, typer.Option(min=0.005, help="When to save it, in s.")] = 1.0,
+    snapshot_at: Annotated[float, typer.Option(min=0.005, help="Snapshot time in s.")] = 1.0,
     from_snapshot: Annotated[
-        Path | None, typer.Option(help="Begin with a snapshot of the same image.")
+        Path | None, typer.Option(help="Snapshot of the same image to start from.")
     ] = None,
     sound: SoundOption = None,
     json_output: JsonOption = False,

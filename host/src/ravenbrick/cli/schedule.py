@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick schedule`: is the task set of a file schedulable, and what limits it?"""
+"""`ravenbrick schedule`: schedulability and response-time bounds of a task set in a file."""
 
 from __future__ import annotations
 
@@ -79,13 +79,15 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
 
 @command("ravenbrick schedule taskset.toml")
 def schedule_command(
-    file: Annotated[Path, typer.Argument(help="Task set, TOML or JSON.")],
-    priorities: Annotated[Rule | None, typer.Option(help="Rule in place of the file's.")] = None,
+    file: Annotated[Path, typer.Argument(help="Task set (TOML or JSON).")],
+    priorities: Annotated[
+        Rule | None, typer.Option(help="Priority assignment (default: as in the file).")
+    ] = None,
     gantt: Annotated[
-        Path | None, typer.Option(help="Draw both schedules to this .png, .svg or .pdf.")
+        Path | None, typer.Option(help="Gantt chart to write (.png, .svg or .pdf).")
     ] = None,
     until: Annotated[
-        str | None, typer.Option(help="End of the picture, in the file's unit; with --gantt.")
+        str | None, typer.Option(help="End of the Gantt chart in the file's time unit.")
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

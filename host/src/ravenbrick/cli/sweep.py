@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick sweep`: a scenario with motors drawn within their tolerances."""
+"""`ravenbrick sweep`: a scenario with random motors within their tolerances."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ravenbrick.cli.app import JsonOption, command
+from ravenbrick.cli.app import JsonOption, ProjectArgument, ScenarioArgument, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image
 from ravenbrick.errors import CriteriaError
@@ -38,14 +38,16 @@ def _rows(results: list[dict[str, Any]]) -> list[list[str]]:
 
 @command("ravenbrick sweep examples/motor-bench step --count 50")
 def sweep_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
-    scenario: Annotated[str, typer.Argument(help="Name below scenarios/, or a file.")],
-    count: Annotated[int, typer.Option(min=1, help="Robots to draw.")] = 20,
-    output: Annotated[Path, typer.Option(help="Folder of results; kept for the next time.")] = Path(
-        "out/sweep"
-    ),
-    workers: Annotated[int, typer.Option(min=1, help="Runs at a time.")] = os.cpu_count() or 1,
-    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use.")] = None,
+    directory: ProjectArgument,
+    scenario: ScenarioArgument,
+    count: Annotated[int, typer.Option(min=1, help="Number of random samples.")] = 20,
+    output: Annotated[
+        Path, typer.Option(help="Folder for results; the next sweep uses them again.")
+    ] = Path("out/sweep"),
+    workers: Annotated[
+        int, typer.Option(min=1, help="Number of runs at the same time.")
+    ] = os.cpu_count() or 1,
+    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler.")] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     robot = read_robot(directory)

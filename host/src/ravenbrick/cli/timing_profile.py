@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The option that chooses the timing that no document fixes (docs/reference/timing.md)."""
+"""The option `--timing-profile` (docs/reference/timing.md)."""
 
 from __future__ import annotations
 
@@ -26,5 +26,5 @@ class TimingProfile(StrEnum):
 
 
 TimingProfileOption = Annotated[
-    TimingProfile, typer.Option(help="Values of the timing that no document fixes.")
+    TimingProfile, typer.Option(help="Corner for timing parameters that no document specifies.")
 ]

@@ -48,16 +48,17 @@ def _project_image(source: Path, kind: Literal["ram", "flash"], reporter: Report
 @command("ravenbrick upload examples/vehicle --image ram")
 def upload_command(
     source: Annotated[
-        Path, typer.Argument(help="Project folder, an image (.elf), or firmware with --restore.")
+        Path, typer.Argument(help="Project folder, image (.elf), or firmware file with --restore.")
     ],
     image: Annotated[
-        ImageChoice, typer.Option(help="RAM until the power goes off, or flash for good.")
+        ImageChoice,
+        typer.Option(help="Memory to load: RAM (until power-off) or flash (permanent)."),
     ] = ImageChoice.RAM,
     restore: Annotated[
-        bool, typer.Option("--restore", help="Write a firmware file, such as LEGO's own.")
+        bool, typer.Option("--restore", help="Write a firmware file, such as LEGO's, to flash.")
     ] = False,
     out: Annotated[
-        Path | None, typer.Option(help="Write the plain image to this file; touch no brick.")
+        Path | None, typer.Option(help="File for the raw image; no brick is loaded.")
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

@@ -17,8 +17,8 @@ import typer
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.brick.session import session_of
-from ravenbrick.cli.app import JsonOption, command
-from ravenbrick.cli.build import ImageChoice
+from ravenbrick.cli.app import JsonOption, ProjectArgument, command
+from ravenbrick.cli.build import ElfOption, ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import ToolMissingError, UsageError, shown_path
@@ -122,22 +122,23 @@ def _sources(image: ElfImage, workspace: Workspace) -> bytes:
 
 @command("ravenbrick view examples/vehicle drive")
 def view_command(
-    directory: Annotated[Path, typer.Argument(help="Project folder with robot.toml.")],
+    directory: ProjectArgument,
     scenario: Annotated[
-        str | None, typer.Argument(help="Whose inputs come; without it, you give them all.")
+        str | None,
+        typer.Argument(help="Scenario that provides the inputs (default: you provide all)."),
     ] = None,
     port: Annotated[
-        int, typer.Option(min=0, max=65535, help="TCP port on this machine; 0 takes a free one.")
+        int, typer.Option(min=0, max=65535, help="TCP port on this machine (0: any free port).")
     ] = 8080,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
     out: Annotated[
-        Path | None, typer.Option(help="Write the page with the project here and end.")
+        Path | None, typer.Option(help="Folder for page and project; no server is started.")
     ] = None,
-    elf: Annotated[Path | None, typer.Option(help="Another image than the project's own.")] = None,
-    image: Annotated[ImageChoice, typer.Option(help="Which image to run.")] = ImageChoice.RAM,
+    elf: ElfOption = None,
+    image: ImageOption = ImageChoice.RAM,
     bounds: Annotated[
         Path | None,
-        typer.Option(help="timing.json of 'ravenbrick analyse'; the project's unless given."),
+        typer.Option(help="timing.json of 'ravenbrick analyse' (default: the project's)."),
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

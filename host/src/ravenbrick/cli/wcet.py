@@ -93,20 +93,25 @@ def _with_names(error: RavenbrickError, elf: Path, calls: list[str]) -> Ravenbri
 @command("ravenbrick wcet build/vehicle/ram/vehicle.elf functional_step_instance")
 def wcet_command(
     elf: Annotated[Path, typer.Argument(help="ELF file for the ARM7TDMI.")],
-    symbol: Annotated[str, typer.Argument(help="Function.")],
+    symbol: Annotated[str, typer.Argument(help="Name of the function.")],
     annotations: Annotated[
-        list[Path] | None, typer.Option(help="TOML with loop bounds and other facts.")
+        list[Path] | None, typer.Option(help="TOML file with flow facts, such as loop bounds.")
     ] = None,
-    timing: Annotated[Timing, typer.Option(help="Cycles of memory accesses.")] = "nominal",
-    wait_states: Annotated[int, typer.Option(min=0, max=3, help="Of the flash.")] = 1,
+    timing: Annotated[Timing, typer.Option(help="Memory timing profile.")] = "nominal",
+    wait_states: Annotated[int, typer.Option(min=0, max=3, help="Flash wait states.")] = 1,
     own_data: Annotated[
-        bool, typer.Option("--own-data", help="Only for what image and --after leave in memory.")
+        bool,
+        typer.Option(
+            "--own-data", help="Bound for the memory contents that image and --after leave."
+        ),
     ] = False,
     after: Annotated[
-        list[str] | None, typer.Option(help="Function called before; with --own-data.")
+        list[str] | None,
+        typer.Option(help="Function called first; with --own-data; may be repeated."),
     ] = None,
     any_content: Annotated[
-        list[str] | None, typer.Option(help="Variable of any content; with --own-data.")
+        list[str] | None,
+        typer.Option(help="Variable with unknown content; with --own-data; may be repeated."),
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:

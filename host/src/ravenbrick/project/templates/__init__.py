@@ -40,7 +40,7 @@ TEMPLATES = {
         "motor-bench", "step", "one motor on the bench, speed and position", stack_check=False
     ),
     "balance": Template("balancer", "let-go", "two-wheeled balancing robot with a gyro"),
-    "line": Template("line-follower", "lap", "follows a line with a light sensor"),
+    "line": Template("line-follower", "lap", "line follower with a light sensor"),
     "blank": Template("blank", "press", "one motor, one touch sensor, two tasks"),
 }
 
