@@ -132,14 +132,15 @@ def run_time_knows_no_driver(path: Path, lines: list[str]) -> Iterator[Complaint
 
 CRATE_BORDERS = {
     "arm7tdmi": set(),
+    "image": set(),
     "plant": set(),
     "trace": set(),
     "jit": {"arm7tdmi"},
     "at91sam7s": {"arm7tdmi"},
     "nxt": {"at91sam7s", "plant"},
-    "virtual-brick": {"arm7tdmi", "at91sam7s", "jit", "nxt", "plant", "trace"},
+    "virtual-brick": {"arm7tdmi", "at91sam7s", "image", "jit", "nxt", "plant", "trace"},
     "debugger": {"arm7tdmi", "at91sam7s", "nxt", "plant", "trace", "virtual-brick"},
-    "wcet": {"arm7tdmi"},
+    "wcet": {"arm7tdmi", "image"},
 }
 BINDING_BORDERS = {
     "python": {

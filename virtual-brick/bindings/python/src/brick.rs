@@ -424,6 +424,7 @@ fn refused(error: BrickError) -> PyErr {
     match error {
         BrickError::Configuration(error) => raise::<ConfigurationError>(error),
         BrickError::Image(error) => raise::<ImageError>(error),
+        BrickError::Placement(error) => raise::<ImageError>(error),
     }
 }
 

@@ -4,7 +4,7 @@
 
 use serde_json::json;
 use trace::NameSpace;
-use virtual_brick::{Configuration, Lines, Stop, CLOCK_HZ};
+use virtual_brick::{Configuration, Stop, CLOCK_HZ};
 use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::JsError;
 
@@ -18,7 +18,6 @@ const STEP_CYCLES_MAX: u64 = CLOCK_HZ.0 / CLOCK_HZ.1;
 #[wasm_bindgen]
 pub struct VirtualBrick {
     brick: virtual_brick::VirtualBrick,
-    lines: Option<Lines>,
     scope: Scope,
 }
 
@@ -30,7 +29,6 @@ impl VirtualBrick {
         let configuration = Configuration::from_json(configuration_json)?;
         Ok(Self {
             brick: virtual_brick::VirtualBrick::new(&configuration, elf)?,
-            lines: None,
             scope: Scope::default(),
         })
     }
@@ -63,10 +61,7 @@ impl VirtualBrick {
     pub fn step(&mut self, by: &str, thread: i32) -> Result<String, JsError> {
         let step = match by {
             "instruction" => Step::Instruction,
-            "line" => {
-                let image = self.brick.image();
-                Step::Line(self.lines.get_or_insert_with(|| image.lines()))
-            }
+            "line" => Step::Line,
             "job" => Step::Job(u32::try_from(thread).ok()),
             _ => return Err(JsError::new("a step is one of instruction, line, job")),
         };
@@ -192,17 +187,16 @@ impl VirtualBrick {
 
     /// The next instruction: `{pc, function, offset, file, line}` as JSON; unknown ones are null.
     /// `raised` is `{file, line}` of the failure that ended the program, else null.
-    pub fn place(&mut self) -> String {
+    pub fn place(&self) -> String {
         let ended = self.brick.ended().is_some();
         let raised = ended.then(|| self.brick.raised_at()).flatten();
         let pc = self.brick.processor().next_instruction_address();
         let image = self.brick.image();
-        let lines = self.lines.get_or_insert_with(|| image.lines());
         let function = image.symbols().nearest_code(pc);
-        let line = lines.at(pc);
+        let line = image.lines().at(pc);
         json!({
             "pc": pc, "function": function.map(|f| f.0), "offset": function.map(|f| f.1),
-            "file": line.map(|l| l.0), "line": line.map(|l| l.1),
+            "file": line.map(|l| l.file), "line": line.map(|l| l.line),
             "raised": raised.map(|(file, line, _)| json!({"file": file, "line": line})),
         })
         .to_string()

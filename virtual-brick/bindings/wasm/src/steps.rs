@@ -3,30 +3,30 @@
 //! Steps: to the next instruction, source line or end of a job.
 
 use trace::EventKind;
-use virtual_brick::{Access, Lines, StepObserver, VirtualBrick};
+use virtual_brick::{Access, Line, StepObserver, VirtualBrick};
 
 /// How far to step.
 #[derive(Debug)]
-pub enum Step<'a> {
+pub enum Step {
     /// One instruction.
     Instruction,
     /// Until the processor reaches another source line.
-    Line(&'a Lines),
+    Line,
     /// Until a job ends: of this thread, or of any.
     Job(Option<u32>),
 }
 
 /// Ends a run where the step ends.
-pub struct Stepper<'a> {
-    step: Step<'a>,
+pub struct Stepper {
+    step: Step,
     start_line: Option<(String, u32)>,
     events_seen: usize,
 }
 
-impl<'a> Stepper<'a> {
-    pub fn new(brick: &VirtualBrick, step: Step<'a>) -> Self {
+impl Stepper {
+    pub fn new(brick: &VirtualBrick, step: Step) -> Self {
         let start_line = match &step {
-            Step::Line(lines) => line(brick, lines),
+            Step::Line => line(brick).map(|at| (at.file.to_owned(), at.line)),
             _ => None,
         };
         Self {
@@ -46,12 +46,12 @@ impl<'a> Stepper<'a> {
     }
 }
 
-fn line(brick: &VirtualBrick, lines: &Lines) -> Option<(String, u32)> {
-    let (file, line) = lines.at(brick.processor().next_instruction_address())?;
-    Some((file.to_owned(), line))
+fn line(brick: &VirtualBrick) -> Option<Line<'_>> {
+    let address = brick.processor().next_instruction_address();
+    brick.image().lines().at(address)
 }
 
-impl StepObserver for Stepper<'_> {
+impl StepObserver for Stepper {
     const SEES_ACCESSES: bool = false;
 
     fn before_step(&mut self, _brick: &VirtualBrick) -> bool {
@@ -63,12 +63,9 @@ impl StepObserver for Stepper<'_> {
     fn after_step(&mut self, brick: &VirtualBrick, _step: virtual_brick::CpuStep) -> bool {
         match self.step {
             Step::Instruction => true,
-            Step::Line(lines) => {
-                let address = brick.processor().next_instruction_address();
-                lines.at(address).is_some_and(|(file, line)| {
-                    self.start_line.as_ref().map(|(f, l)| (f.as_str(), *l)) != Some((file, line))
-                })
-            }
+            Step::Line => line(brick).is_some_and(|at| {
+                self.start_line.as_ref().map(|(f, l)| (f.as_str(), *l)) != Some((at.file, at.line))
+            }),
             Step::Job(thread) => self.job_ended(brick, thread),
         }
     }

@@ -195,15 +195,13 @@ fn interrupted(brick: &VirtualBrick) -> [Option<u32>; CPSR + 1] {
 /// image copies to RAM: a context of another run-time is not one.
 fn is_code(brick: &VirtualBrick, address: u32) -> bool {
     let image = brick.image();
-    let copied = || {
-        let (name, offset) = image.symbols().nearest_code(address)?;
-        Some(offset < image.symbols().get(name)?.size)
-    };
+    let function = image.symbols().function_at(address);
+    let copied = function.is_some_and(|(_, function)| function.size > 0);
     let loaded = image.segments().iter().any(|segment| {
         let offset = address.wrapping_sub(segment.address) as usize;
         offset < segment.bytes.len()
     });
-    address % 4 == 0 && (loaded || copied() == Some(true))
+    address % 4 == 0 && (loaded || copied)
 }
 
 /// The context that the run-time in Thumb state leaves at `frame`: r4-r11 and the address at which

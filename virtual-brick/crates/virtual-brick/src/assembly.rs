@@ -3,13 +3,14 @@
 //! The parts joined: the only place that knows chip, board and plant together.
 
 use at91sam7s::board::ChipEvent;
-use at91sam7s::{AddressError, Chip, ChipConfiguration};
+use at91sam7s::{Chip, ChipConfiguration};
+use image::Image;
 use nxt::{BoardEvent, BoardEventKind, BoardFault, InputError, NxtBoard, PowerOffReason};
 use trace::{Event, EventKind};
 
 use crate::configuration::{Configuration, ConfigurationError};
-use crate::image::{Image, Placement};
 use crate::inputs::Input;
+use crate::placement::{self, Placement, PlacementError};
 
 /// The chip on its board.
 pub(crate) type Machine = Chip<NxtBoard>;
@@ -44,16 +45,18 @@ pub(crate) fn machine(configuration: &Configuration) -> Result<Machine, Configur
 }
 
 /// Put the image into memory and bring the machine to the state in which it is started.
-pub(crate) fn load(chip: &mut Machine, image: &Image) -> Result<(), AddressError> {
-    for segment in image.segments() {
-        chip.load(segment.address, &segment.bytes)?;
+pub(crate) fn load(chip: &mut Machine, image: &Image) -> Result<Placement, PlacementError> {
+    let placement = placement::of(image)?;
+    for segment in image.segments().iter().filter(|s| !s.bytes.is_empty()) {
+        chip.load(segment.address, &segment.bytes)
+            .map_err(PlacementError::NoMemory)?;
     }
-    if image.placement() == Placement::Ram {
+    if placement == Placement::Ram {
         chip.enter_as_boot_monitor();
         let now = chip.now();
         chip.board_mut().skip_coprocessor_start_up(now);
     }
-    Ok(())
+    Ok(placement)
 }
 
 /// Events of the board since the last call.

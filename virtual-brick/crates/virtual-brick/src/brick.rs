@@ -6,6 +6,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use arm7tdmi::{psr, Blocks, Cpu};
+use image::{Image, ImageError, ScalarKind};
 use trace::Trace;
 
 use crate::assembly::{self, Machine};
@@ -13,10 +14,10 @@ use crate::configuration::{Configuration, ConfigurationError};
 use crate::endless::EndlessLoops;
 use crate::engine::Engine;
 use crate::guard::Guard;
-use crate::image::{Image, ImageError, Placement, ScalarKind};
 use crate::inputs::{Input, InputError, InputSchedule};
 use crate::memory::{ChipMemory, MemoryError};
 use crate::monitor::Monitor;
+use crate::placement::{Placement, PlacementError};
 use crate::probes::Probe;
 use crate::recorder::Recorder;
 use crate::semihosting::Console;
@@ -35,6 +36,7 @@ pub struct VirtualBrick {
     pub(crate) cpu: Cpu,
     pub(crate) chip: Machine,
     pub(crate) image: Arc<Image>,
+    pub(crate) placement: Placement,
     pub(crate) recorder: Recorder,
     pub(crate) inputs: InputSchedule,
     pub(crate) guard: Guard,
@@ -57,6 +59,8 @@ pub enum BrickError {
     Configuration(ConfigurationError),
     /// Its image was refused.
     Image(ImageError),
+    /// Its image does not fit the memory.
+    Placement(PlacementError),
 }
 
 impl fmt::Display for BrickError {
@@ -64,6 +68,7 @@ impl fmt::Display for BrickError {
         match self {
             Self::Configuration(error) => error.fmt(f),
             Self::Image(error) => error.fmt(f),
+            Self::Placement(error) => error.fmt(f),
         }
     }
 }
@@ -79,6 +84,12 @@ impl From<ConfigurationError> for BrickError {
 impl From<ImageError> for BrickError {
     fn from(error: ImageError) -> Self {
         Self::Image(error)
+    }
+}
+
+impl From<PlacementError> for BrickError {
+    fn from(error: PlacementError) -> Self {
+        Self::Placement(error)
     }
 }
 
@@ -98,13 +109,13 @@ impl VirtualBrick {
     /// Assemble a brick and load a program that was read already.
     ///
     /// # Errors
-    /// The configuration cannot be used.
+    /// The configuration cannot be used or the image does not fit the memory.
     pub fn with_image(configuration: &Configuration, image: Image) -> Result<Self, BrickError> {
         let mut chip = assembly::machine(configuration)?;
         let image = Arc::new(image);
-        assembly::load(&mut chip, &image).map_err(ImageError::malformed)?;
+        let placement = assembly::load(&mut chip, &image)?;
         let mut cpu = Cpu::with_profile(configuration.timing.core);
-        if image.placement() == Placement::Ram {
+        if placement == Placement::Ram {
             start_at(&mut cpu, image.entry());
         }
         let layout = Layout::of(&image);
@@ -120,6 +131,7 @@ impl VirtualBrick {
             chip,
             stacks: StackGuard::new(&image),
             image,
+            placement,
             recorder,
             inputs: InputSchedule::default(),
             call_watch: CallWatch::default(),

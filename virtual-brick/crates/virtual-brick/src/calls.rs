@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Chains of calls, innermost first, and how to say where that is in the sources.
 
-use crate::image::Image;
+use image::Image;
 
 const DEPTH_MAX: usize = 64;
 const LINK: usize = 14;
@@ -51,10 +51,10 @@ pub(crate) fn located(image: &Image, addresses: &[u32]) -> Vec<Call> {
     let lines = image.lines();
     let call = |&address: &u32| {
         let (symbol, _) = image.symbols().nearest_code(address)?;
-        let line = lines.with_column(address);
+        let line = lines.at(address);
         Some(Call {
             symbol: symbol.to_owned(),
-            line: line.map(|(file, line, column)| (file.to_owned(), line, column)),
+            line: line.map(|at| (at.file.to_owned(), at.line, at.column)),
         })
     };
     addresses.iter().filter_map(call).collect()

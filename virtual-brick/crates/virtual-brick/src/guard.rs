@@ -6,8 +6,8 @@
 use arm7tdmi::{psr, BlockBus, Cpu, Exception, Mode, Step};
 
 use crate::assembly::Machine;
-use crate::image::Image;
 use crate::stop::StopReason;
+use image::Image;
 
 /// The eight exception vectors lie below this address.
 const VECTORS_END: u32 = 0x20;

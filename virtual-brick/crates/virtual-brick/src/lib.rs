@@ -14,12 +14,12 @@ mod endless;
 mod engine;
 mod failure;
 mod guard;
-mod image;
 mod inputs;
 mod memory;
 mod monitor;
 mod observe;
 mod outside;
+mod placement;
 mod probes;
 mod recorder;
 mod run;
@@ -36,13 +36,14 @@ pub use checkpoint::{Checkpoint, NotPassed};
 pub use configuration::{Configuration, ConfigurationError, Timing};
 pub use engine::Engine;
 pub use image::{
-    Image, ImageError, Lines, Placement, ScalarKind, Segment, Symbol, Symbols, Variable,
+    Image, ImageError, Line, Lines, ScalarKind, Section, Segment, Symbol, Symbols, Variable,
 };
 pub use inputs::InputError;
 pub use memory::MemoryError;
 pub use nxt::SOUND_SAMPLE_CYCLES;
 pub use observe::{Access, StepObserver};
 pub use outside::OutsideError;
+pub use placement::PlacementError;
 pub use probes::Probe;
 pub use stop::{Stop, StopReason};
 pub use threads::Thread;

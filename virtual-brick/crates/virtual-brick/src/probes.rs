@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Probes: scalar objects of the program read from outside.
 
-use crate::image::{Image, ImageError, ScalarKind};
 use crate::threads::Memory;
+use image::{Image, ImageError, ScalarKind};
 
 /// A scalar object and the bytes last read from it.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,8 +8,8 @@ use at91sam7s::ResetCause;
 use crate::assembly;
 use crate::brick::VirtualBrick;
 use crate::engine::Engine;
-use crate::image::Placement;
 use crate::observe::{ObservedBus, StepObserver, Unobserved};
+use crate::placement::Placement;
 use crate::stop::{Stop, StopReason};
 
 /// Fewer quiet cycles are left to the reference engine: entering a block costs more.
@@ -218,7 +218,7 @@ impl VirtualBrick {
     /// A reset starts a flash image again; a RAM image is gone with its start by the boot monitor.
     #[cold]
     fn reset(&mut self, cause: ResetCause) -> Result<(), Stop> {
-        if self.image.placement() == Placement::Flash {
+        if self.placement == Placement::Flash {
             self.cpu.reset();
             return Ok(());
         }

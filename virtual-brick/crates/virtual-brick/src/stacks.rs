@@ -7,9 +7,9 @@ use arm7tdmi::{psr, Mode};
 
 use crate::brick::VirtualBrick;
 use crate::calls::{self, Call};
-use crate::image::Image;
 use crate::memory::ChipMemory;
 use crate::threads::Memory;
+use image::Image;
 
 const STACK_POINTER: u32 = 13;
 const RAM_BYTES: u32 = 0x1_0000;

@@ -106,7 +106,7 @@ fn an_access_to_nothing_ends_the_run_with_the_same_state() {
         // ldr r0, [r2, #4]!; str r0, [r2, #4]!; ldr r0, [r2], #4
         let mut program = Program::new();
         program.load(2, 0xFFFF_FC80).add(0, 1).raw(access).add(0, 2);
-        let elf = image(&program.stop()).build();
+        let elf = image(program.stop()).build();
         let (mut fast, mut reference) = pair(&elf);
         let stops = (fast.run_until(10_000), reference.run_until(10_000));
         assert_eq!(stops.0.reason, StopReason::Fault, "{}", stops.0.message);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Where the fields lie in a thread's control block, told by the program itself.
 
-use crate::image::{Image, Symbol};
+use image::{Image, Symbol};
 
 pub(super) const RUNNING: &str = "ravenbrick_running_thread";
 pub(super) const FIRST: &str = "ravenbrick_first_thread";

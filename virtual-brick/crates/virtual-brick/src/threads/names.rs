@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::image::Image;
+use image::Image;
 
 use super::layout::Layout;
 use super::Memory;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use trace::{Event, EventKind, NameSpace, Names, IDLE};
 
-use crate::image::Image;
 use crate::stacks::Stack;
+use image::Image;
 
 use super::clock::cycle_of;
 use super::layout::Layout;

@@ -5,6 +5,7 @@
 
 pub mod arm;
 pub mod cases;
+#[path = "../../../image/tests/support/elf.rs"]
 pub mod elf;
 pub mod random;
 

@@ -216,10 +216,10 @@ fn transfer(program: &mut Program, numbers: &mut Numbers) {
     let (condition, up) = (numbers.condition(), numbers.below(2) << 23);
     let word = match numbers.below(5) {
         // Words and bytes, plain and from r10 with write-back, before or after.
-        0 => 0x0508_0000 | up | 4 * numbers.below(64),
+        0 => 0x0508_0000 | up | (4 * numbers.below(64)),
         1 => 0x0548_0000 | up | numbers.below(256),
-        2 => 0x040A_0000 | up | numbers.below(4) << 22 & 1 << 22 | 4 * numbers.below(4),
-        3 => 0x052A_0000 | up | 4 * numbers.below(4),
+        2 => 0x040A_0000 | up | numbers.below(4) << 22 & 1 << 22 | (4 * numbers.below(4)),
+        3 => 0x052A_0000 | up | (4 * numbers.below(4)),
         // Halfwords and signed items; a signed store does not exist.
         _ => {
             let signed = if load == 1 {
@@ -227,7 +227,7 @@ fn transfer(program: &mut Program, numbers: &mut Numbers) {
             } else {
                 0xB0
             };
-            0x0148_0000 | up | numbers.below(16) << 8 | 2 * numbers.below(8) | signed
+            0x0148_0000 | up | numbers.below(16) << 8 | (2 * numbers.below(8)) | signed
         }
     };
     program.raw(condition | word | load << 20 | register << 12);
@@ -262,7 +262,7 @@ fn counted_loop(program: &mut Program, numbers: &mut Numbers) {
 fn store_into_code(program: &mut Program, numbers: &mut Numbers) {
     let target = program.here() as u32 + 1 + numbers.below(6);
     if 4 * target < 0xFFF {
-        program.raw(numbers.condition() | 0x0589_B000 | 4 * target); // str r11, [r9, #4 * target]
+        program.raw(numbers.condition() | 0x0589_B000 | (4 * target)); // str r11, [r9, #4 * target]
         (0..7).for_each(|_| data_processing(program, numbers));
     }
 }

@@ -3,14 +3,14 @@
 //! First look at the ELF header (System V ABI, chapter 4; machine 40 from ELF for the ARM
 //! architecture), to say in a sentence what a wrong file is.
 
-use super::error::ImageError;
+use crate::error::ImageError;
 
 const HEADER_LENGTH: usize = 52;
 const MAGIC: &[u8] = b"\x7FELF";
 const MACHINE_ARM: u16 = 40;
 const TYPE_EXECUTABLE: u16 = 2;
 
-pub(super) fn check(elf: &[u8]) -> Result<(), ImageError> {
+pub(crate) fn check(elf: &[u8]) -> Result<(), ImageError> {
     let length = elf.len();
     if !elf.starts_with(&MAGIC[..length.min(MAGIC.len())]) {
         return Err(ImageError::NotElf);

@@ -1,34 +1,33 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Who called: registers of the caller from those of the callee, by the call frame information.
+//! Registers of the caller from those of the callee, by the call frame information (DWARF 5,
+//! section 6.4).
 
-use gimli::{BaseAddresses, CfaRule, DebugFrame, EndianSlice, LittleEndian};
-use gimli::{RegisterRule, UnwindContext, UnwindSection};
-use object::read::elf::ElfFile32;
-use object::{Object, ObjectSection};
+use gimli::{BaseAddresses, CfaRule, DebugFrame, RegisterRule, UnwindContext, UnwindSection};
+
+use crate::Reader;
 
 const STACK_POINTER: usize = 13;
 const LINK: usize = 14;
 const PROGRAM_COUNTER: usize = 15;
 
-/// The call frame information of an image.
-pub(crate) struct Frames<'a>(Option<DebugFrame<EndianSlice<'a, LittleEndian>>>);
+/// The call frame information of an image; without any, no caller is known.
+pub struct Frames<'a>(Option<DebugFrame<Reader<'a>>>);
 
 impl<'a> Frames<'a> {
-    /// An image without (or with broken) debug information has none.
-    pub(super) fn read(elf: &'a [u8]) -> Self {
-        let file = ElfFile32::<object::LittleEndian>::parse(elf).ok();
-        let data = file.and_then(|file| file.section_by_name(".debug_frame")?.data().ok());
-        Self(data.map(|data| {
-            let mut section = DebugFrame::new(data, LittleEndian);
+    pub(crate) fn new(section: Option<Reader<'a>>) -> Self {
+        Self(section.map(|data| {
+            let mut section = DebugFrame::from(data);
             section.set_address_size(4);
             section
         }))
     }
 
     /// Registers of the caller, `registers[15]` being the address to which the call returns;
-    /// `word` reads memory. None where nothing tells.
-    pub(crate) fn caller(
+    /// `word` reads memory. None without frame information for
+    /// `address`.
+    #[must_use]
+    pub fn caller(
         &self,
         registers: &[u32; 16],
         address: u32,

@@ -2,24 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Types of global objects from the debug information (DWARF 5, sections 4.1 and 5).
 
-use gimli::{
-    AttributeValue, DebuggingInformationEntry, Dwarf, EndianSlice, LittleEndian, Operation, Unit,
-    UnitOffset,
-};
-use object::read::elf::ElfFile32;
-use object::{Object, ObjectSection};
+use gimli::{AttributeValue, DebuggingInformationEntry, Dwarf, Operation, Unit, UnitOffset};
 
-use super::variables::ScalarKind;
+use crate::variables::ScalarKind;
+use crate::{debug_information, Elf, Reader};
 
-type Reader<'a> = EndianSlice<'a, LittleEndian>;
 type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;
 
 /// Typedefs and qualifiers in a row; a longer chain is taken for a loop.
 const CHAIN_LENGTH_MAX: usize = 32;
 
-/// A component of an object.
+/// An object or a component of one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(crate) struct Component {
     pub offset: u32,
     pub size: u32,
     pub kind: Option<ScalarKind>,
@@ -27,15 +22,8 @@ pub(super) struct Found {
 
 /// Type of the object at `address`, followed through `components`; none when the file has no
 /// (or broken) debug information, or no such object or component.
-pub(super) fn scalar_at(elf: &[u8], address: u32, components: &[&str]) -> Option<Found> {
-    let file: ElfFile32<'_, object::LittleEndian> = ElfFile32::parse(elf).ok()?;
-    let section = |id: gimli::SectionId| -> Result<Reader<'_>, gimli::Error> {
-        let data = file
-            .section_by_name(id.name())
-            .and_then(|section| section.data().ok());
-        Ok(EndianSlice::new(data.unwrap_or(&[]), LittleEndian))
-    };
-    let dwarf = Dwarf::load(section).ok()?;
+pub(crate) fn scalar_at(file: &Elf<'_>, address: u32, components: &[&str]) -> Option<Component> {
+    let dwarf = debug_information(file).ok()?;
     let mut headers = dwarf.units();
     while let Some(header) = headers.next().ok()? {
         let unit = dwarf.unit(header).ok()?;
@@ -92,7 +80,7 @@ fn descend(
     unit: &Unit<Reader<'_>>,
     start: UnitOffset,
     components: &[&str],
-) -> Option<Found> {
+) -> Option<Component> {
     let mut offset = 0u64;
     let mut kind_of = start;
     for component in components {
@@ -101,7 +89,7 @@ fn descend(
         kind_of = next;
     }
     let (size, kind) = scalar(unit, strip(unit, kind_of)?)?;
-    Some(Found {
+    Some(Component {
         offset: u32::try_from(offset).ok()?,
         size: u32::try_from(size).ok()?,
         kind,
@@ -142,8 +130,8 @@ fn member(
         let Some(attribute) = entry.attr_value(gimli::DW_AT_name) else {
             continue;
         };
-        let found = dwarf.attr_string(unit, attribute).ok()?;
-        if found.to_string_lossy().eq_ignore_ascii_case(name) {
+        let known = dwarf.attr_string(unit, attribute).ok()?;
+        if known.to_string_lossy().eq_ignore_ascii_case(name) {
             let offset = number(entry, gimli::DW_AT_data_member_location).unwrap_or(0);
             return Some((offset, type_reference(entry)?));
         }

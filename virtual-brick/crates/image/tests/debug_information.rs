@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::OnceLock;
 
-use virtual_brick::{Image, ScalarKind};
+use image::{Image, ScalarKind};
 
 const SOURCE: &str = "
 typedef float real32_T;
@@ -103,10 +103,10 @@ fn lines_are_those_of_the_code_and_not_of_a_function_that_the_linker_discarded()
     let lines = image.lines();
     // Its rows begin at address 0, where the processor takes its exceptions.
     assert_eq!([0, 4, 0x18].map(|address| lines.at(address)), [None; 3]);
-    let (file, line) = lines.at(image.entry()).unwrap();
-    assert!(file.ends_with(".c"), "{file}");
+    let at = lines.at(image.entry()).unwrap();
+    assert!(at.file.ends_with(".c"), "{at:?}");
     assert_eq!(
-        SOURCE.lines().nth(line as usize - 1).unwrap().get(..12),
+        SOURCE.lines().nth(at.line as usize - 1).unwrap().get(..12),
         Some("void _start(")
     );
 }

@@ -5,9 +5,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::debug_types;
-use super::error::ImageError;
-use super::symbols::{Symbol, Symbols};
+use crate::error::ImageError;
+use crate::symbols::{Symbol, Symbols};
+use crate::{types, Elf};
 
 /// How the bytes of a scalar are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +65,7 @@ impl ScalarKind {
         matches!(self, Self::F32 | Self::F64)
     }
 
-    pub(super) fn integer(size: u64, signed: bool) -> Option<Self> {
+    pub(crate) fn integer(size: u64, signed: bool) -> Option<Self> {
         match (size, signed) {
             (1, true) => Some(Self::I8),
             (1, false) => Some(Self::U8),
@@ -143,12 +143,16 @@ pub struct Variable {
 
 /// Split `path` at dots: the longest prefix that is a symbol (as written, or the Ada form in
 /// lower case joined by two underscores), then components by debug information.
-pub(super) fn resolve(elf: &[u8], symbols: &Symbols, path: &str) -> Result<Variable, ImageError> {
+pub(crate) fn resolve(
+    file: Option<&Elf<'_>>,
+    symbols: &Symbols,
+    path: &str,
+) -> Result<Variable, ImageError> {
     let parts: Vec<&str> = path.split('.').collect();
     for count in (1..=parts.len()).rev() {
         let (head, components) = parts.split_at(count);
         if let Some(symbol) = head_symbol(symbols, head) {
-            return describe(elf, symbol, components, path);
+            return describe(file, symbol, components, path);
         }
     }
     Err(symbols.unknown(path, parts[parts.len() - 1]))
@@ -161,12 +165,12 @@ fn head_symbol(symbols: &Symbols, head: &[&str]) -> Option<Symbol> {
 }
 
 fn describe(
-    elf: &[u8],
+    file: Option<&Elf<'_>>,
     symbol: Symbol,
     components: &[&str],
     path: &str,
 ) -> Result<Variable, ImageError> {
-    let found = debug_types::scalar_at(elf, symbol.address, components);
+    let found = file.and_then(|file| types::scalar_at(file, symbol.address, components));
     match (found, components.is_empty()) {
         (Some(found), _) => Ok(Variable {
             address: symbol.address.wrapping_add(found.offset),

@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Reading images: what is accepted, what is refused and in which words.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod support;
+#[allow(dead_code)]
+#[path = "support/elf.rs"]
+mod elf;
 
-use support::elf::ElfBuilder;
-use virtual_brick::{Image, ImageError, Placement, ScalarKind};
+use elf::ElfBuilder;
+use image::{Content, Image, ImageError, ScalarKind};
 
 const RAM: u32 = 0x0020_2000;
-const FLASH: u32 = 0x0010_0000;
 
 fn small() -> ElfBuilder {
     ElfBuilder::new(RAM).words(RAM, &[0xEAFF_FFFE])
@@ -20,29 +21,22 @@ fn refusal(elf: &[u8]) -> String {
 }
 
 #[test]
-fn a_ram_image_is_recognised_by_its_segments() {
-    let image = Image::parse(&small().build()).unwrap();
-    assert_eq!(image.placement(), Placement::Ram);
+fn segments_have_both_addresses_their_memory_and_their_contents() {
+    let elf = small().load(0x0020_0000, 0x0010_0004, &[1, 2, 3, 4], 64);
+    let image = Image::parse(&elf.build()).unwrap();
     assert_eq!(image.entry(), RAM);
-    assert_eq!(image.segments()[0].bytes, 0xEAFF_FFFEu32.to_le_bytes());
-}
-
-#[test]
-fn a_flash_image_loads_its_data_by_physical_address() {
-    let elf = ElfBuilder::new(FLASH)
-        .words(FLASH, &[0xEAFF_FFFE])
-        .load(0x0020_0000, FLASH + 4, &[1, 2, 3, 4], 64)
-        .build();
-    let image = Image::parse(&elf).unwrap();
-    assert_eq!(image.placement(), Placement::Flash);
-    assert_eq!(image.segments()[1].address, FLASH + 4);
-    assert_eq!(image.segments()[1].bytes, [1, 2, 3, 4]);
-}
-
-#[test]
-fn a_segment_without_contents_is_not_loaded() {
-    let elf = small().load(0x0020_3000, 0x0020_3000, &[], 4096).build();
-    assert_eq!(Image::parse(&elf).unwrap().segments().len(), 1);
+    let [data, code] = image.segments() else {
+        panic!("{:?}", image.segments());
+    };
+    assert_eq!(
+        (data.address, data.virtual_address),
+        (0x0010_0004, 0x0020_0000)
+    );
+    assert_eq!(
+        (data.memory_size, data.bytes.as_slice()),
+        (64, &[1, 2, 3, 4][..])
+    );
+    assert_eq!(code.bytes, 0xEAFF_FFFEu32.to_le_bytes());
 }
 
 #[test]
@@ -83,42 +77,6 @@ fn files_for_other_machines_are_named() {
 }
 
 #[test]
-fn a_segment_outside_the_memory_is_refused_with_its_address() {
-    let message = refusal(
-        &ElfBuilder::new(0x8000_0000)
-            .words(0x8000_0000, &[0])
-            .build(),
-    );
-    assert!(message.contains("0x80000000"), "{message}");
-}
-
-#[test]
-fn a_segment_in_the_boot_monitors_ram_is_refused() {
-    let message = refusal(&small().words(0x0020_0000, &[0]).build());
-    assert!(message.contains("0x00200000"), "{message}");
-}
-
-#[test]
-fn an_image_too_large_for_ram_is_refused_with_the_bytes_over() {
-    let elf = ElfBuilder::new(RAM)
-        .segment(RAM, &vec![0; 57_344 + 12])
-        .build();
-    assert_eq!(
-        refusal(&elf),
-        "the image is 12 bytes too large for the 57344 bytes of RAM"
-    );
-}
-
-#[test]
-fn zeroed_memory_counts_as_part_of_the_image() {
-    let elf = small().load(0x0020_3000, 0x0020_3000, &[], 0xD001).build();
-    assert_eq!(
-        refusal(&elf),
-        "the image is 1 bytes too large for the 57344 bytes of RAM"
-    );
-}
-
-#[test]
 fn an_entry_outside_the_image_is_refused() {
     let message = refusal(&ElfBuilder::new(0x0020_8000).words(RAM, &[0]).build());
     assert!(message.contains("entry 0x00208000"), "{message}");
@@ -129,15 +87,6 @@ fn an_image_without_contents_is_refused() {
     assert_eq!(
         Image::parse(&ElfBuilder::new(RAM).build()).unwrap_err(),
         ImageError::Empty
-    );
-}
-
-#[test]
-fn segments_in_ram_and_flash_together_are_refused() {
-    let message = refusal(&small().words(FLASH, &[0]).build());
-    assert!(
-        message.contains("both into flash and into RAM"),
-        "{message}"
     );
 }
 
@@ -156,6 +105,37 @@ fn symbols_are_found_by_name_and_the_nearest_code_by_address() {
     assert_eq!(symbols.nearest_code(RAM + 0x20), Some(("start", 0x20)));
     assert_eq!(symbols.nearest_code(RAM + 0x104), Some(("thumb", 4)));
     assert_eq!(symbols.nearest_code(RAM - 4), None);
+}
+
+#[test]
+fn a_function_has_all_its_names_and_an_end() {
+    let elf = small()
+        .function("start", RAM)
+        .function("alias", RAM)
+        .function("thumb", RAM + 0x101)
+        .build();
+    let image = Image::parse(&elf).unwrap();
+    let symbols = image.symbols();
+    let (address, function) = symbols.function_at(RAM + 3).unwrap();
+    assert_eq!((address, function.thumb), (RAM, false));
+    assert_eq!(function.names, ["start", "alias"]);
+    assert_eq!(symbols.function_at(RAM + 4), None);
+    assert!(symbols.functions()[&(RAM + 0x100)].thumb);
+}
+
+#[test]
+fn mapping_symbols_tell_code_from_data() {
+    let elf = small()
+        .object("$a", RAM, 0)
+        .object("$d.7", RAM + 8, 0)
+        .object("$txt", RAM + 12, 0)
+        .build();
+    let image = Image::parse(&elf).unwrap();
+    let content_at = |address| image.symbols().content_at(address);
+    assert_eq!(content_at(RAM - 1), None);
+    assert_eq!(content_at(RAM + 4), Some((RAM, Content::Arm)));
+    assert_eq!(content_at(RAM + 16), Some((RAM + 8, Content::Data)));
+    assert_eq!(image.symbols().get("$a"), None);
 }
 
 #[test]
@@ -209,14 +189,4 @@ fn every_truncation_of_an_image_is_handled() {
             .count()
             > 80
     );
-}
-
-#[test]
-fn bytes_without_headers_lie_where_they_are_put() {
-    let image = Image::binary(&[1, 2, 3, 4], 0x0010_0000).unwrap();
-    assert_eq!(image.placement(), Placement::Flash);
-    assert_eq!(image.segments()[0].bytes, [1, 2, 3, 4]);
-    assert!(Image::binary(&[], 0x0010_0000).is_err());
-    assert!(Image::binary(&[0; 0x4_0001], 0x0010_0000).is_err());
-    assert!(Image::binary(&[0; 4], 0x0020_0000).is_err());
 }

@@ -26,24 +26,13 @@ pub enum ImageError {
         /// What the reader met.
         detail: String,
     },
+    /// The debug information contradicts itself.
+    DebugInformation {
+        /// What the reader met.
+        detail: String,
+    },
     /// No segment has contents to load.
     Empty,
-    /// A segment lies outside the memory that the brick has for programs.
-    SegmentOutside {
-        /// First address of the segment.
-        address: u32,
-        /// Bytes in memory.
-        length: u32,
-    },
-    /// A segment runs over the end of its memory.
-    TooLarge {
-        /// `RAM` or `flash`.
-        memory: &'static str,
-        /// Bytes that memory offers to programs.
-        capacity: u32,
-        /// Bytes over the end.
-        over: u64,
-    },
     /// The entry lies in no segment.
     EntryOutside {
         /// The entry address.
@@ -73,8 +62,15 @@ pub enum ImageError {
 }
 
 impl ImageError {
+    /// The headers contradict each other.
     pub(crate) fn malformed(error: impl fmt::Display) -> Self {
         Self::Malformed {
+            detail: error.to_string(),
+        }
+    }
+
+    pub(crate) fn debug_information(error: gimli::Error) -> Self {
+        Self::DebugInformation {
             detail: error.to_string(),
         }
     }
@@ -98,21 +94,10 @@ impl fmt::Display for ImageError {
                 "the image is not an executable for 32-bit little-endian ARM: it is {found}"
             ),
             Self::Malformed { detail } => write!(f, "the image is not a valid ELF file: {detail}"),
+            Self::DebugInformation { detail } => {
+                write!(f, "the debug information of the image is broken: {detail}")
+            }
             Self::Empty => write!(f, "the image has no segment with contents to load"),
-            Self::SegmentOutside { address, length } => write!(
-                f,
-                "a segment of {length} bytes at {address:#010X} lies outside the memory for \
-                 programs: RAM 0x00202000 to 0x0020FFFF, flash 0x00100000 to 0x0013FFFF; \
-                 link with one of the brick's linker scripts"
-            ),
-            Self::TooLarge {
-                memory,
-                capacity,
-                over,
-            } => write!(
-                f,
-                "the image is {over} bytes too large for the {capacity} bytes of {memory}"
-            ),
             Self::EntryOutside { entry } => write!(
                 f,
                 "the entry {entry:#010X} lies in no loaded segment; give the linker the entry \
