@@ -50,15 +50,15 @@ package body Ravenbrick.Alarm is
 
    procedure Trigger (Mode, Count : Word) is
    begin
-      TC0.Mode := Mode;
-      TC0.Compare := Count;
-      TC0.Control := Enable_And_Trigger;
+      TC0.TC_CMR := Mode;
+      TC0.TC_RC := Count;
+      TC0.TC_CCR := Enable_And_Trigger;
    end Trigger;
 
    procedure Initialize is
    begin
-      PMC.Peripheral_Clock_Enable := Shift_Left (1, Natural (TC0_Id));
-      TC0.Enable := Compare_Event;
+      PMC.PMC_PCER := Shift_Left (1, Natural (TC0_Id));
+      TC0.TC_IER := Compare_Event;
    end Initialize;
 
    procedure Set (Remaining : Threads.Units; Spent : Fine_Count) is
@@ -82,7 +82,7 @@ package body Ravenbrick.Alarm is
    end Set;
 
    procedure Acknowledge is
-      Discarded : constant Word := TC0.Status;
+      Discarded : constant Word := TC0.TC_SR;
       pragma Unreferenced (Discarded);
    begin
       null;

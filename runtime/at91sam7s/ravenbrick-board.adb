@@ -37,20 +37,20 @@ package body Ravenbrick.Board is
 
    procedure Await (Flag : Word) is
    begin
-      while (PMC.Status and Flag) = 0 loop
+      while (PMC.PMC_SR and Flag) = 0 loop
          null;
       end loop;
    end Await;
 
    procedure Start_Clocks is
    begin
-      PMC.Main_Oscillator := Enable_Main_Oscillator;
+      PMC.CKGR_MOR := Enable_Main_Oscillator;
       Await (Oscillator_Stable);
-      PMC.PLL := PLL_73_By_14;
+      PMC.CKGR_PLLR := PLL_73_By_14;
       Await (PLL_Locked);
-      PMC.Master_Clock := Half;
+      PMC.PMC_MCKR := Half;
       Await (Master_Ready);
-      PMC.Master_Clock := Half or PLL_Selected;
+      PMC.PMC_MCKR := Half or PLL_Selected;
       Await (Master_Ready);
    end Start_Clocks;
 
@@ -66,15 +66,15 @@ package body Ravenbrick.Board is
       After := Low_Word;
       RAM_Word := Original;
       if After = Before then
-         Remap_Control := Remap;
+         MC_RCR := Remap;
       end if;
    end Show_RAM_At_Zero;
 
    procedure Start is
    begin
-      Flash_Mode := One_Wait_State_72_Cycles;
-      Watchdog_Mode := Word (To_Integer (Watchdog_Setting'Address));
-      if (PMC.Master_Clock and PLL_Selected) /= PLL_Selected then
+      MC_FMR := One_Wait_State_72_Cycles;
+      WDT_MR := Word (To_Integer (Watchdog_Setting'Address));
+      if (PMC.PMC_MCKR and PLL_Selected) /= PLL_Selected then
          Start_Clocks;
       end if;
       Show_RAM_At_Zero;

@@ -26,14 +26,14 @@ package body Ravenbrick.Clock is
    procedure Start is
       Discarded : Word with Volatile;
    begin
-      PIT.Mode := Enabled_Longest_Period;
-      Discarded := PIT.Value_Clear;
+      PIT.PIT_MR := Enabled_Longest_Period;
+      Discarded := PIT.PIT_PIVR;
    end Start;
 
    procedure Observe (Now : out Units; At_Count : out Count) is
       Wraps : Count := Seen.Wraps;
    begin
-      At_Count := PIT.Image;
+      At_Count := PIT.PIT_PIIR;
       if At_Count < Seen.Last then
          Wraps := Wraps + 1;
          Seen.Wraps := Wraps;
@@ -43,7 +43,7 @@ package body Ravenbrick.Clock is
    end Observe;
 
    function Since (Start : Count) return Units is
-     (Units (Count'(Units_Per_Tick * (PIT.Image - Start))));
+     (Units (Count'(Units_Per_Tick * (PIT.PIT_PIIR - Start))));
 
    --  The order of the three reads matters: an interrupt that notes a wrap between them either
    --  leaves a Last above the count, which is then read again, or is in Wraps already
@@ -51,7 +51,7 @@ package body Ravenbrick.Clock is
    function Now return Units is
       Last     : constant Count := Seen.Last;
       Wraps    : constant Count := Seen.Wraps;
-      Present  : Count := PIT.Image;
+      Present  : Count := PIT.PIT_PIIR;
       Previous : Processor.Status;
       Result   : Units;
    begin

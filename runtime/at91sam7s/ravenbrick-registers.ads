@@ -20,92 +20,91 @@ package Ravenbrick.Registers is
    type Source_Words is array (Source_Id) of Word;
 
    type Interrupt_Controller is limited record
-      Source_Mode   : Source_Words;  --  SMR: level, sensitivity
-      Source_Vector : Source_Words;  --  SVR
-      Spurious      : Word;          --  SPU
-      Enable        : Word;          --  IECR
-      Disable       : Word;          --  IDCR
-      Clear         : Word;          --  ICCR
-      End_Of        : Word;          --  EOICR
-      Control       : Word;          --  DCR
+      AIC_SMR   : Source_Words;  --  modes: level, sensitivity
+      AIC_SVR   : Source_Words;  --  vectors
+      AIC_SPU   : Word;          --  vector of spurious interrupts
+      AIC_IECR  : Word;          --  enables sources
+      AIC_IDCR  : Word;          --  disables sources
+      AIC_ICCR  : Word;          --  clears pending interrupts
+      AIC_EOICR : Word;          --  end of an interrupt
+      AIC_DCR   : Word;          --  debug control
    end record
      with Volatile;
    for Interrupt_Controller use record
-      Source_Mode   at 16#000# range 0 .. 1023;
-      Source_Vector at 16#080# range 0 .. 1023;
-      Enable        at 16#120# range 0 .. 31;
-      Disable       at 16#124# range 0 .. 31;
-      Clear         at 16#128# range 0 .. 31;
-      End_Of        at 16#130# range 0 .. 31;
-      Spurious      at 16#134# range 0 .. 31;
-      Control       at 16#138# range 0 .. 31;
+      AIC_SMR   at 16#000# range 0 .. 1023;
+      AIC_SVR   at 16#080# range 0 .. 1023;
+      AIC_IECR  at 16#120# range 0 .. 31;
+      AIC_IDCR  at 16#124# range 0 .. 31;
+      AIC_ICCR  at 16#128# range 0 .. 31;
+      AIC_EOICR at 16#130# range 0 .. 31;
+      AIC_SPU   at 16#134# range 0 .. 31;
+      AIC_DCR   at 16#138# range 0 .. 31;
    end record;
 
    AIC : Interrupt_Controller with Import, Address => To_Address (16#FFFF_F000#);
 
    Protect_Mode : constant Word := 1;
-   --  DCR: reading the vector has no effect, writing it takes the interrupt (23.8.5)
+   --  AIC_DCR, PROT: reading the vector has no effect, writing it takes the interrupt (23.8.5)
 
    type Power_Controller is limited record
-      System_Clock_Disable     : Word;  --  SCDR
-      Peripheral_Clock_Enable  : Word;  --  PCER
-      Main_Oscillator          : Word;  --  MOR
-      PLL                      : Word;  --  PLLR
-      Master_Clock             : Word;  --  MCKR
-      Status                   : Word;  --  SR
+      PMC_PCER  : Word;  --  enables clocks of peripherals
+      CKGR_MOR  : Word;  --  main oscillator
+      CKGR_PLLR : Word;  --  PLL
+      PMC_MCKR  : Word;  --  master clock
+      PMC_SR    : Word;  --  status
    end record
      with Volatile;
    for Power_Controller use record
-      System_Clock_Disable     at 16#04# range 0 .. 31;
-      Peripheral_Clock_Enable  at 16#10# range 0 .. 31;
-      Main_Oscillator          at 16#20# range 0 .. 31;
-      PLL                      at 16#2C# range 0 .. 31;
-      Master_Clock             at 16#30# range 0 .. 31;
-      Status                   at 16#68# range 0 .. 31;
+      PMC_PCER  at 16#10# range 0 .. 31;
+      CKGR_MOR  at 16#20# range 0 .. 31;
+      CKGR_PLLR at 16#2C# range 0 .. 31;
+      PMC_MCKR  at 16#30# range 0 .. 31;
+      PMC_SR    at 16#68# range 0 .. 31;
    end record;
 
    PMC : Power_Controller with Import, Address => To_Address (16#FFFF_FC00#);
 
-   Oscillator_Stable : constant Word := 2#0001#;
-   PLL_Locked        : constant Word := 2#0100#;
-   Master_Ready      : constant Word := 2#1000#;
+   --  PMC_SR
+   Oscillator_Stable : constant Word := 2#0001#;  --  MOSCS
+   PLL_Locked        : constant Word := 2#0100#;  --  LOCK
+   Master_Ready      : constant Word := 2#1000#;  --  MCKRDY
 
    type Interval_Timer is limited record
-      Mode        : Word;  --  MR
-      Value_Clear : Word;  --  PIVR: reading it restarts the count of periods
-      Image       : Word;  --  PIIR: periods and count, read without effect
+      PIT_MR   : Word;  --  mode
+      PIT_PIVR : Word;  --  value; reading it restarts the count of periods
+      PIT_PIIR : Word;  --  periods and count, read without effect
    end record
      with Volatile;
    for Interval_Timer use record
-      Mode        at 16#0# range 0 .. 31;
-      Value_Clear at 16#8# range 0 .. 31;
-      Image       at 16#C# range 0 .. 31;
+      PIT_MR   at 16#0# range 0 .. 31;
+      PIT_PIVR at 16#8# range 0 .. 31;
+      PIT_PIIR at 16#C# range 0 .. 31;
    end record;
 
    PIT : Interval_Timer with Import, Address => To_Address (16#FFFF_FD30#);
 
    type Timer_Channel is limited record
-      Control   : Word;  --  CCR
-      Mode      : Word;  --  CMR
-      Compare   : Word;  --  RC
-      Status    : Word;  --  SR: reading it withdraws the request
-      Enable    : Word;  --  IER
+      TC_CCR : Word;  --  control
+      TC_CMR : Word;  --  mode
+      TC_RC  : Word;  --  compare value
+      TC_SR  : Word;  --  status; reading it withdraws the request
+      TC_IER : Word;  --  enables interrupts
    end record
      with Volatile;
    for Timer_Channel use record
-      Control   at 16#00# range 0 .. 31;
-      Mode      at 16#04# range 0 .. 31;
-      Compare   at 16#1C# range 0 .. 31;
-      Status    at 16#20# range 0 .. 31;
-      Enable    at 16#24# range 0 .. 31;
+      TC_CCR at 16#00# range 0 .. 31;
+      TC_CMR at 16#04# range 0 .. 31;
+      TC_RC  at 16#1C# range 0 .. 31;
+      TC_SR  at 16#20# range 0 .. 31;
+      TC_IER at 16#24# range 0 .. 31;
    end record;
 
    TC0 : Timer_Channel with Import, Address => To_Address (16#FFFA_0000#);
 
    TC0_Id : constant Source_Id := 12;
 
-   Watchdog_Mode : Word with Import, Volatile, Address => To_Address (16#FFFF_FD44#);
-   Flash_Mode    : Word with Import, Volatile, Address => To_Address (16#FFFF_FF60#);
-   Remap_Control : Word with Import, Volatile, Address => To_Address (16#FFFF_FF00#);
+   WDT_MR : Word with Import, Volatile, Address => To_Address (16#FFFF_FD44#);
+   MC_FMR : Word with Import, Volatile, Address => To_Address (16#FFFF_FF60#);
+   MC_RCR : Word with Import, Volatile, Address => To_Address (16#FFFF_FF00#);
 
 end Ravenbrick.Registers;

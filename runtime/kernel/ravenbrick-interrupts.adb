@@ -59,14 +59,14 @@ package body Ravenbrick.Interrupts is
    begin
       Handlers (Spurious).Code := Ignore'Address;
       Handlers (Spurious).Active := To_Protected_Urgency (System.Interrupt_Priority'Last);
-      AIC.Disable := Word'Last;
-      AIC.Clear := Word'Last;
-      AIC.Control := Protect_Mode;
-      AIC.Spurious := None;
+      AIC.AIC_IDCR := Word'Last;
+      AIC.AIC_ICCR := Word'Last;
+      AIC.AIC_DCR := Protect_Mode;
+      AIC.AIC_SPU := None;
       for Source in Source_Id loop
-         AIC.Source_Vector (Source) := None;
+         AIC.AIC_SVR (Source) := None;
          if Source <= 7 then
-            AIC.End_Of := 0;
+            AIC.AIC_EOICR := 0;
          end if;
       end loop;
    end Initialize;
@@ -84,15 +84,15 @@ package body Ravenbrick.Interrupts is
       Taken.Object := Object;
       Taken.Code := Code;
       Taken.Active := To_Protected_Urgency (Priority);
-      AIC.Disable := Bit;
-      AIC.Source_Mode (Source) := Level;
-      AIC.Source_Vector (Source) := Address_Of (Taken.Active'Address);
-      AIC.Clear := Bit;
+      AIC.AIC_IDCR := Bit;
+      AIC.AIC_SMR (Source) := Level;
+      AIC.AIC_SVR (Source) := Address_Of (Taken.Active'Address);
+      AIC.AIC_ICCR := Bit;
       for Other in Priority .. System.Interrupt_Priority'Last loop
          At_Or_Below (Other) := At_Or_Below (Other) or Bit;
       end loop;
       Attached := Attached or Bit;
-      AIC.Enable := Bit;
+      AIC.AIC_IECR := Bit;
    end Attach;
 
    function Is_Attached (Source : Source_Id) return Boolean is
@@ -112,7 +112,7 @@ package body Ravenbrick.Interrupts is
    begin
       Saved := Masked;
       Masked := Ceiling;
-      AIC.Disable := At_Or_Below (To_Priority (Ceiling));
+      AIC.AIC_IDCR := At_Or_Below (To_Priority (Ceiling));
    end Raise_Mask;
 
    procedure Lower_Mask (Ceiling, Saved : Urgency) is
@@ -120,7 +120,7 @@ package body Ravenbrick.Interrupts is
         (if Saved < First_Interrupt_Urgency then 0 else At_Or_Below (To_Priority (Saved)));
    begin
       Masked := Saved;
-      AIC.Enable := At_Or_Below (To_Priority (Ceiling)) and not Still;
+      AIC.AIC_IECR := At_Or_Below (To_Priority (Ceiling)) and not Still;
    end Lower_Mask;
 
 end Ravenbrick.Interrupts;

@@ -48,36 +48,36 @@ package body NXT.Bluetooth_Line is
    begin
       Current := 0;
       Read := 0;
-      Controller.Receive_Address := Received (0)'Address;
-      Controller.Receive_Count := Buffer_Size;
-      Controller.Receive_Next_Address := Received (1)'Address;
-      Controller.Receive_Next_Count := Buffer_Size;
-      Controller.DMA_Control := DMA_Receive_Enable or DMA_Send_Enable;
+      Controller.PERIPH_RPR := Received (0)'Address;
+      Controller.PERIPH_RCR := Buffer_Size;
+      Controller.PERIPH_RNPR := Received (1)'Address;
+      Controller.PERIPH_RNCR := Buffer_Size;
+      Controller.PERIPH_PTCR := DMA_Receive_Enable or DMA_Send_Enable;
    end Start_DMA;
 
    procedure Power_Off is
    begin
-      PIOA.Clear_Output := Reset_Line or Stream_Line;
+      PIOA.PIO_CODR := Reset_Line or Stream_Line;
    end Power_Off;
 
    procedure Power_On is
    begin
-      Controller.DMA_Control := DMA_Receive_Disable or DMA_Send_Disable;
-      Controller.Control := Reset_Receiver or Reset_Transmitter;
-      Controller.Send_Count := 0;
+      Controller.PERIPH_PTCR := DMA_Receive_Disable or DMA_Send_Disable;
+      Controller.US_CR := Reset_Receiver or Reset_Transmitter;
+      Controller.PERIPH_TCR := 0;
       Waiting := 0;
       In_Flight := 0;
       Start_DMA;
-      Controller.Control := Enable_Receiver or Enable_Transmitter;
-      PIOA.Set_Output := Reset_Line;
+      Controller.US_CR := Enable_Receiver or Enable_Transmitter;
+      PIOA.PIO_SODR := Reset_Line;
    end Power_On;
 
    procedure Want_Stream (Wanted : Boolean) is
    begin
       if Wanted then
-         PIOA.Set_Output := Stream_Line;
+         PIOA.PIO_SODR := Stream_Line;
       else
-         PIOA.Clear_Output := Stream_Line;
+         PIOA.PIO_CODR := Stream_Line;
       end if;
    end Want_Stream;
 
@@ -92,15 +92,15 @@ package body NXT.Bluetooth_Line is
    --  What is sent makes room; what waits goes to an idle DMA, up to the end of the ring.
    procedure Pump is
    begin
-      if Controller.Send_Count > 0 then
+      if Controller.PERIPH_TCR > 0 then
          return;
       end if;
       Oldest := Oldest + Ring_Place (In_Flight);
       Waiting := Waiting - In_Flight;
       In_Flight := Natural'Min (Waiting, Send_Capacity - Natural (Oldest));
       if In_Flight > 0 then
-         Controller.Send_Address := Outgoing (Oldest)'Address;
-         Controller.Send_Count := Word (In_Flight);
+         Controller.PERIPH_TPR := Outgoing (Oldest)'Address;
+         Controller.PERIPH_TCR := Word (In_Flight);
       end if;
    end Pump;
 
@@ -123,36 +123,36 @@ package body NXT.Bluetooth_Line is
    function All_Sent return Boolean is
    begin
       Pump;
-      return Waiting = 0 and then Has (Controller.Status, Sent);
+      return Waiting = 0 and then Has (Controller.US_CSR, Sent);
    end All_Sent;
 
    procedure Forget is
    begin
-      Controller.DMA_Control := DMA_Send_Disable;
-      Controller.Send_Count := 0;
+      Controller.PERIPH_PTCR := DMA_Send_Disable;
+      Controller.PERIPH_TCR := 0;
       Waiting := 0;
       In_Flight := 0;
-      Controller.DMA_Control := DMA_Send_Enable;
+      Controller.PERIPH_PTCR := DMA_Send_Enable;
    end Forget;
 
    --  Bytes of the current buffer that have come. The count is read before the next count: if
    --  there still is a next buffer afterwards, the count was the current one's.
    function Arrived return Natural is
-      Left : constant Word := Controller.Receive_Count;
+      Left : constant Word := Controller.PERIPH_RCR;
    begin
-      return (if Controller.Receive_Next_Count > 0 then Buffer_Size - Natural (Left)
+      return (if Controller.PERIPH_RNCR > 0 then Buffer_Size - Natural (Left)
               else Buffer_Size);
    end Arrived;
 
    --  The buffer that was read becomes the DMA's next one, or its first when it has none.
    procedure Give_Back is
    begin
-      Controller.Receive_Next_Address := Received (Current)'Address;
-      Controller.Receive_Next_Count := Buffer_Size;
-      if Controller.Receive_Count = 0 and then Controller.Receive_Next_Count > 0 then
-         Controller.Receive_Next_Count := 0;
-         Controller.Receive_Address := Received (Current)'Address;
-         Controller.Receive_Count := Buffer_Size;
+      Controller.PERIPH_RNPR := Received (Current)'Address;
+      Controller.PERIPH_RNCR := Buffer_Size;
+      if Controller.PERIPH_RCR = 0 and then Controller.PERIPH_RNCR > 0 then
+         Controller.PERIPH_RNCR := 0;
+         Controller.PERIPH_RPR := Received (Current)'Address;
+         Controller.PERIPH_RCR := Buffer_Size;
       end if;
       Current := Current + 1;
       Read := 0;
@@ -184,17 +184,17 @@ package body NXT.Bluetooth_Line is
    end Receive;
 
 begin
-   PMC.PMC.Enable_Clock := Bit (USART1_Id) or Bit (PIOA_Id);
-   PIOA.Clear_Output := Reset_Line or Stream_Line;
-   PIOA.Set_Output := Select_Line;
-   PIOA.Enable_Output := Reset_Line or Stream_Line or Select_Line;
-   PIOA.Take_Line := Reset_Line or Stream_Line or Select_Line;
-   PIOA.Disable_Pull_Up := Serial;
-   PIOA.Select_A := Serial;
-   PIOA.Give_To_Peripheral := Serial;
-   Controller.Mode :=
+   PMC.PMC.PMC_PCER := Bit (USART1_Id) or Bit (PIOA_Id);
+   PIOA.PIO_CODR := Reset_Line or Stream_Line;
+   PIOA.PIO_SODR := Select_Line;
+   PIOA.PIO_OER := Reset_Line or Stream_Line or Select_Line;
+   PIOA.PIO_PER := Reset_Line or Stream_Line or Select_Line;
+   PIOA.PIO_PUDR := Serial;
+   PIOA.PIO_ASR := Serial;
+   PIOA.PIO_PDR := Serial;
+   Controller.US_MR :=
      Hardware_Handshake or Eight_Bits or No_Parity or Eight_Times_Sampling;
-   Controller.Baud_Rate := Divider;
+   Controller.US_BRGR := Divider;
    Converter.Use_Channel (Registers.ADC.Bluetooth_Channel);
    Converter.Start;
 end NXT.Bluetooth_Line;

@@ -11,7 +11,7 @@ package body NXT.Power is
    use type Word;
 
    function Last_Reset return Reset_Cause is
-      Cause : constant Word := Registers.RSTC.RSTC.Status / 2 ** Cause_Place and Cause_Mask;
+      Cause : constant Word := Registers.RSTC.RSTC.RSTC_SR / 2 ** Cause_Place and Cause_Mask;
    begin
       case Cause is
          when 2      => return Watchdog;

@@ -29,38 +29,38 @@ package body NXT.TWI.Bus is
       Levels : Word;
    begin
       for Read in 1 .. Half_Period_Reads loop
-         Levels := PIOA.Pin_Levels;
+         Levels := PIOA.PIO_PDSR;
       end loop;
       pragma Unreferenced (Levels);
    end Wait_Half_Period;
 
    procedure Pulse_Clock is
    begin
-      PIOA.Clear_Output := Clock;
+      PIOA.PIO_CODR := Clock;
       Wait_Half_Period;
-      PIOA.Set_Output := Clock;
+      PIOA.PIO_SODR := Clock;
       Wait_Half_Period;
    end Pulse_Clock;
 
    procedure Send_Stop_Condition is
    begin
-      PIOA.Clear_Output := Clock;
+      PIOA.PIO_CODR := Clock;
       Wait_Half_Period;
-      PIOA.Clear_Output := Data;
+      PIOA.PIO_CODR := Data;
       Wait_Half_Period;
-      PIOA.Set_Output := Clock;
+      PIOA.PIO_SODR := Clock;
       Wait_Half_Period;
-      PIOA.Set_Output := Data;
+      PIOA.PIO_SODR := Data;
       Wait_Half_Period;
    end Send_Stop_Condition;
 
    procedure Free_Bus is
    begin
-      PIOA.Enable_Open_Drain := Data or Clock;
-      PIOA.Disable_Pull_Up := Data or Clock;
-      PIOA.Set_Output := Data or Clock;
-      PIOA.Enable_Output := Data or Clock;
-      PIOA.Take_Line := Data or Clock;
+      PIOA.PIO_MDER := Data or Clock;
+      PIOA.PIO_PUDR := Data or Clock;
+      PIOA.PIO_SODR := Data or Clock;
+      PIOA.PIO_OER := Data or Clock;
+      PIOA.PIO_PER := Data or Clock;
       for Count in 1 .. Clearing_Clocks loop
          Pulse_Clock;
       end loop;
@@ -70,22 +70,22 @@ package body NXT.TWI.Bus is
    procedure Reset is
       use NXT.Registers.TWI;
    begin
-      PMC.PMC.Enable_Clock := Bit (PIOA_Id) or Bit (TWI_Id);
-      Controller.Disable_Interrupt := All_Interrupts;
-      Controller.Control := Disable_Master;
+      PMC.PMC.PMC_PCER := Bit (PIOA_Id) or Bit (TWI_Id);
+      Controller.TWI_IDR := All_Interrupts;
+      Controller.TWI_CR := Disable_Master;
       Free_Bus;
-      Controller.Control := Registers.TWI.Reset;
-      PIOA.Select_A := Data or Clock;
-      PIOA.Give_To_Peripheral := Data or Clock;
-      Controller.Clock_Waveform := Fast_Mode;
-      Controller.Control := Enable_Master;
+      Controller.TWI_CR := Registers.TWI.Reset;
+      PIOA.PIO_ASR := Data or Clock;
+      PIOA.PIO_PDR := Data or Clock;
+      Controller.TWI_CWGR := Fast_Mode;
+      Controller.TWI_CR := Enable_Master;
    end Reset;
 
    --  Wait until one of Flags is up; what was up is in Seen, nothing when patience ended.
    procedure Await (Flags : Word; Seen : out Word) is
    begin
       for Poll in 1 .. Patience loop
-         Seen := Controller.Status and Flags;
+         Seen := Controller.TWI_SR and Flags;
          exit when Seen /= 0;
       end loop;
    end Await;
@@ -94,9 +94,9 @@ package body NXT.TWI.Bus is
       use NXT.Registers.TWI;
       Seen : Word;
    begin
-      Controller.Master_Mode := To_Device (Word (Device));
+      Controller.TWI_MMR := To_Device (Word (Device));
       for Value of Message loop
-         Controller.Transmit := Word (Value);
+         Controller.TWI_THR := Word (Value);
          Await (Transmit_Ready or Not_Acknowledged, Seen);
          exit when Seen /= Transmit_Ready;
       end loop;

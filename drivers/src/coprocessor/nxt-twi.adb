@@ -42,9 +42,9 @@ package body NXT.TWI is
          Length := Message'Length;
          Buffer (1 .. Length) := Message;
          Next := 2;
-         Controller.Master_Mode := To_Device (Word (Device));
-         Controller.Transmit := Word (Buffer (1));
-         Controller.Enable_Interrupt := Transmit_Ready or Not_Acknowledged;
+         Controller.TWI_MMR := To_Device (Word (Device));
+         Controller.TWI_THR := Word (Buffer (1));
+         Controller.TWI_IER := Transmit_Ready or Not_Acknowledged;
       end Send;
 
       procedure Receive (Device : Device_Id; Count : Transfer_Length) is
@@ -52,9 +52,9 @@ package body NXT.TWI is
          State := Busy;
          Length := Count;
          Next := 1;
-         Controller.Master_Mode := To_Device (Word (Device)) or Master_Reads;
-         Controller.Control := Start;
-         Controller.Enable_Interrupt := Receive_Ready or Overrun or Not_Acknowledged;
+         Controller.TWI_MMR := To_Device (Word (Device)) or Master_Reads;
+         Controller.TWI_CR := Start;
+         Controller.TWI_IER := Receive_Ready or Overrun or Not_Acknowledged;
       end Receive;
 
       procedure Fetch (Message : out Byte_Array) is
@@ -69,25 +69,25 @@ package body NXT.TWI is
 
       procedure Finish (Result : Transfer_Status) is
       begin
-         Controller.Disable_Interrupt := All_Interrupts;
+         Controller.TWI_IDR := All_Interrupts;
          State := Result;
       end Finish;
 
       --  The bytes are through, the stop condition is not: only then is the bus free again.
       procedure Await_End_On_Bus is
       begin
-         Controller.Disable_Interrupt := All_Interrupts;
-         Controller.Enable_Interrupt := Transfer_Complete or Not_Acknowledged;
+         Controller.TWI_IDR := All_Interrupts;
+         Controller.TWI_IER := Transfer_Complete or Not_Acknowledged;
       end Await_End_On_Bus;
 
       --  The stop must be asked for while the last byte is on its way, that is after the last but
       --  one was taken (datasheet, chapter TWI, master receiver).
       procedure Handle_Received_Byte is
       begin
-         Buffer (Next) := Byte (Controller.Receive and 16#FF#);
+         Buffer (Next) := Byte (Controller.TWI_RHR and 16#FF#);
          Next := Next + 1;
          if Next = Length then
-            Controller.Control := Stop;
+            Controller.TWI_CR := Stop;
          elsif Next > Length then
             Await_End_On_Bus;
          end if;
@@ -98,7 +98,7 @@ package body NXT.TWI is
       procedure Handle_Free_Transmitter is
       begin
          if Next <= Length then
-            Controller.Transmit := Word (Buffer (Next));
+            Controller.TWI_THR := Word (Buffer (Next));
             Next := Next + 1;
          else
             Await_End_On_Bus;
@@ -106,8 +106,8 @@ package body NXT.TWI is
       end Handle_Free_Transmitter;
 
       procedure Handle_Interrupt is
-         Mask : constant Word := Controller.Interrupt_Mask;
-         Flags : constant Word := Controller.Status and Mask;
+         Mask : constant Word := Controller.TWI_IMR;
+         Flags : constant Word := Controller.TWI_SR and Mask;
       begin
          if Has (Flags, Not_Acknowledged or Overrun) then
             Finish (Failed);

@@ -21,34 +21,34 @@ package body NXT.SPI.Bus is
    procedure Configure is
       use NXT.Registers.SPI;
    begin
-      PMC.PMC.Enable_Clock := Bit (PIOA_Id) or Bit (SPI_Id);
-      Controller.Disable_Interrupt := 16#FFFF_FFFF#;
-      Controller.DMA_Control := DMA_Transmit_Disable;
-      Controller.DMA_Count := 0;
-      PIOA.Set_Output := Selector;
-      PIOA.Enable_Output := Selector;
-      PIOA.Take_Line := Selector;
-      PIOA.Select_A := A_Lines;
-      PIOA.Select_B := B_Lines;
-      PIOA.Give_To_Peripheral := A_Lines or B_Lines;
-      Controller.Control := Reset;
-      Controller.Mode := Master or Ignore_Mode_Fault or Select_Line_2;
-      Controller.Chip_Select_2 := Display_Timing;
-      Controller.Control := Enable;
+      PMC.PMC.PMC_PCER := Bit (PIOA_Id) or Bit (SPI_Id);
+      Controller.SPI_IDR := 16#FFFF_FFFF#;
+      Controller.PERIPH_PTCR := DMA_Transmit_Disable;
+      Controller.PERIPH_TCR := 0;
+      PIOA.PIO_SODR := Selector;
+      PIOA.PIO_OER := Selector;
+      PIOA.PIO_PER := Selector;
+      PIOA.PIO_ASR := A_Lines;
+      PIOA.PIO_BSR := B_Lines;
+      PIOA.PIO_PDR := A_Lines or B_Lines;
+      Controller.SPI_CR := Reset;
+      Controller.SPI_MR := Master or Ignore_Mode_Fault or Select_Line_2;
+      Controller.SPI_CSR2 := Display_Timing;
+      Controller.SPI_CR := Enable;
    end Configure;
 
    procedure Announce (Kind : Segment_Kind) is
    begin
       case Kind is
-         when Command => PIOA.Clear_Output := Selector;
-         when Pixels  => PIOA.Set_Output := Selector;
+         when Command => PIOA.PIO_CODR := Selector;
+         when Pixels  => PIOA.PIO_SODR := Selector;
       end case;
    end Announce;
 
    procedure Await (Flag : Word) is
    begin
       for Poll in 1 .. Patience loop
-         exit when Has (Controller.Status, Flag);
+         exit when Has (Controller.SPI_SR, Flag);
       end loop;
    end Await;
 
@@ -58,7 +58,7 @@ package body NXT.SPI.Bus is
       Announce (Kind);
       for Value of Data loop
          Await (Transmit_Ready);
-         Controller.Transmit := Word (Value);
+         Controller.SPI_TDR := Word (Value);
       end loop;
       Await (Nothing_Left);
    end Send_Polled;

@@ -46,9 +46,9 @@ package body NXT.SPI is
       procedure Feed (Part : Segment) is
       begin
          Bus.Announce (Part.Kind);
-         Controller.DMA_Address := Part.Start;
-         Controller.DMA_Count := Word (Part.Length);
-         Controller.Enable_Interrupt := DMA_Ended;
+         Controller.PERIPH_TPR := Part.Start;
+         Controller.PERIPH_TCR := Word (Part.Length);
+         Controller.SPI_IER := DMA_Ended;
       end Feed;
 
       procedure Fill (Number : List_Number; List : Segment_List) is
@@ -112,14 +112,14 @@ package body NXT.SPI is
       --  The line that tells commands from pixels may change only when the last bit is out, which
       --  is later than the end of the DMA transfer.
       procedure Handle_Interrupt is
-         Mask  : constant Word := Controller.Interrupt_Mask;
-         Flags : constant Word := Controller.Status and Mask;
+         Mask  : constant Word := Controller.SPI_IMR;
+         Flags : constant Word := Controller.SPI_SR and Mask;
       begin
          if Has (Flags, DMA_Ended) then
-            Controller.Disable_Interrupt := DMA_Ended;
-            Controller.Enable_Interrupt := Nothing_Left;
+            Controller.SPI_IDR := DMA_Ended;
+            Controller.SPI_IER := Nothing_Left;
          elsif Has (Flags, Nothing_Left) then
-            Controller.Disable_Interrupt := Nothing_Left;
+            Controller.SPI_IDR := Nothing_Left;
             Finish_Segment;
          end if;
       end Handle_Interrupt;
@@ -165,5 +165,5 @@ package body NXT.SPI is
 
 begin
    Bus.Configure;
-   Controller.DMA_Control := DMA_Transmit_Enable;
+   Controller.PERIPH_PTCR := DMA_Transmit_Enable;
 end NXT.SPI;

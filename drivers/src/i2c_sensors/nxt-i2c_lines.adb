@@ -28,26 +28,26 @@ package body NXT.I2C_Lines is
    procedure Put (Mask : Word; High : Boolean) is
    begin
       if High then
-         PIOA.Set_Output := Mask;
+         PIOA.PIO_SODR := Mask;
       else
-         PIOA.Clear_Output := Mask;
+         PIOA.PIO_CODR := Mask;
       end if;
    end Put;
 
    procedure Take_Lines (Port : Sensor_Id) is
       Both : constant Word := Clock_Masks (Port) or Data_Masks (Port);
    begin
-      PIOA.Disable_Pull_Up := Both;
-      PIOA.Enable_Open_Drain := Both;
-      PIOA.Set_Output := Both;
-      PIOA.Enable_Output := Both;
-      PIOA.Take_Line := Both;
+      PIOA.PIO_PUDR := Both;
+      PIOA.PIO_MDER := Both;
+      PIOA.PIO_SODR := Both;
+      PIOA.PIO_OER := Both;
+      PIOA.PIO_PER := Both;
    end Take_Lines;
 
    function Free (Port : Sensor_Id) return Boolean is
       Both : constant Word := Clock_Masks (Port) or Data_Masks (Port);
    begin
-      return (PIOA.Pin_Levels and Both) = Both;
+      return (PIOA.PIO_PDSR and Both) = Both;
    end Free;
 
    procedure Begin_Transfer (This : in out Bus) is
@@ -63,7 +63,7 @@ package body NXT.I2C_Lines is
 
    procedure Finish (This : in out Bus; Port : Sensor_Id) is
    begin
-      PIOA.Set_Output := Clock_Masks (Port) or Data_Masks (Port);
+      PIOA.PIO_SODR := Clock_Masks (Port) or Data_Masks (Port);
       This.State := Idle;
    end Finish;
 
@@ -183,7 +183,7 @@ package body NXT.I2C_Lines is
 
    --  A sensor may hold the clock low for a while.
    procedure Proceed_When_Clock_Is_High (This : in out Bus; Port : Sensor_Id) is
-      Levels : constant Word := PIOA.Pin_Levels;
+      Levels : constant Word := PIOA.PIO_PDSR;
    begin
       if not Has (Levels, Clock_Masks (Port)) then
          This.Waits := This.Waits + 1;

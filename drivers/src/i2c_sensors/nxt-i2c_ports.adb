@@ -86,7 +86,7 @@ package body NXT.I2C_Ports is
             Begin_Transfer (Table (Port));
             if not Running then
                Running := True;
-               TC1.Control := TC.Enable or Trigger;
+               TC1.TC_CCR := TC.Enable or Trigger;
             end if;
          end if;
       end Start;
@@ -94,7 +94,7 @@ package body NXT.I2C_Ports is
       function State_Of (Port : Sensor_Id) return Bus is (Table (Port));
 
       procedure Handle_Beat is
-         Ignored : constant Word := TC1.Status;
+         Ignored : constant Word := TC1.TC_SR;
          Left    : Boolean := False;
          pragma Unreferenced (Ignored);
       begin
@@ -109,7 +109,7 @@ package body NXT.I2C_Ports is
             end if;
          end loop;
          if not Left then
-            TC1.Control := TC.Disable;
+            TC1.TC_CCR := TC.Disable;
             Running := False;
          end if;
       end Handle_Beat;
@@ -230,9 +230,9 @@ package body NXT.I2C_Ports is
    end Complete_Transaction;
 
 begin
-   PMC.PMC.Enable_Clock := Bit (TC1_Id);
-   TC1.Mode := Repeating;
-   TC1.Compare := Counts_Per_Beat;
-   TC1.Enable_Interrupt := Compared;
+   PMC.PMC.PMC_PCER := Bit (TC1_Id);
+   TC1.TC_CMR := Repeating;
+   TC1.TC_RC := Counts_Per_Beat;
+   TC1.TC_IER := Compared;
    Initialize;
 end NXT.I2C_Ports;

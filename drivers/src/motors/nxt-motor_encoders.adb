@@ -28,21 +28,21 @@ package body NXT.Motor_Encoders is
       procedure Configure is
          Ignored : Word;
       begin
-         PMC.PMC.Enable_Clock := Bit (PIOA_Id);
-         PIOA.Disable_Pull_Up := Tachometers or Directions;
-         PIOA.Enable_Filter := Tachometers or Directions;
-         PIOA.Disable_Output := Tachometers or Directions;
-         PIOA.Take_Line := Tachometers or Directions;
-         Ignored := PIOA.Changed;
-         PIOA.Enable_Interrupt := Tachometers;
+         PMC.PMC.PMC_PCER := Bit (PIOA_Id);
+         PIOA.PIO_PUDR := Tachometers or Directions;
+         PIOA.PIO_IFER := Tachometers or Directions;
+         PIOA.PIO_ODR := Tachometers or Directions;
+         PIOA.PIO_PER := Tachometers or Directions;
+         Ignored := PIOA.PIO_ISR;
+         PIOA.PIO_IER := Tachometers;
          pragma Unreferenced (Ignored);
       end Configure;
 
       --  Changed is read, and thereby cleared, before the levels: an edge in between is handled
       --  once more and not lost.
       procedure Handle_Edges is
-         Edges  : constant Word := PIOA.Changed and Tachometers;
-         Levels : constant Word := PIOA.Pin_Levels;
+         Edges  : constant Word := PIOA.PIO_ISR and Tachometers;
+         Levels : constant Word := PIOA.PIO_PDSR;
       begin
          for Motor in Motor_Id loop
             if Has (Edges, Bit (Tachometer (Motor))) then

@@ -12,30 +12,27 @@ package NXT.Registers.ADC is
    type Channel_Words is array (Channel) of Word with Atomic_Components;
 
    type Peripheral is record
-      Control         : Word with Atomic;
-      Mode            : Word with Atomic;
-      Enable_Channel  : Word with Atomic;
-      Disable_Channel : Word with Atomic;
-      Status          : Word with Atomic;
-      Data            : Channel_Words;
+      ADC_CR   : Word with Atomic;  --  control
+      ADC_MR   : Word with Atomic;  --  mode
+      ADC_CHER : Word with Atomic;  --  enables channels
+      ADC_CHDR : Word with Atomic;  --  disables channels
+      ADC_CDR  : Channel_Words;     --  results of the conversions
    end record;
-   --  Status: bit N while Data (N) holds a conversion that was not read; reading clears it.
 
    for Peripheral use record
-      Control         at 16#00# range 0 .. 31;
-      Mode            at 16#04# range 0 .. 31;
-      Enable_Channel  at 16#10# range 0 .. 31;
-      Disable_Channel at 16#14# range 0 .. 31;
-      Status          at 16#1C# range 0 .. 31;
-      Data            at 16#30# range 0 .. 255;
+      ADC_CR   at 16#00# range 0 .. 31;
+      ADC_MR   at 16#04# range 0 .. 31;
+      ADC_CHER at 16#10# range 0 .. 31;
+      ADC_CHDR at 16#14# range 0 .. 31;
+      ADC_CDR  at 16#30# range 0 .. 255;
    end record;
 
    ADC : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFD_8000#);
 
-   --  Control
-   Start : constant Word := Bit (1);
+   --  ADC_CR
+   Start : constant Word := Bit (1);  --  START
 
-   --  Mode: the clock is the master clock divided by ten, 4.8 MHz (at most 5); 21 us to start up,
+   --  ADC_MR: the clock is the master clock divided by ten, 4.8 MHz (at most 5); 21 us to start up,
    --  0.8 us to sample and hold.
    Ten_Bits : constant Word := 4 * Bit (8) + 12 * Bit (16) + 3 * Bit (24);
 

@@ -9,28 +9,26 @@ with System;
 package NXT.Registers.EFC is
 
    type Peripheral is record
-      Mode    : Word with Atomic;
-      Command : Word with Atomic;
-      Status  : Word with Atomic;
+      MC_FCR : Word with Atomic;  --  command
+      MC_FSR : Word with Atomic;  --  status
    end record;
 
    for Peripheral use record
-      Mode    at 16#60# range 0 .. 31;
-      Command at 16#64# range 0 .. 31;
-      Status  at 16#68# range 0 .. 31;
+      MC_FCR at 16#64# range 0 .. 31;
+      MC_FSR at 16#68# range 0 .. 31;
    end record;
 
    EFC : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFF_FF00#);
 
-   --  Command: key, page number from bit 8 on, what to do
-   Write_Page   : constant Word := 16#5A00_0001#;
-   Clear_Lock   : constant Word := 16#5A00_0004#;
-   Set_Bit      : constant Word := 16#5A00_000B#;
+   --  MC_FCR: key, page number from bit 8 on, what to do
+   Write_Page   : constant Word := 16#5A00_0001#;  --  WP
+   Clear_Lock   : constant Word := 16#5A00_0004#;  --  CLB
+   Set_Bit      : constant Word := 16#5A00_000B#;  --  SGPB
    --  With the number of a general purpose bit in the place of the page.
    Page_Place   : constant := 8;
 
-   --  Status
-   Ready      : constant Word := Bit (0);
+   --  MC_FSR
+   Ready      : constant Word := Bit (0);  --  FRDY
    First_Lock : constant := 16;
    --  Number of the bit of the first lock region.
    First_Bit  : constant := 8;

@@ -2,7 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Parallel input and output controller A (datasheet, chapter PIO) and how the brick wires it.
---  Writing ones to a pair such as Enable_Output and Disable_Output changes those lines only, so
+--  Writing ones to a pair such as PIO_OER and PIO_ODR changes those lines only, so
 --  no read-modify-write is needed and drivers do not disturb each other.
 
 with System;
@@ -10,48 +10,39 @@ with System;
 package NXT.Registers.PIO is
 
    type Peripheral is record
-      Take_Line            : Word with Atomic;
-      Give_To_Peripheral   : Word with Atomic;
-      Enable_Output        : Word with Atomic;
-      Disable_Output       : Word with Atomic;
-      Enable_Filter        : Word with Atomic;
-      Disable_Filter       : Word with Atomic;
-      Set_Output           : Word with Atomic;
-      Clear_Output         : Word with Atomic;
-      Pin_Levels           : Word with Atomic;
-      Enable_Interrupt     : Word with Atomic;
-      Disable_Interrupt    : Word with Atomic;
-      Interrupt_Mask       : Word with Atomic;
-      Changed              : Word with Atomic;
-      Enable_Open_Drain    : Word with Atomic;
-      Disable_Open_Drain   : Word with Atomic;
-      Disable_Pull_Up      : Word with Atomic;
-      Enable_Pull_Up       : Word with Atomic;
-      Select_A             : Word with Atomic;
-      Select_B             : Word with Atomic;
+      PIO_PER  : Word with Atomic;  --  gives lines to this controller
+      PIO_PDR  : Word with Atomic;  --  gives lines to their peripheral
+      PIO_OER  : Word with Atomic;  --  enables outputs
+      PIO_ODR  : Word with Atomic;  --  disables outputs
+      PIO_IFER : Word with Atomic;  --  enables the glitch filter
+      PIO_SODR : Word with Atomic;  --  sets outputs
+      PIO_CODR : Word with Atomic;  --  clears outputs
+      PIO_PDSR : Word with Atomic;  --  levels of the pins
+      PIO_IER  : Word with Atomic;  --  enables interrupts at edges
+      PIO_ISR  : Word with Atomic;  --  lines with an edge since the last reading, which clears it
+      PIO_MDER : Word with Atomic;  --  makes outputs open drain
+      PIO_MDDR : Word with Atomic;  --  makes outputs push-pull
+      PIO_PUDR : Word with Atomic;  --  disables pull-ups
+      PIO_ASR  : Word with Atomic;  --  selects peripheral A
+      PIO_BSR  : Word with Atomic;  --  selects peripheral B
    end record;
-   --  Changed: lines with an edge since it was last read; reading clears it.
 
    for Peripheral use record
-      Take_Line            at 16#00# range 0 .. 31;
-      Give_To_Peripheral   at 16#04# range 0 .. 31;
-      Enable_Output        at 16#10# range 0 .. 31;
-      Disable_Output       at 16#14# range 0 .. 31;
-      Enable_Filter        at 16#20# range 0 .. 31;
-      Disable_Filter       at 16#24# range 0 .. 31;
-      Set_Output           at 16#30# range 0 .. 31;
-      Clear_Output         at 16#34# range 0 .. 31;
-      Pin_Levels           at 16#3C# range 0 .. 31;
-      Enable_Interrupt     at 16#40# range 0 .. 31;
-      Disable_Interrupt    at 16#44# range 0 .. 31;
-      Interrupt_Mask       at 16#48# range 0 .. 31;
-      Changed              at 16#4C# range 0 .. 31;
-      Enable_Open_Drain    at 16#50# range 0 .. 31;
-      Disable_Open_Drain   at 16#54# range 0 .. 31;
-      Disable_Pull_Up      at 16#60# range 0 .. 31;
-      Enable_Pull_Up       at 16#64# range 0 .. 31;
-      Select_A             at 16#70# range 0 .. 31;
-      Select_B             at 16#74# range 0 .. 31;
+      PIO_PER  at 16#00# range 0 .. 31;
+      PIO_PDR  at 16#04# range 0 .. 31;
+      PIO_OER  at 16#10# range 0 .. 31;
+      PIO_ODR  at 16#14# range 0 .. 31;
+      PIO_IFER at 16#20# range 0 .. 31;
+      PIO_SODR at 16#30# range 0 .. 31;
+      PIO_CODR at 16#34# range 0 .. 31;
+      PIO_PDSR at 16#3C# range 0 .. 31;
+      PIO_IER  at 16#40# range 0 .. 31;
+      PIO_ISR  at 16#4C# range 0 .. 31;
+      PIO_MDER at 16#50# range 0 .. 31;
+      PIO_MDDR at 16#54# range 0 .. 31;
+      PIO_PUDR at 16#60# range 0 .. 31;
+      PIO_ASR  at 16#70# range 0 .. 31;
+      PIO_BSR  at 16#74# range 0 .. 31;
    end record;
 
    PIOA : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFF_F400#);

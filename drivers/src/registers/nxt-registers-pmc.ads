@@ -8,17 +8,13 @@ with System;
 package NXT.Registers.PMC is
 
    type Peripheral is record
-      Enable_System_Clock : Word with Atomic;
-      Enable_Clock        : Word with Atomic;
-      Disable_Clock       : Word with Atomic;
-      Clock_Status        : Word with Atomic;
+      PMC_SCER : Word with Atomic;  --  enables system clocks
+      PMC_PCER : Word with Atomic;  --  enables clocks of peripherals
    end record;
 
    for Peripheral use record
-      Enable_System_Clock at 16#00# range 0 .. 31;
-      Enable_Clock        at 16#10# range 0 .. 31;
-      Disable_Clock       at 16#14# range 0 .. 31;
-      Clock_Status        at 16#18# range 0 .. 31;
+      PMC_SCER at 16#00# range 0 .. 31;
+      PMC_PCER at 16#10# range 0 .. 31;
    end record;
 
    PMC : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFF_FC00#);

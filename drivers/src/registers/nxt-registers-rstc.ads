@@ -8,15 +8,15 @@ with System;
 package NXT.Registers.RSTC is
 
    type Peripheral is record
-      Control : Word with Atomic;
-      Status  : Word with Atomic;
-      Mode    : Word with Atomic;
+      RSTC_CR : Word with Atomic;  --  control
+      RSTC_SR : Word with Atomic;  --  status
+      RSTC_MR : Word with Atomic;  --  mode
    end record;
 
    RSTC : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFF_FD00#);
 
-   --  Status: the cause of the last reset in three bits
-   Cause_Place : constant := 8;
+   --  RSTC_SR: the cause of the last reset in three bits
+   Cause_Place : constant := 8;  --  RSTTYP
    Cause_Mask  : constant Word := 7;
 
 end NXT.Registers.RSTC;

@@ -9,17 +9,17 @@ with System;
 package NXT.Registers.WDT is
 
    type Peripheral is record
-      Control : Word with Atomic;
-      Mode    : Word with Atomic;
-      Status  : Word with Atomic;
+      WDT_CR : Word with Atomic;  --  control
+      WDT_MR : Word with Atomic;  --  mode, one write after a reset
+      WDT_SR : Word with Atomic;  --  status
    end record;
 
    WDT : Peripheral with Import, Volatile, Address => System'To_Address (16#FFFF_FD40#);
 
-   Restart  : constant Word := 16#A500_0001#;
-   --  Control: key and bit.
+   Restart  : constant Word := 16#A500_0001#;  --  KEY, WDRSTT
+   --  WDT_CR: key and bit.
 
-   Disabled : constant Word := Bit (15);
+   Disabled : constant Word := Bit (15);  --  WDDIS
    --  Mode.
 
 end NXT.Registers.WDT;

@@ -57,25 +57,25 @@ package body NXT.RS485 is
       procedure Open (Rate : Bits_Per_Second; To : Connection) is
          Divider : constant Word := Divider_Of (Rate);
       begin
-         PMC.PMC.Enable_Clock := Bit (PIOA_Id) or Bit (USART0_Id);
-         Controller.Disable_Interrupt := 16#FFFF_FFFF#;
-         Controller.DMA_Control := DMA_Receive_Disable or DMA_Send_Disable;
-         Controller.Control := Reset_Receiver or Reset_Transmitter or Reset_Errors;
-         Controller.Mode := RS485_Direction_Line or Eight_Bits or No_Parity or Eight_Times_Sampling
+         PMC.PMC.PMC_PCER := Bit (PIOA_Id) or Bit (USART0_Id);
+         Controller.US_IDR := 16#FFFF_FFFF#;
+         Controller.PERIPH_PTCR := DMA_Receive_Disable or DMA_Send_Disable;
+         Controller.US_CR := Reset_Receiver or Reset_Transmitter or Reset_Errors;
+         Controller.US_MR := RS485_Direction_Line or Eight_Bits or No_Parity or Eight_Times_Sampling
            or (if To = Loop_Back then Local_Loop else 0);
-         Controller.Baud_Rate := Divider / 8 or (Divider mod 8) * 2 ** Fraction_Place;
-         PIOA.Select_A := Pins;
-         PIOA.Give_To_Peripheral := Pins;
+         Controller.US_BRGR := Divider / 8 or (Divider mod 8) * 2 ** Fraction_Place;
+         PIOA.PIO_ASR := Pins;
+         PIOA.PIO_PDR := Pins;
          Given := Block;
          First := 0;
          Lost := False;
-         Controller.Receive_Address := Ring (0)'Address;
-         Controller.Receive_Count := Block;
-         Controller.Receive_Next_Address := Ring (Block)'Address;
-         Controller.Receive_Next_Count := Block;
-         Controller.Control := Enable_Receiver or Enable_Transmitter;
-         Controller.DMA_Control := DMA_Receive_Enable or DMA_Send_Enable;
-         Controller.Enable_Interrupt := Receive_Ended;
+         Controller.PERIPH_RPR := Ring (0)'Address;
+         Controller.PERIPH_RCR := Block;
+         Controller.PERIPH_RNPR := Ring (Block)'Address;
+         Controller.PERIPH_RNCR := Block;
+         Controller.US_CR := Enable_Receiver or Enable_Transmitter;
+         Controller.PERIPH_PTCR := DMA_Receive_Enable or DMA_Send_Enable;
+         Controller.US_IER := Receive_Ended;
          Opened := True;
          Idle := True;
       end Open;
@@ -84,11 +84,11 @@ package body NXT.RS485 is
       begin
          Opened := False;
          Idle := True;
-         Controller.Disable_Interrupt := 16#FFFF_FFFF#;
-         Controller.DMA_Control := DMA_Receive_Disable or DMA_Send_Disable;
-         Controller.Control := Disable_Both;
-         PIOA.Disable_Output := Pins;
-         PIOA.Take_Line := Pins;
+         Controller.US_IDR := 16#FFFF_FFFF#;
+         Controller.PERIPH_PTCR := DMA_Receive_Disable or DMA_Send_Disable;
+         Controller.US_CR := Disable_Both;
+         PIOA.PIO_ODR := Pins;
+         PIOA.PIO_PER := Pins;
       end Close;
 
       procedure Send (Message : Byte_Array; Accepted : out Boolean) is
@@ -97,9 +97,9 @@ package body NXT.RS485 is
          if Accepted then
             Output (1 .. Message'Length) := Message;
             Idle := False;
-            Controller.Send_Address := Output'Address;
-            Controller.Send_Count := Message'Length;
-            Controller.Enable_Interrupt := Send_Ended;
+            Controller.PERIPH_TPR := Output'Address;
+            Controller.PERIPH_TCR := Message'Length;
+            Controller.US_IER := Send_Ended;
          end if;
       end Send;
 
@@ -120,29 +120,29 @@ package body NXT.RS485 is
             First := Next + Block;
          end if;
          Given := Next;
-         Controller.Receive_Next_Address := Ring (Next)'Address;
-         Controller.Receive_Next_Count := Block;
+         Controller.PERIPH_RNPR := Ring (Next)'Address;
+         Controller.PERIPH_RNCR := Block;
       end Give_Next;
 
       procedure Look_For_Errors is
       begin
-         if Has (Controller.Status, Overrun or Framing_Error) then
+         if Has (Controller.US_CSR, Overrun or Framing_Error) then
             Lost := True;
-            Controller.Control := Reset_Errors;
+            Controller.US_CR := Reset_Errors;
          end if;
       end Look_For_Errors;
 
       procedure Handle_Interrupt is
-         Flags : constant Word := Controller.Status and Controller.Interrupt_Mask;
+         Flags : constant Word := Controller.US_CSR and Controller.US_IMR;
       begin
          if Has (Flags, Receive_Ended) then
             Give_Next;
          end if;
          if Has (Flags, Send_Ended) then
-            Controller.Disable_Interrupt := Send_Ended;
-            Controller.Enable_Interrupt := Sent;
+            Controller.US_IDR := Send_Ended;
+            Controller.US_IER := Sent;
          elsif Has (Flags, Sent) then
-            Controller.Disable_Interrupt := Sent;
+            Controller.US_IDR := Sent;
             Idle := True;
          end if;
       end Handle_Interrupt;
@@ -150,7 +150,7 @@ package body NXT.RS485 is
       procedure Receive (Data : out Byte_Array; Count : out Natural) is
          Now : constant Ring_Index :=
            Ring_Index
-             ((To_Integer (Controller.Receive_Address) - To_Integer (Ring'Address))
+             ((To_Integer (Controller.PERIPH_RPR) - To_Integer (Ring'Address))
               mod Ring_Length);
       begin
          Look_For_Errors;

@@ -48,13 +48,13 @@ package body NXT.Color_Lines is
       Is_One : constant Boolean := (Shift_Right (This.Mode, This.Step / 2) and 1) = 1;
    begin
       if This.Step mod 2 = 1 then
-         PIOA.Clear_Output := Clock_Of (Port);
+         PIOA.PIO_CODR := Clock_Of (Port);
       else
-         PIOA.Set_Output := Clock_Of (Port);
+         PIOA.PIO_SODR := Clock_Of (Port);
          if Is_One then
-            PIOA.Set_Output := Data_Of (Port);
+            PIOA.PIO_SODR := Data_Of (Port);
          else
-            PIOA.Clear_Output := Data_Of (Port);
+            PIOA.PIO_CODR := Data_Of (Port);
          end if;
       end if;
       This.Step := This.Step + 1;
@@ -68,14 +68,14 @@ package body NXT.Color_Lines is
       Place : constant Positive := 1 + This.Step / (2 * Bits_Per_Byte);
    begin
       if This.Step = 0 then
-         PIOA.Disable_Output := Data_Of (Port);
+         PIOA.PIO_ODR := Data_Of (Port);
       end if;
       if This.Step mod 2 = 0 then
-         PIOA.Set_Output := Clock_Of (Port);
+         PIOA.PIO_SODR := Clock_Of (Port);
       else
          This.Received (Place) := Shift_Right (This.Received (Place), 1)
-           or (if Has (PIOA.Pin_Levels, Data_Of (Port)) then 16#80# else 0);
-         PIOA.Clear_Output := Clock_Of (Port);
+           or (if Has (PIOA.PIO_PDSR, Data_Of (Port)) then 16#80# else 0);
+         PIOA.PIO_CODR := Clock_Of (Port);
       end if;
       This.Step := This.Step + 1;
       if This.Step = 2 * Bits_Per_Byte * Calibration'Length then
@@ -86,8 +86,8 @@ package body NXT.Color_Lines is
    procedure Switch_To_Next_Lamp (This : in out Line_State; Port : Sensor_Id) is
    begin
       case This.Current is
-         when Off | Green => PIOA.Set_Output := Clock_Of (Port);
-         when Red | Blue  => PIOA.Clear_Output := Clock_Of (Port);
+         when Off | Green => PIOA.PIO_SODR := Clock_Of (Port);
+         when Red | Blue  => PIOA.PIO_CODR := Clock_Of (Port);
       end case;
       This.Current := (if This.Current = Blue then Off else Lamp'Succ (This.Current));
    end Switch_To_Next_Lamp;
@@ -117,13 +117,13 @@ package body NXT.Color_Lines is
                Switch_To_Next_Lamp (This, Port);
             end if;
             if This.Current = Off then
-               PIOA.Disable_Output := Clock_Of (Port);
+               PIOA.PIO_ODR := Clock_Of (Port);
             else
                This.Step := 0;
                return;
             end if;
          when others =>
-            This.Lost := This.Lost or else Has (PIOA.Pin_Levels, Clock_Of (Port));
+            This.Lost := This.Lost or else Has (PIOA.PIO_PDSR, Clock_Of (Port));
             This.Now := Idle;
       end case;
       This.Step := This.Step + 1;
@@ -150,7 +150,7 @@ package body NXT.Color_Lines is
       begin
          if not Running then
             Running := True;
-            TC2.Control := TC.Enable or Trigger;
+            TC2.TC_CCR := TC.Enable or Trigger;
          end if;
       end Begin_Steps;
 
@@ -166,11 +166,11 @@ package body NXT.Color_Lines is
          Table (Port).All_Lamps := All_Lamps;
          Table (Port).Current := Off;
          Table (Port).Sums := (others => 0);
-         Table (Port).Lost := Has (PIOA.Pin_Levels, Clock_Of (Port));
+         Table (Port).Lost := Has (PIOA.PIO_PDSR, Clock_Of (Port));
          Begin_Activity (Table (Port), Sampling);
          if All_Lamps then
-            PIOA.Clear_Output := Clock_Of (Port);
-            PIOA.Enable_Output := Clock_Of (Port);
+            PIOA.PIO_CODR := Clock_Of (Port);
+            PIOA.PIO_OER := Clock_Of (Port);
          end if;
          Begin_Steps;
       end Sample;
@@ -178,7 +178,7 @@ package body NXT.Color_Lines is
       function State_Of (Port : Sensor_Id) return Line_State is (Table (Port));
 
       procedure Handle_Step is
-         Ignored : constant Word := TC2.Status;
+         Ignored : constant Word := TC2.TC_SR;
          Left    : Boolean := False;
          pragma Unreferenced (Ignored);
       begin
@@ -198,7 +198,7 @@ package body NXT.Color_Lines is
             end if;
          end loop;
          if not Left then
-            TC2.Control := TC.Disable;
+            TC2.TC_CCR := TC.Disable;
             Running := False;
          end if;
       end Handle_Step;
@@ -231,8 +231,8 @@ package body NXT.Color_Lines is
    end Sample;
 
 begin
-   PMC.PMC.Enable_Clock := Bit (TC2_Id) or Bit (PIOA_Id);
-   TC2.Mode := Repeating;
-   TC2.Compare := Counts_Per_Step;
-   TC2.Enable_Interrupt := Compared;
+   PMC.PMC.PMC_PCER := Bit (TC2_Id) or Bit (PIOA_Id);
+   TC2.TC_CMR := Repeating;
+   TC2.TC_RC := Counts_Per_Step;
+   TC2.TC_IER := Compared;
 end NXT.Color_Lines;

@@ -11,23 +11,23 @@ package body NXT.Converter is
 
    procedure Use_Channel (Number : Channel) is
    begin
-      Controller.Enable_Channel := Bit (Number);
+      Controller.ADC_CHER := Bit (Number);
    end Use_Channel;
 
    procedure Release_Channel (Number : Channel) is
    begin
-      Controller.Disable_Channel := Bit (Number);
+      Controller.ADC_CHDR := Bit (Number);
    end Release_Channel;
 
    procedure Start is
    begin
-      Controller.Control := Registers.ADC.Start;
+      Controller.ADC_CR := Registers.ADC.Start;
    end Start;
 
    function Count (Number : Channel) return ADC_Value is
-     (ADC_Value (Controller.Data (Number) mod 1024));
+     (ADC_Value (Controller.ADC_CDR (Number) mod 1024));
 
 begin
-   PMC.PMC.Enable_Clock := Bit (ADC_Id);
-   Controller.Mode := Registers.ADC.Ten_Bits;
+   PMC.PMC.PMC_PCER := Bit (ADC_Id);
+   Controller.ADC_MR := Registers.ADC.Ten_Bits;
 end NXT.Converter;

@@ -13,21 +13,21 @@ package body NXT.Sensor_Ports is
       Mask    : constant Word := Bit (Line_Of (Port, Pin));
       Channel : constant Registers.ADC.Channel := Registers.ADC.Digital_1 (Port);
    begin
-      PIOA.Disable_Pull_Up := Mask;
+      PIOA.PIO_PUDR := Mask;
       if Pin = Digital_1 and then Mode /= ADC then
          Converter.Release_Channel (Channel);
       end if;
       case Mode is
          when Off | Input =>
-            PIOA.Disable_Output := Mask;
+            PIOA.PIO_ODR := Mask;
          when Output =>
-            PIOA.Disable_Open_Drain := Mask;
-            PIOA.Enable_Output := Mask;
+            PIOA.PIO_MDDR := Mask;
+            PIOA.PIO_OER := Mask;
          when ADC =>
-            PIOA.Disable_Output := Mask;
+            PIOA.PIO_ODR := Mask;
             Converter.Use_Channel (Channel);
       end case;
-      PIOA.Take_Line := Mask;
+      PIOA.PIO_PER := Mask;
    end Set_Pin_Mode;
 
    procedure Convert (Port : Sensor_Id; Before : out ADC_Value) is
@@ -37,14 +37,14 @@ package body NXT.Sensor_Ports is
    end Convert;
 
    function Current_State (Port : Sensor_Id; Pin : Pin_Id) return Pin_States is
-     (if Has (PIOA.Pin_Levels, Bit (Line_Of (Port, Pin))) then High else Low);
+     (if Has (PIOA.PIO_PDSR, Bit (Line_Of (Port, Pin))) then High else Low);
 
    procedure Set_Pin_State (Port : Sensor_Id; Pin : Pin_Id; Value : Pin_States) is
       Mask : constant Word := Bit (Line_Of (Port, Pin));
    begin
       case Value is
-         when Low  => PIOA.Clear_Output := Mask;
-         when High => PIOA.Set_Output := Mask;
+         when Low  => PIOA.PIO_CODR := Mask;
+         when High => PIOA.PIO_SODR := Mask;
       end case;
    end Set_Pin_State;
 
@@ -70,6 +70,6 @@ package body NXT.Sensor_Ports is
    end Reset_All_Ports;
 
 begin
-   PMC.PMC.Enable_Clock := Bit (PIOA_Id);
+   PMC.PMC.PMC_PCER := Bit (PIOA_Id);
    Reset_All_Ports;
 end NXT.Sensor_Ports;

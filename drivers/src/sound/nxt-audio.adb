@@ -123,19 +123,19 @@ package body NXT.Audio is
       procedure Connect is
       begin
          if Playing and then not Muted then
-            PIOA.Give_To_Peripheral := Speaker;
+            PIOA.PIO_PDR := Speaker;
          else
-            PIOA.Take_Line := Speaker;
+            PIOA.PIO_PER := Speaker;
          end if;
       end Connect;
 
       procedure Stop is
       begin
-         Controller.Disable_Interrupt := DMA_Ended or DMA_Drained;
-         Controller.DMA_Control := DMA_Transmit_Disable;
-         Controller.DMA_Next_Count := 0;
-         Controller.DMA_Count := 0;
-         Controller.Control := Transmit_Disable;
+         Controller.SSC_IDR := DMA_Ended or DMA_Drained;
+         Controller.PERIPH_PTCR := DMA_Transmit_Disable;
+         Controller.PERIPH_TNCR := 0;
+         Controller.PERIPH_TCR := 0;
+         Controller.SSC_CR := Transmit_Disable;
          Playing := False;
          Queued := 0;
          Connect;
@@ -158,14 +158,14 @@ package body NXT.Audio is
          Now_Playing := What;
          Next := 0;
          Playing := True;
-         Controller.Clock_Mode := Divider;
-         Controller.DMA_Address := Lead'Address;
-         Controller.DMA_Count := Lead_Samples;
-         Controller.DMA_Next_Address := Lead'Address;
-         Controller.DMA_Next_Count := Lead_Samples;
-         Controller.Control := Transmit_Enable;
-         Controller.DMA_Control := DMA_Transmit_Enable;
-         Controller.Enable_Interrupt := DMA_Ended;
+         Controller.SSC_CMR := Divider;
+         Controller.PERIPH_TPR := Lead'Address;
+         Controller.PERIPH_TCR := Lead_Samples;
+         Controller.PERIPH_TNPR := Lead'Address;
+         Controller.PERIPH_TNCR := Lead_Samples;
+         Controller.SSC_CR := Transmit_Enable;
+         Controller.PERIPH_PTCR := DMA_Transmit_Enable;
+         Controller.SSC_IER := DMA_Ended;
          Connect;
       end Start;
 
@@ -183,16 +183,16 @@ package body NXT.Audio is
       --  A buffer has been sent and the other one is being sent.
       procedure Handle_Interrupt is
       begin
-         if Has (Controller.Status, DMA_Drained) then
+         if Has (Controller.SSC_SR, DMA_Drained) then
             Stop;
          elsif Now_Playing.Left = 0 then
-            Controller.Disable_Interrupt := DMA_Ended;
-            Controller.Enable_Interrupt := DMA_Drained;
+            Controller.SSC_IDR := DMA_Ended;
+            Controller.SSC_IER := DMA_Drained;
             Queued := Samples_Per_Buffer;
          else
             Fill (Next);
-            Controller.DMA_Next_Address := Buffers (Next)'Address;
-            Controller.DMA_Next_Count := Samples_Per_Buffer;
+            Controller.PERIPH_TNPR := Buffers (Next)'Address;
+            Controller.PERIPH_TNCR := Samples_Per_Buffer;
             Next := Next + 1;
             Queued := 2 * Samples_Per_Buffer;
          end if;
@@ -257,11 +257,11 @@ begin
    for Ones in Level loop
       Patterns (Ones) := Spread (Ones);
    end loop;
-   PMC.PMC.Enable_Clock := Bit (SSC_Id) or Bit (PIOA_Id);
-   PIOA.Clear_Output := Speaker;
-   PIOA.Enable_Output := Speaker;
-   PIOA.Take_Line := Speaker;
-   PIOA.Select_A := Speaker;
-   Controller.Control := Reset;
-   Controller.Transmit_Frame := Sound_Words;
+   PMC.PMC.PMC_PCER := Bit (SSC_Id) or Bit (PIOA_Id);
+   PIOA.PIO_CODR := Speaker;
+   PIOA.PIO_OER := Speaker;
+   PIOA.PIO_PER := Speaker;
+   PIOA.PIO_ASR := Speaker;
+   Controller.SSC_CR := Reset;
+   Controller.SSC_TFMR := Sound_Words;
 end NXT.Audio;

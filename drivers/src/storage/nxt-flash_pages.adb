@@ -25,8 +25,8 @@ package body NXT.Flash_Pages is
 
    procedure Command_And_Wait (Command : Word) is
    begin
-      Controller.Command := Command;
-      while (Controller.Status and Ready) = 0 loop
+      Controller.MC_FCR := Command;
+      while (Controller.MC_FSR and Ready) = 0 loop
          null;
       end loop;
    end Command_And_Wait;
@@ -56,7 +56,7 @@ package body NXT.Flash_Pages is
    procedure Perform (Command : Word; Span : Time_Span) is
    begin
       if To_Integer (Content'Code_Address) >= RAM_Start then
-         Controller.Command := Command;
+         Controller.MC_FCR := Command;
          delay until Clock + Span;
       else
          Masked.Perform (Command);
@@ -64,7 +64,7 @@ package body NXT.Flash_Pages is
    end Perform;
 
    function Region_Is_Locked (Page : Page_Id) return Boolean is
-     (Has (Controller.Status, Bit (First_Lock + Page / Region_Pages)));
+     (Has (Controller.MC_FSR, Bit (First_Lock + Page / Region_Pages)));
 
    procedure Program (Page : Page_Id; Content : Page_Content; Done : out Boolean) is
       Latch : Page_Content with Import, Volatile, Address => Address_Of (Page);
@@ -81,7 +81,7 @@ package body NXT.Flash_Pages is
    end Program;
 
    function Bit_Is_Set (Number : Bit_Id) return Boolean is
-     (Has (Controller.Status, Bit (First_Bit + Number)));
+     (Has (Controller.MC_FSR, Bit (First_Bit + Number)));
 
    procedure Set_Bit (Number : Bit_Id) is
    begin

@@ -25,24 +25,24 @@ package body NXT.USB is
 
    procedure Clear (Point : Endpoint; Flags : Word) is
    begin
-      Device.Control (Point) := (Device.Control (Point) or Kept_By_Ones) and not Flags;
+      Device.UDP_CSR (Point) := (Device.UDP_CSR (Point) or Kept_By_Ones) and not Flags;
       for Attempt in 1 .. Most_Reads loop
-         exit when not Has (Device.Control (Point), Flags);
+         exit when not Has (Device.UDP_CSR (Point), Flags);
       end loop;
    end Clear;
 
    procedure Set (Point : Endpoint; Flags : Word) is
    begin
-      Device.Control (Point) := Device.Control (Point) or Kept_By_Ones or Flags;
+      Device.UDP_CSR (Point) := Device.UDP_CSR (Point) or Kept_By_Ones or Flags;
       for Attempt in 1 .. Most_Reads loop
-         exit when (Device.Control (Point) and Flags) = Flags;
+         exit when (Device.UDP_CSR (Point) and Flags) = Flags;
       end loop;
    end Set;
 
    procedure Fill (Point : Endpoint; Data : Byte_Array) is
    begin
       for Item of Data loop
-         Device.Data (Point) := Word (Item);
+         Device.UDP_FDR (Point) := Word (Item);
       end loop;
       Set (Point, Packet_Ready);
    end Fill;
@@ -50,7 +50,7 @@ package body NXT.USB is
    procedure Empty (Point : Endpoint; Data : out Byte_Array) is
    begin
       for Item of Data loop
-         Item := Byte (Device.Data (Point) and 16#FF#);
+         Item := Byte (Device.UDP_FDR (Point) and 16#FF#);
       end loop;
    end Empty;
 
@@ -125,12 +125,12 @@ package body NXT.USB is
          In_Use := False;
          Address := No_Address;
          Now.Last := 0;
-         Device.Reset_Endpoint := 16#F#;
-         Device.Reset_Endpoint := 0;
-         Device.Function_Address := Enable_Function;
-         Device.Control (Control_Point) := Enabled;
-         Device.Disable_Interrupt := 16#F# or Bus_Events;
-         Device.Enable_Interrupt := Interrupt_Of (Control_Point);
+         Device.UDP_RST_EP := 16#F#;
+         Device.UDP_RST_EP := 0;
+         Device.UDP_FADDR := Enable_Function;
+         Device.UDP_CSR (Control_Point) := Enabled;
+         Device.UDP_IDR := 16#F# or Bus_Events;
+         Device.UDP_IER := Interrupt_Of (Control_Point);
          Configure (False);
       end Begin_Again;
 
@@ -142,29 +142,29 @@ package body NXT.USB is
          In_Flight := False;
          Next_Bank := Bank_0_Received;
          if On then
-            Device.Control (From_Host) := Enabled or Bulk_Out;
-            Device.Control (Into_Host) := Enabled or Bulk_In;
-            Device.Enable_Interrupt := Interrupt_Of (From_Host) or Interrupt_Of (Into_Host);
-            Device.Global_State := Registers.UDP.Configured;
+            Device.UDP_CSR (From_Host) := Enabled or Bulk_Out;
+            Device.UDP_CSR (Into_Host) := Enabled or Bulk_In;
+            Device.UDP_IER := Interrupt_Of (From_Host) or Interrupt_Of (Into_Host);
+            Device.UDP_GLB_STAT := Registers.UDP.Configured;
          else
-            Device.Control (From_Host) := 0;
-            Device.Control (Into_Host) := 0;
+            Device.UDP_CSR (From_Host) := 0;
+            Device.UDP_CSR (Into_Host) := 0;
          end if;
       end Configure;
 
       procedure Attach (Serial : Serial_Text) is
       begin
          Name := Serial;
-         Device.Transceiver := 0;
+         Device.UDP_TXVC := 0;
          Begin_Again;
-         PIOA.Clear_Output := Bit (USB_Pull_Up);
+         PIOA.PIO_CODR := Bit (USB_Pull_Up);
       end Attach;
 
       procedure Detach is
       begin
-         PIOA.Set_Output := Bit (USB_Pull_Up);
-         Device.Disable_Interrupt := 16#F#;
-         Device.Transceiver := Disable_Transceiver;
+         PIOA.PIO_SODR := Bit (USB_Pull_Up);
+         Device.UDP_IDR := 16#F#;
+         Device.UDP_TXVC := Disable_Transceiver;
          Configure (False);
       end Detach;
 
@@ -215,7 +215,7 @@ package body NXT.USB is
       end Obey;
 
       procedure Handle_Control is
-         Flags : constant Word := Device.Control (Control_Point);
+         Flags : constant Word := Device.UDP_CSR (Control_Point);
          Item  : Request;
       begin
          if Has (Flags, Setup_Received) then
@@ -230,8 +230,8 @@ package body NXT.USB is
          elsif Has (Flags, Sent) then
             Clear (Control_Point, Sent);
             if Address /= No_Address then
-               Device.Function_Address := Enable_Function or Word (Address);
-               Device.Global_State := Addressed;
+               Device.UDP_FADDR := Enable_Function or Word (Address);
+               Device.UDP_GLB_STAT := Addressed;
                Address := No_Address;
             elsif Now.First <= Now.Last or else Now.Short then
                Send_Reply;
@@ -248,10 +248,10 @@ package body NXT.USB is
          Flags : Word;
       begin
          loop
-            Flags := Device.Control (From_Host);
+            Flags := Device.UDP_CSR (From_Host);
             exit when not Has (Flags, Next_Bank);
             if Incoming.Count = Queue_Length then
-               Device.Disable_Interrupt := Interrupt_Of (From_Host);
+               Device.UDP_IDR := Interrupt_Of (From_Host);
                exit;
             end if;
             declare
@@ -268,7 +268,7 @@ package body NXT.USB is
 
       procedure Give_Packet is
       begin
-         if Has (Device.Control (Into_Host), Sent) then
+         if Has (Device.UDP_CSR (Into_Host), Sent) then
             Clear (Into_Host, Sent);
             if In_Flight then
                Remove (Outgoing);
@@ -286,12 +286,12 @@ package body NXT.USB is
       end Give_Packet;
 
       procedure Handle_Interrupt is
-         Pending : constant Word := Device.Interrupts;
+         Pending : constant Word := Device.UDP_ISR;
       begin
          if Has (Pending, End_Of_Reset) then
             Begin_Again;
          end if;
-         Device.Clear_Interrupt := Pending and Bus_Events;
+         Device.UDP_ICR := Pending and Bus_Events;
          if Has (Pending, Interrupt_Of (Control_Point)) then
             Handle_Control;
          end if;
@@ -329,7 +329,7 @@ package body NXT.USB is
             Length := Oldest.Length;
             Data (1 .. Length) := Oldest.Data (1 .. Length);
             Remove (Incoming);
-            Device.Enable_Interrupt := Interrupt_Of (From_Host);
+            Device.UDP_IER := Interrupt_Of (From_Host);
          end if;
       end Receive;
 
@@ -360,10 +360,10 @@ package body NXT.USB is
    end Receive;
 
 begin
-   PMC.PMC.Enable_System_Clock := Port_Clock;
-   PMC.PMC.Enable_Clock := Bit (UDP_Id) or Bit (PIOA_Id);
-   PIOA.Set_Output := Bit (USB_Pull_Up);
-   PIOA.Enable_Output := Bit (USB_Pull_Up);
-   PIOA.Take_Line := Bit (USB_Pull_Up);
-   Device.Transceiver := Disable_Transceiver;
+   PMC.PMC.PMC_SCER := Port_Clock;
+   PMC.PMC.PMC_PCER := Bit (UDP_Id) or Bit (PIOA_Id);
+   PIOA.PIO_SODR := Bit (USB_Pull_Up);
+   PIOA.PIO_OER := Bit (USB_Pull_Up);
+   PIOA.PIO_PER := Bit (USB_Pull_Up);
+   Device.UDP_TXVC := Disable_Transceiver;
 end NXT.USB;

@@ -21,15 +21,15 @@ package body Workers is
    task body Mover is
       Next : Time := Epoch;
    begin
-      PMC.PMC.Enable_Clock := Bit (SPI_Id);
-      SPI.SPI.Mode := SPI.Master or SPI.Ignore_Mode_Fault or SPI.Select_Line_2;
-      SPI.SPI.Chip_Select_2 := SPI.Clock_Idles_High or Clock_Divider * 2 ** 8;
-      SPI.SPI.Control := SPI.Enable;
-      SPI.SPI.DMA_Control := SPI.DMA_Transmit_Enable;
+      PMC.PMC.PMC_PCER := Bit (SPI_Id);
+      SPI.SPI.SPI_MR := SPI.Master or SPI.Ignore_Mode_Fault or SPI.Select_Line_2;
+      SPI.SPI.SPI_CSR2 := SPI.Clock_Idles_High or Clock_Divider * 2 ** 8;
+      SPI.SPI.SPI_CR := SPI.Enable;
+      SPI.SPI.PERIPH_PTCR := SPI.DMA_Transmit_Enable;
       loop
          delay until Next;
-         SPI.SPI.DMA_Address := Memory;
-         SPI.SPI.DMA_Count := Most_Bytes;
+         SPI.SPI.PERIPH_TPR := Memory;
+         SPI.SPI.PERIPH_TCR := Most_Bytes;
          Next := Next + Milliseconds (80);
       end loop;
    end Mover;

@@ -129,8 +129,8 @@ package body NXT.Bus_Log is
 
    procedure Put (Levels : Word) is
    begin
-      PIOA.Set_Output := Levels and (Clock or Data);
-      PIOA.Clear_Output := not Levels and (Clock or Data);
+      PIOA.PIO_SODR := Levels and (Clock or Data);
+      PIOA.PIO_CODR := not Levels and (Clock or Data);
    end Put;
 
    --  The master reads the lines in two of its states, before it writes to them. The peripheral's
@@ -156,7 +156,7 @@ package body NXT.Bus_Log is
          if State in Condition | Bit_Sample and then Master.State = State then
             Put (Levels);
          end if;
-         Levels := PIOA.Pin_Levels and (Clock or Data);
+         Levels := PIOA.PIO_PDSR and (Clock or Data);
          Follow (Slave, Levels);
          Beats := Beats + 1;
       end loop;
@@ -197,7 +197,7 @@ package body NXT.Bus_Log is
    procedure Run_Scenarios is
       Willing : constant Script := (others => <>);
    begin
-      PMC.PMC.Enable_Clock := Bit (PIOA_Id);
+      PMC.PMC.PMC_PCER := Bit (PIOA_Id);
       Run ("write", Willing, Write_Of ((16#02#, 16#41#, 16#02#)));
       Run ("read", (First => 16#5A#, others => <>), Read_Of (16#02#, 16#42#, 2));
       Run ("LEGO read", (First => 16#5A#, others => <>), Read_Of (16#02#, 16#42#, 2, LEGO => True));
