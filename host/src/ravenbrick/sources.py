@@ -21,7 +21,6 @@ BRICK = (
     "virtual-brick/crates/*/Cargo.toml",
     "virtual-brick/crates/*/src/**/*",
     "virtual-brick/crates/wcet/annotations/*.toml",
-    "virtual-brick/crates/wcet/examples/support/*.rs",
     "virtual-brick/bindings/python/Cargo.toml",
     "virtual-brick/bindings/python/src/**/*.rs",
 )

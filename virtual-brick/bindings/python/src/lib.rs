@@ -3,6 +3,7 @@
 //! Python module `virtual_brick`; its types and meanings are written down in `virtual_brick.pyi`.
 
 mod brick;
+mod chip_memory_map;
 mod debugging;
 mod errors;
 mod outside;

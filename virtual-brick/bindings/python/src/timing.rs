@@ -4,10 +4,9 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use wcet::query::{Request, Source};
+use wcet::{Request, Source};
 
-#[path = "../../../crates/wcet/examples/support/chip.rs"]
-mod chip;
+use crate::chip_memory_map::memory_map;
 
 /// Facts that hold in every program: compiler's library, failures, run-time.
 const KNOWN: [(&str, &str); 3] = [
@@ -52,7 +51,7 @@ pub(crate) fn bound_execution_times(
         name: name.to_owned(),
         text: text.to_owned(),
     }));
-    let map = chip::memory_map(timing, wait_states).map_err(|e| wrong(&e))?;
+    let map = memory_map(timing, wait_states).map_err(|e| wrong(&e))?;
     let elf = elf.to_vec();
     let response = py
         .detach(|| request.answer(&elf, &map))

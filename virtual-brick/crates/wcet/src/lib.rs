@@ -23,40 +23,20 @@
 //! not overwritten; what is computed from an address in a region stays in the region; a trap
 //! (undefined instruction) ends the path and is no return.
 
-pub mod alu;
-pub mod annotations;
-pub mod bound;
-pub mod closed;
-pub mod contents;
-pub mod context;
-pub mod conventions;
-pub mod cost;
-pub mod error;
-pub mod execution;
-pub mod flow;
-pub mod given;
-pub mod graph;
-pub mod image;
-pub mod job;
-mod lines;
-pub mod loops;
-pub mod memory;
-pub mod path;
-pub mod program;
-pub mod query;
-pub mod relations;
-pub mod report;
-pub mod section;
-pub mod split;
-pub mod state;
-pub mod subgraph;
-pub mod summary;
-pub mod transfer;
-pub mod value;
-pub mod walk;
+mod error;
+mod functions;
+mod graph;
+mod inputs;
+mod loops;
+mod paths;
+mod queries;
+mod values;
 
-pub use annotations::Annotations;
-pub use error::Error;
-pub use image::Image;
-pub use memory::MemoryMap;
-pub use program::Program;
+pub use error::{Error, MissingBound, Place};
+pub use functions::program::Program;
+pub use inputs::annotations::Annotations;
+pub use inputs::image::Image;
+pub use inputs::memory_map::{FetchCost, MemoryMap, Region};
+pub use queries::known_memory::{Closed, Found, Input, LineCount};
+pub use queries::report::Report;
+pub use queries::request::{Request, Response, Source};

@@ -8,9 +8,7 @@ mod support;
 
 use support::machine::Machine;
 use support::toolchain::{build, program};
-use wcet::closed::{Closed, Found, Input};
-use wcet::report::Report;
-use wcet::{Annotations, Error, Image, MemoryMap, Program};
+use wcet::{Annotations, Closed, Error, Found, Image, Input, MemoryMap, Program, Report};
 
 const FLAGS: [[&str; 2]; 4] = [
     ["-marm", "-O1"],

@@ -4,8 +4,8 @@
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
-#[path = "../examples/support/chip.rs"]
-mod chip;
+#[path = "../../../bindings/python/src/chip_memory_map.rs"]
+mod chip_memory_map;
 mod support;
 
 use arm7tdmi::{psr, Bus, Cpu, Cycle, Width};
@@ -15,8 +15,7 @@ use object::read::elf::ElfFile32;
 use object::{Object, ObjectSegment, ObjectSymbol};
 use support::random::Random;
 use support::toolchain::{build, program};
-use wcet::report::Report;
-use wcet::{Annotations, Image, Program};
+use wcet::{Annotations, Image, Program, Report};
 
 const LIBGCC: &str = include_str!("../annotations/libgcc.toml");
 const FLASH_MODE: u32 = 0xFFFF_FF60;
@@ -129,7 +128,7 @@ fn fill_cycles(chip: &mut Chip<Bare>, entry: u32) -> Option<()> {
 
 fn bound(elf: &[u8], symbol: &str, timing: &str, wait_states: u32) -> u64 {
     let image = Image::read(elf).unwrap();
-    let map = chip::memory_map(timing, u64::from(wait_states)).unwrap();
+    let map = chip_memory_map::memory_map(timing, u64::from(wait_states)).unwrap();
     let annotations = Annotations::parse(LIBGCC, "libgcc.toml").unwrap();
     let program = Program::new(&image, &map, &annotations).unwrap();
     Report::new(&program, symbol).unwrap().bound_cycles

@@ -10,8 +10,7 @@ use std::path::Path;
 use support::machine::Machine;
 use support::random::Random;
 use support::toolchain::{build, program};
-use wcet::report::Report;
-use wcet::{Annotations, Image, MemoryMap, Program};
+use wcet::{Annotations, Image, MemoryMap, Program, Report};
 
 const LIBGCC: &str = include_str!("../annotations/libgcc.toml");
 const GENERATED: &str = concat!(

@@ -7,8 +7,7 @@
 mod support;
 
 use support::toolchain::{build, program, VARIANTS};
-use wcet::report::Report;
-use wcet::{Annotations, Error, Image, MemoryMap, Program};
+use wcet::{Annotations, Error, Image, MemoryMap, Program, Report};
 
 fn bound(elf: &[u8], symbol: &str, facts: &str) -> Result<u64, Error> {
     let image = Image::read(elf)?;

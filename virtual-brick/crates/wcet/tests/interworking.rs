@@ -9,8 +9,7 @@ mod support;
 use support::machine::Machine;
 use support::random::Random;
 use support::toolchain::{build, program};
-use wcet::report::Report;
-use wcet::{Annotations, Image, MemoryMap, Program};
+use wcet::{Annotations, Image, MemoryMap, Program, Report};
 
 const LEVELS: [&str; 4] = ["-O0", "-O1", "-O2", "-Os"];
 

@@ -8,8 +8,7 @@ mod support;
 
 use support::machine::Machine;
 use support::toolchain::{build, program};
-use wcet::report::Report;
-use wcet::{Annotations, Error, Image, MemoryMap, Program};
+use wcet::{Annotations, Error, Image, MemoryMap, Program, Report};
 
 const ARM: [&str; 2] = ["-marm", "-O1"];
 const THUMB: [&str; 2] = ["-mthumb", "-O1"];

@@ -9,8 +9,7 @@ mod support;
 use support::machine::{Machine, Observation};
 use support::random::Random;
 use support::toolchain::{build, program, VARIANTS};
-use wcet::report::Report;
-use wcet::{Annotations, Image, MemoryMap, Program};
+use wcet::{Annotations, Image, MemoryMap, Program, Report};
 
 const LIBGCC: &str = include_str!("../annotations/libgcc.toml");
 

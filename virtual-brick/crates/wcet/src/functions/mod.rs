@@ -1,0 +1,8 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Whole functions with all that they call: the recursion over the call graph.
+
+pub mod bound;
+pub mod calls;
+pub mod program;
+pub mod summary;

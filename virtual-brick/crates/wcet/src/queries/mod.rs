@@ -1,0 +1,9 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Questions that callers ask, and the form of the answers.
+
+pub mod known_memory;
+pub mod path_problem;
+pub mod report;
+pub mod request;
+pub mod task_job;

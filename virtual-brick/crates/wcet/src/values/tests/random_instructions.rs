@@ -1,0 +1,506 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Random instructions on abstract values and on the core: what is known afterwards holds for what
+//! the core then has in its registers, flags and memory. Left out is what the architecture leaves
+//! unpredictable (DDI 0100, part A): accesses that are not aligned, a base register that is loaded
+//! and written back, r15 where it may not stand.
+
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+#[path = "../../../tests/support/random.rs"]
+#[allow(dead_code)] // this test uses its part
+mod random;
+
+use crate::inputs::image::Image;
+use crate::inputs::kernel::Conventions;
+use crate::inputs::memory_map::MemoryMap;
+use crate::values::arithmetic::difference_flags;
+use crate::values::instruction::{execute, World};
+use crate::values::memory_contents::Contents;
+use crate::values::relations::Place;
+use crate::values::state::{Comparison, State};
+use crate::values::value::Value;
+use arm7tdmi::instruction::{Operand, Operation, ALWAYS};
+use arm7tdmi::{condition_passes, psr, Abort, Bus, Cpu, Cycle, Instruction, Width};
+use random::Random;
+use std::collections::BTreeMap;
+
+const CODE: u32 = 0x1000;
+const DATA: u32 = 0x8000;
+/// Words that base registers point to; as many more are the stack.
+const WORDS: usize = 8;
+const BYTES: u32 = 4 * WORDS as u32;
+const STACK: u32 = DATA + BYTES + BYTES / 2;
+/// Registers with addresses in the data.
+const BASES: [u32; 2] = [6, 7];
+const SEQUENCES: u32 = 6_000;
+const LENGTH: u32 = 16;
+
+/// Words, one instruction, and whether something else was asked for.
+#[derive(Clone)]
+struct Memory {
+    at: u32,
+    opcode: u32,
+    words: [u32; 2 * WORDS],
+    reach: (u32, u32),
+    missed: bool,
+}
+
+impl Memory {
+    fn word(&mut self, address: u32, width: Width) -> &mut u32 {
+        let size = match width {
+            Width::Byte => 1,
+            Width::Halfword => 2,
+            Width::Word => 4,
+        };
+        let inside = (self.reach.0..self.reach.1).contains(&address);
+        self.missed |= !inside || address % size != 0;
+        &mut self.words[(address.wrapping_sub(DATA) / 4) as usize % (2 * WORDS)]
+    }
+}
+
+impl Bus for Memory {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
+        Ok(if address == self.at { self.opcode } else { 0 })
+    }
+
+    fn fetch_halfword(&mut self, address: u32, _: Cycle) -> Result<u16, Abort> {
+        Ok(if address == self.at {
+            self.opcode as u16
+        } else {
+            0
+        })
+    }
+
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
+        let word = *self.word(address, width) >> (8 * (address & 3));
+        Ok(match width {
+            Width::Byte => word & 0xFF,
+            Width::Halfword => word & 0xFFFF,
+            Width::Word => word,
+        })
+    }
+
+    fn write(&mut self, address: u32, width: Width, value: u32, _: Cycle) -> Result<(), Abort> {
+        let mask = match width {
+            Width::Byte => 0xFF,
+            Width::Halfword => 0xFFFF,
+            Width::Word => u32::MAX,
+        };
+        let shift = 8 * (address & 3);
+        let word = self.word(address, width);
+        *word = *word & !(mask << shift) | (value & mask) << shift;
+        Ok(())
+    }
+
+    fn internal(&mut self, _: u32) {}
+
+    fn irq(&self) -> bool {
+        false
+    }
+
+    fn fiq(&self) -> bool {
+        false
+    }
+}
+
+/// The core with its memory, and what is known about both.
+struct Pair {
+    cpu: Cpu,
+    memory: Memory,
+    state: State,
+}
+
+/// Does a value allow an element, with the same meaning of unknown bases in the whole state?
+fn allows(value: &Value, element: u32, bases: &mut BTreeMap<u32, u32>) -> bool {
+    match value {
+        Value::Constant(constant) => *constant == element,
+        Value::Set(elements) => elements.contains(&element),
+        Value::Range(low, high) => (*low..=*high).contains(&element),
+        Value::Stack(offset) => STACK.wrapping_add(*offset as u32) == element,
+        Value::MinusStack(offset) => (*offset as u32).wrapping_sub(STACK) == element,
+        Value::Based(base, offset) => {
+            let held = element.wrapping_sub(*offset as u32);
+            *bases.entry(*base).or_insert(held) == held
+        }
+        Value::Region(_) | Value::StackAny | Value::OuterStack | Value::Top => true,
+    }
+}
+
+/// A value that allows an element.
+fn around(element: u32, random: &mut Random) -> Value {
+    match random.word() % 6 {
+        0 => Value::Constant(element),
+        1 | 2 => {
+            let others = (0..1 + random.word() % 5).map(|_| random.integer());
+            Value::of_elements(others.chain([element]).collect()).unwrap()
+        }
+        3 => {
+            let wide = random.integer() & 0x7FFF_FFFF;
+            Value::range(element.saturating_sub(wide), element.saturating_add(wide))
+        }
+        4 => {
+            let few = random.word() % 9;
+            Value::range(element.saturating_sub(few), element.saturating_add(few))
+        }
+        _ => Value::Top,
+    }
+}
+
+fn pointer_around(element: u32, random: &mut Random) -> Value {
+    match random.word() % 4 {
+        0 | 1 => Value::Constant(element),
+        2 => {
+            let others = (0..random.word() % 3).map(|_| DATA + 4 * (random.word() % WORDS as u32));
+            Value::of_elements(others.chain([element]).collect()).unwrap()
+        }
+        _ => Value::range(DATA, DATA + BYTES - 1),
+    }
+}
+
+impl Pair {
+    /// A closed one knows memory, another one its stack.
+    fn new(random: &mut Random, thumb: bool, closed: bool) -> Self {
+        let mut cpu = Cpu::new();
+        let flags = random.word() & 0xF000_0000;
+        cpu.set_cpsr(cpu.cpsr() & 0x0FFF_FFFF | flags | if thumb { psr::T } else { 0 });
+        let mut state = State::entry(&std::array::from_fn(|_| Value::Top));
+        state.flags = random.word() as u16 | 1 << (flags >> 28);
+        for number in 0..13 {
+            let element = random.integer();
+            cpu.set_register(number, element);
+            let value = around(element, random);
+            if value != Value::Top {
+                state.set(number, value);
+            }
+        }
+        for number in BASES {
+            let element = DATA + 4 * (random.word() % WORDS as u32);
+            cpu.set_register(number, element);
+            state.set(number, pointer_around(element, random));
+        }
+        cpu.set_register(13, STACK);
+        let words = std::array::from_fn(|_| random.integer());
+        if closed {
+            state.set(13, Value::Constant(STACK));
+            let mut contents = Contents::default();
+            for (address, word) in (DATA..).step_by(4).zip(words) {
+                contents.store(&Value::Constant(address), 4, &around(word, random));
+            }
+            state.memory = Some(contents);
+        }
+        state.control = (!thumb).then_some(cpu.cpsr() & 0xDF);
+        let memory = Memory {
+            at: 0,
+            opcode: 0,
+            words,
+            reach: (0, 0),
+            missed: false,
+        };
+        Self { cpu, memory, state }
+    }
+
+    fn flags(&self) -> u32 {
+        self.cpu.cpsr() >> 28
+    }
+
+    /// The first thing known that does not hold.
+    fn mistake(&self) -> Option<String> {
+        let (state, cpu) = (&self.state, &self.cpu);
+        let mut bases = BTreeMap::new();
+        for (number, value) in (0..).zip(state.registers.iter()) {
+            if !allows(value, cpu.register(number), &mut bases) {
+                return Some(format!("r{number} {:#x}, {value:x?}", cpu.register(number)));
+            }
+        }
+        for (offset, value) in &state.slots {
+            let index = (STACK.wrapping_add(*offset as u32)).wrapping_sub(DATA) / 4;
+            let held = self.memory.words.get(index as usize);
+            if held.is_some_and(|word| !allows(value, *word, &mut bases)) {
+                return Some(format!("stack {offset}: {held:x?}, {value:x?}"));
+            }
+        }
+        if state.flags >> self.flags() & 1 == 0 {
+            return Some(format!("NZCV {:04b}, {:#x}", self.flags(), state.flags));
+        }
+        let wrong = |comparison| self.wrong_comparison(comparison, &mut bases);
+        let compared = state.comparison.as_ref().and_then(wrong);
+        compared
+            .or_else(|| self.wrong_relation())
+            .or_else(|| self.wrong_word())
+    }
+
+    fn wrong_comparison(
+        &self,
+        comparison: &Comparison,
+        bases: &mut BTreeMap<u32, u32>,
+    ) -> Option<String> {
+        let held = |register: Option<u32>| match register {
+            Some(number) if number < 15 => Some(self.cpu.register(number)),
+            _ => None,
+        };
+        let moved = comparison
+            .moved
+            .map(|(n, more)| self.cpu.register(n).wrapping_sub(more));
+        let right = held(comparison.right.0).or(comparison.right.1.constant());
+        let result = held(comparison.result)
+            .zip(right)
+            .map(|(r, b)| r.wrapping_add(b));
+        for left in [held(comparison.left.0), moved, result]
+            .into_iter()
+            .flatten()
+        {
+            let fits = right.is_none_or(|b| difference_flags(left, b).1 == self.flags());
+            if !fits || !allows(&comparison.left.1, left, bases) {
+                return Some(format!("{comparison:x?}"));
+            }
+        }
+        let allowed = right.is_none_or(|b| allows(&comparison.right.1, b, bases));
+        (!allowed).then(|| format!("{comparison:x?}"))
+    }
+
+    fn wrong_relation(&self) -> Option<String> {
+        let held = |place: Place| match place {
+            Place::Register(number) => self.cpu.register(number),
+            Place::Word(address) => self.memory.words[((address - DATA) / 4) as usize],
+        };
+        let places = (0..13).map(Place::Register);
+        let mut related = places.flat_map(|one| {
+            let others = self.state.relations.of(one);
+            others.map(move |(other, more)| (one, other, more))
+        });
+        let wrong = related.find(|(a, b, more)| held(*b).wrapping_sub(held(*a)) != *more);
+        wrong.map(|pair| format!("{pair:x?}"))
+    }
+
+    fn wrong_word(&self) -> Option<String> {
+        let contents = self.state.memory.as_ref()?;
+        for (start, word) in (DATA..).step_by(4).zip(self.memory.words) {
+            for (size, mask) in [(4, u32::MAX), (2, 0xFFFF), (1, 0xFF)] {
+                for address in (start..start + 4).step_by(size) {
+                    let part = word >> (8 * (address & 3)) & mask;
+                    let known = contents.load(&Value::Constant(address), size as u32);
+                    let known = known.unwrap_or(Value::Top);
+                    if !allows(&known, part, &mut BTreeMap::new()) {
+                        return Some(format!("{address:#x}: {part:#x}, {known:x?}"));
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// Executes an instruction on both sides, if it is one that may be. `before` is any state.
+    fn step(&mut self, world: World<'_>, at: u32, opcode: u32, before: Option<State>) -> bool {
+        let thumb = self.cpu.thumb();
+        let instruction = if thumb {
+            Instruction::thumb(opcode as u16)
+        } else {
+            Instruction::arm(opcode)
+        };
+        let Some(reach) = reach(&instruction) else {
+            return false;
+        };
+        let (mut cpu, mut memory) = (self.cpu.clone(), self.memory.clone());
+        (memory.at, memory.opcode) = (at, opcode);
+        (memory.reach, memory.missed) = (reach, false);
+        cpu.set_pc(at);
+        let _ = cpu.step(&mut memory);
+        if memory.missed {
+            return false;
+        }
+        let passes = condition_passes(instruction.condition, self.flags());
+        let (failed, passed) = self.state.clone().divide(instruction.condition);
+        let (own, other) = if passes {
+            (passed, failed)
+        } else {
+            (failed, passed)
+        };
+        let mut state = own.expect("a way that is taken");
+        if passes {
+            let _ = execute(world, &mut state, at, &instruction);
+        }
+        for other in [other, before].into_iter().flatten() {
+            state = if at & 4 == 0 {
+                state.join(&other)
+            } else {
+                other.join(&state)
+            };
+        }
+        (self.cpu, self.memory, self.state) = (cpu, memory, state);
+        true
+    }
+}
+
+/// Where an instruction may access memory; `None` for one that is not to be executed.
+fn reach(instruction: &Instruction) -> Option<(u32, u32)> {
+    let writes = |number: u32| number < 13 && number != BASES[0];
+    let of_base = |base: u32| match base {
+        13 => Some((DATA + BYTES, DATA + 2 * BYTES)),
+        base => BASES.contains(&base).then_some((DATA, DATA + BYTES)),
+    };
+    let by_register = |operand: Operand| match operand {
+        Operand::ShiftedByRegister { amount, .. } => amount == 15 || operand.reads(15),
+        _ => false,
+    };
+    match instruction.operation {
+        _ if instruction.condition > ALWAYS => None,
+        Operation::DataProcessing(one) => {
+            let good = one.operation.compares() || writes(one.destination);
+            (good && !by_register(one.second)).then_some((0, 0))
+        }
+        Operation::LoadAddress { destination, .. } => writes(destination).then_some((0, 0)),
+        Operation::Multiply(one) => {
+            let good = writes(one.destination) && !one.uses(15) && one.low.is_none_or(writes);
+            (good && one.low != Some(one.destination)).then_some((0, 0))
+        }
+        Operation::Transfer(one) => {
+            let twice =
+                one.moves_base() && (one.register == one.base || one.offset.reads(one.base));
+            let good = !one.load || writes(one.register);
+            let stack_moves = one.base == 13 && one.moves_base();
+            of_base(one.base).filter(|_| good && !twice && !stack_moves)
+        }
+        Operation::BlockTransfer(one) => {
+            let twice = one.load && one.write_back && one.list >> one.base & 1 != 0;
+            let good = one.list >> 13 == 0 && !one.status && one.list & 1 << BASES[0] == 0;
+            let stack_moves = one.base == 13 && one.write_back;
+            of_base(one.base).filter(|_| good && !twice && !stack_moves)
+        }
+        Operation::Swap {
+            destination,
+            source,
+            base,
+            ..
+        } => {
+            let good = writes(destination) && source < 15 && base != destination;
+            of_base(base).filter(|_| good && base != source)
+        }
+        Operation::ReadStatus { destination, saved } => {
+            (!saved && writes(destination)).then_some((0, 0))
+        }
+        Operation::WriteStatus {
+            saved,
+            control,
+            flags,
+            operand,
+        } => {
+            let good = !saved && !control && flags && !operand.reads(15);
+            good.then_some((0, 0))
+        }
+        _ => None,
+    }
+}
+
+/// An ARM opcode of a kind that compilers use.
+fn arm(random: &mut Random) -> u32 {
+    let bits = random.word();
+    let condition = if bits & 1 == 0 {
+        14
+    } else {
+        random.word() % 15
+    };
+    let small = random.word() % 9;
+    let number = |random: &mut Random| random.word() % 8;
+    let (first, destination) = (number(random) << 16, number(random) << 12);
+    let base = if bits & 2 == 0 {
+        6 + (bits >> 2 & 1)
+    } else {
+        13
+    } << 16;
+    let offset = (random.word() % 7 * 4) & if bits & 8 == 0 { 0xC } else { 0x1F };
+    let body = match random.word() % 16 {
+        0..=2 => 0x0200_0000 | bits & 0x01F0_0000 | first | destination | small,
+        3 => 0x0200_0000 | bits & 0x01F0_0FFF | first | destination,
+        4..=6 => bits & 0x01F0_0000 | first | destination | number(random),
+        7 if bits & 4 == 0 => bits & 0x01F0_0060 | first | destination | number(random),
+        7 => bits & 0x01F0_0FE0 | first | destination | number(random),
+        8 => bits & 0x01F0_0F60 | 0x10 | first | destination | number(random),
+        9 => bits & 0x00FF_FF0F & !0x0000_8808 | 0x90,
+        10 if small == 0 => 0x0500_F000 | base | offset,
+        10 | 11 => 0x0400_0000 | bits & 0x01F0_0000 | base | destination | offset,
+        12 => 0x0040_0090 | bits & 0x01B0_0060 | base | destination | offset,
+        13 => 0x0800_0000 | bits & 0x01B0_00FF | base,
+        14 if bits & 0xC0 == 0 => {
+            0x0100_0090 | bits & 0x0040_0000 | base | destination | (small % 8)
+        }
+        14 => 0x0128_F000 | number(random),
+        _ => 0x010F_0000 | destination,
+    };
+    condition << 28 | body
+}
+
+/// A Thumb opcode of one of the formats 1 to 5, 7 to 12 and 15 (DDI 0029E, chapter 5).
+fn thumb(random: &mut Random) -> u32 {
+    let bits = random.word();
+    let base = (6 + (bits >> 16 & 1)) << 3;
+    match random.word() % 12 {
+        0..=2 => bits & 0x1FFF,
+        3..=5 => 0x2000 | bits & 0x1F00 | (random.word() % 9),
+        6 => 0x4000 | bits & 0x07FF,
+        7 => 0x4600 | bits & 0xFF,
+        8 => 0x6000 | bits & 0x1E07 | base | bits & 0x01C0,
+        9 => 0x8000 | bits & 0x0E07 | base | bits & 0x00C0,
+        10 => 0x9000 | bits & 0x0F00 | (random.word() % 4),
+        _ => 0xC600 | bits & 0x08FF,
+    }
+}
+
+/// An ELF file without code or data.
+fn nothing() -> Vec<u8> {
+    let mut file = vec![0x7F, b'E', b'L', b'F', 1, 1, 1, 0];
+    file.resize(52, 0);
+    for (place, byte) in [(16, 2), (18, 40), (20, 1), (40, 52), (46, 40)] {
+        file[place] = byte;
+    }
+    file
+}
+
+fn sequence(world: World<'_>, seed: u32, thumb_code: bool) {
+    let mut random = Random::new(seed);
+    let mut pair = Pair::new(&mut random, thumb_code, seed % 2 == 0);
+    let (mut told, mut done, mut before) = (Vec::new(), 0, pair.state.clone());
+    while done < LENGTH {
+        let opcode = if thumb_code {
+            thumb(&mut random)
+        } else {
+            arm(&mut random)
+        };
+        let at = CODE + 4 * (random.word() % 8);
+        let joined = (random.word() % 8 == 0).then(|| before.clone());
+        let here = pair.state.clone();
+        told.push(format!("{at:#x}: {opcode:#x}, joined {}", joined.is_some()));
+        if !pair.step(world, at, opcode, joined) {
+            told.pop();
+            continue;
+        }
+        done += 1;
+        before = here;
+        if random.word() % 3 == 0 {
+            let condition = random.word() % 14;
+            let passes = condition_passes(condition, pair.flags());
+            told.push(format!("condition {condition} {passes}"));
+            let assumed = pair.state.assume(condition, passes);
+            pair.state = assumed.unwrap_or_else(|| panic!("{seed}: no way\n{}", told.join("\n")));
+        }
+        if let Some(mistake) = pair.mistake() {
+            panic!("{seed}: {mistake}\n{}", told.join("\n"));
+        }
+    }
+}
+
+#[test]
+fn what_is_known_after_random_instructions_holds_on_the_core() {
+    let image = Image::read(&nothing()).unwrap();
+    let (map, conventions) = (MemoryMap::without_wait_states(), Conventions::default());
+    let world = World {
+        image: &image,
+        map: &map,
+        conventions: &conventions,
+    };
+    for seed in 0..SEQUENCES {
+        for thumb_code in [false, true] {
+            sequence(world, seed, thumb_code);
+        }
+    }
+}
