@@ -14,5 +14,5 @@ export default defineConfig({
   },
   worker: { format: "es" },
   // A test may take long on a machine with other work; one that hangs fails all the same.
-  test: { include: ["tests/**/*.test.ts"], environment: "jsdom", testTimeout: 120_000 },
+  test: { include: ["tests/**/*.test.ts"], testTimeout: 120_000 },
 } as Parameters<typeof defineConfig>[0]);

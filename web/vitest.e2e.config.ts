@@ -7,7 +7,8 @@ export default defineConfig({
     include: ["e2e/**/*.test.ts"],
     environment: "node",
     testTimeout: 900_000,
-    hookTimeout: 900_000,
     fileParallelism: false,
+    // One process, in which all files share browser and servers (e2e/harness.ts).
+    isolate: false,
   },
 });

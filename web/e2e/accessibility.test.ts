@@ -2,22 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /** The page as axe-core judges it (WCAG 2.2 A and AA, and axe's good practice), and by keyboard. */
 import axe from "axe-core";
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { launch, open, passes, ravenbrick, serve, shownTime, VEHICLE } from "./harness";
-
-let browser: Browser;
-let drive: Awaited<ReturnType<typeof serve>>;
-
-beforeAll(async () => {
-  await ravenbrick("build", VEHICLE);
-  [browser, drive] = await Promise.all([launch(), serve(VEHICLE, "drive")]);
-});
-
-afterAll(async () => {
-  drive?.end();
-  await browser?.close();
-});
+import type { Page } from "playwright-core";
+import { describe, expect } from "vitest";
+import { passes, shownTime, test } from "./harness";
 
 /** What axe finds wrong: rule and elements. */
 async function violations(page: Page): Promise<string[]> {
@@ -32,33 +19,30 @@ async function violations(page: Page): Promise<string[]> {
 
 describe("accessibility", () => {
   for (const colorScheme of ["light", "dark"] as const) {
-    it(`has no violation at the beginning and while it runs, ${colorScheme}`, async () => {
-      const { context, page } = await open(browser, drive.address, { colorScheme });
+    test(`has no violation before and during a run, ${colorScheme}`, async ({ open, drive }) => {
+      const { page } = await open(drive, { colorScheme });
       expect(await violations(page)).toEqual([]);
       await page.click("#run");
       await passes(page, 1.2);
       expect(await violations(page)).toEqual([]);
-      await context.close();
     });
   }
 
-  it("has no violation on a phone", async () => {
+  test("has no violation on a phone", async ({ open, drive }) => {
     const viewport = { width: 360, height: 740 };
-    const { context, page } = await open(browser, drive.address, { viewport, hasTouch: true });
+    const { page } = await open(drive, { viewport, hasTouch: true });
     expect(await violations(page)).toEqual([]);
-    await context.close();
   });
 
-  it("finds what is wrong", async () => {
-    const { context, page } = await open(browser, drive.address);
+  test("has a violation when a button has no name", async ({ open, drive }) => {
+    const { page } = await open(drive);
     await page.$eval("#run", (button) => button.replaceChildren());
     await page.$eval("#run", (button) => button.removeAttribute("title"));
     expect((await violations(page)).join()).toContain("button-name");
-    await context.close();
   });
 
-  it("is used by keyboard alone: every control is reached, and a drive is made", async () => {
-    const { context, page } = await open(browser, drive.address);
+  test("is complete by keyboard: every control is reached, Run works", async ({ open, drive }) => {
+    const { page } = await open(drive);
     const controls = await page.$$eval(
       "button, input:not([tabindex='-1']), select, [tabindex='0']",
       (all) => all.filter((one) => one.checkVisibility()).length,
@@ -80,6 +64,5 @@ describe("accessibility", () => {
     await page.keyboard.press("Enter");
     await page.waitForFunction(() => document.querySelector("#run")?.textContent === "Run");
     expect(await shownTime(page)).toBeGreaterThan(1);
-    await context.close();
   });
 });

@@ -1,37 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** Jobs on the page against the bounds that `ravenbrick analyse` proved. */
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { ends, launch, open, passes, picture, ravenbrick, serve, VEHICLE } from "./harness";
-
-interface Analysed {
-  tasks: {
-    name: string;
-    response_bound_cycles: number;
-    observed: { response_cycles: number };
-  }[];
-}
+import type { Page } from "playwright-core";
+import { describe, expect } from "vitest";
+import { ends, passes, picture, test } from "./harness";
 
 interface Session {
   tasks: { bound_cycles: number | null }[];
 }
-
-let browser: Browser;
-let drive: Awaited<ReturnType<typeof serve>>;
-let bounds: Analysed["tasks"];
-
-beforeAll(async () => {
-  await ravenbrick("build", VEHICLE);
-  const analysed = await ravenbrick("analyse", VEHICLE, "--scenario", "drive");
-  bounds = (analysed as unknown as Analysed).tasks;
-  [browser, drive] = await Promise.all([launch(), serve(VEHICLE, "drive")]);
-});
-
-afterAll(async () => {
-  drive?.end();
-  await browser?.close();
-});
 
 /** The cells of a task's row. */
 const row = (page: Page, task: string) =>
@@ -41,8 +17,8 @@ const row = (page: Page, task: string) =>
   }));
 
 describe("response times", () => {
-  it("stay below their bounds through the whole drive", async () => {
-    const { context, page } = await open(browser, drive.address);
+  test("stay below their bounds in the whole drive", async ({ open, drive, bounds }) => {
+    const { page } = await open(drive);
     await page.selectOption('[aria-label="Width of the schedule"]', "10");
     await page.click("#run");
     await passes(page, 4);
@@ -61,11 +37,10 @@ describe("response times", () => {
       expect(seen).toBeLessThanOrEqual(100);
       expect(share).toBe(`${seen.toFixed(1)} %`);
     }
-    await context.close();
   });
 
-  it("above their bound are shown as such", async () => {
-    const { context, page } = await open(browser, drive.address, {}, async (made) => {
+  test("above their bound are shown as such", async ({ open, drive }) => {
+    const { page } = await open(drive, {}, async (made) => {
       await made.route("**/session.json", async (route) => {
         const answer = await route.fetch();
         const session = (await answer.json()) as Session;
@@ -81,6 +56,5 @@ describe("response times", () => {
     expect([missed, cells[4]]).toEqual([true, "0"]);
     expect(Number.parseFloat(cells[6] ?? "")).toBeGreaterThan(100);
     await picture(page, "9-beyond-bounds");
-    await context.close();
   });
 });

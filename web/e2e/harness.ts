@@ -1,23 +1,26 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** The page as the user gets it: `ravenbrick view` and a headless Chromium. */
-import { execFile, spawn, type ChildProcess } from "node:child_process";
+import { execFile, spawn } from "node:child_process";
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
-import { chromium, type Browser, type BrowserContextOptions, type Page } from "playwright-core";
+import {
+  chromium,
+  type Browser,
+  type BrowserContext,
+  type BrowserContextOptions,
+  type Page,
+} from "playwright-core";
+import { expect, test as base } from "vitest";
 
 export const ROOT = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
-export const PICTURES = join(ROOT, "out", "page");
+const PICTURES = join(ROOT, "out", "page");
 const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
 export const VEHICLE = "examples/vehicle";
 const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-
-/** The browser of the system; RAVENBRICK_CHROMIUM names another. */
-export function browserPath(): string | undefined {
-  return [process.env["RAVENBRICK_CHROMIUM"] ?? "", ...BROWSERS].find((path) => existsSync(path));
-}
+const TIMEOUT_MS = 300_000;
 
 /** The JSON answer of a command; a verdict of the pass criteria is no failure. */
 export async function ravenbrick(...words: string[]): Promise<Record<string, unknown>> {
@@ -26,9 +29,8 @@ export async function ravenbrick(...words: string[]): Promise<Record<string, unk
 }
 
 /** A server for a project, and its address. */
-export async function serve(...words: string[]): Promise<{ address: string; end: () => void }> {
-  const options = ["--port", "0", "--no-browser"];
-  const server: ChildProcess = spawn(COMMAND, ["view", ...words, ...options], {
+async function serve(...words: string[]): Promise<{ address: string; end: () => void }> {
+  const server = spawn(COMMAND, ["view", ...words, "--port", "0", "--no-browser"], {
     cwd: ROOT,
     env: { ...process.env, PYTHONUNBUFFERED: "1", COLUMNS: "200" },
   });
@@ -39,39 +41,119 @@ export async function serve(...words: string[]): Promise<{ address: string; end:
       const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(said);
       if (match) found(match[0]);
     };
-    server.stdout?.on("data", listen);
-    server.stderr?.on("data", listen);
+    server.stdout.on("data", listen);
+    server.stderr.on("data", listen);
     server.on("exit", (code) => failed(new Error(`ravenbrick view ended with ${code}: ${said}`)));
   });
   return { address, end: () => server.kill("SIGINT") };
 }
 
-export async function launch(): Promise<Browser> {
-  const executablePath = browserPath();
+async function launch(): Promise<Browser> {
+  const executablePath = [process.env["RAVENBRICK_CHROMIUM"] ?? "", ...BROWSERS].find(existsSync);
   if (!executablePath) throw new Error("no Chromium; install the Debian package chromium");
   mkdirSync(PICTURES, { recursive: true });
   return chromium.launch({ executablePath, args: ["--no-sandbox", "--mute-audio"] });
 }
 
-/** A page that has loaded its brick, with what it asked of the network and complained about. */
-export async function open(
-  browser: Browser,
+/** A page in a browser context of its own, what it asked of the network, and its errors. */
+interface Opened {
+  page: Page;
+  context: BrowserContext;
+  requests: string[];
+  errors: string[];
+}
+
+type Open = (
   address: string,
-  options: BrowserContextOptions = {},
-  prepare: (page: Page) => Promise<void> = () => Promise.resolve(),
-) {
+  options?: BrowserContextOptions,
+  prepare?: (page: Page) => Promise<unknown>,
+) => Promise<Opened>;
+
+async function opened(browser: Browser, options: BrowserContextOptions): Promise<Opened> {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
-  context.setDefaultTimeout(300_000);
-  const page = await context.newPage();
+  context.setDefaultTimeout(TIMEOUT_MS);
   const requests: string[] = [];
-  const complaints: string[] = [];
-  page.on("request", (request) => requests.push(request.url()));
-  page.on("pageerror", (error) => complaints.push(error.message));
-  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
-  await prepare(page);
-  await page.goto(address);
-  await page.waitForFunction(() => document.title.includes("–"));
-  return { context, page, requests, complaints };
+  const errors: string[] = [];
+  context.on("request", (request) => requests.push(request.url()));
+  context.on("weberror", (failure) => errors.push(failure.error().message));
+  context.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+  return { page: await context.newPage(), context, requests, errors };
+}
+
+/** A task in the answer of `ravenbrick analyse`. */
+interface AnalysedTask {
+  name: string;
+  response_bound_cycles: number;
+  observed: { response_cycles: number };
+}
+
+interface Fixtures {
+  /** One Chromium for all tests. */
+  browser: Browser;
+  /** Serve a project until all tests are done; the same words give the same server. */
+  view: (...words: string[]) => Promise<string>;
+  /** What `ravenbrick analyse` found for the vehicle. */
+  bounds: AnalysedTask[];
+  /** Address of the vehicle with the scenario `drive`, and with none. */
+  drive: string;
+  free: string;
+  /** A page that has loaded its brick. Its test fails if it leaves an error in the console. */
+  open: Open;
+}
+
+const forAllTests = { scope: "worker" } as const;
+
+export const test = base.extend<Fixtures>({
+  browser: [
+    async ({}, use) => {
+      const browser = await launch();
+      await use(browser);
+      await browser.close();
+    },
+    forAllTests,
+  ],
+  view: [
+    async ({}, use) => {
+      const servers = new Map<string, ReturnType<typeof serve>>();
+      await use(async (...words) => {
+        const server = servers.get(words.join()) ?? serve(...words);
+        servers.set(words.join(), server);
+        return (await server).address;
+      });
+      for (const server of servers.values()) (await server).end();
+    },
+    forAllTests,
+  ],
+  bounds: [
+    async ({}, use) => {
+      await built(VEHICLE);
+      const analysed = await ravenbrick("analyse", VEHICLE, "--scenario", "drive");
+      await use(analysed["tasks"] as AnalysedTask[]);
+    },
+    forAllTests,
+  ],
+  // The server shows the bounds that the analysis leaves.
+  drive: [async ({ bounds: _analysed, view }, use) => use(await view(VEHICLE, "drive")), forAllTests],
+  free: [async ({ view }, use) => use(await view(await built(VEHICLE))), forAllTests],
+  open: async ({ browser }, use) => {
+    const all: Opened[] = [];
+    await use(async (address, options = {}, prepare = () => Promise.resolve()) => {
+      const one = await opened(browser, options);
+      all.push(one);
+      await prepare(one.page);
+      await one.page.goto(address);
+      await one.page.waitForFunction(() => document.title.includes("–"));
+      return one;
+    });
+    for (const { context } of all) await context.close();
+    expect(all.flatMap(({ errors }) => errors)).toEqual([]);
+  },
+});
+
+/** Build a project; its folder. */
+export async function built(project: string): Promise<string> {
+  await ravenbrick("build", project);
+  return project;
 }
 
 /** Wait until the line of status begins with these words. */
@@ -79,7 +161,7 @@ export async function says(page: Page, words: string): Promise<void> {
   await page.waitForFunction(
     (begin) => document.querySelector("#status")?.textContent?.startsWith(begin),
     words,
-    { timeout: 300_000 },
+    { timeout: TIMEOUT_MS },
   );
 }
 
@@ -95,7 +177,7 @@ export async function ends(page: Page, how: string): Promise<void> {
   await page.waitForFunction(
     (words) => document.querySelector("#program")?.textContent?.includes(words),
     how,
-    { timeout: 300_000 },
+    { timeout: TIMEOUT_MS },
   );
 }
 
@@ -126,7 +208,7 @@ export async function passes(page: Page, seconds: number): Promise<void> {
   await page.waitForFunction(
     (end) => Number.parseFloat(document.querySelector("#time")?.textContent ?? "0") >= end,
     seconds,
-    { timeout: 300_000 },
+    { timeout: TIMEOUT_MS },
   );
 }
 

@@ -1,23 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** What a person sees and reaches: without scrolling, by finger, by key, and from the disk. */
+import { mkdtempSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { begins, launch, open, passes, picture, ravenbrick, ROOT, serve, VEHICLE } from "./harness";
-
-let browser: Browser;
-let drive: Awaited<ReturnType<typeof serve>>;
-
-beforeAll(async () => {
-  await ravenbrick("build", VEHICLE);
-  [browser, drive] = await Promise.all([launch(), serve(VEHICLE, "drive")]);
-});
-
-afterAll(async () => {
-  drive?.end();
-  await browser?.close();
-});
+import type { Page } from "playwright-core";
+import { describe, expect } from "vitest";
+import { begins, passes, picture, test } from "./harness";
 
 /** Elements that are not wholly inside the window. */
 const outside = (page: Page, selectors: string[]) =>
@@ -39,8 +28,8 @@ describe("the layout", () => {
     [1920, 940],
     [1366, 768],
   ] as const) {
-    it(`shows drive and instruments at once, ${width} by ${height}`, async () => {
-      const { context, page } = await open(browser, drive.address, { viewport: { width, height } });
+    test(`shows drive and instruments at once, ${width} by ${height}`, async ({ open, drive }) => {
+      const { page } = await open(drive, { viewport: { width, height } });
       await page.selectOption("#speed", "5");
       await page.click("#run");
       await passes(page, 3);
@@ -50,7 +39,6 @@ describe("the layout", () => {
       expect(await outside(page, [...drivePart, ...instruments])).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBe(width);
       if (height === 1080) await picture(page, "11-wide");
-      await context.close();
     });
   }
 
@@ -58,10 +46,10 @@ describe("the layout", () => {
     [390, 844],
     [360, 640],
   ] as const) {
-    it(`has joystick and press button in reach on a phone, ${width} by ${height}`, async () => {
+    test(`has the controls in reach on a phone, ${width} by ${height}`, async ({ open, drive }) => {
       const viewport = { width, height };
       const phone = { viewport, hasTouch: true, isMobile: true };
-      const { context, page } = await open(browser, drive.address, phone);
+      const { page } = await open(drive, phone);
       const reached = ["#run", "#lcd", "#floor-view", "#joystick input", "#hand .touch"];
       expect(await outside(page, reached)).toEqual([]);
       await page.tap("#more");
@@ -78,14 +66,13 @@ describe("the layout", () => {
       await page.evaluate(() => document.querySelector("#surroundings")?.scrollIntoView());
       expect(await outside(page, ["#joystick input", "#hand .touch"])).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBe(width);
-      await context.close();
     });
   }
 });
 
 describe("the keyboard", () => {
-  it("drives after any control was clicked", async () => {
-    const { context, page } = await open(browser, drive.address);
+  test("drives after any control was clicked", async ({ open, drive }) => {
+    const { page } = await open(drive);
     await page.selectOption("#speed", "2");
     await page.keyboard.press("Space");
     await passes(page, 0.1);
@@ -111,14 +98,15 @@ describe("the keyboard", () => {
     await page.focus("#channel");
     await page.keyboard.type("sat");
     expect(await page.inputValue("#channel")).toBe("sat");
-    await context.close();
   });
 });
 
 describe("from the disk", () => {
-  it("says what to do, since a browser runs no page of files", async () => {
+  test("says what to do, since a browser runs no page of files", async ({ browser, drive }) => {
     const page = await browser.newPage();
-    await page.goto(`file://${join(ROOT, "build", "page", "index.html")}`);
+    const file = join(mkdtempSync(join(tmpdir(), "page-")), "index.html");
+    writeFileSync(file, await (await fetch(drive)).text());
+    await page.goto(`file://${file}`);
     await page.waitForSelector("#late", { state: "visible" });
     expect(await page.innerText("#late")).toContain("run ravenbrick view PROJECT");
     await page.close();

@@ -6,69 +6,41 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { promisify } from "node:util";
-import type { Browser } from "playwright-core";
-import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import {
-  begins,
-  ends,
-  inked,
-  launch,
-  open,
-  passes,
-  picture,
-  ravenbrick,
-  ROOT,
-  serve,
-  VEHICLE,
-} from "./harness";
+import { describe, expect } from "vitest";
+import { begins, built, ends, inked, passes, picture, ravenbrick, test } from "./harness";
+import { ROOT, VEHICLE } from "./harness";
 
 const LINE = "examples/line-follower";
-let browser: Browser;
-
-beforeAll(async () => {
-  browser = await launch();
-});
-
-afterAll(async () => {
-  await browser?.close();
-});
 
 describe("sound", () => {
-  it("of a program is played once it is switched on", async () => {
+  test("of a program is played once it is switched on", async ({ open, view }) => {
     const project = join("examples", "devices", "device.gpr");
     const options = ["-q", "-p", "--config=tools/ravenbrick.cgpr", "-P", project];
     await promisify(execFile)("gprbuild", [...options, "-XDEVICE=loudspeaker"], { cwd: ROOT });
     const image = join(ROOT, "build", "devices", "loudspeaker", "ram", "loudspeaker.elf");
-    const server = await serve(VEHICLE, "--elf", image);
-    const { context, page } = await open(browser, server.address);
+    const { page } = await open(await view(VEHICLE, "--elf", image));
     await page.check("#sound");
     await page.click("#run");
     await passes(page, 1.5);
     const played = await page.getAttribute("label[data-played]", "data-played");
     expect(Number(played)).toBeGreaterThan(1000);
-    await context.close();
-    server.end();
   });
 });
 
 describe("the floor", () => {
-  it("shows what the light sensor sees below the robot", async () => {
-    await ravenbrick("build", LINE);
-    const server = await serve(LINE, "lap");
-    const { context, page } = await open(browser, server.address);
+  test("shows what the light sensor sees below the robot", async ({ open, view }) => {
+    const { page } = await open(await view(await built(LINE), "lap"));
     const black = await inked(page, "#floor-view");
     expect(black).toBeGreaterThan(0.01);
     await page.selectOption("#speed", "Infinity");
     await page.click("#run");
     await passes(page, 8);
     await picture(page, "10-line");
-    await context.close();
-    server.end();
   });
 });
 
 describe("a program that fails", () => {
-  it("is shown with the line that raised the exception, until it begins again", async () => {
+  test("is shown with the line that raised the exception", async ({ open, view }) => {
     const project = join(mkdtempSync(join(tmpdir(), "page ")), "failing");
     await ravenbrick("new", project);
     const source = join(project, "src", "tasks.adb");
@@ -77,8 +49,7 @@ describe("a program that fails", () => {
     expect(raising).not.toBe(text);
     writeFileSync(source, raising);
     const line = raising.slice(0, raising.indexOf("raise Constraint")).split("\n").length;
-    const server = await serve(project, "press");
-    const { context, page } = await open(browser, server.address);
+    const { page } = await open(await view(project, "press"));
     await page.click("#run");
     await ends(page, `tasks.adb:${line}`);
     expect(await page.textContent("#source-place")).toBe(`tasks.adb:${line}`);
@@ -89,8 +60,6 @@ describe("a program that fails", () => {
     await page.click("#reset");
     await begins(page);
     expect(await page.textContent("#program")).toBe("");
-    await context.close();
-    server.end();
     rmSync(project, { recursive: true });
   });
 });

@@ -3,7 +3,9 @@
 /** Start: worker, page, service worker. */
 import { App } from "./app";
 import type { Command, Report } from "./protocol";
-import "./style.css";
+import "./style/base.css";
+import "./style/views.css";
+import "./style/layout.css";
 
 const page = document.getElementById("page");
 if (!page) throw new Error("index.html has no element #page");

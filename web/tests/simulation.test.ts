@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-// @vitest-environment node
 import { describe, expect, it } from "vitest";
 import { cyclesOfMs } from "../src/clock";
 import type { CoreClass } from "../src/core";

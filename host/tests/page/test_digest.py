@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,6 @@ from host.tests.conftest import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.brick.session import session_of
-from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
@@ -23,7 +23,7 @@ from ravenbrick.project.workspace import Workspace
 ROOT = VEHICLE.parent.parent
 ELF = Workspace.of(VEHICLE).image("ram", "vehicle")
 CRATES = ROOT / "virtual-brick"
-GLUE = ROOT / "web" / "generated" / "virtual_brick_bg.wasm"
+PAGE = ROOT / "host" / "src" / "ravenbrick" / "page.zip"
 SCENARIOS = ("drive", "step")
 
 pytestmark = pytest.mark.skipif(
@@ -36,10 +36,11 @@ def run(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, str]:
     """A run file of a whole scenario, and the digest that the Python module gives it."""
     robot = read_robot(VEHICLE)
     scenario = read_scenario(scenario_path(VEHICLE, request.param), robot)
-    end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
+    recording = VirtualTarget().run(robot, scenario, read_image(ELF))
+    ended = {"until_cycles": recording.stop.at_cycles, "digest": recording.digest}
     file = tmp_path / "run.json"
-    file.write_text(json.dumps(session_of(robot, scenario) | {"until_cycles": end}))
-    return file, VirtualTarget().run(robot, scenario, read_image(ELF)).digest
+    file.write_text(json.dumps(session_of(robot, scenario) | ended))
+    return file, recording.digest
 
 
 def said(*command: object) -> str:
@@ -58,9 +59,12 @@ def test_native_is_python(run: tuple[Path, str]) -> None:
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="Node.js is not installed (nodejs)")
-@pytest.mark.skipif(not GLUE.is_file(), reason="the page is not built; 'make page' builds it")
-def test_web_assembly_is_python(run: tuple[Path, str]) -> None:
-    """The module of the page, run by Node.js."""
+def test_web_assembly_is_python(run: tuple[Path, str], tmp_path: Path) -> None:
+    """The worker of the shipped page, run by Node.js."""
     file, digest = run
-    script = CRATES / "bindings" / "wasm" / "digest.mjs"
-    assert json.loads(said("node", script, file, ELF))["digest"] == digest
+    with zipfile.ZipFile(PAGE) as archive:
+        archive.extractall(tmp_path)
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (worker,) = tmp_path.glob("assets/worker-*.js")
+    script = Path(__file__).with_name("worker_digest.mjs")
+    assert said("node", script, worker, file, ELF) == digest

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+// `node worker_digest.mjs WORKER RUN ELF`: replays a run file in the page's worker, without a
+// browser, and prints the trace digest.
+import { readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const [worker, runFile, elfFile] = process.argv.slice(2);
+const run = JSON.parse(readFileSync(runFile, "utf-8"));
+const headers = { "Content-Type": "application/wasm" };
+globalThis.fetch = async (url) => new Response(readFileSync(url), { headers });
+globalThis.self = Object.assign(new EventTarget(), {
+  postMessage(report) {
+    if (report.kind === "failure") throw new Error(report.message);
+    if (report.kind !== "replayed") return;
+    console.log(report.found);
+    process.exit(0);
+  },
+});
+const send = (data) => self.dispatchEvent(Object.assign(new Event("message"), { data }));
+await import(pathToFileURL(worker));
+send({ kind: "replay", run, elf: new Uint8Array(readFileSync(elfFile)) });
+send({ kind: "speed", factor: Infinity });
+send({ kind: "run" });
