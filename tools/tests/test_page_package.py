@@ -36,6 +36,17 @@ def test_the_archive_has_the_files_of_its_manifest() -> None:
     assert digests == json.loads(MANIFEST.read_text())["files"]
 
 
+def test_every_package_of_the_page_runs_on_the_oldest_node() -> None:
+    """A newer Node.js on a developer's machine hides one that does not."""
+    lock = json.loads((page_package.ROOT / "web" / "package-lock.json").read_text())["packages"]
+    (oldest,) = re.findall(r"^>=(\d+)", lock[""]["engines"]["node"])
+    for name, package in lock.items():
+        accepted = package.get("engines", {}).get("node", ">=0")
+        majors = re.findall(r"(\^|>=) ?v?(\d+)", accepted)
+        fits = (n == oldest if sign == "^" else int(n) <= int(oldest) for sign, n in majors)
+        assert any(fits), f"{name} needs Node.js {accepted}"
+
+
 def test_no_folder_of_the_builder_is_in_the_page() -> None:
     """The same sources give the same bytes in every folder, with the pinned tools."""
     for name, content in packed_files().items():

@@ -133,7 +133,7 @@ export const test = base.extend<Fixtures>({
     forAllTests,
   ],
   // The server shows the bounds that the analysis leaves.
-  drive: [async ({ bounds: _analysed, view }, use) => use(await view(VEHICLE, "drive")), forAllTests],
+  drive: [async ({ bounds: _known, view }, use) => use(await view(VEHICLE, "drive")), forAllTests],
   free: [async ({ view }, use) => use(await view(await built(VEHICLE))), forAllTests],
   open: async ({ browser }, use) => {
     const all: Opened[] = [];
