@@ -47,8 +47,8 @@ test: develop style test-rust test-python ## Run all tests
 
 .PHONY: style
 style: ## Check style, borders between the parts, and generated tables
-	@$(PYTHON) -m tools.tidy
-	@$(PYTHON) -m tools.tables --check
+	@$(PYTHON) -m tools.style.tidy
+	@$(PYTHON) -m tools.docs.tables --check
 	@$(PYTHON) -m ruff check --quiet host tools runtime drivers examples verification \
 		virtual-brick/bindings
 	@$(PYTHON) -m mypy --no-error-summary --config-file host/pyproject.toml host/src
@@ -74,10 +74,10 @@ bench: complete ## Ratios measured side by side; writes verification/benchmarks/
 
 .PHONY: docs
 docs: setup ## The documentation site and the lab sheets as PDF: docs/_build
-	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements-docs.txt
+	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements/docs.txt
 	@$(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
-	@$(PYTHON) -m tools.site_links docs/_build/html
-	@$(PYTHON) -m tools.sheets_pdf docs/_build/lab-sheets.pdf
+	@$(PYTHON) -m tools.docs.site_links docs/_build/html
+	@$(PYTHON) -m tools.docs.sheets_pdf docs/_build/lab-sheets.pdf
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
 
 .PHONY: dist

@@ -14,8 +14,8 @@ from sphinx.util import logging
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
-from tools.notebook import notebook_page  # noqa: E402
-from tools.reference_pages import write_pages  # noqa: E402
+from tools.docs.notebook import notebook_page  # noqa: E402
+from tools.docs.reference_pages import write_pages  # noqa: E402
 
 write_pages(HERE / "reference" / "generated", HERE / "pictures" / "generated")
 (HERE / "guides" / "paper-design.md").write_text(

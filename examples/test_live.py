@@ -27,7 +27,7 @@ from ravenbrick.telemetry.steps import live_steps
 from ravenbrick.trace.schedule import jobs_of
 from typer.testing import CliRunner
 
-from tools.live_steps import monitored_steps, steps_and_design
+from tools.docs.live_steps import monitored_steps, steps_and_design
 
 BENCH = Path(__file__).resolve().parent / "motor-bench"
 LONGEST_S, LATE_S = 60.0, 0.2

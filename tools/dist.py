@@ -23,7 +23,7 @@ import virtual_brick
 from elftools.elf.elffile import ELFFile
 from ravenbrick.atomic_write import atomic_write
 
-from tools.tidy import ROOT, tracked_files
+from tools.style.tidy import ROOT, tracked_files
 
 TYPES = ROOT / "virtual-brick" / "bindings" / "python" / "virtual_brick.pyi"
 BUILT = ROOT / "build" / "dist"

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash disable=SC2034
-# What the project needs from outside. Python packages are pinned in tools/requirements*.txt,
+# What the project needs from outside. Python packages are pinned in tools/requirements/,
 # Rust crates in virtual-brick/Cargo.lock.
 DEBIAN_PACKAGES=(
     gnat-12-arm-linux-gnueabi

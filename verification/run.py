@@ -21,8 +21,8 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from tools import tables
-from tools.tables import Row, merge_rows
+from tools.docs import tables
+from tools.docs.tables import Row, merge_rows
 from verification.acats import campaign
 from verification.control import blocks, identification
 from verification.plant import points as plant_points

@@ -17,7 +17,7 @@ from typing import Any
 
 import virtual_brick
 
-from tools.lcd_picture import lcd_svg
+from tools.docs.lcd_picture import lcd_svg
 from verification.support.bricks.observe import Brick, bench
 
 HERE = Path(__file__).resolve().parent

@@ -178,7 +178,7 @@ def test_the_steps_need_no_root_for_the_user() -> None:
 def test_the_tests_run_with_versions_that_the_wheel_allows() -> None:
     """Each dependency has a pinned version, within its range."""
     project = tomllib.loads((ROOT / "host" / "pyproject.toml").read_text())["project"]
-    pins = re.findall(r"^([\w.-]+)==(\S+)", (ROOT / "tools/requirements.txt").read_text(), re.M)
+    pins = re.findall(r"^([\w.-]+)==(\S+)", (ROOT / "tools/requirements/run.txt").read_text(), re.M)
     versions = {canonicalize_name(name): version for name, version in pins}
     for wish in [*project["dependencies"], *project["optional-dependencies"]["export"]]:
         requirement = Requirement(wish)

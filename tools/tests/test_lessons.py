@@ -12,7 +12,7 @@ import pytest
 from ravenbrick.grading.answers import Answers, parse_wanted
 from ravenbrick.grading.rubric import read_rubric
 
-from tools.lessons import SHEETS, SheetError, find, run_sheet, run_solution, solution_of, steps
+from tools.docs.lessons import SHEETS, SheetError, find, run_sheet, run_solution, solution_of, steps
 
 QUICK = ("03-identification.md", "06-inversion.md", "08-fixed-point.md")
 LONG = "RAVENBRICK_LONG" in os.environ

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tools.notebook import notebook_page, run_notebook
+from tools.docs.notebook import notebook_page, run_notebook
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOK = ROOT / "docs" / "notebooks" / "paper-design.ipynb"

@@ -13,7 +13,7 @@ import pytest
 import virtual_brick
 from ravenbrick.sources import brick_digest
 
-from tools.tidy import ROOT, tracked_files
+from tools.style.tidy import ROOT, tracked_files
 
 PARTS = ("Makefile", "drivers", "host", "runtime", "tools", "virtual-brick")
 LONG = "a folder with a long name, as cloud drives have them " * 2

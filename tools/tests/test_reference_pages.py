@@ -9,8 +9,8 @@ from pathlib import Path
 
 from ravenbrick.cli.app import COMMANDS
 
-from tools.reference_pages import SCHEMAS, command_page, package_page, schema_page, trace_page
-from tools.site_links import check_site
+from tools.docs.reference_pages import SCHEMAS, command_page, package_page, schema_page, trace_page
+from tools.docs.site_links import check_site
 
 
 def test_the_page_of_commands_has_every_command_with_its_example() -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tools.result_pages import fuzz_page, plant_page
-from tools.tables import VERIFICATION, benchmark_table, conformance_table, merge_rows
+from tools.docs.result_pages import fuzz_page, plant_page
+from tools.docs.tables import VERIFICATION, benchmark_table, conformance_table, merge_rows
 
 SUITE = {
     "area": "cpu",

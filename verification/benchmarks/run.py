@@ -21,8 +21,8 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from tools import tables
-from tools.tables import Row, merge_rows
+from tools.docs import tables
+from tools.docs.tables import Row, merge_rows
 from verification.benchmarks.child_time import run_timed
 from verification.benchmarks.cpu_speed import measurements
 

@@ -31,7 +31,7 @@ from verification.support.submissions import RUBRIC, variant, write_submission
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference" / "grading-throughput.md"
 COUNT, SLICE, WORKERS = 200, 20, 2
-NO_DASK = "the package distributed is not installed: pip install -r tools/requirements-cluster.txt"
+NO_DASK = "the package distributed is not installed: pip install -r tools/requirements/cluster.txt"
 
 
 @dataclass

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from tools.site_links import check_site
+from tools.docs.site_links import check_site
 
 ROOT = Path(__file__).resolve().parents[2]
 NO_SPHINX = "Sphinx is not installed: 'make docs' installs it"

@@ -21,8 +21,8 @@ from typing import Any
 
 import virtual_brick
 
-from tools import tables
-from tools.lcd_picture import WIDTH
+from tools.docs import tables
+from tools.docs.lcd_picture import WIDTH
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "verification" / "firmware" / "images.json"

@@ -22,7 +22,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from tools import tables
+from tools.docs import tables
 from verification.fuzz.targets import Target, targets
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -15,7 +15,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from tools import tables
+from tools.docs import tables
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "verification" / "plant" / "points.json"

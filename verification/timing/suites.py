@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from tools.tables import Row
+from tools.docs.tables import Row
 from verification.timing.just_missed import MISSED, REACHED
 
 __all__ = [
@@ -77,12 +77,12 @@ def random_sets() -> Row:
     excluded: list[Row] = []
     if importlib.util.find_spec("pycpa") is None:
         reason = (
-            "no case counted, but pyCPA is compared: pip install -r tools/requirements-timing.txt"
+            "no case counted, but pyCPA is compared: pip install -r tools/requirements/timing.txt"
         )
         excluded.append({"count": 0, "reason": reason})
     if not with_simso:
         reason = (
-            "no case counted, but SimSo is compared: pip install -r tools/requirements-timing.txt"
+            "no case counted, but SimSo is compared: pip install -r tools/requirements/timing.txt"
         )
         excluded.append({"count": 0, "reason": reason})
     suite = f"random: {SETS} task sets, bounds equal to other tools', runs below"

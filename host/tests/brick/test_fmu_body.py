@@ -32,7 +32,7 @@ Build = Callable[..., Path]
 @pytest.fixture
 def build(tmp_path: Path) -> Build:
     """Builds the FMU of `fmu/` for a version of FMI with the computer's C compiler."""
-    pytest.importorskip("fmpy", reason="optional: pip install -r tools/requirements-fmu.txt")
+    pytest.importorskip("fmpy", reason="optional: pip install -r tools/requirements/fmu.txt")
 
     def built(version: int, *options: str) -> Path:
         library = tmp_path / f"flywheel{version}.so"

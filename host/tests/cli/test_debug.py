@@ -16,8 +16,8 @@ from threading import Thread
 import pytest
 from gdb_replies import whole_reply
 from host.tests.conftest import VEHICLE
-from tools import gdb_session
-from tools.gdb_session import talk
+from tools.docs import gdb_session
+from tools.docs.gdb_session import talk
 from typer.testing import CliRunner
 
 from ravenbrick.brick.run import VirtualTarget

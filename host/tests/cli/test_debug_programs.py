@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from host.tests.conftest import VEHICLE
-from tools.gdb_session import talk
+from tools.docs.gdb_session import talk
 
 from ravenbrick.cli.debug import GDB
 

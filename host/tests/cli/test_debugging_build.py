@@ -11,7 +11,7 @@ from queue import Queue
 from threading import Thread
 
 import pytest
-from tools.gdb_session import talk
+from tools.docs.gdb_session import talk
 from typer.testing import CliRunner, Result
 
 from ravenbrick.brick.run import VirtualTarget

@@ -79,7 +79,7 @@ def test_an_interrupted_sweep_goes_on(built: None, tmp_path: Path) -> None:
 @LONG
 @pytest.mark.skipif(
     importlib.util.find_spec("distributed") is None,
-    reason="distributed is not installed: pip install -r tools/requirements-cluster.txt",
+    reason="distributed is not installed: pip install -r tools/requirements/cluster.txt",
 )
 def test_a_cluster_gives_the_results_of_one_worker(built: None, tmp_path: Path) -> None:
     """By one option, on two workers of a scheduler; two processes of this machine do, too."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Execute the lab sheets: `python -m tools.lessons [SHEET ...]`, all of docs/lessons without names.
+"""The lab sheets, executed: `python -m tools.docs.lessons [SHEET ...]`; without names, all.
 
 In a sheet, a fence `console` holds commands, one a line, which are run in a folder of the sheet's
 own; `console exit=8` expects the last one to end with 8. `LANGUAGE file=PATH` writes its content to
@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SHEETS = ROOT / "docs" / "lessons"
 SOLUTIONS = SHEETS / "solutions.md"
 FENCE = re.compile(r"^```(\w+)(?: (\w+)(?:=(\S+))?)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)

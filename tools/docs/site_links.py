@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Follow every link inside the built site: `python -m tools.site_links docs/_build/html`."""
+"""Follow every link inside the built site: `python -m tools.docs.site_links docs/_build/html`."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The lab sheets as one PDF, without the solutions: `python -m tools.sheets_pdf FILE`."""
+"""The lab sheets as one PDF, without the solutions: `python -m tools.docs.sheets_pdf FILE`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from markdown_it import MarkdownIt
 from weasyprint import HTML
 
-from tools.lessons import find
+from tools.docs.lessons import find
 
 STYLE = """
 @page { size: A4; margin: 22mm 20mm; @bottom-center { content: counter(page); font-size: 9pt } }

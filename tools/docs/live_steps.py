@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Step responses of a running program over its design: `python -m tools.live_steps FILE`.
+"""Step responses of a running program over its design: `python -m tools.docs.live_steps FILE`.
 
 Builds and designs the motor bench, connects with it over the virtual brick's Bluetooth, changes its
 set-point while it runs, cuts the steps out of what the program published, and draws them on the
@@ -29,7 +29,7 @@ from ravenbrick.telemetry.steps import LiveStep, live_steps
 from ravenbrick.trace.design import Design, read_design
 from ravenbrick.trace.plots.style import png_bytes
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 BENCH = ROOT / "examples" / "motor-bench"
 STARTED_MS, CONNECT_MS, TURN_MS, FIRST_MS = 1_500, 1_000, 10, 500
 NAMES = "setpoint", "speed"

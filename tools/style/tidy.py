@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Style and borders as a test: `python -m tools.tidy` prints what is wrong and where.
+"""Style and borders as a test: `python -m tools.style.tidy` prints what is wrong and where.
 
 Each rule is one function from the tracked files to complaints. ARCHITECTURE.md names the rule
 that enforces each invariant.
@@ -16,7 +16,7 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 FILE_LINES = 700
 FUNCTION_LINES = 70
 COLUMNS = 100

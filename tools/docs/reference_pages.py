@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SCHEMAS = {
     "robot-toml": ("robot", "robot.toml"),
     "scenario-toml": ("scenario", "Scenarios"),

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the Markdown tables of `verification/` and some reference pages from results.
 
-`python -m tools.tables` writes them; `--check` fails when a table is not what its file says.
+`python -m tools.docs.tables` writes them; `--check` fails when a table is not what its file says.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tools.result_pages import firmware_pages, fuzz_page, plant_page
+from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page
 
 __all__ = ["AREAS", "benchmark_table", "conformance_table", "merge_rows"]
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 AREAS = (
     "cpu",
     "peripherals",
@@ -121,7 +121,7 @@ def main(arguments: list[str]) -> int:
                 target.write_text(text)
             elif not target.exists() or target.read_text() != text:
                 name = target.relative_to(ROOT)
-                print(f"{name}: differs from {source.name}; run 'python -m tools.tables'")
+                print(f"{name}: differs from {source.name}; run 'python -m tools.docs.tables'")
                 stale = 1
     return stale
 

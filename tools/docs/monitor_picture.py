@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The live page as a browser shows it: `python -m tools.monitor_picture FILE`.
+"""The live page as a browser shows it: `python -m tools.docs.monitor_picture FILE`.
 
 Runs the motor bench with its Bluetooth on a port, `ravenbrick monitor --page` on it, and headless
 Chromium on the page; drags the slider of the set-point; writes the picture as PNG. Prints the
@@ -24,7 +24,7 @@ from typing import Any
 
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 BENCH = ROOT / "examples" / "motor-bench"
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 WIDTH, HEIGHT = 1040, 800

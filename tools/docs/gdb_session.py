@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A session with GDB on the vehicle, as the guide shows it: who wrote a variable, found backwards.
 
-`python -m tools.gdb_session` holds the session and writes it into docs/guides/debugging.md;
+`python -m tools.docs.gdb_session` holds the session and writes it into docs/guides/debugging.md;
 `--check` holds it and compares what it is about: stops, values, callers and the line that is found.
 The rest, and all numbers, change with every build. Needs gdb-multiarch and the built vehicle.
 """
@@ -16,7 +16,7 @@ from pathlib import Path
 
 __all__ = ["compared", "guide_session", "hold", "main", "talk"]
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 GUIDE = ROOT / "docs" / "guides" / "debugging.md"
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 COMMAND += ["debug", str(ROOT / "examples" / "vehicle"), "drive", "--gdb", "--port", "0"]
@@ -26,7 +26,7 @@ MARK = "=== said ==="
 FOUND = "Control_Left :="
 # A fresh clone has sources that are newer than an image that was built elsewhere.
 TOUCHED = "warning: Source file is more recent than executable."
-BEGIN = "<!-- written by python -m tools.gdb_session -->\n\n```text\n"
+BEGIN = "<!-- written by python -m tools.docs.gdb_session -->\n\n```text\n"
 END = "```\n"
 
 SESSION = (
@@ -98,7 +98,9 @@ def main(arguments: list[str]) -> int:
     if "--check" in arguments:
         same = compared(held) == compared(guide_session())
         if not same:
-            print(f"{GUIDE}: shows another session than GDB; run 'python -m tools.gdb_session'")
+            print(
+                f"{GUIDE}: shows another session than GDB; run tools.docs.gdb_session"
+            )
             print(held)
         return int(not same)
     before, _, rest = GUIDE.read_text(encoding="utf-8").partition(BEGIN)
