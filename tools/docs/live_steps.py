@@ -23,11 +23,11 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
+from ravenbrick.report.plots.style import png_bytes
 from ravenbrick.telemetry import Session
 from ravenbrick.telemetry.picture import steps_figure
 from ravenbrick.telemetry.steps import LiveStep, live_steps
 from ravenbrick.trace.design import Design, read_design
-from ravenbrick.trace.plots.style import png_bytes
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCH = ROOT / "examples" / "motor-bench"

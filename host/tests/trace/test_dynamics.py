@@ -8,6 +8,7 @@ import pytest
 from verification.support.recordings import preempted
 
 from ravenbrick.project.robot import Robot
+from ravenbrick.report.plots.dynamics import dynamics_drawing
 from ravenbrick.trace.dynamics import (
     TaskDynamics,
     dynamics_summary,
@@ -15,7 +16,6 @@ from ravenbrick.trace.dynamics import (
     histogram,
     task_dynamics,
 )
-from ravenbrick.trace.plots.dynamics import dynamics_drawing
 
 
 @pytest.fixture

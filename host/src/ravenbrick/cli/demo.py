@@ -30,9 +30,9 @@ from ravenbrick.image.memory import MemoryReport, with_stacks
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.project.workspace import Workspace
+from ravenbrick.report.run_report import write_report
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import require_criteria
-from ravenbrick.trace.report import write_report
 from ravenbrick.trace.summary import Evidence, Run
 
 __all__ = ["demo_command"]

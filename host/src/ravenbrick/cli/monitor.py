@@ -16,6 +16,7 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import ConnectionFailedError, InterruptError, UsageError, shown_path
 from ravenbrick.project.workspace import Workspace
+from ravenbrick.report.plots.style import png_bytes
 from ravenbrick.telemetry.links import check_address, open_link
 from ravenbrick.telemetry.messages import Answer, Hello, Message, Verdict
 from ravenbrick.telemetry.monitor import Monitor, replay
@@ -25,7 +26,6 @@ from ravenbrick.telemetry.spool import Spool
 from ravenbrick.telemetry.steps import live_steps
 from ravenbrick.telemetry.window import show_live
 from ravenbrick.trace.design import read_design
-from ravenbrick.trace.plots.style import png_bytes
 
 __all__ = ["monitor_command"]
 

@@ -25,9 +25,9 @@ from ravenbrick.image.memory import MemoryReport, memory_report, with_stacks
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.project.workspace import BuildKind, Workspace
+from ravenbrick.report.run_report import write_report
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.report import write_report
 from ravenbrick.trace.summary import Run
 
 __all__ = ["report_command"]

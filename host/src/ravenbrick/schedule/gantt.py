@@ -7,10 +7,10 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from ravenbrick.report.plots.style import COLOURS, new_figure, task_colour
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.quantity import Time, exact
 from ravenbrick.schedule.simulation import Scheduler, Simulation, simulate
-from ravenbrick.trace.plots.style import COLOURS, new_figure, task_colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

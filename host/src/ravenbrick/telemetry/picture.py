@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ravenbrick.report.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.telemetry.log import RunLog
 from ravenbrick.telemetry.messages import SignalDescription
 from ravenbrick.telemetry.steps import LiveStep
 from ravenbrick.trace.design import Design
-from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

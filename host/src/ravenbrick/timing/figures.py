@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ravenbrick.project.robot import Robot
+from ravenbrick.report.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.simulation import simulate
@@ -16,7 +17,6 @@ from ravenbrick.timing.chain import ChainDelay
 from ravenbrick.timing.loop import Loop, phase_margin
 from ravenbrick.timing.observed import worst_job
 from ravenbrick.timing.result import microseconds
-from ravenbrick.trace.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, stretches
 

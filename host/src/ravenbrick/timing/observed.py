@@ -20,9 +20,8 @@ from ravenbrick.timing.own_time import interruption_cycles
 from ravenbrick.timing.started import ALARM_SOURCE
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.interrupts import source_name
-from ravenbrick.trace.plots.schedule import cyclic_begin_cycles
 from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import Job, jobs_of
+from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
 
 __all__ = [
     "Observed",

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ravenbrick.atomic_write import atomic_write
+from ravenbrick.report.plots.style import data_uri, png_bytes
 from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.result import advice, microseconds
-from ravenbrick.trace.plots.style import data_uri, png_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -143,7 +143,7 @@ def _page(
     figures: Sequence[tuple[str, Figure]],
     notes: Sequence[str],
 ) -> str:
-    css = resources.files("ravenbrick.trace").joinpath("report.css").read_text("utf-8")
+    css = resources.files("ravenbrick.report").joinpath("templates/report.css").read_text("utf-8")
     verdict = "All deadlines are met." if result["schedulable"] else "A deadline can be missed."
     verdict += "" if result["stacks_suffice"] else " A stack can overflow."
     lines = "".join(f"<li>{escape(line)}</li>" for line in (*advice(result), *notes))

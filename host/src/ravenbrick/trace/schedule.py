@@ -17,7 +17,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.project.robot import Task
+from ravenbrick.project.robot import Robot, Task
 from ravenbrick.trace.recording import IDLE, EventKind, Recording
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "Utilization",
     "all_jobs",
     "by_priority",
+    "cyclic_begin_cycles",
     "jobs_of",
     "measure_task",
     "segments",
@@ -333,3 +334,13 @@ def utilization(recording: Recording) -> Utilization:
         kernel=share(KERNEL_OWNER),
         idle=share(IDLE_OWNER),
     )
+
+
+def cyclic_begin_cycles(robot: Robot, recording: Recording) -> int:
+    """When the last cyclic task begins its cycle: its first job only waits for that instant."""
+    begins = [
+        jobs[1].release_cycles
+        for thread, jobs in zip(recording.threads, all_jobs(recording), strict=True)
+        if len(jobs) > 1 and (task := robot.task(thread.name)) and task.release == "cyclic"
+    ]
+    return max(begins, default=0)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ravenbrick.project.robot import Robot
-from ravenbrick.trace.chart import COLOURS, Drawing, Panel, task_colour
+from ravenbrick.report.chart import COLOURS, Drawing, Panel, task_colour
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import (
     INTERRUPT_OWNER,
@@ -15,6 +15,7 @@ from ravenbrick.trace.schedule import (
     Job,
     all_jobs,
     by_priority,
+    cyclic_begin_cycles,
     jobs_of,
     stretches,
 )
@@ -22,7 +23,6 @@ from ravenbrick.trace.schedule import (
 __all__ = [
     "Window",
     "close_up",
-    "cyclic_begin_cycles",
     "overview",
     "schedule_drawing",
     "slowest_job",
@@ -41,16 +41,6 @@ class Window:
 
     begin: int
     end: int
-
-
-def cyclic_begin_cycles(robot: Robot, recording: Recording) -> int:
-    """When the last cyclic task begins its cycle: its first job only waits for that instant."""
-    begins = [
-        jobs[1].release_cycles
-        for thread, jobs in zip(recording.threads, all_jobs(recording), strict=True)
-        if len(jobs) > 1 and (task := robot.task(thread.name)) and task.release == "cyclic"
-    ]
-    return max(begins, default=0)
 
 
 def overview(robot: Robot, recording: Recording) -> Window:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ravenbrick.trace.chart import Drawing
+from ravenbrick.report.chart import Drawing
 from ravenbrick.trace.recording import Picture
 
 __all__ = ["lcd_drawing"]

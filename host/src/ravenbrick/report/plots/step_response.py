@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from ravenbrick.trace.chart import COLOURS, SERIES, Drawing, Panel
+from ravenbrick.report.chart import COLOURS, SERIES, Drawing, Panel
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import StepRecord
 from ravenbrick.trace.motion import SETTLING_BAND, WINDOW

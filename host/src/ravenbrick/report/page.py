@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from html import escape
 
-from ravenbrick.trace.chart import Drawing
+from ravenbrick.report.chart import Drawing
 
 __all__ = ["Drawings", "Table", "counted", "table"]
 

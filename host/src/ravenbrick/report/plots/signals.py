@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
-from ravenbrick.trace.chart import COLOURS, SERIES, Anchor, Drawing, Panel
+from ravenbrick.report.chart import COLOURS, SERIES, Anchor, Drawing, Panel
 from ravenbrick.trace.measures import setpoint_speed
 from ravenbrick.trace.recording import Recording
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.clock import Clock
-from ravenbrick.trace.chart import COLOURS, Drawing, Panel, task_colour, ticks
+from ravenbrick.report.chart import COLOURS, Drawing, Panel, task_colour, ticks
 from ravenbrick.trace.dynamics import HandlerDynamics, TaskDynamics, histogram
 
 __all__ = ["dynamics_drawing"]

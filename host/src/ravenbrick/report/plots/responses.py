@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ravenbrick.trace.chart import COLOURS, Drawing, Panel, task_colour
+from ravenbrick.report.chart import COLOURS, Drawing, Panel, task_colour
 from ravenbrick.trace.measures import RunMeasures
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import TaskMeasures, by_priority, jobs_of

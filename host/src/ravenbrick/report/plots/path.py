@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.project.robot import Floor, Robot
-from ravenbrick.trace.chart import COLOURS, SERIES, Drawing, Panel
+from ravenbrick.report.chart import COLOURS, SERIES, Drawing, Panel
 from ravenbrick.trace.recording import Recording
 
 __all__ = ["moved", "path_drawing"]

@@ -17,9 +17,9 @@ from verification.support.recordings import preempted
 from ravenbrick.errors import RunFaultError
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.project.scenario import Scenario, read_scenario
+from ravenbrick.report.run_report import write_report
 from ravenbrick.trace.measures import measure_run
 from ravenbrick.trace.recording import Picture, Recording, Stop
-from ravenbrick.trace.report import write_report
 from ravenbrick.trace.summary import Evidence, Run
 
 WORKER = Task("worker", "", "cyclic", 10_000, 4_000, 1, 1024)

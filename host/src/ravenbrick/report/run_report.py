@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.atomic_write import atomic_write
-from ravenbrick.trace.chart import Drawing
+from ravenbrick.report.chart import Drawing
+from ravenbrick.report.page import Drawings, Table, counted, table
+from ravenbrick.report.plots.path import path_drawing
+from ravenbrick.report.plots.step_response import step_drawing
+from ravenbrick.report.run_section import anchor, compared, outcome, run_section, run_title
 from ravenbrick.trace.design import Design
-from ravenbrick.trace.markup import Drawings, Table, counted, table
 from ravenbrick.trace.motion import SPEED_FILTER
-from ravenbrick.trace.plots.path import path_drawing
-from ravenbrick.trace.plots.step_response import step_drawing
-from ravenbrick.trace.report_run import anchor, compared, outcome, run_section, run_title
 from ravenbrick.trace.summary import Evidence, summary
 
 __all__ = ["write_report"]
@@ -205,7 +205,7 @@ def _runs_section(evidence: Evidence) -> str:
 
 
 def _page(evidence: Evidence, drawings: Drawings) -> str:
-    css = resources.files("ravenbrick.trace").joinpath("report.css").read_text("utf-8")
+    css = resources.files("ravenbrick.report").joinpath("templates/report.css").read_text("utf-8")
     robot = evidence.robot
     sections = [
         _key_figures(evidence),

@@ -8,20 +8,20 @@ import re
 from collections.abc import Mapping
 from html import escape
 
-from ravenbrick.trace.markup import Drawings, Table, counted
-from ravenbrick.trace.plots.dynamics import dynamics_drawing
-from ravenbrick.trace.plots.lcd import lcd_drawing
-from ravenbrick.trace.plots.path import moved, path_drawing
-from ravenbrick.trace.plots.responses import responses_drawing
-from ravenbrick.trace.plots.schedule import (
+from ravenbrick.report.page import Drawings, Table, counted
+from ravenbrick.report.plots.dynamics import dynamics_drawing
+from ravenbrick.report.plots.lcd import lcd_drawing
+from ravenbrick.report.plots.path import moved, path_drawing
+from ravenbrick.report.plots.responses import responses_drawing
+from ravenbrick.report.plots.schedule import (
     Window,
     close_up,
     overview,
     schedule_drawing,
     slowest_job,
 )
-from ravenbrick.trace.plots.signals import signals_drawing
-from ravenbrick.trace.plots.tasks import TASK_COLUMNS, task_cells
+from ravenbrick.report.plots.signals import signals_drawing
+from ravenbrick.report.plots.tasks import TASK_COLUMNS, task_cells
 from ravenbrick.trace.summary import Evidence, Run
 
 __all__ = ["anchor", "compared", "outcome", "run_section", "run_title"]
