@@ -28,7 +28,14 @@ from tools.style.tidy import ROOT, tracked_files
 TYPES = ROOT / "virtual-brick" / "bindings" / "python" / "virtual_brick.pyi"
 BUILT = ROOT / "build" / "dist"
 # What a user's project is made from and built with; tests and measurements stay behind.
-SHIPPED = ("drivers/", "examples/", "runtime/", "docs/lessons/rubrics/", "tools/Containerfile")
+SHIPPED = (
+    "catalogue/",
+    "drivers/",
+    "examples/",
+    "runtime/",
+    "docs/lessons/rubrics/",
+    "tools/Containerfile",
+)
 SHIPPED_TOOLS = (".gpr", ".cgpr", ".mk", ".awk", ".cfg", ".rules")
 LEFT_OUT = {"tests", "regulation"}
 BUILD = "from setuptools.build_meta import build_wheel; build_wheel('wheel')"

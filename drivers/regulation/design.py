@@ -11,6 +11,7 @@ import argparse
 import math
 from pathlib import Path
 
+from ravenbrick.catalogue import part_values
 from ravenbrick.codegen import NamedNumber, ada_package, generate_ada
 from ravenbrick.control import (
     Design,
@@ -46,7 +47,7 @@ SPEED_WINDOW = 8
 ACTUATOR_DELAY = 0.0023
 
 # Of the charged battery; at run time it is what is measured.
-SUPPLY_VOLTAGE = 8.0
+SUPPLY_VOLTAGE = part_values("batteries", "li_ion")["voltage"]
 
 # A loaded motor reaches this with every battery.
 LARGEST_SPEED = 700.0

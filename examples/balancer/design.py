@@ -28,10 +28,12 @@ from ravenbrick.model import (
     Saturation,
     Sum,
 )
+from ravenbrick.project.robot import read_robot
 
 PROJECT = Path(__file__).resolve().parent
+ROBOT = read_robot(PROJECT)
 
-SAMPLE_TIME_MS = 4
+SAMPLE_TIME_MS = ROBOT.period_ms("balance_task")
 SAMPLE_TIME = SAMPLE_TIME_MS / 1000
 
 # Wheel angle, pitch, their rates, integral of the wheel angle.
@@ -44,7 +46,7 @@ WHEEL_RATE_SHARE = 0.85
 # Low-pass of the wheel angle before it is differentiated.
 FILTER = 0.8
 
-SUPPLY_VOLTAGE = 8.0
+SUPPLY_VOLTAGE = ROBOT.battery.voltage.value
 
 
 def gains() -> np.ndarray:

@@ -24,16 +24,20 @@ from ravenbrick.model import (
     Saturation,
     Sum,
 )
+from ravenbrick.project.robot import read_robot
 
 PROJECT = Path(__file__).resolve().parent
+ROBOT = read_robot(PROJECT)
 
-SAMPLE_TIME_MS = 4
+SAMPLE_TIME_MS = ROBOT.period_ms("control_task")
 SAMPLE_TIME = SAMPLE_TIME_MS / 1000
 
-# The NXT set's three-motor chassis; the sensor before the axle.
-WHEEL_RADIUS = 0.028
-TRACK = 0.115
-SENSOR_ARM = 0.07
+# The chassis, and the sensor before the axle.
+WHEEL_RADIUS = ROBOT.body.quantities["wheel_radius"].value
+TRACK = ROBOT.body.quantities["track"].value
+MOUNT = ROBOT.sensor_ports["3"].mount
+assert MOUNT is not None
+SENSOR_ARM = MOUNT.x
 
 # Cruise: half of the battery's 8 V less friction, about 0.23 m/s.
 CRUISE_VOLTAGE = 4.0

@@ -20,14 +20,16 @@ from ravenbrick.control import (
     pi_with_estimator,
 )
 from ravenbrick.model import NXT_MOTOR, SpeedLoop
+from ravenbrick.project.robot import read_robot
 
 PROJECT = Path(__file__).resolve().parent
+ROBOT = read_robot(PROJECT)
 
-DEGREES_PER_VOLT = 116.0
-SAMPLE_TIME_MS = 4
+DEGREES_PER_VOLT = ROBOT.degrees_per_volt()
+SAMPLE_TIME_MS = ROBOT.period_ms("control_task")
 SPEED_WINDOW = 8
 ACTUATOR_DELAY = 0.0023
-SUPPLY_VOLTAGE = 8.0
+SUPPLY_VOLTAGE = ROBOT.battery.voltage.value
 SETTLING_TIME = 0.4
 
 

@@ -20,14 +20,16 @@ from ravenbrick.control import (
     pi_with_estimator,
 )
 from ravenbrick.model import NXT_MOTOR, SpeedLoop
+from ravenbrick.project.robot import read_robot
 
 PROJECT = Path(__file__).resolve().parent
+ROBOT = read_robot(PROJECT)
 
 # The fed-back speed is stated in volts: a motor without load turns with 116 deg/s per volt.
-DEGREES_PER_VOLT = 116.0
+DEGREES_PER_VOLT = ROBOT.degrees_per_volt()
 
-# Control_Task runs every 4 ms, about a tenth of the motor's time constant.
-SAMPLE_TIME_MS = 4
+# Period of Control_Task, 4 ms: about a tenth of the motor's time constant.
+SAMPLE_TIME_MS = ROBOT.period_ms("control_task")
 
 # One encoder count is 1 degree. Over one sample that is 250 deg/s = 2.155 V in the loop; over
 # eight samples 0.269 V. Then a count moves the motor voltage by Kp * 0.269 V = 0.085 V, about one
@@ -39,7 +41,7 @@ SPEED_WINDOW = 8
 ACTUATOR_DELAY = 0.0023
 
 # Of the charged battery; at run time the application sets it to what it measures.
-SUPPLY_VOLTAGE = 8.0
+SUPPLY_VOLTAGE = ROBOT.battery.voltage.value
 
 
 def design() -> Design:

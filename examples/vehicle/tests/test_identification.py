@@ -13,6 +13,7 @@ from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
 from ravenbrick.errors import UsageError
 from ravenbrick.image.elf import read_image
+from ravenbrick.model import NXT_MOTOR
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.trace.sample_timing import sample_timing
@@ -57,6 +58,6 @@ def test_the_command_writes_the_plant_s_parameters(tmp_path: Path) -> None:
     answer = json.loads(done.output)
     assert answer["validation_error_counts"] < 1.0
     written = tomllib.loads(target.read_text())
-    assert written["motor"]["inertia"]["value"] == pytest.approx(0.842e-3, rel=0.02)
+    assert written["motor"]["inertia"]["value"] == pytest.approx(NXT_MOTOR.inertia, rel=0.02)
     assert written["motor"]["coulomb_friction"]["value"] == pytest.approx(4e-3, rel=0.05)
     assert written["model"]["gain"]["value"] == pytest.approx(2.0294, rel=0.005)

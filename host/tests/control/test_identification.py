@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from ravenbrick.catalogue import part_values
 from ravenbrick.control.identification import (
     MotorData,
     fit_motor,
@@ -72,8 +73,10 @@ def test_the_identified_motor_foretells_other_data() -> None:
 
 def test_friction_and_inertia_follow_with_what_a_meter_shows() -> None:
     """The plant's constants of the paper's Table 1 come back."""
-    resistance, torque, electric = 6.8562, 0.31739, 0.46839
-    viscous, inertia, coulomb = 1.1278e-3, 0.842e-3, 4e-3
+    motor = part_values("motors", "nxt")
+    resistance, torque = motor["resistance"], motor["torque_constant"]
+    electric, viscous = motor["electric_constant"], motor["viscous_friction"]
+    inertia, coulomb = motor["inertia"], motor["coulomb_friction"]
     damping = viscous * resistance + torque * electric
     true = {
         "gain": torque / damping,

@@ -5,16 +5,12 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import NXT_MOTOR, Encoder, MotorParameters, SpeedLoop, SpeedWindow
-from ravenbrick.project.robot import read_robot
-
-VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
 
 
 def test_table_1_gives_the_transfer_function_of_the_paper() -> None:
@@ -22,14 +18,6 @@ def test_table_1_gives_the_transfer_function_of_the_paper() -> None:
     assert round(NXT_MOTOR.gain, 3) == 2.029
     assert round(NXT_MOTOR.time_constant, 3) == 0.037
     assert NXT_MOTOR.transfer_function().dcgain() == pytest.approx(NXT_MOTOR.gain)
-
-
-def test_the_robot_file_and_the_design_have_the_same_motor() -> None:
-    """Each constant of the motor in robot.toml is that of the design."""
-    quantities = read_robot(VEHICLE).motors["nxt"]
-    for name in ("torque_constant", "electric_constant", "resistance", "viscous_friction"):
-        assert quantities[name].value == getattr(NXT_MOTOR, name)
-    assert quantities["inertia"].value == NXT_MOTOR.inertia
 
 
 def test_a_constant_that_cannot_be_is_named() -> None:

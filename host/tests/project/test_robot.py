@@ -11,6 +11,7 @@ import jsonschema
 import pytest
 
 from ravenbrick.brick.configuration import brick_configuration
+from ravenbrick.catalogue import part_values, parts
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import Robot, read_robot
@@ -19,17 +20,27 @@ from ravenbrick.schemas import schema
 
 Edit = Callable[[str, str, str], int]
 
+BODY = 'left = "B"'
+
+
+def quantity(name: str, value: str, unit: str) -> str:
+    """A line of robot.toml."""
+    return f'{name} = {{ value = {value}, unit = "{unit}", tolerance = 0.1, source = "test" }}\n'
+
+
 BROKEN = [
+    (BODY, quantity("mass", '"heavy"', "kg") + BODY, "body.mass.value", "expected a number"),
+    (BODY, quantity("mass", "0.6", "g") + BODY, "body.mass.unit", "expected 'kg'"),
+    (BODY, quantity("mass", "-0.6", "kg") + BODY, "body.mass.value", "expected more than 0"),
+    ("castor_vehicle", "hovercraft", "body.catalogue", "among its bodies; it has 'castor_vehicle'"),
     (
-        "resistance = { value = 6.8562",
-        'resistance = { value = "six"',
-        "motors.nxt.resistance.value",
-        "expected a number",
+        "schema_version = 1",
+        "motors.old.mass = 1\nschema_version = 1",
+        "motors.old.mass",
+        "unknown field",
     ),
-    ('unit = "ohm"', 'unit = "kohm"', "motors.nxt.resistance.unit", "expected 'ohm'"),
     ("period_us = 4_000", "period_us = 4.5", "tasks[1].period_us", "expected a whole number"),
     ("period_us = 4_000", "period_ms = 4", "tasks[1].period_ms", "did you mean 'period_us'?"),
-    ("mass = { value = 0.6", "mass = { value = -0.6", "body.mass.value", "expected more than 0"),
     ("[ports.1]", "[ports.D]", "ports.D", "unknown port 'D'"),
     ('device = "touch"', 'device = "radar"', "ports.1.device", "expected one of 'touch'"),
     ('left = "B"', 'left = "D"', "body.left", "expected one of 'A', 'B', 'C'"),
@@ -67,15 +78,17 @@ def test_a_wrong_field_is_named_with_its_line(
 
 def test_a_missing_field_is_named_at_its_table(project: Path, edit: Edit) -> None:
     """What is not there is reported at the table where it belongs."""
-    line = edit("robot.toml", 'kind = "li_ion"\n', "")
-    with pytest.raises(ProjectFileError, match=r"battery\.kind: is missing; add it") as caught:
+    line = edit("robot.toml", '[battery]\ncatalogue = "li_ion"', "[battery]")
+    with pytest.raises(
+        ProjectFileError, match=r"battery\.internal_resistance: is missing"
+    ) as caught:
         read_robot(project)
-    assert caught.value.line == line - 1
+    assert caught.value.line == line
 
 
 def test_further_errors_are_listed_in_the_detail(project: Path, edit: Edit) -> None:
     """The first error is the sentence, the others follow."""
-    edit("robot.toml", 'unit = "kg"', 'unit = "g"')
+    edit("robot.toml", BODY, quantity("mass", "0.6", "g") + BODY)
     edit("robot.toml", "priority = 30", "priority = 300")
     with pytest.raises(ProjectFileError, match=r"body\.mass\.unit") as caught:
         read_robot(project)
@@ -102,6 +115,53 @@ def test_every_constant_of_the_vehicle_has_a_source(robot: Robot) -> None:
     assert all(len(q.source) > 5 and q.unit for q in quantities)
 
 
+@pytest.mark.parametrize(
+    ("group", "kind"), [("motors", "motor"), ("bodies", "body"), ("batteries", "battery")]
+)
+def test_every_part_of_the_catalogue_is_one_of_robot_toml(group: str, kind: str) -> None:
+    """Fields, units and ranges are those of the schema; only the wheels' ports are missing."""
+    published = schema("robot")
+    rule = published["$defs"].get(kind, published["properties"].get(kind))
+    ports = {"left": "B", "right": "C"} if kind == "body" else {}
+    for entry in parts(group).values():
+        jsonschema.validate({**entry, **ports}, {"$defs": published["$defs"], **rule})
+
+
+def test_a_value_of_the_catalogue_can_be_replaced(project: Path, edit: Edit) -> None:
+    """A motor and a body differ from their entries in one constant each."""
+    edit("robot.toml", BODY, quantity("mass", "0.7", "kg") + BODY)
+    worn = quantity("resistance", "7.5", "ohm")
+    edit("robot.toml", "[battery]", f'[motors.worn]\ncatalogue = "nxt"\n{worn}\n[battery]')
+    edit("robot.toml", 'motor = "nxt"\nrole = "left', 'motor = "worn"\nrole = "left')
+    robot = read_robot(project)
+    assert robot.body.quantities["mass"].value == 0.7
+    usual, changed = robot.motors["nxt"], robot.motors["worn"]
+    assert {name for name in usual if usual[name] != changed[name]} == {"resistance"}
+
+
+def test_a_robot_may_write_all_its_constants_down(project: Path, robot: Robot, edit: Edit) -> None:
+    """A file that names no entry of the catalogue is read as before there was one."""
+    for place, group, name in (
+        ('catalogue = "castor_vehicle"', "bodies", "castor_vehicle"),
+        ('catalogue = "li_ion"', "batteries", "li_ion"),
+        ("[body]", "motors", "nxt"),
+    ):
+        lines = [
+            f"{key} = {json.dumps(value)}"
+            if isinstance(value, str)
+            else f"{key} = {{ {', '.join(f'{k} = {json.dumps(v)}' for k, v in value.items())} }}"
+            for key, value in parts(group)[name].items()
+        ]
+        text = "\n".join(lines)
+        edit("robot.toml", place, f"[motors.nxt]\n{text}\n[body]" if place == "[body]" else text)
+    written = read_robot(project)
+    assert (written.motors, written.body, written.battery) == (
+        robot.motors,
+        robot.body,
+        robot.battery,
+    )
+
+
 def test_the_configuration_of_the_brick_has_the_scenarios_deviations(
     project: Path, robot: Robot
 ) -> None:
@@ -109,8 +169,8 @@ def test_the_configuration_of_the_brick_has_the_scenarios_deviations(
     drive = read_scenario(scenario_path(project, "drive"), robot)
     made = brick_configuration(robot, drive, MASTER_CLOCK)
     left, right = (made["motors"][port]["parameters"] for port in "BC")
-    assert left["torque_constant"] == 0.31739
-    assert right["torque_constant"] == pytest.approx(0.92 * 0.31739)
+    assert left["torque_constant"] == part_values("motors", "nxt")["torque_constant"]
+    assert right["torque_constant"] == pytest.approx(0.92 * left["torque_constant"])
     assert right["coulomb_friction"] == pytest.approx(1.5 * left["coulomb_friction"])
     assert right["inertia"] == left["inertia"]
     assert made["body"]["left"] == "B"
@@ -179,7 +239,7 @@ KINDS = schema("robot")["properties"]["battery"]["properties"]["kind"]["enum"]
 def test_the_brick_takes_every_kind_of_battery(project: Path, edit: Edit, kind: str) -> None:
     """What the schema allows, the virtual brick has."""
     module = pytest.importorskip("virtual_brick")
-    edit("robot.toml", 'kind = "li_ion"', f'kind = "{kind}"')
+    edit("robot.toml", 'catalogue = "li_ion"', f'catalogue = "li_ion"\nkind = "{kind}"')
     robot = read_robot(project)
     scenario = read_scenario(scenario_path(project, "drive"), robot)
     configuration = json.dumps(brick_configuration(robot, scenario, MASTER_CLOCK))

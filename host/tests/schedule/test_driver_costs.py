@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.schedule import response_time_bounds
 from ravenbrick.schedule.task_file import read_task_file
@@ -87,7 +88,7 @@ def test_the_real_table_is_read_in_every_unit(tmp_path: Path, unit: str) -> None
     file = read_task_file(path)
     cycles = {row["name"]: row for row in json.loads(TABLE.read_text())["operations"]}
     per_unit = {"s": 1, "ms": 1_000, "us": 1_000_000}
-    hertz = Fraction(336_384_000, 7)
+    hertz = MASTER_CLOCK.hertz
     factor = Fraction(1) if unit == "cycles" else per_unit[unit] / hertz
     control = next(task for task in file.task_set.tasks if task.name == "control")
     assert control.wcet == 1 + cycles["Motor_Controls.Drive"]["task_cycles"] * factor

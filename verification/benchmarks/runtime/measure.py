@@ -19,6 +19,7 @@ from typing import TypedDict
 
 import numpy as np
 import virtual_brick
+from ravenbrick.clock import MASTER_CLOCK
 
 __all__ = ["LONGEST_MASKED_CYCLES", "FigureRow", "figures", "image_of"]
 
@@ -26,7 +27,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 
-CYCLES_PER_SECOND = 336_384_000 / 7
+CYCLES_PER_SECOND = float(MASTER_CLOCK.hertz)
 LONGEST_MASKED_CYCLES = 250
 LIMIT_SECONDS = 90
 LEAST_SAMPLES = 10_000

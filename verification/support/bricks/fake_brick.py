@@ -15,8 +15,9 @@ import struct
 from dataclasses import dataclass
 
 from ravenbrick.brick.slices import run_until_picture
+from ravenbrick.clock import MASTER_CLOCK
 
-CLOCK = (336_384_000, 7)
+CLOCK = MASTER_CLOCK.hertz.as_integer_ratio()
 HERTZ = CLOCK[0] / CLOCK[1]
 MILLISECOND = HERTZ / 1000
 DRAWN_CYCLES = round(5 * MILLISECOND)

@@ -15,22 +15,15 @@ import virtual_brick
 from elf_writer import Elf
 from ravenbrick.clock import MASTER_CLOCK
 
+from verification.support.bricks.observe import NXT_MOTOR
+
 IMAGE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 FLASH = 0x0010_0000
 COMPUTER = "00:1A:7D:00:00:01"
 MENU_MS = 6_000
-MOTOR = {
-    "parameters": {
-        "resistance": 6.8562,
-        "torque_constant": 0.31739,
-        "electric_constant": 0.46839,
-        "viscous_friction": 0.0011278,
-        "inertia": 0.000842,
-    }
-}
 CONFIGURATION: dict[str, Any] = {
     "battery": {"kind": "aa", "voltage": 8.0},
-    "motors": {port: MOTOR for port in "ABC"},
+    "motors": {port: {"parameters": NXT_MOTOR} for port in "ABC"},
     "sensors": {"1": {"kind": "touch"}},
     "bluetooth": {
         "address": "00:16:53:0A:0B:0C",

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.catalogue import part_values
+from ravenbrick.clock import MASTER_CLOCK
+
 FONT_FILE = Path(__file__).resolve().parents[3] / "drivers" / "src" / "display" / "nxt-fonts.ads"
 GLYPH = re.compile(r"'(.)' => \(((?:2#[01]{8}#(?:, )?){5})\)")
 
@@ -18,14 +21,11 @@ COLUMNS, ROWS = 16, 8
 CELL, MARGIN, GLYPH_WIDTH, ROW_HEIGHT = 6, 2, 5, 8
 
 MOTORS = "ABC"
-CLOCK_NUMERATOR, CLOCK_DENOMINATOR = 336_384_000, 7
+CLOCK_NUMERATOR, CLOCK_DENOMINATOR = MASTER_CLOCK.hertz.as_integer_ratio()
 
+# The motor of the catalogue without dry friction and play: what it does can be computed.
 NXT_MOTOR = {
-    "resistance": 6.8562,
-    "torque_constant": 0.31739,
-    "electric_constant": 0.46839,
-    "viscous_friction": 0.0011278,
-    "inertia": 0.000842,
+    **part_values("motors", "nxt"),
     "coulomb_friction": 0.0,
     "static_friction": 0.0,
     "backlash": 0.0,

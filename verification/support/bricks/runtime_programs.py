@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import virtual_brick
+from ravenbrick.clock import MASTER_CLOCK
 
 __all__ = [
     "BENCH",
@@ -52,7 +53,7 @@ MAKE_VARIABLES = {
 }
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 
-CYCLES_PER_SECOND = 336_384_000 / 7
+CYCLES_PER_SECOND = float(MASTER_CLOCK.hertz)
 CYCLES_PER_MS = 48_055
 UNITS_PER_SECOND = 21_024_000
 IDLE = 0xFFFF_FFFF

@@ -15,14 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.brick.step_cost import compile_and_count
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.codegen.variants import NumberChoice, number_variants
 from ravenbrick.control import Design
 from ravenbrick.errors import DesignError, RavenbrickError
 from ravenbrick.subprocesses import run_child
 
 __all__ = ["project_costs"]
-
-_HERTZ = 336_384_000 / 7
 
 
 def project_costs(project: Path) -> list[dict[str, Any]]:
@@ -68,7 +67,9 @@ def _rows(choice: NumberChoice) -> list[dict[str, Any]]:
             "least_cycles": costs[variant.name].least_cycles,
             "most_cycles": costs[variant.name].most_cycles,
             "size_bytes": costs[variant.name].size_bytes,
-            "share": costs[variant.name].most_cycles / _HERTZ / variant.program.sample_time,
+            "share": costs[variant.name].most_cycles
+            / float(MASTER_CLOCK.hertz)
+            / variant.program.sample_time,
             "error_bound": variant.bound,
             "unit": variant.unit,
         }

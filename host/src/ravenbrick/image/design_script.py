@@ -15,6 +15,7 @@ from ravenbrick.errors import DesignError, shown_path
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.controller_origin import read_origin
 from ravenbrick.image.manifest import file_digest
+from ravenbrick.project.robot import ROBOT_FILE
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.subprocesses import run_child
 
@@ -28,8 +29,19 @@ _FRAME = re.compile(r'^ *File "(.+)", line (\d+)', re.MULTILINE)
 _DETAIL_LINES = 14
 
 
+def _inputs(script: Path) -> list[Path]:
+    """The script, and robot.toml where the script reads it."""
+    robot = script.with_name(ROBOT_FILE)
+    reads_robot = "read_robot" in script.read_text("utf-8", errors="replace") and robot.is_file()
+    return [script, robot] if reads_robot else [script]
+
+
+def _digest(script: Path) -> str:
+    return "".join(file_digest(file) for file in _inputs(script))
+
+
 def design_is_due(workspace: Workspace, settings: Settings) -> bool:
-    """Whether the controller in generated/ is one of design.py and older than it."""
+    """Whether the controller in generated/ is one of design.py and older than what that reads."""
     script, folder = workspace.project / DESIGN_SCRIPT, workspace.project / "generated"
     if not script.is_file() or settings.generated != folder or read_origin(folder) is not None:
         return False
@@ -38,17 +50,18 @@ def design_is_due(workspace: Workspace, settings: Settings) -> bool:
         return True
     record = workspace.design_file.with_name(RECORD)
     try:
-        return bool(json.loads(record.read_text("utf-8"))["script"] != file_digest(script))
+        return bool(json.loads(record.read_text("utf-8"))["script"] != _digest(script))
     except (OSError, ValueError, KeyError, TypeError):
         newest = max(file.stat().st_mtime_ns for file in made)
-        due = script.stat().st_mtime_ns > newest + COPIED_TOGETHER_NS
+        changed = max(file.stat().st_mtime_ns for file in _inputs(script))
+        due = changed > newest + COPIED_TOGETHER_NS
     if not due:
-        remember_design(workspace, file_digest(script))
+        remember_design(workspace, _digest(script))
     return due
 
 
 def remember_design(workspace: Workspace, digest: str) -> None:
-    """Record that the controller in generated/ is of the design.py with this digest."""
+    """Record that the controller in generated/ is of the inputs with this digest."""
     with suppress(OSError):
         record = workspace.design_file.with_name(RECORD)
         atomic_write(record, json.dumps({"script": digest}) + "\n")
@@ -65,7 +78,7 @@ def run_design(workspace: Workspace) -> None:
             f"{shown_path(script)}: would write over the controller in generated/, which is "
             f"{origin.sentence}; remove {shown_path(origin.file)} to have design.py write it"
         )
-    digest = file_digest(script)
+    digest = _digest(script)
     workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
     done = run_child(
         [sys.executable, DESIGN_SCRIPT, "--results", str(workspace.design_file)],

@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ravenbrick.catalogue import part_source, part_values
 from ravenbrick.errors import DesignError
 from ravenbrick.model.lazy import control
 
@@ -78,20 +79,25 @@ class TwoWheeledBalancer:
         return control.ss(matrix, entry, np.eye(4), np.zeros((4, 2)))
 
 
-NXTWAY_GS = TwoWheeledBalancer(
-    wheel_mass=0.03,
-    wheel_radius=0.04,
-    body_mass=0.6,
-    body_width=0.14,
-    body_depth=0.04,
-    body_height=0.144,
-    body_friction=0.0022,
-    floor_friction=0.0,
-    motor_resistance=6.69,
-    electric_constant=0.468,
-    torque_constant=0.317,
-    motor_inertia=1e-5,
-    gear_ratio=1.0,
-    gravity=9.81,
-    source="Yamamoto, NXTway-GS Model-Based Design (2008); motor: Watanabe",
-)
+def _nxtway_gs() -> TwoWheeledBalancer:
+    body, motor = part_values("bodies", "nxtway"), part_values("motors", "nxtway")
+    return TwoWheeledBalancer(
+        wheel_mass=body["wheel_mass"],
+        wheel_radius=body["wheel_radius"],
+        body_mass=body["mass"],
+        body_width=body["track"],
+        body_depth=0.04,
+        body_height=2 * body["centre_height"],
+        body_friction=motor["viscous_friction"],
+        floor_friction=0.0,
+        motor_resistance=motor["resistance"],
+        electric_constant=motor["electric_constant"],
+        torque_constant=motor["torque_constant"],
+        motor_inertia=motor["inertia"],
+        gear_ratio=1.0,
+        gravity=9.81,
+        source=part_source("bodies", "nxtway"),
+    )
+
+
+NXTWAY_GS = _nxtway_gs()

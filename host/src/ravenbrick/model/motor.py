@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
+from ravenbrick.catalogue import part_source, part_values
 from ravenbrick.errors import DesignError
 from ravenbrick.model.lazy import control
 
@@ -27,6 +28,13 @@ class MotorParameters:
     viscous_friction: float
     inertia: float
     source: str
+
+    @classmethod
+    def of_catalogue(cls, name: str) -> MotorParameters:
+        """The motor of this name in the catalogue, without its dry friction and backlash."""
+        values = part_values("motors", name)
+        known = {field.name: values[field.name] for field in fields(cls) if field.name in values}
+        return cls(**known, source=part_source("motors", name))
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -59,14 +67,7 @@ class MotorParameters:
         return control.tf([self.gain], [self.time_constant, 1.0])
 
 
-NXT_MOTOR = MotorParameters(
-    torque_constant=0.31739,
-    electric_constant=0.46839,
-    resistance=6.8562,
-    viscous_friction=1.1278e-3,
-    inertia=0.842e-3,
-    source="Bradley et al., IFAC ACE 2012, Table 1 (Watanabe and Hurbain; inertia: Sanchez et al.)",
-)
+NXT_MOTOR = MotorParameters.of_catalogue("nxt")
 
 
 @dataclass(frozen=True)

@@ -4,15 +4,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from ravenbrick.catalogue import parts, sensor_kinds
+from ravenbrick.project.named_parts import with_named_parts
 from ravenbrick.schemas.located_toml import LocatedToml, read_toml
 from ravenbrick.schemas.validation import validate
 
 __all__ = [
+    "ROBOT_FILE",
     "Battery",
     "Body",
     "Floor",
@@ -139,6 +143,11 @@ class Setpoint:
     type: str
     scale: Quantity
 
+    @property
+    def factor(self) -> float:
+        """What turns a value into rad/s."""
+        return math.radians(self.scale.value) if "deg" in self.scale.unit else self.scale.value
+
 
 @dataclass(frozen=True)
 class Robot:
@@ -169,11 +178,31 @@ class Robot:
         """The task with this name in whatever letter case."""
         return next((task for task in self.tasks if task.name.lower() == name.lower()), None)
 
+    def period_ms(self, task: str) -> int:
+        """Period of a task; raises `ProjectFileError` when it has none in whole milliseconds."""
+        found = self.task(task)
+        if found is None or found.period_us is None or found.period_us % 1000:
+            problem = f"a design wants the task '{task}' with a period in whole milliseconds"
+            raise self.document.error(("tasks",), problem)
+        return found.period_us // 1000
+
+    def degrees_per_volt(self) -> float:
+        """Speed that a volt of the set-points stands for, (deg/s)/V; raises `ProjectFileError`."""
+        for setpoint in self.setpoints:
+            if setpoint.scale.unit == "deg/s/V":
+                return setpoint.scale.value
+        problem = 'a design wants a scale in "deg/s/V"; add it to a [[setpoints]]'
+        raise self.document.error(("setpoints",), problem)
+
 
 def _quantity(table: Mapping[str, Any]) -> Quantity:
     return Quantity(
         float(table["value"]), table["unit"], float(table["tolerance"]), table["source"]
     )
+
+
+def _quantities(table: Mapping[str, Any]) -> dict[str, Quantity]:
+    return {name: _quantity(value) for name, value in table.items() if isinstance(value, dict)}
 
 
 def _motor_port(table: Mapping[str, Any]) -> MotorPort:
@@ -205,8 +234,7 @@ def _wall(table: Mapping[str, Any]) -> Wall:
 
 
 def _body(table: Mapping[str, Any]) -> Body:
-    quantities = {name: _quantity(value) for name, value in table.items() if type(value) is dict}
-    return Body(table["kind"], table.get("left"), table.get("right"), quantities)
+    return Body(table["kind"], table.get("left"), table.get("right"), _quantities(table))
 
 
 def _task(table: Mapping[str, Any]) -> Task:
@@ -229,10 +257,10 @@ def _check_motor_names(document: LocatedToml) -> None:
     motors = document.values["motors"]
     for port, table in document.values["ports"].items():
         if "motor" in table and table["motor"] not in motors:
-            known = ", ".join(f"'{name}'" for name in motors)
+            known = ", ".join(f"'{name}'" for name in dict.fromkeys([*motors, *parts("motors")]))
             raise document.error(
                 ("ports", port, "motor"),
-                f"there is no [motors.{table['motor']}]; known parameter sets: {known}",
+                f"there is no [motors.{table['motor']}] here or in the catalogue; known: {known}",
             )
 
 
@@ -268,18 +296,21 @@ def _check_setpoints(document: LocatedToml) -> None:
 
 
 def _check_sensors(document: LocatedToml) -> None:
-    needs = {"light": "floor", "ultrasonic": "walls"}
+    kinds = sensor_kinds()
     for port, table in document.values["ports"].items():
-        device = table["device"]
-        for field, devices in (("mount", tuple(needs)), ("axis", ("gyro",)), ("rest", ("gyro",))):
-            if field in table and device not in devices:
+        kind = kinds.get(table["device"])
+        for field in {name for known in kinds.values() for name in known.fields} & set(table):
+            if kind is None or field not in kind.fields:
+                having = " and ".join(
+                    name for name, known in kinds.items() if field in known.fields
+                )
                 raise document.error(
                     ("ports", port, field),
-                    f"is for {' and '.join(devices)} only, not for {device}; remove it",
+                    f"is for {having} only, not for {table['device']}; remove it",
                 )
-        if "mount" in table and needs[device] not in document.values:
+        if kind and "mount" in table and kind.looks_at not in document.values:
             raise document.error(
-                ("ports", port, "mount"), f"has nothing to look at; add [{needs[device]}]"
+                ("ports", port, "mount"), f"has nothing to look at; add [{kind.looks_at}]"
             )
     image = document.values.get("floor", {}).get("image")
     if image and not (document.path.parent / image).is_file():
@@ -291,6 +322,7 @@ def read_robot(directory: Path) -> Robot:
     document = read_toml(
         directory / ROBOT_FILE, missing=f"'{directory}' must be a project folder with robot.toml"
     )
+    document = with_named_parts(document)
     validate(document, "robot")
     checks = (_check_motor_names, _check_wheels, _check_tasks, _check_setpoints, _check_sensors)
     for check in checks:
@@ -304,10 +336,7 @@ def read_robot(directory: Path) -> Robot:
         description=values.get("description", ""),
         motor_ports={p: _motor_port(ports[p]) for p in sorted(ports) if p in "ABC"},
         sensor_ports={p: _sensor_port(ports[p]) for p in sorted(ports) if p in "1234"},
-        motors={
-            name: {key: _quantity(value) for key, value in table.items()}
-            for name, table in values["motors"].items()
-        },
+        motors={name: _quantities(table) for name, table in values["motors"].items()},
         body=_body(values["body"]),
         battery=Battery(
             battery["kind"],

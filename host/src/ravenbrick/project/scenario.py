@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.catalogue import sensor_input, sensor_kinds
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ScenarioError
 from ravenbrick.project.criteria import Expectation
@@ -158,22 +159,21 @@ def _motor_input(robot: Robot, port: str, quantity: str) -> str | None:
     return None
 
 
-def _sensor_input(robot: Robot, quantity: str, port: str) -> str | None:
-    wanted = "ultrasonic" if quantity == "distance" else quantity
+def _sensor_input(robot: Robot, name: str) -> str | None:
+    """What is wrong with the input of a sensor; raises KeyError when no sensor has it."""
+    found = sensor_input(name)
+    if found is None:
+        raise KeyError(name)
+    kind, taken, port = found
     sensor = robot.sensor_ports.get(port)
-    if sensor is None or sensor.device != wanted:
-        return f"there is no {wanted} sensor on sensor port {port}; see [ports] in robot.toml"
-    return None
-
-
-def _measured_input(robot: Robot, quantity: str, port: str) -> str | None:
-    problem = _sensor_input(robot, quantity, port)
-    if problem is None and robot.sensor_ports[port].measures_plant:
+    if sensor is None or sensor.device != kind.name:
+        return f"there is no {kind.name} sensor on sensor port {port}; see [ports] in robot.toml"
+    if taken.measured and sensor.measures_plant:
         return (
             f"the sensor on port {port} measures the plant; remove the input, or 'mount' or "
             "'axis' in robot.toml"
         )
-    return problem
+    return None
 
 
 def _body_input(robot: Robot, quantity: str) -> str | None:
@@ -189,10 +189,6 @@ def _button_input(_robot: Robot, button: str) -> str | None:
 
 
 _INPUTS: tuple[tuple[str, Callable[..., str | None]], ...] = (
-    (r"(touch|light|sound|color)\.(\w+)", _sensor_input),
-    (r"(color)\.(\w+)\.(?:red|green|blue)", _sensor_input),
-    (r"(distance|gyro)\.(\w+)", _measured_input),
-    (r"(light)\.(\w+)\.reflectance", _measured_input),
     (r"body\.(held|push)", _body_input),
     (r"button\.(\w+)", _button_input),
     (r"motor\.(\w+)\.(hand_angle|load_torque)", _motor_input),
@@ -210,13 +206,15 @@ def _input_problem(robot: Robot, name: str) -> str | None:
         match = re.fullmatch(pattern, name)
         if match:
             return check(robot, *match.groups())
-    return (
-        f"unknown input '{name}'; known are touch.<port>, light.<port>, "
-        "light.<port>.reflectance, sound.<port>, distance.<port>, gyro.<port>, color.<port>, "
-        "color.<port>.red, color.<port>.green, color.<port>.blue, button.<name>, "
-        "motor.<port>.hand_angle, motor.<port>.load_torque, body.held, body.push and "
-        "battery.voltage"
-    )
+    try:
+        return _sensor_input(robot, name)
+    except KeyError:
+        of_sensors = [i.name for kind in sensor_kinds().values() for i in kind.inputs]
+        known = ", ".join([*of_sensors, "button.<name>", "motor.<port>.hand_angle"])
+        return (
+            f"unknown input '{name}'; known are {known.replace('{port}', '<port>')}, "
+            "motor.<port>.load_torque, body.held, body.push and battery.voltage"
+        )
 
 
 def _check_inputs(document: LocatedToml, robot: Robot) -> None:

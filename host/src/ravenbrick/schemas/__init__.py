@@ -9,12 +9,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.catalogue import sensor_kinds
+
 __all__ = ["schema"]
 
 
 @cache
 def schema(name: str) -> dict[str, Any]:
-    """The schema `name` (`robot` or `scenario`)."""
+    """The schema `name` (`robot` or `scenario`); the catalogue gives the kinds of sensors."""
     text = Path(__file__).with_name(f"{name}.schema.json").read_text("utf-8")
     loaded: dict[str, Any] = json.loads(text)
+    if name == "robot":
+        device = loaded["$defs"]["sensor_port"]["properties"]["device"]
+        device["enum"] = list(sensor_kinds())
     return loaded

@@ -128,7 +128,7 @@ def setpoint_speed(robot: Robot, recording: Recording, motor: str) -> tuple[Floa
     for setpoint in robot.setpoints:
         if setpoint.port == motor:
             times, values = recording.signal(f"probe.{setpoint.symbol}")
-            return times, values * setpoint.scale.value
+            return times, values * setpoint.factor
     return None
 
 
