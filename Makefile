@@ -70,7 +70,7 @@ conformance: complete ## Full campaigns against outside truth; writes verificati
 
 .PHONY: bench
 bench: complete ## Ratios measured side by side; writes verification/benchmarks/results.{json,md}
-	@$(PYTHON) -m verification.benchmarks.run
+	@$(PYTHON) -m verification.run --benchmarks
 
 .PHONY: docs
 docs: setup ## The documentation site and the lab sheets as PDF: docs/_build

@@ -14,22 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page
+from verification.table import SUITES, Suite, read_suites
 
-__all__ = ["AREAS", "benchmark_table", "conformance_table", "merge_rows"]
+__all__ = ["benchmark_table", "merge_rows", "suites_table", "write_rows"]
 
 ROOT = Path(__file__).resolve().parents[2]
-AREAS = (
-    "cpu",
-    "peripherals",
-    "firmware",
-    "plant",
-    "runtime",
-    "drivers",
-    "control",
-    "timing",
-    "tools",
-    "course",
-)
 Row = dict[str, Any]
 
 
@@ -48,15 +37,26 @@ def _exclusion(exclusion: Row) -> str:
     return f"{count}: {reason}" if count else str(reason)
 
 
-def conformance_table(rows: list[Row]) -> str:
-    """Table of suites: cases, passed, excluded with reasons."""
-    _check_keys(rows, {"area", "suite", "case_count", "passed", "excluded"}, "conformance")
-    lines = ["# Conformance", "", "Generated from `results.json` by `make conformance`.", ""]
-    lines += [_row(["Area", "Suite", "Cases", "Passed", "Excluded"]), "|---|---|---:|---:|---|"]
-    for row in sorted(rows, key=lambda r: (AREAS.index(r["area"]), r["suite"])):
+def suites_table(rows: list[Row], suites: list[Suite]) -> str:
+    """Table of suites: cases, passed, excluded with reasons; what each is compared with.
+
+    Raises SystemExit for a row that is no suite's: it was renamed or has left the table.
+    """
+    _check_keys(rows, {"area", "suite", "case_count", "passed", "excluded"}, "suites")
+    known = {row["suite"]: row for row in rows}
+    if unknown := sorted(set(known) - {suite.name for suite in suites}):
+        raise SystemExit(f"results.json: not in suites.toml: {', '.join(unknown)}")
+    lines = ["# Verification", "", "Generated from `results.json` by `make conformance`.", ""]
+    lines += [_row(["Area", "Suite", "Truth", "Compared with", "Cases", "Passed", "Excluded"])]
+    lines += ["|---|---|---|---|---:|---:|---|"]
+    for suite in suites:
+        row = known.get(suite.name)
+        head = [suite.area, suite.name, suite.truth, suite.compared_with]
+        if row is None:
+            lines.append(_row([*head, "", "", "not run yet"]))
+            continue
         excluded = "; ".join(_exclusion(e) for e in row["excluded"]) or "none"
-        counts = [str(row["case_count"]), str(row["passed"])]
-        lines.append(_row([row["area"], row["suite"], *counts, excluded]))
+        lines.append(_row([*head, str(row["case_count"]), str(row["passed"]), excluded]))
     return "\n".join(lines) + "\n"
 
 
@@ -83,7 +83,13 @@ def merge_rows(path: Path, rows: list[Row], key: tuple[str, ...]) -> None:
     """Replace in the results file the rows with the same key, add the others."""
     old: list[Row] = json.loads(path.read_text()) if path.exists() else []
     merged = {tuple(row[k] for k in key): row for row in old + rows}
-    path.write_text(json.dumps(list(merged.values()), indent=1, sort_keys=True) + "\n")
+    write_rows(path, list(merged.values()))
+
+
+def write_rows(path: Path, rows: list[Row]) -> None:
+    """One line of JSON for each row."""
+    lines = ",\n".join(json.dumps(row, sort_keys=True) for row in rows)
+    path.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 
 VERIFICATION, BENCHMARKS = ROOT / "verification", ROOT / "verification" / "benchmarks"
@@ -95,13 +101,17 @@ def _firmware(rows: list[Row]) -> dict[Path, str]:
     return {DOCS / name: text for name, text in firmware_pages(rows).items()}
 
 
+def _suites(rows: list[Row]) -> str:
+    return suites_table(rows, read_suites(SUITES))
+
+
 def _one(target: Path, render: Callable[[Any], str]) -> Callable[[Any], dict[Path, str]]:
     return lambda data: {target: render(data)}
 
 
 # Results, and what makes the files from them.
 PAGES: tuple[tuple[Path, Callable[[Any], dict[Path, str]]], ...] = (
-    (VERIFICATION / "results.json", _one(VERIFICATION / "results.md", conformance_table)),
+    (VERIFICATION / "results.json", _one(VERIFICATION / "results.md", _suites)),
     (BENCHMARKS / "results.json", _one(BENCHMARKS / "results.md", benchmark_table)),
     (POINTS, _one(DOCS / "reference" / "plant-points.md", plant_page)),
     (VERIFICATION / "firmware" / "images.json", _firmware),

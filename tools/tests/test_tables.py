@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from tools.docs.result_pages import fuzz_page, plant_page
-from tools.docs.tables import VERIFICATION, benchmark_table, conformance_table, merge_rows
+from tools.docs.tables import VERIFICATION, benchmark_table, merge_rows, suites_table
+from verification.table import Suite
 
 SUITE = {
     "area": "cpu",
@@ -21,23 +22,26 @@ SUITE = {
 }
 
 
+ENTRY = Suite("cpu", "single-step", "outside", "a core", "call", "module:function", 1)
+
+
 def test_a_suite_is_a_row_with_its_exclusions() -> None:
-    """Counts and reasons stand in the row."""
-    assert "| cpu | single-step | 10 | 9 | 1: the manual differs |" in conformance_table([SUITE])
+    """What it is compared with, counts and reasons stand in the row."""
+    row = "| cpu | single-step | outside | a core | 10 | 9 | 1: the manual differs |"
+    assert row in suites_table([SUITE], [ENTRY])
 
 
-def test_suites_are_ordered_by_area_then_name() -> None:
-    """The order of the file does not matter."""
-    other = {**SUITE, "area": "runtime", "suite": "a"}
-    assert conformance_table([other, SUITE]) == conformance_table([SUITE, other])
+def test_a_suite_without_a_result_says_so() -> None:
+    """A new entry of the table is seen before it has run."""
+    assert "| single-step | outside | a core |  |  | not run yet |" in suites_table([], [ENTRY])
 
 
-def test_an_unknown_area_or_key_is_refused() -> None:
+def test_a_row_of_no_suite_or_with_a_wrong_key_is_refused() -> None:
     """A misspelt row does not vanish silently."""
-    with pytest.raises(ValueError):
-        conformance_table([{**SUITE, "area": "weather"}])
+    with pytest.raises(SystemExit, match=r"not in suites\.toml: old"):
+        suites_table([{**SUITE, "suite": "old"}], [ENTRY])
     with pytest.raises(SystemExit):
-        conformance_table([{"area": "cpu"}])
+        suites_table([{"area": "cpu"}], [ENTRY])
 
 
 def test_a_figure_without_peer_has_empty_cells() -> None:

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Build and run the tests, write `results.json` and the table beside it.
+"""Build and run the tests, write the table `results.md`.
 
 `ACATS=<folder> python -m verification.acats.campaign [TEST ...]` runs all tests or those whose
-names
-begin so; verdicts wait in the build folder, so that an interrupted campaign goes on where it was.
+names begin so. Verdicts are kept in the build folder, so that an interrupted campaign
+continues; the outcome of each test is in `build/verification/acats/results.json`.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import re
 import subprocess
 import sys
 import time
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
 from functools import cache
@@ -28,12 +29,13 @@ from verification.acats.execution import Verdict, execute
 from verification.acats.judgement import is_only_ravenscar, judge, judge_refused
 from verification.acats.suite import EXECUTED, REJECTED, AcatsTest, Suite, SuiteMissingError
 from verification.acats.table import table
+from verification.commands import Counts
 
 __all__ = ["ADAPTED", "REJECTED", "Outcome", "SuiteMissingError", "adapted", "run", "whole"]
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-RESULTS = HERE / "results.json"
+TABLE = HERE / "results.md"
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 WORKERS = 2
 MAKE_VARIABLES = {
@@ -186,8 +188,8 @@ def write(outcomes: list[Outcome]) -> None:
     """The results and their table."""
     rows = [asdict(o) for o in outcomes]
     lines = ",\n".join(json.dumps(row, sort_keys=True) for row in rows)
-    RESULTS.write_text(f"[\n{lines}\n]\n")
-    RESULTS.with_suffix(".md").write_text(table(rows))
+    (WORK / "results.json").write_text(f"[\n{lines}\n]\n")
+    TABLE.write_text(table(rows))
 
 
 @cache
@@ -196,6 +198,15 @@ def whole() -> list[Outcome]:
     outcomes = [*run([], WORKERS), *adapted()]
     write(outcomes)
     return outcomes
+
+
+def suite(kind: str) -> Counts:
+    """Programs that run ("run"), are adapted ("adapted") or must be refused ("refused")."""
+    kinds = dict.fromkeys(REJECTED, "refused") | dict.fromkeys(ADAPTED, "adapted")
+    outcomes = [o for o in whole() if kinds.get(o.chapter, "run") == kind]
+    reasons = Counter(o.reason for o in outcomes if o.status == "excluded")
+    excluded = [{"count": n, "reason": reason} for reason, n in reasons.most_common()]
+    return Counts(len(outcomes), sum(o.status == "passed" for o in outcomes), excluded)
 
 
 def main(arguments: list[str]) -> int:

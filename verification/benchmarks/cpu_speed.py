@@ -28,6 +28,7 @@ from typing import Any
 
 from verification.benchmarks import qemu_system
 from verification.benchmarks.child_time import run_timed
+from verification.commands import NoResultError
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "verification" / "benchmarks" / "cpu"
@@ -95,7 +96,7 @@ class Program:
         if self.result is None:
             self.result = result
         if result not in (None, self.result):
-            raise SystemExit(f"{self.name}: {engine} ends with {result}, not {self.result}")
+            raise NoResultError(f"{self.name}: {engine} ends with {result}, not {self.result}")
         if seconds is not None:
             self.seconds.setdefault(engine, []).append(seconds)
 
@@ -143,7 +144,7 @@ def run_ours(program: Program) -> None:
     command += ["--example", "brick_speed", "--", str(program.elf), str(CYCLES_MAX), "1"]
     result = subprocess.run(command, cwd=ROOT / "virtual-brick", capture_output=True, text=True)
     if result.returncode != 0:
-        raise SystemExit(f"brick_speed {program.elf.name}: {result.stderr}")
+        raise NoResultError(f"brick_speed {program.elf.name}: {result.stderr}")
     answer: dict[str, Any] = json.loads(result.stdout)
     program.instructions = answer["instructions"]
     program.virtual_seconds = answer["virtual_seconds"]
@@ -187,7 +188,7 @@ def run_qemu(program: Program) -> None:
         program.seconds[QEMU] = []
         return
     if code != 0:
-        raise SystemExit(f"{program.elf.name}: {QEMU} exits with {code}")
+        raise NoResultError(f"{program.elf.name}: {QEMU} exits with {code}")
     program.took(QEMU, seconds, None)
 
 
@@ -216,7 +217,7 @@ def run_mgba(driver: Path, program: Program) -> None:
     done = subprocess.run([str(driver), str(image), *words], capture_output=True, text=True)
     if done.returncode != 0:
         reason = done.stderr or f"ended with {done.returncode}"
-        raise SystemExit(f"mGBA's core, {program.elf.name}: {reason}")
+        raise NoResultError(f"mGBA's core, {program.elf.name}: {reason}")
     seconds, result = done.stdout.split()
     program.took(MGBA, float(seconds), int(result))
 

@@ -20,6 +20,7 @@ from ravenbrick.model import Execution, FixedFormat, FixedPoint, Rounding
 from ravenbrick.model.program import Program, with_constants
 
 from host.tests.codegen.test_block_c import FIXED, fixed_program
+from verification.commands import Counts
 from verification.support.codegen.block_table import TABLE, block_diagram
 from verification.support.codegen.brick_cycles import Cost, image_of_checks, step_costs
 from verification.support.codegen.c_build import WORD_FLAGS, ada_object
@@ -276,18 +277,18 @@ def page(block_lines: list[str], lots: list[str], controller_lines: list[str]) -
     )
 
 
-def main() -> tuple[int, int]:
-    """Write the page; returns how many programs there are and how many have no difference."""
+def suite() -> Counts:
+    """Write the page; counts programs and those that equal their simulation."""
     forms = block_forms()
     controllers, own = controller_rows()
     lots = lot_forms()
     text = page(block_rows(forms), lot_lines(lots), controllers)
     PAGE.write_text(text, encoding="utf-8")
     everything = [*forms.values(), *lots.values(), *own.values()]
-    return len(everything), sum(form.failures == 0 for form in everything)
+    return Counts(len(everything), sum(form.failures == 0 for form in everything))
 
 
 if __name__ == "__main__":
-    count, good = main()
-    print(f"{good} of {count} programs equal their simulation")
-    sys.exit(0 if good == count else 1)
+    counts = suite()
+    print(f"{counts.passed} of {counts.case_count} programs equal their simulation")
+    sys.exit(0 if counts.passed == counts.case_count else 1)

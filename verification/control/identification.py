@@ -16,6 +16,8 @@ from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.trace.motor_data import motor_data
 
+from verification.commands import Counts
+
 ROOT = Path(__file__).resolve().parents[2]
 VEHICLE = ROOT / "examples" / "vehicle"
 IMAGE = ROOT / "build" / "vehicle" / "ram" / "vehicle.elf"
@@ -69,13 +71,9 @@ def campaign(runs: int) -> dict[str, int]:
     return total
 
 
-def main() -> tuple[int, int]:
+def suite() -> Counts:
     """Parameters judged, and those whose interval held the true value often enough."""
     total = campaign(RUNS)
     print(f"  of {RUNS} runs the interval held the true value: {total}", file=sys.stderr)
-    return len(total), sum(count >= LEAST_HELD for count in total.values())
+    return Counts(len(total), sum(count >= LEAST_HELD for count in total.values()))
 
-
-if __name__ == "__main__":
-    judged, good = main()
-    sys.exit(0 if judged == good else 1)

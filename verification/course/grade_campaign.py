@@ -17,6 +17,7 @@ import statistics
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,11 +27,14 @@ from ravenbrick.grading.campaign import run_campaign
 from ravenbrick.grading.rubric import Rubric, read_rubric
 from ravenbrick.grading.submission import Submission, find_submissions
 
+from verification.benchmarks.figures import Figure
+from verification.commands import Counts
 from verification.support.submissions import RUBRIC, variant, write_submission
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference" / "grading-throughput.md"
 COUNT, SLICE, WORKERS = 200, 20, 2
+MEASURED = 40
 NO_DASK = "the package distributed is not installed: pip install -r tools/requirements/cluster.txt"
 
 
@@ -154,6 +158,23 @@ def main(count: int = COUNT) -> dict[str, Any]:
         "same": {way.name: same_results(way, ways[0]) for way in ways[1:]},
         "page": page(ways, count),
     }
+
+
+def suite() -> Counts:
+    """Results of two workers and of Dask that are those of one worker."""
+    answer = main()
+    count, same = answer["count"], answer["same"]
+    excluded = [] if len(same) == 2 else [{"count": count, "reason": NO_DASK}]
+    return Counts(2 * count, sum(same.values()), excluded)
+
+
+def figures() -> Iterator[Figure]:
+    """Submissions built, run and judged per minute, in each way beside one worker."""
+    ways = measure(MEASURED)
+    single = 60 * MEASURED / sum(ways[0].seconds)
+    for way in ways:
+        rate = 60 * MEASURED / sum(way.seconds)
+        yield Figure(f"grading, {way.name}", rate, "per min", ways[0].name, single)
 
 
 if __name__ == "__main__":

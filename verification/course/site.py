@@ -9,20 +9,19 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from tools.docs.site_links import check_site
+from verification.commands import Counts
 
 ROOT = Path(__file__).resolve().parents[2]
 NO_SPHINX = "Sphinx is not installed: 'make docs' installs it"
 OUTSIDE = "leads out of the site; not followed, the build needs no network"
-SUITE = "site: no warnings, every link inside leads somewhere, a search index"
 
 
-def measure() -> tuple[int, int, list[dict[str, Any]]]:
+def suite() -> Counts:
     """Links, those that are right (none when the build warns), and what was left out."""
     if importlib.util.find_spec("sphinx") is None:
-        return 1, 0, [{"count": 1, "reason": NO_SPHINX}]
+        return Counts(1, 0, [{"count": 1, "reason": NO_SPHINX}])
     with tempfile.TemporaryDirectory() as folder:
         site = Path(folder) / "html"
         command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
@@ -31,4 +30,4 @@ def measure() -> tuple[int, int, list[dict[str, Any]]]:
         whole = built.returncode == 0 and (site / "searchindex.js").is_file()
     count = report.followed + len(report.outside)
     passed = report.followed - len(report.broken) if whole else 0
-    return count, passed, [{"count": len(report.outside), "reason": OUTSIDE}]
+    return Counts(count, passed, [{"count": len(report.outside), "reason": OUTSIDE}])

@@ -4,7 +4,7 @@
 
 None of them may be kept in the repository: each is looked for where its environment variable
 says. `python -m verification.firmware.images` runs those that are there and writes
-`firmware_images.json`, in which one that is absent keeps what was seen of it last, and from it
+`images.json`, in which one that is absent keeps what was seen of it last, and from it
 docs/reference/firmware-images.md with its pictures.
 """
 
@@ -183,7 +183,7 @@ def main() -> int:
     before = {row["name"]: row for row in json.loads(RESULTS.read_text())}
     rows = [seen(family) for family in FAMILIES]
     kept = [before.get(row["name"], row) if "absent" in row else row for row in rows]
-    RESULTS.write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    tables.write_rows(RESULTS, kept)
     return tables.main([])
 
 

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.docs import tables
+from verification.commands import Counts, NoResultError
 from verification.fuzz.targets import Target, targets
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -62,7 +63,7 @@ def in_rust(seconds: int, seed: int) -> list[dict[str, Any]]:
     crates = ROOT / "virtual-brick"
     done = subprocess.run(command, cwd=crates, capture_output=True, text=True)
     if not done.stdout.strip():
-        raise SystemExit(f"fuzz: no result\n{done.stderr[-2000:]}")
+        raise NoResultError(f"fuzz: no result\n{done.stderr[-2000:]}")
     print(done.stderr, end="", file=sys.stderr)
     rows = json.loads(done.stdout)
     return [
@@ -133,8 +134,15 @@ def campaign(seconds: int = TARGET_SECONDS, seed: int = 1) -> list[dict[str, Any
             rows.append(of_target(target, seconds, seed))
         finally:
             target.close()
-    RESULTS.write_text(json.dumps(rows, indent=1, sort_keys=True) + "\n")
+    tables.write_rows(RESULTS, rows)
     return rows
+
+
+def suite() -> Counts:
+    """Cases of all targets, and those that were handled."""
+    rows = campaign()
+    count = sum(row["case_count"] for row in rows)
+    return Counts(count, count - sum(row["findings"] for row in rows))
 
 
 def give(file: Path) -> int:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Published measurements of real motors repeated on the plant.
 
-`python -m verification.plant.points` measures and writes `plant_points.json` and, from it,
+`python -m verification.plant.points` measures and writes `points.json` and, from it,
 docs/reference/plant-points.md.
 """
 
@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.docs import tables
+from verification.commands import Counts, NoResultError
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "verification" / "plant" / "points.json"
@@ -27,18 +28,25 @@ def measure() -> dict[str, Any]:
     command = [*COMMAND, "--example", "published_points"]
     result = subprocess.run(command, cwd=ROOT / "virtual-brick", capture_output=True, text=True)
     if result.returncode != 0:
-        raise SystemExit(f"published_points: no result\n{result.stderr[-2000:]}")
+        raise NoResultError(f"published_points\n{result.stderr[-2000:]}")
     data: dict[str, Any] = json.loads(result.stdout)
-    RESULTS.write_text(json.dumps(data, indent=1, sort_keys=True) + "\n")
+    parts = [
+        f'"{key}": [\n' + ",\n".join(json.dumps(row, sort_keys=True) for row in value) + "\n]"
+        if isinstance(value, list)
+        else f'"{key}": {json.dumps(value)}'
+        for key, value in sorted(data.items())
+    ]
+    RESULTS.write_text("{\n" + ",\n".join(parts) + "\n}\n")
     return data
 
 
-def outcome(data: dict[str, Any]) -> tuple[int, int, list[dict[str, Any]]]:
-    """Values with a band, those within, and those out with their reasons."""
+def suite() -> Counts:
+    """Values with a band, those within, and those out with their reasons; keeps the data."""
+    data = measure()
     judged = [m["passes"] for p in data["points"] for m in p["measured"] if m["passes"] is not None]
     reasons = Counter(miss["reason"] for miss in data["missed"])
     excluded = [{"count": n, "reason": reason} for reason, n in sorted(reasons.items())]
-    return len(judged), sum(judged), excluded
+    return Counts(len(judged), sum(judged), excluded)
 
 
 if __name__ == "__main__":

@@ -42,6 +42,7 @@ from verification.timing.wcet_benchmarks import (
     programs,
     source_loops,
     within,
+    write_columns,
 )
 
 INPUTS = Path(__file__).with_name("tacle_inputs.toml")
@@ -188,8 +189,8 @@ def _row(row: dict[str, Any]) -> list[str]:
 
 
 def write_table(path: Path, columns: dict[str, dict[str, Any]]) -> None:
-    """The page, and beside it the results as JSON."""
-    path.with_suffix(".json").write_text(json.dumps(columns, indent=1, sort_keys=True) + "\n")
+    """The page, and the results that it is made of."""
+    write_columns(path, columns)
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",

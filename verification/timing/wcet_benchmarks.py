@@ -7,8 +7,8 @@
 Each program is compiled for the ARM7TDMI; its `<name>_main` is bounded and, after `<name>_init`,
 run, with one cycle for each access, in 2 MB of memory.
 
-With `--table FILE`, results are kept in a JSON file beside it and taken from there as long as
-neither the program's ELF file nor the analysis has changed, so that a campaign can be interrupted.
+With `--table FILE`, results are kept in `build/verification` and taken from there as long as
+neither the ELF file nor the analysis has changed, so that a campaign can be interrupted.
 With `--seconds N`, a program that takes longer counts as one without a bound.
 
 With `--data own`, the bound is for the data that the program brings along: memory begins as the
@@ -361,18 +361,29 @@ def campaign(
 
 
 def kept_columns(table: Path | None) -> dict[str, dict[str, Any]]:
-    """What the JSON file beside a table holds."""
-    path = None if table is None else table.with_suffix(".json")
+    """What the JSON file of a table holds."""
+    path = None if table is None else _kept_file(table)
     if path is None or not path.is_file():
         return {}
     loaded: dict[str, dict[str, Any]] = json.loads(path.read_text())
     return loaded
 
 
+def _kept_file(table: Path) -> Path:
+    return ROOT / "build" / "verification" / f"{table.stem}.json"
+
+
+def write_columns(table: Path, columns: dict[str, dict[str, Any]]) -> None:
+    """Keep the results of a table in the build folder."""
+    path = _kept_file(table)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(columns, indent=1, sort_keys=True) + "\n")
+
+
 def keep_table(path: Path, name: str, results: dict[str, Any]) -> None:
     """Bring one column into the table; the others stay as they are."""
     columns = {**kept_columns(path), name: results}
-    path.with_suffix(".json").write_text(json.dumps(columns, indent=1, sort_keys=True) + "\n")
+    write_columns(path, columns)
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
