@@ -5,6 +5,7 @@
 
 PYTHON := .venv/bin/python
 export PATH := $(CURDIR)/.venv/bin:$(PATH):$(HOME)/.cargo/bin
+PYTHON_FOLDERS := host tools runtime drivers examples verification virtual-brick/bindings
 CARGO_OPTIONS := --locked --manifest-path virtual-brick/Cargo.toml
 
 # Root in the tree of another user is root for Debian packages only.
@@ -43,15 +44,18 @@ demo: setup ## The paper's vehicle, from motor constants to turning wheels: out/
 	@.venv/bin/ravenbrick demo examples/vehicle
 
 .PHONY: test
-test: develop style test-rust test-python ## Run all tests
+test: develop style test-rust test-python test-page ## Run all tests
 
 .PHONY: style
-style: ## Check style, borders between the parts, and generated tables
+style: ## Check style, types, spelling, borders between the parts, and generated tables
 	@$(PYTHON) -m tools.style.tidy
+	@git ls-files -z | xargs -0 .venv/bin/codespell
 	@$(PYTHON) -m tools.docs.tables --check
-	@$(PYTHON) -m ruff check --quiet host tools runtime drivers examples verification \
-		virtual-brick/bindings
-	@$(PYTHON) -m mypy --no-error-summary --config-file host/pyproject.toml host/src
+	@$(PYTHON) -m ruff check --quiet $(PYTHON_FOLDERS)
+	@$(PYTHON) -m ruff format --quiet --check $(PYTHON_FOLDERS)
+	@$(PYTHON) -m mypy --no-error-summary --config-file mypy.ini $(PYTHON_FOLDERS)
+	@cargo fmt --manifest-path virtual-brick/Cargo.toml --all --check
+	@cargo clippy $(CARGO_OPTIONS) --quiet --workspace --all-targets -- --deny warnings
 
 .PHONY: test-rust
 test-rust: ## Tests of the virtual brick's crates

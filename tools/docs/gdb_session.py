@@ -98,9 +98,7 @@ def main(arguments: list[str]) -> int:
     if "--check" in arguments:
         same = compared(held) == compared(guide_session())
         if not same:
-            print(
-                f"{GUIDE}: shows another session than GDB; run tools.docs.gdb_session"
-            )
+            print(f"{GUIDE}: shows another session than GDB; run tools.docs.gdb_session")
             print(held)
         return int(not same)
     before, _, rest = GUIDE.read_text(encoding="utf-8").partition(BEGIN)

@@ -10,9 +10,10 @@ from verification.support.elf_maker import make_elf
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import ElfImage, read_image
-from ravenbrick.image.memory import memory_report, with_stacks
+from ravenbrick.image.memory import memory_report
 from ravenbrick.project.robot import Robot
 from ravenbrick.trace.recording import Thread
+from ravenbrick.trace.stacks import with_stacks
 
 
 def _written(folder: Path, content: bytes) -> Path:

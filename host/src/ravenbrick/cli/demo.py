@@ -26,13 +26,14 @@ from ravenbrick.errors import CriteriaError, ScenarioError, shown_path
 from ravenbrick.image.build import Built, build_image
 from ravenbrick.image.controller_origin import read_origin
 from ravenbrick.image.design_script import DESIGN_SCRIPT
-from ravenbrick.image.memory import MemoryReport, with_stacks
+from ravenbrick.image.memory import MemoryReport
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.report.run_report import write_report
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import require_criteria
+from ravenbrick.trace.stacks import with_stacks
 from ravenbrick.trace.summary import Evidence, Run
 
 __all__ = ["demo_command"]

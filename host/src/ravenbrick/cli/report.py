@@ -21,13 +21,14 @@ from ravenbrick.cli.pipeline import (
 )
 from ravenbrick.errors import RavenbrickError, UsageError, shown_path
 from ravenbrick.image.elf import DEBUGGING_BUILD, read_image
-from ravenbrick.image.memory import MemoryReport, memory_report, with_stacks
+from ravenbrick.image.memory import MemoryReport, memory_report
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.project.workspace import BuildKind, Workspace
 from ravenbrick.report.run_report import write_report
 from ravenbrick.trace.design import read_design
 from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.stacks import with_stacks
 from ravenbrick.trace.summary import Run
 
 __all__ = ["report_command"]

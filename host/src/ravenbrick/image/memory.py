@@ -1,26 +1,22 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How an image uses the brick's memory: from ELF, link map and, after a run, the stacks."""
+"""How an image uses the brick's memory: from the ELF and the link map."""
 
 from __future__ import annotations
 
 import json
 import re
 from collections import defaultdict
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import REGIONS, ElfImage
 from ravenbrick.project.robot import Robot
 
-if TYPE_CHECKING:
-    from ravenbrick.trace.recording import Thread
-
-__all__ = ["MemoryReport", "TaskStack", "memory_report", "with_stacks"]
+__all__ = ["MemoryReport", "TaskStack", "memory_report"]
 
 _PLACED = re.compile(r"^ (\.\S+)\s+0x([0-9a-f]+)\s+0x([0-9a-f]+) (\S.*)$", re.MULTILINE)
 _KINDS = (
@@ -141,23 +137,3 @@ def memory_report(image: ElfImage, robot: Robot) -> MemoryReport:
         tasks=_linked_tasks(image, robot),
         parts=_parts(map_file, generated) if map_file.is_file() else {},
     )
-
-
-def with_stacks(report: MemoryReport, threads: Sequence[Thread]) -> MemoryReport:
-    """The report with each task's Storage_Size and high-water mark as a run found them."""
-    known = {task.name.lower(): task for task in report.tasks}
-    nothing = TaskStack("", None, None, None, None)
-    seen = [
-        TaskStack(
-            thread.name,
-            before.declared_bytes,
-            before.object_bytes,
-            thread.stack_bytes,
-            max(thread.stack_used_bytes, before.used_bytes or 0),
-        )
-        for thread in threads
-        for before in [known.get(thread.name.lower(), nothing)]
-    ]
-    names = {thread.name.lower() for thread in threads}
-    unseen = [task for task in report.tasks if task.name.lower() not in names]
-    return replace(report, tasks=(*seen, *unseen))

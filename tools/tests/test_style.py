@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Borders and words: what crosses them is named with its file and line."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tools.style.borders import border_complaints
+from tools.style.tidy import ROOT, banned_words
+
+BORDERS = """
+[crates]
+core = []
+board = ["core"]
+[bindings]
+[rooms]
+model = []
+brick = ["model"]
+"""
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """A tree without complaints: two crates and two rooms."""
+    (tmp_path / "tools" / "style").mkdir(parents=True)
+    (tmp_path / "tools" / "style" / "borders.toml").write_text(BORDERS)
+    for crate, known in (("core", ""), ("board", "core = {}")):
+        folder = tmp_path / "virtual-brick" / "crates" / crate
+        folder.mkdir(parents=True)
+        (folder / "Cargo.toml").write_text(f"[dependencies]\n{known}\n")
+    for room in ("model", "brick"):
+        folder = tmp_path / "host" / "src" / "ravenbrick" / room
+        folder.mkdir(parents=True)
+        (folder / "__init__.py").write_text("")
+    return tmp_path
+
+
+def test_a_crate_that_knows_a_later_one_is_refused(tree: Path) -> None:
+    assert list(border_complaints(tree)) == []
+    manifest = tree / "virtual-brick" / "crates" / "core" / "Cargo.toml"
+    manifest.write_text("[target.unix.dependencies]\nboard = {}\n")
+    assert list(border_complaints(tree)) == [(manifest, 1, "the crate core must not know board")]
+
+
+@pytest.mark.parametrize(
+    "text", ["import ravenbrick.brick.run", "def f():\n    from ravenbrick import brick"]
+)
+def test_a_room_that_imports_a_later_one_is_refused(tree: Path, text: str) -> None:
+    path = tree / "host" / "src" / "ravenbrick" / "model" / "motor.py"
+    path.write_text(text)
+    line = len(text.split("\n"))
+    assert list(border_complaints(tree)) == [(path, line, "the room model must not know brick")]
+
+
+def test_a_border_that_makes_a_circle_is_refused(tree: Path) -> None:
+    file = tree / "tools" / "style" / "borders.toml"
+    file.write_text(BORDERS.replace("model = []", 'model = ["brick"]'))
+    assert list(border_complaints(tree)) == [
+        (file, 1, "[rooms] model: 'brick' is no part before it")
+    ]
+
+
+def test_a_banned_word_is_refused_with_what_to_write_instead() -> None:
+    path = ROOT / "README.md"
+    assert list(banned_words(path, ["the Set Point is reached"])) == [
+        (path, 1, "'Set Point': write 'set-point'")
+    ]
+    assert list(banned_words(path, ["the set-point is reached"])) == []
+
+
+@pytest.mark.parametrize(
+    ("message", "code"),
+    [
+        ("Short subject\n\nA reason.\n", 0),
+        (f"{'x' * 73}\n\nA reason.\n", 1),
+        ("Short subject\n", 1),
+        ("Short subject\nno empty line\n", 1),
+        ("Short subject\n\nA reason.\n# comment\n", 0),
+    ],
+)
+def test_commit_messages_have_a_short_subject_and_a_body(
+    tmp_path: Path, message: str, code: int
+) -> None:
+    file = tmp_path / "message"
+    file.write_text(message)
+    program = ROOT / "tools" / "style" / "commit_message"
+    assert subprocess.run([program, file], capture_output=True).returncode == code
