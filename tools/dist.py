@@ -21,6 +21,7 @@ from pathlib import Path
 
 import virtual_brick
 from elftools.elf.elffile import ELFFile
+from elftools.elf.gnuversions import GNUVerNeedSection
 from ravenbrick.atomic_write import atomic_write
 
 from tools.style.tidy import ROOT, tracked_files
@@ -79,7 +80,9 @@ def platform_tag(library: bytes, scratch: Path) -> str:
     path = scratch / "module.so"
     path.write_bytes(library)
     with path.open("rb") as stream:
-        needed = ELFFile(stream).get_section_by_name(".gnu.version_r").iter_versions()
+        section = ELFFile(stream).get_section_by_name(".gnu.version_r")
+        assert isinstance(section, GNUVerNeedSection)
+        needed = section.iter_versions()
         names = [auxiliary.name for _, versions in needed for auxiliary in versions]
     minor = max(int(name.split(".")[1]) for name in names if name.startswith("GLIBC_2."))
     return f"manylinux_2_{minor}_{platform.machine()}"

@@ -38,7 +38,7 @@ def image(run_time: None) -> Callable[[str, str], bytes]:
             config = [f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"]
             if "RAVENBRICK_RTS" not in os.environ:
                 config.append(f"--implicit-with={ROOT / 'tools' / 'run_time.gpr'}")
-            project = ["-P", TESTS / "test.gpr", f"-XTEST={name}", f"-XIMAGE={kind}"]
+            project = ["-P", str(TESTS / "test.gpr"), f"-XTEST={name}", f"-XIMAGE={kind}"]
             done = subprocess.run(
                 ["gprbuild", "-q", "-j2", *config, *project],
                 capture_output=True,

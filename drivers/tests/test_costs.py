@@ -81,8 +81,9 @@ def test_operations_are_short(measured: Measured) -> None:
             assert row.task < SHORT, row
     assert abs(operations[-1].task) < 50
     limits = {"co-processor (TWI)": 22, "sensor buses (TC1)": 52, "colour sensors (TC2)": 40}
-    for row in interrupts:
-        assert row.longest < limits.get(row.name, 1_000) * CYCLES_PER_MS // 1_000, row
+    for interrupt in interrupts:
+        limit_us = limits.get(interrupt.name, 1_000)
+        assert interrupt.longest < limit_us * CYCLES_PER_MS // 1_000, interrupt
     longest = {task.name: task.longest for task in tasks}
     assert 0 < longest["coprocessor_task"] < CYCLES_PER_MS // 10
     assert longest.get("regulator_task", 1) < CYCLES_PER_MS // 2

@@ -168,7 +168,7 @@ def _adapted_one(suite: Suite, rule: Adaptation, test: AcatsTest) -> Outcome:
         return Outcome(rule.name, *ADAPTED, rule.profile, "failed", str(refusal))
     found = execute(image.elf)
     if rule.expected:
-        passed = found.word == "raised" and re.match(rule.expected, found.text)
+        passed = found.word == "raised" and bool(re.match(rule.expected, found.text))
     else:
         passed = found.word == "passed"
     reason = rule.what if passed else f"{found.word}: {found.text}".replace("\n", " ")

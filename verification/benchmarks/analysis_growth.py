@@ -22,6 +22,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 
 import matplotlib as mpl
@@ -138,8 +139,18 @@ def _timed(analyse: Callable[[], Bounds]) -> tuple[Bounds, float]:
 def _point(name: str, count: int, size: int, found: Bounds, relative_time: float) -> Point:
     work = found.work
     cycles = sum(bound.cycles for bound in (*found.functions, *found.jobs))
-    sizes = (work[key] for key in ("functions", "blocks", "loops", "instructions", "steps"))
-    point = Point(name, count, size, *sizes, cycles, round(relative_time, 1))
+    point = Point(
+        name,
+        count,
+        size,
+        work["functions"],
+        work["blocks"],
+        work["loops"],
+        work["instructions"],
+        work["steps"],
+        cycles,
+        round(relative_time, 1),
+    )
     print(asdict(point), file=sys.stderr, flush=True)
     return point
 
@@ -162,7 +173,7 @@ def measured() -> list[Point]:
             elf, size = _compiled(count, Path(folder))
         if size > FLASH_BYTES:
             raise SystemExit(f"{count} controllers: {size} bytes do not fit the flash")
-        found, seconds = _timed(lambda elf=elf: execution_times(elf, functions=["step"]))
+        found, seconds = _timed(partial(execution_times, elf, functions=["step"]))
         first = first or seconds
         points.append(_point("", count, size, found, seconds / first))
     examples = []

@@ -165,10 +165,11 @@ def run_unicorn(program: Program) -> None:
 
 def unicorn_alone(image: bytes, start: int, finish: int, result: int) -> tuple[float, int]:
     """Run to the program's end: the processor time of the run, and the result."""
-    import unicorn
+    import unicorn.unicorn_const as constants
     from unicorn.arm_const import UC_ARM_REG_CPSR
+    from unicorn.unicorn_py3 import Uc
 
-    machine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_ARM)
+    machine = Uc(constants.UC_ARCH_ARM, constants.UC_MODE_ARM)
     machine.mem_map(*RAM)
     machine.mem_write(RAM[0], image)
     machine.reg_write(UC_ARM_REG_CPSR, 0xD3)

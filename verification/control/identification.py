@@ -76,4 +76,3 @@ def suite() -> Counts:
     total = campaign(RUNS)
     print(f"  of {RUNS} runs the interval held the true value: {total}", file=sys.stderr)
     return Counts(len(total), sum(count >= LEAST_HELD for count in total.values()))
-

@@ -158,7 +158,7 @@ class LivePeer:
         )
 
     def close(self) -> None:
-        self._brick = None
+        del self._brick
 
 
 def _sender(client: socket.socket, pieces: list[bytes]) -> Callable[[], bool]:

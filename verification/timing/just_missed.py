@@ -14,7 +14,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 __all__ = ["CLOSE", "MISSED", "REACHED", "UNEXPLAINED", "Outcome", "explain"]
 
@@ -33,9 +33,19 @@ UNEXPLAINED = "not explained"
 class Load(Protocol):
     """A task of a program."""
 
-    slot: int
-    rounds: int
-    phase_us: int
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def slot(self) -> int:
+        """Rank by urgency; 0 is the least urgent."""
+
+    @property
+    def rounds(self) -> int:
+        """Rounds of its loop."""
+
+    @property
+    def phase_us(self) -> int:
+        """First release."""
 
 
 L = TypeVar("L", bound=Load)

@@ -25,7 +25,7 @@ BUILD = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build"))
 @pytest.fixture(scope="session")
 def image() -> bytes:
     """The vehicle's image for the boot monitor."""
-    command = ["make", "-C", VEHICLE, "ram", f"PYTHON={sys.executable}"]
+    command = ["make", "-C", str(VEHICLE), "ram", f"PYTHON={sys.executable}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return (BUILD / "vehicle" / "ram" / "vehicle.elf").read_bytes()

@@ -95,8 +95,9 @@ def sensor_kinds() -> Mapping[str, SensorKind]:
             tuple(entry.get("fields", ())),
             entry.get("looks_at"),
             tuple(
-                SensorInput(i["name"], *i["range"], i["unit"], i.get("measured", False))
+                SensorInput(i["name"], low, high, i["unit"], i.get("measured", False))
                 for i in entry["inputs"]
+                for low, high in [i["range"]]
             ),
         )
         for name, entry in _content("sensors.json").items()

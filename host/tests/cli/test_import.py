@@ -7,8 +7,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from host.tests.model.test_simulink import block, line, single_file, whole_model
+from host.tests.model.test_simulink import whole_model
 from typer.testing import CliRunner
+from verification.support.codegen.simulink_files import block, line, single_file
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode

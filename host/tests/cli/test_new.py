@@ -36,8 +36,8 @@ def test_every_template_makes_a_complete_folder(name: str, tmp_path: Path) -> No
         read_scenario(file, robot)
     wanted = ("Makefile", "robot.gpr", "README.md", "src/main.adb", ".gitignore")
     hidden = (".vscode/tasks.json", ".vscode/launch.json", ".devcontainer/devcontainer.json")
-    for file in (*wanted, *hidden, ".github/workflows/check.yml"):
-        assert (project / file).is_file(), file
+    for part in (*wanted, *hidden, ".github/workflows/check.yml"):
+        assert (project / part).is_file(), part
     for file in project.rglob("*.json"):
         json.loads(file.read_text())
     texts = [f.read_text() for f in project.rglob("*") if f.is_file() and f.suffix != ".png"]

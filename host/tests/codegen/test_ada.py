@@ -68,7 +68,9 @@ def run_checks(
 def test_all_blocks_in_ada_equal_their_simulation(tmp_path: Path) -> None:
     """Single precision and fixed point, double where it differs; no check, no contract fails."""
     wide = {"wide_quantiser", "wide_look_up", "wide_sine", "wide_pid"}
-    models = {n: m for n, m in all_models().items() if n in wide or not n.startswith("wide_")}
+    models: dict[str, Diagram | Program | FixedPoint] = {
+        n: m for n, m in all_models().items() if n in wide or not n.startswith("wide_")
+    }
     value = run_checks(models, tmp_path)
     for name in models:
         assert value(f"{name}_check_steps") == STEPS, name

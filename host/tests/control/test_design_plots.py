@@ -136,7 +136,7 @@ def test_the_root_locus_ends_where_the_gain_margin_says(design: DesignedLoop) ->
     radius = np.hypot(*edge.get_data())
     assert radius.max() == pytest.approx(1.0, abs=1e-4)
     present = by_label["the design (factor 1)"]
-    poles = present.get_xdata() + 1j * present.get_ydata()
+    poles = np.asarray(present.get_xdata()) + 1j * np.asarray(present.get_ydata())
     assert len(poles) < design.sampled().open_loop().nstates
     assert np.abs(poles).max() < 1.0
 

@@ -11,6 +11,7 @@ from scipy import signal
 
 from ravenbrick.control import DiscretisationMethod, discretise, margins
 from ravenbrick.model import (
+    Block,
     DataType,
     Diagram,
     Execution,
@@ -44,7 +45,7 @@ def random_system(seed: int) -> control.TransferFunction:
     return control.tf(numerator, np.real(np.poly(random_poles(random, order))))
 
 
-def through(block: object, values: np.ndarray) -> np.ndarray:
+def through(block: Block, values: np.ndarray) -> np.ndarray:
     """The outputs of a block of the diagram in double precision."""
     diagram = Diagram("one", 0.01)
     wide = DataType.REAL64

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from verification.support.elf_maker import make_elf
@@ -22,7 +23,7 @@ def _written(folder: Path, content: bytes) -> Path:
     return path
 
 
-def _image(folder: Path, **sizes: int) -> ElfImage:
+def _image(folder: Path, **sizes: Any) -> ElfImage:
     return read_image(_written(folder, make_elf(**sizes)))
 
 

@@ -144,7 +144,7 @@ def test_systems_of_python_control_become_blocks() -> None:
 def test_a_pid_of_gains_has_tunable_parameters() -> None:
     """Kp, Ki Ts and Kd N under the block's name."""
     block = PidController.of_gains("Wheel", (2.0, 5.0, 0.1), 50.0, 0.01)
-    assert [(p.name, p.value) for p in block.values()] == [  # type: ignore[union-attr]
+    assert [(p.name, p.value) for p in block.values()] == [
         ("Wheel_Kp", 2.0),
         ("Wheel_Ki_Ts", 0.05),
         ("Wheel_Kd_N", 5.0),

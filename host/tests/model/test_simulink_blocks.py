@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import ctypes
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from ravenbrick.simulink import import_simulink, read_workspace
 STEPS = 60
 
 
-def one_block(kind: str, inputs: int, **parameters: object) -> str:
+def one_block(kind: str, inputs: int, **parameters: Any) -> str:
     """Inports, the block, and its first output on an outport."""
     text = "".join(block("Inport", f"u{i}", f"i{i}", Port=i) for i in range(1, inputs + 1))
     text += block(kind, "B", "b", Ports=f"[{inputs}, 1]", **parameters) + block("Outport", "y", "y")
@@ -40,7 +41,7 @@ def wrapped(value: np.ndarray) -> np.ndarray:
     return np.floor(value).astype(np.int64).astype(np.uint8).astype(float)
 
 
-CASES = {
+CASES: dict[str, tuple[str, int, dict[str, Any], Any]] = {
     "equal": ("RelationalOperator", 2, {"Operator": "=="}, lambda a, b: a == b),
     "unequal": ("RelationalOperator", 2, {"Operator": "~="}, lambda a, b: a != b),
     "and of three": ("Logic", 3, {"Operator": "AND", "Inputs": "3"},
@@ -120,17 +121,17 @@ def test_a_block_means_what_it_means_in_simulink(name: str, tmp_path: Path) -> N
     path = single_file(tmp_path / "m.slx", one_block(kind, ports, **parameters))
     inputs = given(ports, *((-1.0, 1.0) if name == "arc cosine" else (-3.0, 3.0)))
     with np.errstate(all="ignore"):
-        wanted = np.asarray(reference(*inputs), float)
+        wanted = np.asarray(reference(*inputs), np.float64)
     diagram = import_simulink(path, 0.01)
     assert np.allclose(run(diagram, *inputs), wanted, atol=2e-5, rtol=1e-5, equal_nan=True)
 
 
-def linked(name: str, inputs: int, **parameters: object) -> str:
+def linked(name: str, inputs: int, **parameters: Any) -> str:
     """A link to Simulink's own library."""
     return one_block("Reference", inputs, SourceBlock=f"simulink/Some/{name}", **parameters)
 
 
-LINKS = {
+LINKS: dict[str, tuple[int, dict[str, Any], Any]] = {
     "Compare\nTo Constant": (1, {"relop": "&gt;=", "const": "0.5"}, lambda a: a >= 0.5),
     "Compare To Zero": (1, {"relop": "~="}, lambda a: a != 0),
     "Saturation\nDynamic": (3, {}, lambda high, a, low: np.where(a > high, high,
@@ -157,7 +158,7 @@ def test_a_link_to_simulinks_library_is_built(name: str, tmp_path: Path) -> None
     ports, parameters, reference = LINKS[name]
     path = single_file(tmp_path / "m.slx", linked(name, ports, **parameters))
     inputs = given(ports)
-    wanted = np.asarray(reference(*inputs), float)
+    wanted = np.asarray(reference(*inputs), np.float64)
     assert np.allclose(run(import_simulink(path, 0.01), *inputs), wanted, atol=1e-4)
 
 

@@ -39,7 +39,7 @@ def with_jitter(task_set: TaskSet, seed: int) -> TaskSet:
 def with_phases(task_set: TaskSet, seed: int) -> TaskSet:
     """The set with known phases."""
     dice = random.Random(seed)
-    return TaskSet(tuple(replace(t, phase=dice.randint(0, t.period - 1)) for t in task_set))
+    return TaskSet(tuple(replace(t, phase=dice.randint(0, int(t.period) - 1)) for t in task_set))
 
 
 def with_sections(task_set: TaskSet, seed: int) -> TaskSet:
@@ -50,8 +50,8 @@ def with_sections(task_set: TaskSet, seed: int) -> TaskSet:
         sections = []
         position = 0
         while position < task.wcet and dice.random() < 0.8:
-            start = dice.randint(position, task.wcet - 1)
-            length = dice.randint(1, task.wcet - start)
+            start = dice.randint(position, int(task.wcet) - 1)
+            length = dice.randint(1, int(task.wcet) - start)
             sections.append(CriticalSection(dice.choice("PQR"), length, start))
             position = start + length
         tasks.append(replace(task, sections=tuple(sections)))

@@ -45,7 +45,7 @@ def test_an_early_call_comes_at_most_once_before_each_release_and_once_in_its_pe
 def test_the_release_of_all_together_is_the_first_of_all_starts() -> None:
     tasks = tuple(replace(task, phase=0) for task in (SLOW, FAST))
     found = synchronous_bound(TaskSet(tasks), tasks[0], COSTS)
-    assert found.bound == found.terms.total == 200 + 3 * 20 + 3 * 10 + 3  # type: ignore[union-attr]
+    assert found.bound == found.terms.total == 200 + 3 * 20 + 3 * 10 + 3
 
 
 def test_a_further_release_that_costs_more_than_a_call_is_refused() -> None:

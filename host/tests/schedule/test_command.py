@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -87,7 +88,7 @@ def test_the_picture_shows_both_schedules_and_who_misses(tmp_path: Path) -> None
     axes = gantt_figure(read_task_file(path).task_set, "ms").axes
     titles = [axis.get_title() for axis in axes]
     crosses = [line for axis in axes for line in axis.lines if line.get_marker() == "x"]
-    assert [len(line.get_xdata()) for line in crosses] == [int(titles[0].split()[2]), 0]
+    assert [np.size(line.get_xdata()) for line in crosses] == [int(titles[0].split()[2]), 0]
     assert re.fullmatch(r"fixed priorities: [1-9]\d* missed deadlines", titles[0])
     assert titles[1] == "earliest deadline first: no deadline is missed"
     short = gantt_figure(read_task_file(path).task_set, "ms", exact(12))

@@ -162,8 +162,9 @@ def test_resource_protocols_give_the_book_s_charts(
 
 def herschel() -> list[ResponseTimeBound]:
     tasks = [
-        Task(name, row[0], row[1], len(HERSCHEL) - rank, row[2], blocking=row[3])
+        Task(name, period, wcet, len(HERSCHEL) - rank, deadline, blocking=blocking)
         for rank, (name, row) in enumerate(HERSCHEL)
+        for period, wcet, deadline, blocking in [[value or 0 for value in row[:4]]]
     ]
     return list(response_time_bounds(TaskSet(tuple(tasks))))
 

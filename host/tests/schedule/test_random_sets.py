@@ -40,6 +40,7 @@ from ravenbrick.schedule.simulation import simulate
 
 SEEDS = range(60)
 ABOVE = Fraction(1_000_001, 1_000_000)
+EIGHTH = Fraction(1, 8)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -94,8 +95,8 @@ def test_earliest_deadline_bound_is_reached_by_some_phases(seed: int) -> None:
     """For two tasks, trying all phases of one finds the bound of both, exactly."""
     task_set = TaskSet(random_task_set(seed).tasks[:2])
     first, second = task_set
-    worst = {first.name: 0, second.name: 0}
-    for shift in range(-second.period, first.period):
+    worst: dict[str, Time] = {first.name: 0, second.name: 0}
+    for shift in range(-int(second.period), int(first.period)):
         phased = TaskSet(
             (replace(first, phase=max(0, -shift)), replace(second, phase=max(0, shift)))
         )
@@ -196,7 +197,11 @@ def scaled(task_set: TaskSet, factor: Time, name: str = "") -> TaskSet:
 def test_largest_scaling_is_the_border_of_schedulability(seed: int) -> None:
     """Deadlines hold at the factor and one is missed just above it, overheads included."""
     dice = random.Random(seed)
-    costs = Overheads() if seed % 2 else Overheads(0.125, 0.125, masked_section=0.5)
+    costs = (
+        Overheads()
+        if seed % 2
+        else Overheads(Fraction(1, 8), Fraction(1, 8), masked_section=Fraction(1, 2))
+    )
     task_set = with_sections(random_task_set(seed, longest=dice.choice((1.0, 2.0))), seed)
     factor = largest_scaling(task_set, costs).factor
     if not factor:
@@ -243,12 +248,12 @@ def test_ceiling_blocking_is_never_longer_than_inheritance_blocking(seed: int) -
         assert longest_blocking(task_set, task).time <= inheritance_blocking(task_set, task)
 
 
-def reactions(task_set: TaskSet, chain: list[str], end: int, seed: int) -> list[int]:
+def reactions(task_set: TaskSet, chain: list[str], end: int, seed: int) -> list[Time]:
     """Delays from a change at the input to the end of the job that first carries it out."""
     run = simulate(task_set, end, releases=random_releases(seed))
     delays = []
     for change in range(0, end // 2, 3):
-        instant = change
+        instant: Time = change
         for name in chain:
             jobs = [j for j in run.jobs_of(name) if j.start is not None and j.start >= instant]
             if not jobs or jobs[0].completion is None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
@@ -203,10 +204,10 @@ def test_report_says_which_task_to_shorten_and_by_how_much(tmp_path: Path) -> No
         (lambda: TaskSet.of((1, 2)).task("x"), "there are: t1"),
     ],
 )
-def test_model_refuses_what_means_nothing(make: object, words: str) -> None:
+def test_model_refuses_what_means_nothing(make: Callable[[], object], words: str) -> None:
     """In Python the same mistakes raise `TaskSetError` with a sentence."""
     with pytest.raises(TaskSetError, match=words):
-        make()  # type: ignore[operator]
+        make()
 
 
 def test_interrupts_stay_above_tasks_whatever_the_rule(tmp_path: Path) -> None:

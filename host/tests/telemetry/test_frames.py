@@ -32,7 +32,7 @@ def test_contents_survive_any_chunks(seed: int) -> None:
     contents = [rng.randbytes(rng.randint(1, LONGEST_CONTENT)) for _ in range(50)]
     line = b"".join(map(frame, contents))
     reader = FrameReader()
-    found = []
+    found: list[bytes] = []
     while line:
         size = rng.randint(1, 40)
         found += reader.feed(line[:size])

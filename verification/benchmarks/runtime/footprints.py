@@ -88,6 +88,7 @@ def _control_block(elf: Path) -> int:
         image = ELFFile(file)
         (symbol,) = image.get_section_by_name(".symtab").get_symbol_by_name(LAYOUT)
         text = image.get_section_by_name(".text")
+        assert text is not None
         offset = symbol["st_value"] - text["sh_addr"]
         _, size = struct.unpack_from("<II", text.data(), offset)
     return int(size)

@@ -176,7 +176,8 @@ class _Check:
         kinds = {
             one.name: self._names.c_type(one) for r in self._ports for one, _ in self._ports[r]
         }
-        sets, gets = [], []
+        sets: list[str] = []
+        gets: list[str] = []
         for role, lines in (("inputs", sets), ("outputs", gets)):
             for k, (one, path) in enumerate(self._ports[role]):
                 index = f" ({int(path.partition('[')[2][:-1]) + 1})" if "[" in path else ""
