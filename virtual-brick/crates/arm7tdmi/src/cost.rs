@@ -6,7 +6,6 @@
 use crate::instruction::{
     BlockTransfer, DataProcessing, Instruction, Multiply, MultiplyKind, Operand, Operation,
 };
-use crate::multiply::internal_cycles;
 use crate::timing::TimingProfile;
 
 /// Data cycles of one direction.
@@ -102,9 +101,38 @@ impl BusCycles {
 }
 
 impl MultiplyKind {
-    /// Internal cycles with this value in the multiplier register.
+    /// Internal cycles with this value in the multiplier register: the array's, one more for a
+    /// long product, one more to accumulate.
+    #[inline(always)]
     pub const fn internal_cycles(self, multiplier: u32) -> u32 {
-        internal_cycles(self, multiplier)
+        let array = if self.signed {
+            signed_cycles(multiplier)
+        } else {
+            unsigned_cycles(multiplier)
+        };
+        array + self.long as u32 + self.accumulate as u32
+    }
+}
+
+/// Cycles of the multiplier array, which takes 8 bits per cycle, when leading ones end it early as leading zeros do.
+#[inline]
+pub(crate) const fn signed_cycles(multiplier: u32) -> u32 {
+    let leading = if multiplier >> 31 == 0 {
+        multiplier
+    } else {
+        !multiplier
+    };
+    unsigned_cycles(leading)
+}
+
+/// Cycles of the array when only leading zeros end it early.
+#[inline]
+pub(crate) const fn unsigned_cycles(multiplier: u32) -> u32 {
+    match multiplier {
+        0..=0xFF => 1,
+        0x100..=0xFFFF => 2,
+        0x1_0000..=0xFF_FFFF => 3,
+        _ => 4,
     }
 }
 
@@ -148,8 +176,8 @@ const fn multiply(product: &Multiply) -> BusCycles {
     let low = matches!(product.low, Some(15)) as u32;
     BusCycles {
         refills: (product.destination == 15) as u32 + low,
-        internal_min: internal_cycles(product.kind, 0),
-        internal_max: internal_cycles(product.kind, 0x5555_5555),
+        internal_min: product.kind.internal_cycles(0),
+        internal_max: product.kind.internal_cycles(0x5555_5555),
         ..BusCycles::SKIPPED
     }
 }
@@ -160,5 +188,27 @@ const fn block_transfer(block: &BlockTransfer) -> BusCycles {
         BusCycles::load(data, block.list >> 15 & 1 != 0)
     } else {
         BusCycles::store(data)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn array_cycles_grow_with_each_significant_byte() {
+        for (multiplier, cycles) in [(0, 1), (0xFF, 1), (0x100, 2), (0xFFFF, 2), (0x1_0000, 3)] {
+            assert_eq!(unsigned_cycles(multiplier), cycles);
+            assert_eq!(signed_cycles(multiplier), cycles);
+            assert_eq!(signed_cycles(!multiplier), cycles);
+        }
+        assert_eq!(unsigned_cycles(0x0100_0000), 4);
+        assert_eq!(signed_cycles(0x7FFF_FFFF), 4);
+    }
+
+    #[test]
+    fn leading_ones_end_only_signed_multiplications_early() {
+        assert_eq!(signed_cycles(0xFFFF_FF00), 1);
+        assert_eq!(unsigned_cycles(0xFFFF_FF00), 4);
     }
 }

@@ -6,8 +6,6 @@
 //! of its ARM equivalent (DDI 0029E, chapter 5). Costs are in [`crate::cost`].
 
 use crate::bus::Width;
-use crate::decode_arm::arm_operation;
-use crate::decode_thumb::{condition, thumb_operation};
 
 /// Condition code that always passes.
 pub const ALWAYS: u32 = 14;
@@ -244,6 +242,18 @@ impl Operand {
         Self::Constant { value, carry: None }
     }
 
+    /// The register, if it is one without a shift.
+    pub const fn plain_register(&self) -> Option<u32> {
+        match *self {
+            Self::Shifted {
+                register,
+                kind: 0,
+                amount: 0,
+            } => Some(register),
+            _ => None,
+        }
+    }
+
     /// Does it depend on this register?
     pub const fn reads(&self, wanted: u32) -> bool {
         match *self {
@@ -356,25 +366,6 @@ pub struct BlockTransfer {
 }
 
 impl Instruction {
-    /// Decodes an ARM opcode. Every encoding has a meaning, if only `Undefined`.
-    pub fn arm(opcode: u32) -> Self {
-        Self {
-            condition: opcode >> 28,
-            size: 4,
-            operation: arm_operation(opcode),
-        }
-    }
-
-    /// Decodes a Thumb opcode.
-    pub fn thumb(opcode: u16) -> Self {
-        let opcode = u32::from(opcode);
-        Self {
-            condition: condition(opcode),
-            size: 2,
-            operation: thumb_operation(opcode),
-        }
-    }
-
     /// Does it write N, Z, C or V when its condition passes?
     pub const fn sets_flags(&self) -> bool {
         match &self.operation {

@@ -13,35 +13,28 @@
 //! [`Cpu`] is plain data: it can be cloned, compared and inspected at any instruction boundary.
 
 pub mod alu;
-mod arm;
-mod arm_transfer;
-mod block_transfer;
 mod blocks;
 pub mod bus;
+mod condition;
 pub mod cost;
 mod cpu;
-mod decode_arm;
-mod decode_thumb;
-mod exceptions;
-mod format;
+mod decode;
+mod exception;
+mod execute;
 pub mod instruction;
-mod multiply;
 mod pipeline;
 mod registers;
-mod status;
-mod thumb;
-mod thumb_transfer;
 mod timing;
 
 pub use blocks::{
-    BlockBus, Blocks, BlocksRun, BusAccess, CodePlace, Native, NativeAnswer, NativeBlock,
-    NativeExit, NativeInstruction, NativeJump, NativeMemory, NativeReach, NativeRegion,
-    NativeState, PlainRead, PlainWords, BRANCHED, NOWHERE,
+    BlockBus, Blocks, BlocksRun, BusAccess, CodeExit, CodePlace, CodeWindow, CompileAnswer,
+    GuestState, Jit, KnownTarget, PlainRead, PlainWords, RamView, Region, RegionBlock,
+    RegionInstruction, EXIT_BY_BRANCH, NO_ADDRESS,
 };
 pub use bus::{Abort, Bus, Cycle, Width};
+pub use condition::condition_passes;
 pub use cpu::{Cpu, Step};
-pub use exceptions::Exception;
+pub use exception::Exception;
 pub use instruction::Instruction;
 pub use registers::{psr, Mode};
-pub use status::condition_passes;
 pub use timing::TimingProfile;

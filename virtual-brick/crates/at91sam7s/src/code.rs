@@ -3,7 +3,7 @@
 //! The chip as the bus of decoded blocks: code in SRAM and flash, plain accesses to them.
 
 use arm7tdmi::bus::Width;
-use arm7tdmi::{BlockBus, BusAccess, CodePlace, NativeMemory, PlainRead, PlainWords};
+use arm7tdmi::{BlockBus, BusAccess, CodePlace, RamView, PlainRead, PlainWords};
 
 use crate::board::{Board, Cycles};
 use crate::bus::{lane, misaligned, PERIPHERALS, SRAM_WINDOW};
@@ -65,12 +65,12 @@ impl<B: Board> BlockBus for Chip<B> {
         if self.is_sram(address) {
             Some(CodePlace {
                 halfword: address / 2 % SRAM_HALFWORDS,
-                region: SRAM,
+                memory: SRAM,
             })
         } else if Self::is_flash(address) {
             Some(CodePlace {
                 halfword: SRAM_HALFWORDS + address / 2 % FLASH_HALFWORDS,
-                region: FLASH,
+                memory: FLASH,
             })
         } else {
             None
@@ -88,11 +88,11 @@ impl<B: Board> BlockBus for Chip<B> {
 
     /// What happens at a vector that was never set is looked at step by step.
     #[inline(always)]
-    fn enters(&self, address: u32) -> bool {
+    fn can_enter(&self, address: u32) -> bool {
         address >= VECTORS_END || !UNSET.contains(&self.code_word(address & !3))
     }
 
-    fn looks_at(&self, address: u32) -> bool {
+    fn observes_arrival(&self, address: u32) -> bool {
         self.looked_at.contains(&address)
     }
 
@@ -220,7 +220,7 @@ impl<B: Board> BlockBus for Chip<B> {
         write: bool,
         after_cycles: u32,
     ) -> BusAccess {
-        let calm = if misaligned(address, width) {
+        let keeps_memory = if misaligned(address, width) {
             return BusAccess::Refused;
         } else if self.is_sram(address) {
             if self.sram.is_code(address) {
@@ -234,15 +234,15 @@ impl<B: Board> BlockBus for Chip<B> {
         };
         let ends = Cycles::from(after_cycles) + self.configuration.timing.apb_cycles + 1;
         let uneventful = self.now + ends * self.ratio < self.schedule.earliest();
-        if calm && uneventful && !self.memory_is_written_besides() {
-            BusAccess::Calm
+        if keeps_memory && uneventful && !self.memory_is_written_besides() {
+            BusAccess::KeepsMemory
         } else {
-            BusAccess::Unsettling
+            BusAccess::ChangesMemory
         }
     }
 
-    fn code_reach(&self, region: u8) -> (u32, u32) {
-        if region == SRAM {
+    fn code_window(&self, memory: u8) -> (u32, u32) {
+        if memory == SRAM {
             (0, SRAM_HALFWORDS - 1)
         } else {
             (SRAM_HALFWORDS, FLASH_HALFWORDS - 1)
@@ -250,16 +250,16 @@ impl<B: Board> BlockBus for Chip<B> {
     }
 
     #[inline]
-    fn native_memory(&mut self) -> Option<NativeMemory<'_>> {
+    fn ram_view(&mut self) -> Option<RamView<'_>> {
         let (words, marks) = self.sram.all();
-        Some(NativeMemory {
+        Some(RamView {
             address: SRAM_WINDOW << WINDOW_BITS,
             words,
             marks,
         })
     }
 
-    fn attention(&self) -> bool {
+    fn needs_attention(&self) -> bool {
         self.stopped
             || self.reset.is_some()
             || self.fault.is_some()
@@ -268,7 +268,7 @@ impl<B: Board> BlockBus for Chip<B> {
     }
 
     #[inline]
-    fn quiet_cycles(&self, limit: Cycles, irq: bool, fiq: bool) -> u32 {
+    fn cycles_until_event(&self, limit: Cycles, irq: bool, fiq: bool) -> u32 {
         let mut horizon = self.schedule.earliest().min(limit);
         if irq {
             horizon = horizon.min(self.aic.irq_seen_at());

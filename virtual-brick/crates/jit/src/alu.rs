@@ -6,8 +6,8 @@ use arm7tdmi::instruction::{AluOperation, DataProcessing, Operand};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{types, InstBuilder, Value};
 
-use crate::flags::Flag;
-use crate::function::{Field, Function};
+use crate::flags::{Field, Flag};
+use crate::function::Function;
 
 /// A result with what it makes of C and V.
 enum Outcome {
@@ -30,9 +30,9 @@ impl Outcome {
     }
 }
 
-/// An operation whose result can be computed and thrown away: it takes no cycles of its own and
-/// sets no flags.
-pub(crate) const fn is_free(processing: &DataProcessing, flags: bool) -> bool {
+/// The result of the operation can be computed and dropped: it takes no cycles of its own and sets
+/// no flags.
+pub(crate) const fn is_pure(processing: &DataProcessing, flags: bool) -> bool {
     !flags && !matches!(processing.second, Operand::ShiftedByRegister { .. })
 }
 
@@ -60,7 +60,7 @@ impl Function<'_> {
     }
 
     fn outcome(&mut self, operation: AluOperation, a: Value, b: Value) -> Outcome {
-        let ins = self.builder.ins();
+        let ins = self.ins();
         match operation {
             AluOperation::And | AluOperation::Tst => Outcome::Logical(ins.band(a, b)),
             AluOperation::Eor | AluOperation::Teq => Outcome::Logical(ins.bxor(a, b)),
@@ -85,10 +85,10 @@ impl Function<'_> {
 
     fn add_with_carry(&mut self, a: Value, b: Value) -> Outcome {
         let carry = self.carry();
-        let wide = [a, b, carry].map(|value| self.builder.ins().uextend(types::I64, value));
-        let sum = self.builder.ins().iadd(wide[0], wide[1]);
-        let sum = self.builder.ins().iadd(sum, wide[2]);
-        let result = self.builder.ins().ireduce(types::I32, sum);
+        let wide = [a, b, carry].map(|value| self.ins().uextend(types::I64, value));
+        let sum = self.ins().iadd(wide[0], wide[1]);
+        let sum = self.ins().iadd(sum, wide[2]);
+        let result = self.ins().ireduce(types::I32, sum);
         Outcome::WithCarry(a, b, result, sum)
     }
 
@@ -104,8 +104,8 @@ impl Function<'_> {
             Outcome::Difference(a, b, result) => self.known.flags.set_difference(a, b, result),
             Outcome::WithCarry(a, b, result, sum) => {
                 self.known.flags.set_nz(result);
-                let carry = self.builder.ins().ushr_imm(sum, 32);
-                let carry = self.builder.ins().ireduce(types::I32, carry);
+                let carry = self.ins().ushr_imm(sum, 32);
+                let carry = self.ins().ireduce(types::I32, carry);
                 self.known.flags.set(Field::Carry, Flag::Value(carry));
                 let overflow = Flag::AdditionOverflow(a, b, result);
                 self.known.flags.set(Field::Overflow, overflow);
@@ -113,7 +113,7 @@ impl Function<'_> {
         }
     }
 
-    /// An operation that is free, whose result is kept only if the condition holds.
+    /// A pure operation, whose result is kept only if the condition holds.
     pub fn data_processing_if(&mut self, processing: &DataProcessing, condition: u32) {
         if processing.operation.compares() {
             return;
@@ -122,12 +122,12 @@ impl Function<'_> {
         let old = self.get(processing.destination);
         self.data_processing(processing, false);
         let new = self.get(processing.destination);
-        let kept = self.builder.ins().select(holds, new, old);
+        let kept = self.ins().select(holds, new, old);
         self.set(processing.destination, kept);
     }
 
-    /// Value is not zero, as a condition.
+    /// Do two values differ?
     pub fn differs(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().icmp(IntCC::NotEqual, a, b)
+        self.ins().icmp(IntCC::NotEqual, a, b)
     }
 }

@@ -1,53 +1,32 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The function of a region while it is made: where registers, flags and cycles are.
+//! The function of a region while it is compiled: where registers, flags and cycles are.
 
 use std::mem::offset_of;
 
-use arm7tdmi::{NativeState, NOWHERE};
-use cranelift_codegen::ir::{types, AliasRegion, Block, BlockArg, InstBuilder, MemFlags, Value};
-use cranelift_frontend::FunctionBuilder;
+use arm7tdmi::{CodeWindow, GuestState, NO_ADDRESS};
+use cranelift_codegen::ir::{
+    types, AliasRegion, Block, BlockArg, InstBuilder, MemFlags, SigRef, Value,
+};
+use cranelift_frontend::{FuncInstBuilder, FunctionBuilder};
 
-use crate::flags::Flags;
-use crate::reach::Reach;
-use crate::table::{AfterStore, Exit};
-
-/// A flag's place in the state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Field {
-    Negative,
-    Zero,
-    Carry,
-    Overflow,
-}
-
-impl Field {
-    const fn offset(self) -> i32 {
-        let offset = match self {
-            Self::Negative => offset_of!(NativeState, negative),
-            Self::Zero => offset_of!(NativeState, zero),
-            Self::Carry => offset_of!(NativeState, carry),
-            Self::Overflow => offset_of!(NativeState, overflow),
-        };
-        offset as i32
-    }
-}
+use crate::access_range::AccessRange;
+use crate::entry_table::{AfterStore, Exit};
+use crate::flags::{Field, Flag, Flags};
 
 /// Offset of the cycles left in the state.
-pub(crate) const fn offset_of_left() -> i32 {
-    offset_of!(NativeState, left) as i32
-}
+pub(crate) const CYCLES_LEFT_OFFSET: i32 = offset_of!(GuestState, cycles_left) as i32;
 
 const fn offset_of_register(register: u32) -> i32 {
-    (offset_of!(NativeState, registers) + 4 * (register as usize & 15)) as i32
+    (offset_of!(GuestState, registers) + 4 * (register as usize & 15)) as i32
 }
 
-/// Accesses to the state.
+/// Flags of accesses to the state.
 fn of_state() -> MemFlags {
     MemFlags::trusted().with_alias_region(Some(AliasRegion::Vmctx))
 }
 
-/// What the whole function has from its beginning.
+/// The function's arguments that it needs throughout.
 #[derive(Clone, Copy)]
 pub(crate) struct Arguments {
     pub state: Value,
@@ -55,7 +34,24 @@ pub(crate) struct Arguments {
     pub marks: Value,
 }
 
-/// The instruction that is made into code.
+/// RAM as the code knows it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ram {
+    pub address: u32,
+    pub bytes: u32,
+    pub cycles: u32,
+}
+
+/// The table of entries, through which code of other regions is reached.
+#[derive(Clone, Copy)]
+pub(crate) struct EntryTable {
+    pub address: usize,
+    /// Signature of the code.
+    pub signature: SigRef,
+    pub window: CodeWindow,
+}
+
+/// The instruction in hand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Position {
     /// Number of the block, and its key.
@@ -65,26 +61,26 @@ pub(crate) struct Position {
     pub address: u32,
 }
 
-/// Bytes around a base that are in RAM.
+/// Bytes around a base that were found to be in RAM.
 #[derive(Clone, Copy)]
-pub(crate) struct Checked {
+pub(crate) struct CheckedRange {
     pub base: Value,
-    pub reach: Reach,
-    /// Offset of the first in RAM, its address in the host's memory, and that of its mark if it was
-    /// asked for.
+    pub range: AccessRange,
+    /// Offset of the first in RAM, its address in the host's memory, and the address of its mark if
+    /// that is known.
     pub offset: Value,
     pub start: Value,
     pub mark: Option<Value>,
 }
 
-/// What is known where code is made.
+/// What is known at this place of the code.
 #[derive(Clone, Copy)]
 pub(crate) struct Known {
     /// Values of the registers that were read or written.
     pub registers: [Option<Value>; 16],
-    /// Registers that the state does not have.
+    /// Registers whose value is not in the state, one bit each.
     pub dirty: u16,
-    /// Registers that were written.
+    /// Registers that were written, one bit each.
     written: u16,
     pub flags: Flags,
     /// Cycles left, but for those of fetches in this block and those pending.
@@ -92,23 +88,25 @@ pub(crate) struct Known {
     /// Cycles besides fetches that were not yet taken from those left.
     pub pending: u32,
     pub after_store: AfterStore,
-    /// The last ones.
-    pub checked: [Option<Checked>; 4],
+    /// The last ranges.
+    pub ranges: [Option<CheckedRange>; 4],
 }
 
-/// A function while it is made.
+/// A function while it is compiled.
 pub(crate) struct Function<'a> {
     pub builder: FunctionBuilder<'a>,
     pub arguments: Arguments,
+    pub table: EntryTable,
+    pub ram: Ram,
     pub known: Known,
     pub position: Position,
-    /// Nothing comes behind what was made.
+    /// The code so far ends with a jump.
     pub ended: bool,
     exits: &'a mut Vec<Exit>,
     /// Returns to the caller, with cycles left and the exit's number.
-    back: Block,
-    /// Ways there that store flags first.
-    through: Vec<(Flags, Block)>,
+    exit_block: Block,
+    /// Blocks that store flags first and then return.
+    flag_exits: Vec<(Flags, Block)>,
 }
 
 impl Known {
@@ -121,8 +119,8 @@ impl Known {
             flags: Flags::IN_STATE,
             left,
             pending: 0,
-            after_store: AfterStore::Not,
-            checked: [None; 4],
+            after_store: AfterStore::No,
+            ranges: [None; 4],
         }
     }
 }
@@ -131,13 +129,16 @@ impl<'a> Function<'a> {
     pub fn new(
         mut builder: FunctionBuilder<'a>,
         arguments: Arguments,
+        (table, ram): (EntryTable, Ram),
         left: Value,
         exits: &'a mut Vec<Exit>,
     ) -> Self {
-        let back = way_back(&mut builder);
+        let exit_block = new_exit_block(&mut builder);
         Self {
             builder,
             arguments,
+            table,
+            ram,
             known: Known::at_start(left),
             position: Position {
                 block: 0,
@@ -147,8 +148,8 @@ impl<'a> Function<'a> {
             },
             ended: false,
             exits,
-            back,
-            through: Vec::new(),
+            exit_block,
+            flag_exits: Vec::new(),
         }
     }
 
@@ -158,25 +159,26 @@ impl<'a> Function<'a> {
         self.known = Known::at_start(left);
     }
 
+    pub fn ins(&mut self) -> FuncInstBuilder<'_, 'a> {
+        self.builder.ins()
+    }
+
     pub fn constant(&mut self, value: u32) -> Value {
-        self.builder.ins().iconst(types::I32, i64::from(value))
+        self.ins().iconst(types::I32, i64::from(value))
     }
 
     pub fn load_field(&mut self, field: Field) -> Value {
         let state = self.arguments.state;
-        self.builder
-            .ins()
+        self.ins()
             .load(types::I32, of_state(), state, field.offset())
     }
 
     fn load_register(&mut self, register: u32) -> Value {
         let (state, offset) = (self.arguments.state, offset_of_register(register));
-        self.builder
-            .ins()
-            .load(types::I32, of_state(), state, offset)
+        self.ins().load(types::I32, of_state(), state, offset)
     }
 
-    /// Value of a register without taking note of it.
+    /// Value of a register; a loaded one is not kept.
     pub fn peek(&mut self, register: u32) -> Value {
         match self.known.registers[register as usize & 15] {
             Some(value) => value,
@@ -196,47 +198,48 @@ impl<'a> Function<'a> {
         self.known.written |= 1 << (register & 15);
     }
 
-    /// The state has all registers.
-    pub fn clean_registers(&mut self) {
+    /// Stores the registers whose value is not in the state.
+    pub fn store_registers(&mut self) {
         let state = self.arguments.state;
         for register in 0..16 {
             let value = self.known.registers[register as usize];
             if let (true, Some(value)) = (self.known.dirty >> register & 1 != 0, value) {
                 let offset = offset_of_register(register);
-                self.builder.ins().store(of_state(), value, state, offset);
+                self.ins().store(of_state(), value, state, offset);
             }
         }
         self.known.dirty = 0;
     }
 
-    /// Stores the flags that the state does not have, on one of several ways on from here.
+    /// Stores the flags that are not in the state, on one of several paths from here.
     pub fn store_flags(&mut self) {
         let (state, flags) = (self.arguments.state, self.known.flags);
         for (field, flag) in flags.each() {
             if flags.dirty >> field as u8 & 1 != 0 {
                 let value = self.flag(field, flag);
                 let offset = field.offset();
-                self.builder.ins().store(of_state(), value, state, offset);
+                self.ins().store(of_state(), value, state, offset);
             }
         }
     }
 
-    /// The state is up to date.
-    pub fn clean(&mut self) {
-        self.clean_registers();
+    /// Stores registers and flags.
+    pub fn store_all(&mut self) {
+        self.store_registers();
         self.store_flags();
         self.known.flags.dirty = 0;
     }
 
-    pub fn tell_after_store(&mut self, address: u32) {
+    pub fn store_after_store(&mut self, address: u32) {
         let (state, value) = (self.arguments.state, self.constant(address));
-        let offset = offset_of!(NativeState, after_store) as i32;
-        self.builder.ins().store(of_state(), value, state, offset);
+        let offset = offset_of!(GuestState, after_store) as i32;
+        self.ins().store(of_state(), value, state, offset);
     }
 
     /// So many cycles less are left, from here on.
     pub fn pass(&mut self, cycles: Value) {
-        self.known.left = self.builder.ins().isub(self.known.left, cycles);
+        let left = self.known.left;
+        self.known.left = self.ins().isub(left, cycles);
     }
 
     /// What is left after the pending cycles and some more.
@@ -245,58 +248,58 @@ impl<'a> Function<'a> {
         if cycles == 0 {
             return self.known.left;
         }
-        let cycles = self.constant(cycles);
-        self.builder.ins().isub(self.known.left, cycles)
+        let (left, cycles) = (self.known.left, self.constant(cycles));
+        self.ins().isub(left, cycles)
     }
 
     /// Returns to the caller with cycles left, from which the exit's are still to be taken.
-    pub fn leave_with(&mut self, left: Value, exit: Exit) {
-        self.leave_through(self.back, left, exit);
+    pub fn exit_with(&mut self, left: Value, exit: Exit) {
+        self.exit_through(self.exit_block, left, exit);
     }
 
-    fn leave_through(&mut self, way: Block, left: Value, exit: Exit) {
+    fn exit_through(&mut self, block: Block, left: Value, exit: Exit) {
         let number = self.exits.len() as u32;
         self.exits.push(exit);
         let number = self.constant(number);
-        self.builder.ins().jump(way, &[left.into(), number.into()]);
+        self.ins().jump(block, &[left.into(), number.into()]);
         self.ended = true;
     }
 
-    /// The way back to the caller that stores the flags as they are known here.
-    fn back_through(&mut self) -> Block {
+    /// The block that stores the flags as they are known here and returns.
+    fn exit_block_for_flags(&mut self) -> Block {
         let flags = self.known.flags;
         if flags.dirty == 0 {
-            return self.back;
+            return self.exit_block;
         }
-        if let Some(known) = self.through.iter().find(|known| known.0 == flags) {
+        if let Some(known) = self.flag_exits.iter().find(|known| known.0 == flags) {
             return known.1;
         }
-        let way = way_back(&mut self.builder);
-        self.through.push((flags, way));
-        way
+        let block = new_exit_block(&mut self.builder);
+        self.flag_exits.push((flags, block));
+        block
     }
 
-    /// The ways back to the caller.
+    /// Completes the function with the blocks that return.
     pub fn finish(mut self) {
-        let back = self.back;
-        for (flags, way) in std::mem::take(&mut self.through) {
-            self.builder.switch_to_block(way);
+        let exit_block = self.exit_block;
+        for (flags, block) in std::mem::take(&mut self.flag_exits) {
+            self.builder.switch_to_block(block);
             self.known.flags = flags;
             self.store_flags();
-            let results = self.builder.block_params(way);
+            let results = self.builder.block_params(block);
             let results: Vec<BlockArg> = results.iter().map(|&result| result.into()).collect();
-            self.builder.ins().jump(back, &results);
+            self.ins().jump(exit_block, &results);
         }
-        self.builder.switch_to_block(back);
-        let results = self.builder.block_params(back).to_vec();
-        self.builder.ins().return_(&results);
+        self.builder.switch_to_block(exit_block);
+        let results = self.builder.block_params(exit_block).to_vec();
+        self.ins().return_(&results);
         self.builder.seal_all_blocks();
         self.builder.finalize();
     }
 
-    /// Leaves the code before the instruction. The state has all registers.
-    fn leave_here(&mut self) {
-        let way = self.back_through();
+    /// Takes a side exit in front of the instruction; the registers are stored.
+    fn exit_here(&mut self) {
+        let block = self.exit_block_for_flags();
         let exit = Exit {
             block: self.position.block,
             operation: self.position.operation,
@@ -304,43 +307,43 @@ impl<'a> Function<'a> {
             pending_cycles: self.known.pending,
             after_store: self.known.after_store,
         };
-        self.leave_through(way, self.known.left, exit);
+        self.exit_through(block, self.known.left, exit);
     }
 
-    /// Leaves the code before the instruction.
-    pub fn leave(&mut self) {
-        self.clean_registers();
-        self.leave_here();
+    /// Takes a side exit in front of the instruction.
+    pub fn exit(&mut self) {
+        self.store_registers();
+        self.exit_here();
     }
 
-    /// Leaves the code before the instruction if a value is not zero.
-    pub fn leave_if(&mut self, condition: Value) {
-        self.clean_registers();
-        let leave = self.builder.create_block();
-        let on = self.builder.create_block();
-        self.builder.ins().brif(condition, leave, &[], on, &[]);
-        self.builder.set_cold_block(leave);
-        self.builder.switch_to_block(leave);
-        self.leave_here();
-        self.builder.switch_to_block(on);
+    /// Takes a side exit in front of the instruction if a value is not zero.
+    pub fn exit_if(&mut self, condition: Value) {
+        self.store_registers();
+        let exit = self.builder.create_block();
+        let next = self.builder.create_block();
+        self.ins().brif(condition, exit, &[], next, &[]);
+        self.builder.set_cold_block(exit);
+        self.builder.switch_to_block(exit);
+        self.exit_here();
+        self.builder.switch_to_block(next);
         self.ended = false;
     }
 
-    /// What comes next runs only if the condition holds.
-    pub fn begin_if(&mut self, condition: u32) -> Passed {
+    /// The code up to [`Function::end_if`] runs only if the condition holds.
+    pub fn begin_if(&mut self, condition: u32) -> Skipped {
         let holds = self.condition(condition);
         let then = self.builder.create_block();
         let skip = self.builder.create_block();
-        self.builder.ins().brif(holds, then, &[], skip, &[]);
+        self.ins().brif(holds, then, &[], skip, &[]);
         self.builder.switch_to_block(then);
         let known = self.known;
         self.known.written = 0;
-        Passed { skip, known }
+        Skipped { skip, known }
     }
 
-    /// What comes next runs in any case.
-    pub fn end_if(&mut self, passed: Passed) {
-        let Passed { skip, known } = passed;
+    /// The code from here on runs in any case.
+    pub fn end_if(&mut self, skipped: Skipped) {
+        let Skipped { skip, known } = skipped;
         if self.ended {
             self.builder.switch_to_block(skip);
             self.known = known;
@@ -350,27 +353,27 @@ impl<'a> Function<'a> {
         let changes = self.changes_since(&known);
         let stored = self.known.after_store != known.after_store;
         if let (true, AfterStore::At(address)) = (stored, self.known.after_store) {
-            self.tell_after_store(address);
+            self.store_after_store(address);
         }
         let join = self.builder.create_block();
         let arguments = self.values(&changes);
-        self.builder.ins().jump(join, &arguments);
+        self.ins().jump(join, &arguments);
         let (dirty, flags_dirty) = (self.known.dirty, self.known.flags.dirty);
         let written = self.known.written;
         self.known = known;
         self.builder.switch_to_block(skip);
         if stored {
-            self.tell_after_store(NOWHERE);
+            self.store_after_store(NO_ADDRESS);
         }
         let arguments = self.values(&changes);
-        self.builder.ins().jump(join, &arguments);
+        self.ins().jump(join, &arguments);
         self.builder.switch_to_block(join);
         self.take(&changes, join);
         self.known.dirty |= dirty;
         self.known.flags.dirty |= flags_dirty;
         self.known.written |= written;
         if stored {
-            self.known.after_store = AfterStore::Told;
+            self.known.after_store = AfterStore::InState;
         }
     }
 
@@ -391,7 +394,7 @@ impl<'a> Function<'a> {
         }
     }
 
-    /// Values of what changes, as they are here.
+    /// The values here of what changes.
     fn values(&mut self, changes: &Changes) -> Vec<BlockArg> {
         let mut values = Vec::new();
         for &register in &changes.registers {
@@ -407,7 +410,7 @@ impl<'a> Function<'a> {
         values
     }
 
-    /// What changed on one of two ways is a parameter of the block where they meet.
+    /// A value that changed on one of two paths is a parameter of the block where they meet.
     fn take(&mut self, changes: &Changes, join: Block) {
         for &register in &changes.registers {
             let value = self.builder.append_block_param(join, types::I32);
@@ -415,9 +418,7 @@ impl<'a> Function<'a> {
         }
         for &field in &changes.fields {
             let value = self.builder.append_block_param(join, types::I32);
-            self.known
-                .flags
-                .set(field, crate::flags::Flag::Value(value));
+            self.known.flags.set(field, Flag::Value(value));
         }
         if changes.left {
             self.known.left = self.builder.append_block_param(join, types::I32);
@@ -426,8 +427,8 @@ impl<'a> Function<'a> {
     }
 }
 
-/// Takes cycles left and the number of an exit.
-fn way_back(builder: &mut FunctionBuilder<'_>) -> Block {
+/// A block that receives the cycles left and the number of an exit.
+fn new_exit_block(builder: &mut FunctionBuilder<'_>) -> Block {
     let block = builder.create_block();
     builder.append_block_param(block, types::I32);
     builder.append_block_param(block, types::I32);
@@ -435,13 +436,13 @@ fn way_back(builder: &mut FunctionBuilder<'_>) -> Block {
     block
 }
 
-/// What is known where an instruction under a condition is passed over.
-pub(crate) struct Passed {
+/// What is known where a conditional instruction is skipped.
+pub(crate) struct Skipped {
     skip: Block,
     known: Known,
 }
 
-/// What an instruction under a condition changes.
+/// What a conditional instruction changes.
 struct Changes {
     registers: Vec<u32>,
     fields: Vec<Field>,

@@ -5,8 +5,8 @@
 use arm7tdmi::instruction::Multiply;
 use cranelift_codegen::ir::{types, InstBuilder, Value};
 
-use crate::flags::Flag;
-use crate::function::{Field, Function};
+use crate::flags::{Field, Flag};
+use crate::function::Function;
 
 impl Function<'_> {
     /// A multiplication of registers other than r15.
@@ -20,10 +20,10 @@ impl Function<'_> {
                 self.multiply_long(product, low, (multiplicand, multiplier), flags);
             }
             _ => {
-                let mut result = self.builder.ins().imul(multiplicand, multiplier);
+                let mut result = self.ins().imul(multiplicand, multiplier);
                 if product.kind.accumulate {
                     let addend = self.get(product.addend.unwrap_or(0));
-                    result = self.builder.ins().iadd(result, addend);
+                    result = self.ins().iadd(result, addend);
                 }
                 if flags {
                     self.known.flags.set_nz(result);
@@ -42,26 +42,26 @@ impl Function<'_> {
     ) {
         let widen = |function: &mut Self, value: Value| {
             if product.kind.signed {
-                function.builder.ins().sextend(types::I64, value)
+                function.ins().sextend(types::I64, value)
             } else {
-                function.builder.ins().uextend(types::I64, value)
+                function.ins().uextend(types::I64, value)
             }
         };
         let (a, b) = (widen(self, multiplicand), widen(self, multiplier));
-        let mut result = self.builder.ins().imul(a, b);
+        let mut result = self.ins().imul(a, b);
         if product.kind.accumulate {
             let (high, low) = (self.get(product.destination), self.get(low));
-            let high = self.builder.ins().uextend(types::I64, high);
-            let high = self.builder.ins().ishl_imm(high, 32);
-            let low = self.builder.ins().uextend(types::I64, low);
-            let addend = self.builder.ins().bor(high, low);
-            result = self.builder.ins().iadd(result, addend);
+            let high = self.ins().uextend(types::I64, high);
+            let high = self.ins().ishl_imm(high, 32);
+            let low = self.ins().uextend(types::I64, low);
+            let addend = self.ins().bor(high, low);
+            result = self.ins().iadd(result, addend);
         }
-        let lower = self.builder.ins().ireduce(types::I32, result);
-        let upper = self.builder.ins().ushr_imm(result, 32);
-        let upper = self.builder.ins().ireduce(types::I32, upper);
+        let lower = self.ins().ireduce(types::I32, result);
+        let upper = self.ins().ushr_imm(result, 32);
+        let upper = self.ins().ireduce(types::I32, upper);
         if flags {
-            let zero = self.builder.ins().bor(lower, upper);
+            let zero = self.ins().bor(lower, upper);
             self.known.flags.set_nz(upper);
             self.known.flags.set(Field::Zero, Flag::Value(zero));
         }
@@ -74,13 +74,13 @@ impl Function<'_> {
     fn array_cycles(&mut self, multiplier: Value, signed: bool) {
         let mut leading = multiplier;
         if signed {
-            let sign = self.builder.ins().sshr_imm(multiplier, 31);
-            leading = self.builder.ins().bxor(multiplier, sign);
+            let sign = self.ins().sshr_imm(multiplier, 31);
+            leading = self.ins().bxor(multiplier, sign);
         }
-        let some = self.builder.ins().bor_imm(leading, 1);
-        let zeros = self.builder.ins().clz(some);
-        let highest = self.builder.ins().bxor_imm(zeros, 31);
-        let cycles = self.builder.ins().ushr_imm(highest, 3);
+        let some = self.ins().bor_imm(leading, 1);
+        let zeros = self.ins().clz(some);
+        let highest = self.ins().bxor_imm(zeros, 31);
+        let cycles = self.ins().ushr_imm(highest, 3);
         self.pass(cycles);
         self.known.pending += 1;
     }

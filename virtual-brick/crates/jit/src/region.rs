@@ -1,59 +1,55 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! One function of a region's blocks.
+//! Compiles the blocks of a region to one function.
 
 use std::collections::BTreeMap;
 
-use arm7tdmi::instruction::{AluOperation, DataProcessing, Operand, Operation, ALWAYS};
-use arm7tdmi::{NativeBlock, NativeInstruction, NativeJump, NativeRegion, BRANCHED};
+use arm7tdmi::instruction::{AluOperation, DataProcessing, Operation, ALWAYS};
+use arm7tdmi::{KnownTarget, Region, RegionBlock, RegionInstruction, EXIT_BY_BRANCH};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{types, Block, BlockCall, InstBuilder, JumpTableData, Value};
 use cranelift_frontend::FunctionBuilder;
 
-use crate::alu::is_free;
-use crate::block_transfer::is_plain;
-use crate::branch::Ways;
-use crate::function::{Arguments, Function, Position};
-use crate::machine::Machine;
-use crate::reach::{reach, Reach};
-use crate::table::{AfterStore, Exit};
-use crate::transfer::Ram;
+use crate::access_range::{range_around_base, AccessRange};
+use crate::alu::is_pure;
+use crate::block_transfer::is_supported;
+use crate::entry_table::{AfterStore, Exit};
+use crate::function::{Arguments, EntryTable, Function, Position, Ram};
+use crate::host_code::region_signature;
 
-/// What the code of all regions has in common.
+/// Addresses that the code of all regions knows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     /// Guest address and number of the words of RAM.
-    pub address: u32,
-    pub words: u32,
-    /// Address of the table of places.
-    pub table: usize,
+    pub ram_address: u32,
+    pub ram_words: u32,
+    /// Address of the table of entries.
+    pub table_address: usize,
 }
 
-/// Makes the function.
+/// Compiles a region.
 pub(crate) struct RegionCompiler<'a> {
     function: Function<'a>,
-    region: &'a NativeRegion,
-    ways: Ways,
-    ram: Ram,
-    /// What the instruction and those behind it access around its base.
-    around: Option<Reach>,
+    region: &'a Region,
+    /// The range that the instruction in hand and those behind it access around its base.
+    around: Option<AccessRange>,
     /// The code of each block, by key.
     blocks: BTreeMap<u32, Block>,
-    /// Ways out to other code, by key, with the block that asked first.
-    outward: BTreeMap<u32, (Block, NativeJump, u32)>,
+    /// Branches to other regions, by key of the target, with the block that has the first.
+    outgoing: BTreeMap<u32, (Block, KnownTarget, u32)>,
 }
 
 impl<'a> RegionCompiler<'a> {
     pub fn new(
         mut builder: FunctionBuilder<'a>,
-        region: &'a NativeRegion,
+        region: &'a Region,
         layout: Layout,
         exits: &'a mut Vec<Exit>,
     ) -> Self {
         let entry = builder.create_block();
         builder.append_block_params_for_function_params(entry);
         builder.switch_to_block(entry);
-        let signature = builder.import_signature(Machine::signature());
+        let signature = builder.import_signature(region_signature());
         let parameters = builder.block_params(entry);
         let left = parameters[1];
         let arguments = Arguments {
@@ -62,29 +58,29 @@ impl<'a> RegionCompiler<'a> {
             marks: parameters[3],
         };
         let index = parameters[4];
+        let table = EntryTable {
+            address: layout.table_address,
+            signature,
+            window: region.window,
+        };
+        let ram = Ram {
+            address: layout.ram_address,
+            bytes: 4 * layout.ram_words,
+            cycles: region.ram_cycles,
+        };
         let mut compiler = Self {
-            function: Function::new(builder, arguments, left, exits),
+            function: Function::new(builder, arguments, (table, ram), left, exits),
             region,
-            ways: Ways {
-                table: layout.table,
-                signature,
-                reach: region.reach,
-            },
-            ram: Ram {
-                address: layout.address,
-                bytes: 4 * layout.words,
-                cycles: region.ram_cycles,
-            },
             around: None,
             blocks: BTreeMap::new(),
-            outward: BTreeMap::new(),
+            outgoing: BTreeMap::new(),
         };
-        compiler.enter(left, index);
+        compiler.compile_dispatch(left, index);
         compiler
     }
 
-    /// The way to the block that is asked for.
-    fn enter(&mut self, left: Value, index: Value) {
+    /// Jumps to the block with this index.
+    fn compile_dispatch(&mut self, left: Value, index: Value) {
         let builder = &mut self.function.builder;
         let mut calls = Vec::new();
         for block in &self.region.blocks {
@@ -109,13 +105,13 @@ impl<'a> RegionCompiler<'a> {
         for block in &region.blocks {
             self.block(block);
         }
-        for (_, (code, jump, block)) in std::mem::take(&mut self.outward) {
-            self.leave_to(code, jump, block);
+        for (_, (code, jump, block)) in std::mem::take(&mut self.outgoing) {
+            self.compile_outgoing(code, jump, block);
         }
         self.function.finish();
     }
 
-    fn block(&mut self, block: &NativeBlock) {
+    fn block(&mut self, block: &RegionBlock) {
         let code = self.blocks[&block.key];
         let function = &mut self.function;
         function.builder.switch_to_block(code);
@@ -129,10 +125,10 @@ impl<'a> RegionCompiler<'a> {
         };
         let worst = function.constant(block.worst_cycles);
         let below = IntCC::UnsignedLessThan;
-        let short = function.builder.ins().icmp(below, left, worst);
-        function.leave_if(short);
+        let short = function.ins().icmp(below, left, worst);
+        function.exit_if(short);
         for (index, instruction) in block.instructions.iter().enumerate() {
-            self.around = reach(&block.instructions[index..]);
+            self.around = range_around_base(&block.instructions[index..]);
             self.function.position.operation = instruction.operation;
             self.function.position.address = instruction.address;
             self.instruction(instruction);
@@ -140,14 +136,14 @@ impl<'a> RegionCompiler<'a> {
                 return;
             }
             if !instruction.instruction.operation.stores() {
-                self.function.known.after_store = AfterStore::Not;
+                self.function.known.after_store = AfterStore::No;
             }
         }
         self.fall_through(block);
     }
 
-    /// Behind the last instruction of a block that has no branch there.
-    fn fall_through(&mut self, block: &NativeBlock) {
+    /// The end of a block without a branch.
+    fn fall_through(&mut self, block: &RegionBlock) {
         let through = block
             .instructions
             .last()
@@ -155,86 +151,87 @@ impl<'a> RegionCompiler<'a> {
         let function = &mut self.function;
         let end = function.position.address.wrapping_add(4 >> (block.key & 1));
         match block.next {
-            Some(next) if function.known.after_store == AfterStore::Not => {
+            Some(next) if function.known.after_store == AfterStore::No => {
                 self.branch(next, through);
             }
             _ => {
-                function.clean();
+                function.store_all();
                 let left = function.left_after(through);
                 let exit = Exit {
                     block: block.number,
-                    operation: BRANCHED,
+                    operation: EXIT_BY_BRANCH,
                     next: end | block.key & 1,
                     pending_cycles: 0,
                     after_store: function.known.after_store,
                 };
-                function.leave_with(left, exit);
+                function.exit_with(left, exit);
             }
         }
     }
 
-    /// Goes on at a known target.
-    fn branch(&mut self, jump: NativeJump, through_cycles: u32) {
-        self.function.clean_registers();
+    /// A branch to a known target.
+    fn branch(&mut self, jump: KnownTarget, through_cycles: u32) {
+        self.function.store_registers();
         self.function.store_flags();
         let left = self
             .function
             .left_after(through_cycles + jump.refill_cycles);
-        let code = self.way_to(jump);
-        self.function.builder.ins().jump(code, &[left.into()]);
+        let code = self.code_at(jump);
+        self.function.ins().jump(code, &[left.into()]);
         self.function.ended = true;
     }
 
-    /// The code that goes on at a known target.
-    fn way_to(&mut self, jump: NativeJump) -> Block {
+    /// The code that continues at a known target.
+    fn code_at(&mut self, jump: KnownTarget) -> Block {
         if let Some(&code) = self.blocks.get(&jump.key) {
             return code;
         }
-        if let Some(&(code, ..)) = self.outward.get(&jump.key) {
+        if let Some(&(code, ..)) = self.outgoing.get(&jump.key) {
             return code;
         }
         let code = self.function.builder.create_block();
         self.function.builder.append_block_param(code, types::I32);
         let from = self.function.position.block;
-        self.outward.insert(jump.key, (code, jump, from));
+        self.outgoing.insert(jump.key, (code, jump, from));
         code
     }
 
-    /// On in other code, if there is some, else back to the caller.
-    fn leave_to(&mut self, code: Block, jump: NativeJump, from: u32) {
-        let ways = self.ways;
+    /// Jumps to the code of another region, if there is some, or else returns.
+    fn compile_outgoing(&mut self, code: Block, jump: KnownTarget, from: u32) {
         let function = &mut self.function;
         function.builder.switch_to_block(code);
         let left = function.builder.block_params(code)[0];
-        let entry = function.entry_at(&ways, jump.halfword);
+        let entry = function.entry_at(jump.halfword);
         let (key, wanted) = (function.entry_key(entry), function.constant(jump.key));
-        let none = function.differs(key, wanted);
-        let back = function.builder.create_block();
-        let on = function.builder.create_block();
-        function.builder.ins().brif(none, back, &[], on, &[]);
-        function.builder.set_cold_block(back);
-        function.builder.switch_to_block(back);
+        let absent = function.differs(key, wanted);
+        let exit_block = function.builder.create_block();
+        let jump_block = function.builder.create_block();
+        function
+            .ins()
+            .brif(absent, exit_block, &[], jump_block, &[]);
+        function.builder.set_cold_block(exit_block);
+        function.builder.switch_to_block(exit_block);
         let exit = Exit {
             block: from,
-            operation: BRANCHED,
+            operation: EXIT_BY_BRANCH,
             next: jump.key,
             pending_cycles: 0,
-            after_store: AfterStore::Not,
+            after_store: AfterStore::No,
         };
-        function.leave_with(left, exit);
-        function.builder.switch_to_block(on);
-        function.go_to(&ways, entry, left);
+        function.exit_with(left, exit);
+        function.builder.switch_to_block(jump_block);
+        function.jump_to_entry(entry, left);
     }
 
-    fn instruction(&mut self, one: &NativeInstruction) {
+    fn instruction(&mut self, one: &RegionInstruction) {
         let condition = one.instruction.condition;
         if condition > ALWAYS {
             return;
         }
         if condition == ALWAYS {
-            return self.always(one);
+            return self.unconditional(one);
         }
-        match (&one.instruction.operation, one.jump) {
+        match (&one.instruction.operation, one.target) {
             (Operation::Branch { link: false, .. }, Some(jump)) => {
                 self.branch_if(condition, jump, one.through_cycles);
             }
@@ -242,27 +239,27 @@ impl<'a> RegionCompiler<'a> {
                 if processing.destination != 15
                     && !processing.reads(15)
                     && !processing.takes_large_frame()
-                    && is_free(processing, one.flags) =>
+                    && is_pure(processing, one.flags) =>
             {
                 self.function.data_processing_if(processing, condition);
             }
-            _ => self.only_if(condition, one),
+            _ => self.skip_unless(condition, one),
         }
     }
 
-    /// An instruction under a condition, passed over by a branch.
-    fn only_if(&mut self, condition: u32, one: &NativeInstruction) {
-        let way = self.function.begin_if(condition);
-        self.always(one);
-        self.function.end_if(way);
+    /// A conditional instruction, skipped by a branch.
+    fn skip_unless(&mut self, condition: u32, one: &RegionInstruction) {
+        let skipped = self.function.begin_if(condition);
+        self.unconditional(one);
+        self.function.end_if(skipped);
     }
 
-    fn branch_if(&mut self, condition: u32, jump: NativeJump, through_cycles: u32) {
-        self.function.clean_registers();
+    fn branch_if(&mut self, condition: u32, jump: KnownTarget, through_cycles: u32) {
+        self.function.store_registers();
         let holds = self.function.condition(condition);
         let taken = self.function.builder.create_block();
         let on = self.function.builder.create_block();
-        let ins = self.function.builder.ins();
+        let ins = self.function.ins();
         ins.brif(holds, taken, &[], on, &[]);
         self.function.builder.switch_to_block(taken);
         self.branch(jump, through_cycles);
@@ -270,7 +267,7 @@ impl<'a> RegionCompiler<'a> {
         self.function.ended = false;
     }
 
-    fn always(&mut self, one: &NativeInstruction) {
+    fn unconditional(&mut self, one: &RegionInstruction) {
         let pc = one.address.wrapping_add(2 * one.instruction.size);
         let done = match &one.instruction.operation {
             Operation::DataProcessing(processing) => self.data_processing(processing, one, pc),
@@ -291,16 +288,16 @@ impl<'a> RegionCompiler<'a> {
             Operation::Transfer(transfer) if transfer.register == 15 => self.load_jump(one, pc),
             Operation::Transfer(transfer) => {
                 let known = (one.literal, self.around);
-                self.function.transfer(transfer, pc, known, self.ram)
+                self.function.transfer(transfer, pc, known)
             }
-            Operation::BlockTransfer(block) if is_plain(block) => {
+            Operation::BlockTransfer(block) if is_supported(block) => {
                 self.block_transfer(one);
                 true
             }
             _ => self.jump(one),
         };
         if !done {
-            self.function.leave();
+            self.function.exit();
         }
     }
 
@@ -313,45 +310,32 @@ impl<'a> RegionCompiler<'a> {
     fn data_processing(
         &mut self,
         processing: &DataProcessing,
-        one: &NativeInstruction,
+        one: &RegionInstruction,
         pc: u32,
     ) -> bool {
-        let plain_move = processing.operation == AluOperation::Mov && !processing.sets_flags;
-        match processing.second {
-            Operand::Shifted {
-                register,
-                kind: 0,
-                amount: 0,
-            } if processing.destination == 15 && plain_move && register != 15 => {
-                let value = self.function.get(register);
-                let target = self.function.target_here(value);
-                let entry = self.function.entry_of(&self.ways, target);
-                let through = one.through_cycles;
-                self.function.branch_to_entry(&self.ways, entry, through);
-                true
-            }
-            Operand::Shifted {
-                register: 15,
-                kind: 0,
-                amount: 0,
-            } if plain_move && processing.destination != 15 => {
-                self.set_constant(processing.destination, pc)
-            }
-            _ if processing.destination == 15
-                || processing.reads(15)
-                || processing.takes_large_frame() =>
-            {
-                false
-            }
-            _ => {
-                self.function.data_processing(processing, one.flags);
-                true
+        let to_pc = processing.destination == 15;
+        if processing.operation == AluOperation::Mov && !processing.sets_flags {
+            match processing.second.plain_register() {
+                Some(15) if !to_pc => return self.set_constant(processing.destination, pc),
+                Some(register) if to_pc && register != 15 => {
+                    let value = self.function.get(register);
+                    let target = self.function.target_here(value);
+                    let entry = self.function.entry_of(target);
+                    self.function.branch_to_entry(entry, one.through_cycles);
+                    return true;
+                }
+                _ => {}
             }
         }
+        let supported = !to_pc && !processing.reads(15) && !processing.takes_large_frame();
+        if supported {
+            self.function.data_processing(processing, one.flags);
+        }
+        supported
     }
 
     /// LDR to r15.
-    fn load_jump(&mut self, one: &NativeInstruction, pc: u32) -> bool {
+    fn load_jump(&mut self, one: &RegionInstruction, pc: u32) -> bool {
         let Operation::Transfer(transfer) = &one.instruction.operation else {
             return false;
         };
@@ -360,45 +344,45 @@ impl<'a> RegionCompiler<'a> {
             return false;
         }
         let before = self.function.known.pending;
-        let Some(loaded) = self.function.loaded_target(transfer, pc, self.ram) else {
+        let Some(loaded) = self.function.loaded_target(transfer, pc) else {
             return false;
         };
         // Until the entry is found, the instruction has not begun.
         let pending = std::mem::replace(&mut self.function.known.pending, before);
         let target = self.function.target_here(loaded.value);
-        let entry = self.function.entry_of(&self.ways, target);
+        let entry = self.function.entry_of(target);
         self.function.known.pending = pending;
         if let Some(moved) = loaded.moved {
             self.function.set(transfer.base, moved);
         }
         let through = one.through_cycles;
-        self.function.branch_to_entry(&self.ways, entry, through);
+        self.function.branch_to_entry(entry, through);
         true
     }
 
-    fn block_transfer(&mut self, one: &NativeInstruction) {
+    fn block_transfer(&mut self, one: &RegionInstruction) {
         let Operation::BlockTransfer(block) = &one.instruction.operation else {
             return;
         };
         if !block.load {
-            return self.function.store_words(block, self.ram);
+            return self.function.store_words(block);
         }
-        let words = self.function.block_words(block, self.ram);
+        let words = self.function.block_words(block);
         if block.list >> 15 == 0 {
-            return self.function.load_words(block, &words, self.ram);
+            return self.function.load_words(block, &words);
         }
         let last = self.function.last_word(block, &words);
         let target = self.function.target_here(last);
-        let entry = self.function.entry_of(&self.ways, target);
-        self.function.load_words(block, &words, self.ram);
+        let entry = self.function.entry_of(target);
+        self.function.load_words(block, &words);
         let through = one.through_cycles;
-        self.function.branch_to_entry(&self.ways, entry, through);
+        self.function.branch_to_entry(entry, through);
     }
 
-    /// Other branches; false if it is none that the code makes.
-    fn jump(&mut self, one: &NativeInstruction) -> bool {
+    /// Other branches; false if the code cannot make it.
+    fn jump(&mut self, one: &RegionInstruction) -> bool {
         let through = one.through_cycles;
-        match (&one.instruction.operation, one.jump) {
+        match (&one.instruction.operation, one.target) {
             (Operation::Branch { link: true, .. }, Some(jump)) => {
                 self.set_constant(14, one.address.wrapping_add(4));
                 self.branch(jump, through);
@@ -413,8 +397,8 @@ impl<'a> RegionCompiler<'a> {
             (Operation::BranchExchange { register }, None) if *register != 15 => {
                 // An address with bit 1 without bit 0 has no entry.
                 let target = self.function.get(*register);
-                let entry = self.function.entry_of(&self.ways, target);
-                self.function.branch_to_entry(&self.ways, entry, through);
+                let entry = self.function.entry_of(target);
+                self.function.branch_to_entry(entry, through);
             }
             _ => return false,
         }

@@ -50,27 +50,27 @@ impl Function<'_> {
         let (shifted, carry) = match (kind, amount) {
             (LSL, 0) => (value, None),
             (LSL, _) => {
-                let shifted = self.builder.ins().ishl_imm(value, i64::from(amount));
+                let shifted = self.ins().ishl_imm(value, i64::from(amount));
                 (shifted, bit(32 - amount))
             }
             (LSR, 0) => (self.constant(0), bit(31)),
             (LSR, _) => {
-                let shifted = self.builder.ins().ushr_imm(value, i64::from(amount));
+                let shifted = self.ins().ushr_imm(value, i64::from(amount));
                 (shifted, bit(amount - 1))
             }
-            (ASR, 0) => (self.builder.ins().sshr_imm(value, 31), bit(31)),
+            (ASR, 0) => (self.ins().sshr_imm(value, 31), bit(31)),
             (ASR, _) => {
-                let shifted = self.builder.ins().sshr_imm(value, i64::from(amount));
+                let shifted = self.ins().sshr_imm(value, i64::from(amount));
                 (shifted, bit(amount - 1))
             }
             (_, 0) => {
                 let carry = self.carry();
-                let high = self.builder.ins().ishl_imm(carry, 31);
-                let low = self.builder.ins().ushr_imm(value, 1);
-                (self.builder.ins().bor(high, low), bit(0))
+                let high = self.ins().ishl_imm(carry, 31);
+                let low = self.ins().ushr_imm(value, 1);
+                (self.ins().bor(high, low), bit(0))
             }
             (_, _) => {
-                let shifted = self.builder.ins().rotr_imm(value, i64::from(amount));
+                let shifted = self.ins().rotr_imm(value, i64::from(amount));
                 (shifted, bit(amount - 1))
             }
         };
@@ -88,18 +88,18 @@ impl Function<'_> {
         amount: Value,
         carry_wanted: bool,
     ) -> Shifted {
-        let amount = self.builder.ins().band_imm(amount, 0xFF);
+        let amount = self.ins().band_imm(amount, 0xFF);
         let (value, out) = if kind > ASR {
-            let rotated = self.builder.ins().rotr(value, amount);
-            let out = carry_wanted.then(|| self.builder.ins().ushr_imm(rotated, 31));
+            let rotated = self.ins().rotr(value, amount);
+            let out = carry_wanted.then(|| self.ins().ushr_imm(rotated, 31));
             (rotated, out)
         } else {
             self.wide_shift(kind, value, amount, carry_wanted)
         };
         let carry = out.map(|out| {
             let old = self.carry();
-            let moved = self.builder.ins().icmp_imm(IntCC::NotEqual, amount, 0);
-            Flag::Value(self.builder.ins().select(moved, out, old))
+            let moved = self.ins().icmp_imm(IntCC::NotEqual, amount, 0);
+            Flag::Value(self.ins().select(moved, out, old))
         });
         Shifted { value, carry }
     }
@@ -114,30 +114,30 @@ impl Function<'_> {
     ) -> (Value, Option<Value>) {
         let most = self.constant(63);
         let below = IntCC::UnsignedLessThan;
-        let near = self.builder.ins().icmp(below, amount, most);
-        let amount = self.builder.ins().select(near, amount, most);
+        let near = self.ins().icmp(below, amount, most);
+        let amount = self.ins().select(near, amount, most);
         let wide = if kind == ASR {
-            self.builder.ins().sextend(types::I64, value)
+            self.ins().sextend(types::I64, value)
         } else {
-            self.builder.ins().uextend(types::I64, value)
+            self.ins().uextend(types::I64, value)
         };
         let shift = |function: &mut Self, wide: Value| match kind {
-            LSL => function.builder.ins().ishl(wide, amount),
-            LSR => function.builder.ins().ushr(wide, amount),
-            _ => function.builder.ins().sshr(wide, amount),
+            LSL => function.ins().ishl(wide, amount),
+            LSR => function.ins().ushr(wide, amount),
+            _ => function.ins().sshr(wide, amount),
         };
         let shifted = shift(self, wide);
-        let result = self.builder.ins().ireduce(types::I32, shifted);
+        let result = self.ins().ireduce(types::I32, shifted);
         if !carry_wanted {
             return (result, None);
         }
         let out = if kind == LSL {
-            self.builder.ins().ushr_imm(shifted, 32)
+            self.ins().ushr_imm(shifted, 32)
         } else {
-            let twice = self.builder.ins().ishl_imm(wide, 1);
+            let twice = self.ins().ishl_imm(wide, 1);
             shift(self, twice)
         };
-        let out = self.builder.ins().ireduce(types::I32, out);
-        (result, Some(self.builder.ins().band_imm(out, 1)))
+        let out = self.ins().ireduce(types::I32, out);
+        (result, Some(self.ins().band_imm(out, 1)))
     }
 }

@@ -32,8 +32,7 @@ impl StepObserver for Counter {
     }
 }
 
-/// Seconds that passed, and processor time of all threads: of the one that makes native code beside
-/// the run, too.
+/// Seconds that passed, and processor time of all threads, the compile thread included.
 #[derive(Clone, Copy)]
 struct Took {
     seconds: f64,

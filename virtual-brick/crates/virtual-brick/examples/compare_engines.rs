@@ -58,9 +58,8 @@ fn compare(seed: u64, kind: Kind, longest: u32) -> Result<(), String> {
         configuration.jit_synchronous = seed % 3 != 0;
         VirtualBrick::new(&configuration, &elf).map_err(|error| error.to_string())
     };
-    // Code of the host is made so early that most of what runs is such code; now and then a thread
-    // makes it.
-    let mut native = brick(Engine::Fast, 1 + (seed % 8) as u32)?;
+    // Most of the run is JIT code, since it is compiled so early; with some seeds by a thread.
+    let mut jit = brick(Engine::Fast, 1 + (seed % 8) as u32)?;
     let mut blocks = brick(Engine::Blocks, 0)?;
     let mut reference = brick(Engine::Reference, 0)?;
     let mut numbers = Numbers::new(seed);
@@ -68,7 +67,7 @@ fn compare(seed: u64, kind: Kind, longest: u32) -> Result<(), String> {
     for _ in 0..PIECES {
         until += u64::from(1 + numbers.below(longest));
         let stop = reference.run_until(until);
-        for (name, fast) in [("native code", &mut native), ("blocks", &mut blocks)] {
+        for (name, fast) in [("JIT code", &mut jit), ("blocks", &mut blocks)] {
             let memory = |brick: &VirtualBrick| brick.read_memory(0x0020_0000, 0x1_0000);
             let same = fast.run_until(until) == stop
                 && fast.cycles() == reference.cycles()

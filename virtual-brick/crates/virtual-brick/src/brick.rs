@@ -289,11 +289,11 @@ impl VirtualBrick {
         self.threads_unobserved.as_deref()
     }
 
-    /// Bytes of the host's code that the fast engine uses for the program by now: how much is no
-    /// part of the state and depends on the host.
+    /// Bytes of JIT code that the fast engine has for the program by now. They are no part of the
+    /// state and depend on the host.
     #[must_use]
-    pub fn native_code_bytes(&self) -> usize {
-        self.blocks.native_bytes()
+    pub fn jit_code_bytes(&self) -> usize {
+        self.blocks.jit_code_bytes()
     }
 
     /// The whole state now.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The ways to execute instructions, which differ in speed only.
+//! The engines that execute instructions. They differ in speed only.
 
 use arm7tdmi::{BlockBus, Blocks};
 use serde::Deserialize;
@@ -11,44 +11,41 @@ use crate::configuration::Configuration;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Engine {
-    /// Blocks, and code of the host for those that run often, where the host is one that code can
-    /// be made for.
+    /// Interpreted blocks, and JIT code for hot ones where the build and the host support it.
     #[default]
     Fast,
-    /// Decoded blocks where nothing can fall into them, else the reference.
+    /// Interpreted blocks where no event can occur in them, else the reference engine.
     Blocks,
     /// One instruction after the other, each access through the bus.
     Reference,
 }
 
-/// Runs of a block's operations before code of the host is made of it. To make it costs as much as
-/// some thousand runs, but another thread does it, and what runs so often goes on running.
+/// Compile threshold: runs of a block before it is compiled. To compile it costs as much as some
+/// thousand runs, but another thread does it, and a block that runs so often goes on running.
 pub(crate) const JIT_THRESHOLD_RUNS: u32 = 200;
 
 impl Engine {
-    /// Decoded blocks as the engine uses them, none yet.
+    /// An empty cache of decoded blocks, as this engine uses it.
     pub(crate) fn blocks<B: BlockBus>(self, configuration: &Configuration) -> Blocks<B> {
         match self {
-            Self::Fast => native_blocks(configuration),
+            Self::Fast => blocks_with_jit(configuration),
             Self::Blocks | Self::Reference => Blocks::default(),
         }
     }
 }
 
 #[cfg(not(feature = "jit"))]
-fn native_blocks<B: BlockBus>(_configuration: &Configuration) -> Blocks<B> {
+fn blocks_with_jit<B: BlockBus>(_configuration: &Configuration) -> Blocks<B> {
     Blocks::default()
 }
 
 #[cfg(feature = "jit")]
-fn native_blocks<B: BlockBus>(configuration: &Configuration) -> Blocks<B> {
-    let making = if configuration.jit_synchronous {
-        jit::Making::AtOnce
+fn blocks_with_jit<B: BlockBus>(configuration: &Configuration) -> Blocks<B> {
+    let mode = if configuration.jit_synchronous {
+        jit::CompileMode::Synchronous
     } else {
-        jit::Making::Beside
+        jit::CompileMode::Background
     };
-    let after_runs = configuration.jit_threshold_runs;
-    jit::Translator::new(after_runs, making).map_or_else(Blocks::default, |translator| {
-        Blocks::with_native(Box::new(translator))
-    })
+    let jit = jit::JitEngine::new(configuration.jit_threshold_runs, mode);
+    jit.map_or_else(Blocks::default, |jit| Blocks::with_jit(Box::new(jit)))
 }

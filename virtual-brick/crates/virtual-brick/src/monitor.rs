@@ -53,7 +53,7 @@ impl VirtualBrick {
         let now = self.chip.now();
         self.chip.board_mut().enter_boot_monitor(now);
         self.cpu = Cpu::new();
-        self.blocks = self.blocks.fresh();
+        self.blocks = self.blocks.new_like();
         self.ended = None;
         self.monitor = Some(Monitor::Waits);
     }
@@ -87,7 +87,7 @@ impl VirtualBrick {
             }
             if self.chip.board().boot_monitor().is_none() {
                 self.monitor = None;
-                self.blocks = self.blocks.fresh();
+                self.blocks = self.blocks.new_like();
             }
         }
         Ok(())

@@ -157,7 +157,7 @@ impl VirtualBrick {
         if run.ran {
             self.guard.passed_over();
         }
-        if run.spun {
+        if run.branched_to_itself {
             self.guard.interruptible_loop();
         }
         run.accessed

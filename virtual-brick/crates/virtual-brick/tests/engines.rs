@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Native code and blocks do what the reference engine does: same registers, memory, cycles, trace.
+//! JIT code and blocks do what the reference engine does: same registers, memory, cycles, trace.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -20,7 +20,7 @@ fn brick(elf: &[u8], engine: Engine, jit_threshold_runs: u32) -> VirtualBrick {
     VirtualBrick::new(&configuration, elf).unwrap()
 }
 
-/// Native code from the first runs on, and the reference engine.
+/// JIT code from the first runs on, and the reference engine.
 fn pair(elf: &[u8]) -> (VirtualBrick, VirtualBrick) {
     (
         brick(elf, Engine::Fast, 2),
@@ -48,7 +48,7 @@ fn compare(elf: &[u8], seed: u64, pieces: u32, longest: u32) {
     for _ in 0..pieces {
         until += u64::from(1 + numbers.below(longest));
         let stop = reference.run_until(until);
-        for (other, name) in others.iter_mut().zip(["native code", "blocks"]) {
+        for (other, name) in others.iter_mut().zip(["JIT code", "blocks"]) {
             assert_eq!(other.run_until(until), stop, "{name}, seed {seed}");
             assert_same(
                 other,
@@ -146,7 +146,7 @@ fn a_store_changes_only_what_was_not_fetched() {
 
 /// MOVS with each kind of shift and amount; sums take the carry that it leaves.
 #[test]
-fn native_code_shifts_as_the_reference_does() {
+fn jit_code_shifts_as_the_reference_does() {
     let mut program = Program::new();
     program.load(1, 0x8123_4567).load(7, 40);
     let again = program.here();
@@ -169,7 +169,7 @@ fn native_code_shifts_as_the_reference_does() {
 
 /// A branch by register to itself is the end of a program whose interrupts are masked.
 #[test]
-fn native_code_does_not_run_past_a_branch_to_itself() {
+fn jit_code_does_not_run_past_a_branch_to_itself() {
     let mut program = Program::new();
     program.status(0xD3).load(7, 60);
     let again = program.here() + 2;
@@ -183,10 +183,10 @@ fn native_code_does_not_run_past_a_branch_to_itself() {
     compare(&image(&program).build(), 3, 20, 400);
 }
 
-/// Counts the steps that the fast engine leaves to the reference engine.
-struct LeftSteps(u32);
+/// Counts the steps of the reference engine in a run of the fast engine.
+struct ReferenceSteps(u32);
 
-impl StepObserver for LeftSteps {
+impl StepObserver for ReferenceSteps {
     const SEES_ACCESSES: bool = false;
     const SEES_STEPS: bool = false;
 
@@ -202,7 +202,7 @@ impl StepObserver for LeftSteps {
     }
 }
 
-/// Each event of the chip ends a run of blocks: what lies before it is not run step by step.
+/// Each event of the chip ends a run of blocks; the instructions before it are no single steps.
 #[test]
 fn blocks_run_up_to_an_event() {
     let mut program = Program::new();
@@ -215,7 +215,7 @@ fn blocks_run_up_to_an_event() {
     let elf = image(&program).build();
     for engine in [Engine::Blocks, Engine::Fast] {
         let mut brick = brick(&elf, engine, 2);
-        let mut steps = LeftSteps(0);
+        let mut steps = ReferenceSteps(0);
         for piece in 1..=1_000 {
             brick.run_observed(1_000 * piece, &mut steps);
         }

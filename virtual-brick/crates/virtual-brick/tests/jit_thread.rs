@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Native code that a thread makes beside the run: nobody can tell when it came, and the thread
-//! ends with its brick.
+//! The compile thread: the run is the same whenever its code arrives, and the thread ends with its
+//! brick.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -16,7 +16,7 @@ use support::random::{self, Kind, Numbers};
 use support::{image, vehicle};
 use virtual_brick::{Engine, VirtualBrick};
 
-/// What is waited for comes at once, or never.
+/// The tests wait for things that come soon, or never.
 const LONGEST: Duration = Duration::from_secs(60);
 
 /// Bricks of one test at a time, since threads are counted.
@@ -44,32 +44,32 @@ fn busy() -> Vec<u8> {
     image(&program).build()
 }
 
-/// Lets the brick run in small pieces until it uses native code.
-fn run_into_native_code(brick: &mut VirtualBrick) {
+/// Lets the brick run in small pieces until it has JIT code.
+fn run_until_compiled(brick: &mut VirtualBrick) {
     let begun = Instant::now();
-    while brick.native_code_bytes() == 0 {
-        assert!(begun.elapsed() < LONGEST, "no native code comes");
+    while brick.jit_code_bytes() == 0 {
+        assert!(begun.elapsed() < LONGEST, "no JIT code comes");
         brick.run_until(brick.cycles() + 1_000);
         thread::yield_now();
     }
 }
 
-/// Threads of this process that make native code.
+/// Compile threads of this process.
 #[cfg(target_os = "linux")]
-fn makers() -> usize {
+fn compile_threads() -> usize {
     let threads = fs::read_dir("/proc/self/task").unwrap().flatten();
     let names = threads.filter_map(|thread| fs::read_to_string(thread.path().join("comm")).ok());
     names
-        .filter(|name| name.trim_end() == "native code")
+        .filter(|name| name.trim_end() == "JIT compiler")
         .count()
 }
 
 /// The system shows a thread a little after it has begun, and after it has ended.
 #[cfg(target_os = "linux")]
-fn wait_for_makers(count: usize) {
+fn wait_for_compile_threads(count: usize) {
     let begun = Instant::now();
-    while makers() != count {
-        assert!(begun.elapsed() < LONGEST, "{} threads", makers());
+    while compile_threads() != count {
+        assert!(begun.elapsed() < LONGEST, "{} threads", compile_threads());
         thread::yield_now();
     }
 }
@@ -81,7 +81,7 @@ fn assert_same(one: &VirtualBrick, other: &VirtualBrick, what: &str) {
 }
 
 #[test]
-fn random_programs_run_alike_whenever_their_code_comes() {
+fn random_programs_run_alike_whenever_their_code_arrives() {
     let _alone = alone();
     for (seed, kind) in (0..24).zip([Kind::Ram, Kind::Flash].into_iter().cycle()) {
         let elf = random::image(seed, kind);
@@ -120,12 +120,12 @@ fn changing() -> Vec<u8> {
 }
 
 #[test]
-fn code_that_comes_when_its_source_has_changed_is_not_used() {
+fn code_of_a_program_that_has_changed_is_not_installed() {
     let _alone = alone();
     let elf = changing();
     let (mut fast, mut blocks) = (brick(&elf, Engine::Fast), brick(&elf, Engine::Blocks));
     fast.run_until(20_000);
-    run_into_native_code(&mut fast);
+    run_until_compiled(&mut fast);
     let end = fast.cycles() + 1_000_000;
     fast.run_until(end);
     blocks.run_until(end);
@@ -134,45 +134,45 @@ fn code_that_comes_when_its_source_has_changed_is_not_used() {
 }
 
 #[test]
-fn a_brick_gets_code_by_and_by_and_runs_on_alike() {
+fn a_run_continues_alike_when_code_is_installed() {
     let _alone = alone();
     let elf = busy();
     let mut fast = brick(&elf, Engine::Fast);
-    run_into_native_code(&mut fast);
+    run_until_compiled(&mut fast);
     let mut reference = brick(&elf, Engine::Reference);
     reference.run_until(fast.cycles());
-    assert_same(&fast, &reference, "with native code");
+    assert_same(&fast, &reference, "with JIT code");
 }
 
 #[test]
-fn a_block_that_runs_without_end_waits_for_its_code() {
+fn a_block_that_never_leaves_the_engine_waits_for_its_code() {
     let _alone = alone();
     let mut fast = brick(&busy(), Engine::Fast);
     fast.run_until(100_000);
-    assert_ne!(fast.native_code_bytes(), 0);
+    assert_ne!(fast.jit_code_bytes(), 0);
 }
 
 #[test]
-fn snapshots_and_copies_begin_without_code_and_run_alike() {
+fn snapshots_and_copies_start_without_code_and_run_alike() {
     let _alone = alone();
     let elf = busy();
     let mut brick = brick(&elf, Engine::Fast);
     brick.run_until(20_000);
     let early = brick.snapshot();
-    run_into_native_code(&mut brick);
+    run_until_compiled(&mut brick);
     let mut copy = brick.clone();
-    assert_eq!(copy.native_code_bytes(), 0);
+    assert_eq!(copy.jit_code_bytes(), 0);
     let end = brick.cycles() + 50_000;
     brick.run_until(end);
     copy.run_until(end);
     assert_same(&brick, &copy, "copy");
     copy.restore(&early);
-    assert_eq!((copy.cycles(), copy.native_code_bytes()), (20_000, 0));
+    assert_eq!((copy.cycles(), copy.jit_code_bytes()), (20_000, 0));
     copy.run_until(end);
     assert_same(&brick, &copy, "restored");
 }
 
-/// Also while it is at work, and if the brick is dropped by another thread.
+/// This holds while the thread compiles, and if another thread drops the brick.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_thread_ends_with_its_brick() {
@@ -182,12 +182,12 @@ fn the_thread_ends_with_its_brick() {
         let mut brick = brick(&elf, Engine::Fast);
         brick.run_until(5_000);
         if count % 10 == 0 {
-            wait_for_makers(1);
-            run_into_native_code(&mut brick);
+            wait_for_compile_threads(1);
+            run_until_compiled(&mut brick);
             thread::spawn(move || drop(brick)).join().unwrap();
         } else {
             drop(brick);
         }
-        wait_for_makers(0);
+        wait_for_compile_threads(0);
     }
 }

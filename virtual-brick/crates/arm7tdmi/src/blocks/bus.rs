@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! What a bus offers besides its accesses so that code can run from decoded blocks.
+//! The bus as decoded blocks need it: code memories, their costs, accesses without side effects.
 
-use super::native::NativeMemory;
 use crate::bus::{Bus, Width};
 
 /// Where code lies.
@@ -11,8 +10,8 @@ pub struct CodePlace {
     /// Number of the halfword among all halfwords that can hold code, below
     /// [`BlockBus::CODE_HALFWORDS`]. Appearances of one memory at several addresses share it.
     pub halfword: u32,
-    /// Memory that it belongs to; costs of fetches are uniform rules within one.
-    pub region: u8,
+    /// Number of the memory; within one, the costs of fetches follow uniform rules.
+    pub memory: u8,
 }
 
 /// A data read that only reads memory.
@@ -24,15 +23,15 @@ pub struct PlainRead {
     pub cycles: u32,
 }
 
-/// An access through the bus.
+/// The effect of an access through the bus on memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BusAccess {
-    /// Misaligned, or a store to code: not between blocks.
+    /// Misaligned, or a store to code: the reference engine must make it.
     Refused,
-    /// Memory that holds code stays as it is until the access is over.
-    Calm,
+    /// Memory that holds code does not change before the end of the access.
+    KeepsMemory,
     /// Memory may change with it.
-    Unsettling,
+    ChangesMemory,
 }
 
 /// Words that lie one after the other in memory.
@@ -41,6 +40,17 @@ pub struct PlainWords<W> {
     pub words: W,
     /// Cycles of the access to each.
     pub cycles: u32,
+}
+
+/// RAM as JIT code sees it.
+#[derive(Debug)]
+pub struct RamView<'a> {
+    /// Address of the first word.
+    pub address: u32,
+    /// All words.
+    pub words: &'a mut [u32],
+    /// Of each word, not zero: stores to it must go through the bus.
+    pub marks: &'a [u8],
 }
 
 /// A bus whose code memories can be decoded ahead of execution.
@@ -53,18 +63,18 @@ pub trait BlockBus: Bus {
 
     /// Where the code at `address` lies; none outside the memories that can hold code.
     fn code_place(&self, address: u32) -> Option<CodePlace>;
-    /// Where the target of a branch lies; none where somebody wants to see the arrival.
+    /// Where the target of a branch lies; none where arrivals are observed.
     fn target_place(&self, address: u32) -> Option<CodePlace>;
     /// A block may begin at `address`, which has a place.
-    fn enters(&self, address: u32) -> bool;
-    /// Somebody wants to see each arrival at `address`: no block begins there.
-    fn looks_at(&self, _address: u32) -> bool {
+    fn can_enter(&self, address: u32) -> bool;
+    /// Each arrival at `address` is observed, so no block begins there.
+    fn observes_arrival(&self, _address: u32) -> bool {
         false
     }
     /// The word that a fetch at `address` would bring, without the fetch. Called only for
     /// addresses that have a place.
     fn code_word(&self, address: u32) -> u32;
-    /// Changes with everything that makes all decoded code or its costs void.
+    /// Changes with everything that invalidates all decoded code or its costs.
     fn code_epoch(&self) -> u32;
     /// Report the next change of the word at `address` through [`BlockBus::next_code_change`].
     fn mark_code(&mut self, address: u32);
@@ -73,16 +83,16 @@ pub trait BlockBus: Bus {
 
     /// Cycles of the opcode fetch at `address` that continues the fetch before it.
     fn sequential_fetch_cycles(&self, address: u32, width: Width) -> u32;
-    /// [`BlockBus::refill_cycles`] if `target` is a place for branches in this region.
+    /// [`BlockBus::refill_cycles`] if `target` is a place for branches in this memory.
     #[inline(always)]
-    fn branch_cycles(&self, sequence: u32, target: u32, width: Width, region: u8) -> Option<u32> {
+    fn branch_cycles(&self, sequence: u32, target: u32, width: Width, memory: u8) -> Option<u32> {
         let place = self.target_place(target)?;
-        (place.region == region).then(|| self.refill_cycles(sequence, target, width))
+        (place.memory == memory).then(|| self.refill_cycles(sequence, target, width))
     }
     /// Cycles of the two fetches that fill the pipeline at `target`, when a fetch at `sequence`
-    /// would have continued the last one. Both lie in one region.
+    /// would have continued the last one. Both lie in one memory.
     fn refill_cycles(&self, sequence: u32, target: u32, width: Width) -> u32;
-    /// A fetch at `address` would continue the last one in its region, at its regular cost.
+    /// A fetch at `address` would continue the last one in its memory, at its regular cost.
     fn in_sequence(&self, address: u32) -> bool;
     /// Fetches were made without the bus; one at `address` would continue the last.
     fn continue_at(&mut self, address: u32);
@@ -101,8 +111,8 @@ pub trait BlockBus: Bus {
     fn plain_words(&self, address: u32, count: u32) -> Option<PlainWords<&[u32]>>;
     /// Words of memory to write, if writing them does nothing else.
     fn plain_words_mut(&mut self, address: u32, count: u32) -> Option<PlainWords<&mut [u32]>>;
-    /// What [`Bus::read`] or [`Bus::write`] would do at `address`, between two blocks and after so
-    /// many cycles.
+    /// The effect that [`Bus::read`] or [`Bus::write`] would have at `address`, between two blocks
+    /// and after so many cycles.
     fn access_between(
         &self,
         address: u32,
@@ -110,16 +120,17 @@ pub trait BlockBus: Bus {
         write: bool,
         after_cycles: u32,
     ) -> BusAccess;
-    /// The first halfword of the memory of a region, and the bits of an address in halfwords that
-    /// tell the distance from it.
-    fn code_reach(&self, region: u8) -> (u32, u32);
-    /// All of RAM, for code of the host; none if there is nothing such.
-    fn native_memory(&mut self) -> Option<NativeMemory<'_>>;
-    /// Somebody besides the processor must look before the next instruction.
-    fn attention(&self) -> bool;
-    /// Cycles in which nothing can act on the processor, with its interrupts unmasked as told,
-    /// and `limit` in the bus's time is not reached, as long as it accesses only memory.
-    fn quiet_cycles(&self, limit: u64, irq: bool, fiq: bool) -> u32;
-    /// Let processor cycles pass in which nothing happens.
+    /// Number of the first halfword of a memory, and the bits of an address, in halfwords, that give
+    /// the distance from it.
+    fn code_window(&self, memory: u8) -> (u32, u32);
+    /// All of RAM, for JIT code; none if it cannot be accessed in this way.
+    fn ram_view(&mut self) -> Option<RamView<'_>>;
+    /// Something besides the processor must act before the next instruction.
+    fn needs_attention(&self) -> bool;
+    /// Cycles in which nothing can act on the processor and `limit` (in the bus's time) is not
+    /// reached, as long as the processor accesses only memory. `irq` and `fiq` tell which interrupts
+    /// are not masked.
+    fn cycles_until_event(&self, limit: u64, irq: bool, fiq: bool) -> u32;
+    /// Lets cycles of the processor pass in which nothing happens.
     fn pass(&mut self, cycles: u32);
 }

@@ -34,10 +34,10 @@ pub struct Configuration {
     pub trace_limits: trace::Limits,
     /// What executes instructions; the run is the same with each.
     pub engine: Engine,
-    /// Runs of a block of instructions before the fast engine makes code of the host of it.
+    /// Compile threshold: runs of a block before the fast engine compiles it.
     pub jit_threshold_runs: u32,
-    /// The run waits while such code is made; else it goes on with the blocks, which is faster, and
-    /// it depends on the host when the code is there.
+    /// The run waits for the compiler. Otherwise it continues with interpreted blocks, which is
+    /// faster, and the host decides when the code arrives.
     pub jit_synchronous: bool,
     /// Timing that no document fixes.
     pub timing: Timing,

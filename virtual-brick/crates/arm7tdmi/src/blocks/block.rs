@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! One decoded block.
+
+use super::bus::BlockBus;
+use super::operations::run::{Op, Run, NO_TARGET};
+
+const NO_BLOCK: u32 = u32::MAX;
+pub(super) const NO_REGION: u32 = u32::MAX;
+
+/// How hot a block is, and its JIT code.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JitState {
+    /// Number of the block's first halfword.
+    pub halfword: u32,
+    /// Runs of its operations in the present decay period, with half of those before.
+    pub hotness: u16,
+    /// The decay period of the last run that was counted.
+    pub decay_period: u16,
+    /// Number of the entry into the engine in which the compiler was polled last.
+    pub polled_at_entry: u32,
+    /// Entries into its code, in a row, that executed nothing.
+    pub futile_entries: u8,
+    /// It has code that is entered.
+    pub has_code: bool,
+    /// The region that it was compiled with.
+    pub region: u32,
+}
+
+impl JitState {
+    /// Of a block that has not run yet.
+    pub const fn cold(halfword: u32) -> Self {
+        Self {
+            halfword,
+            hotness: 0,
+            decay_period: 0,
+            polled_at_entry: 0,
+            futile_entries: 0,
+            has_code: false,
+            region: NO_REGION,
+        }
+    }
+}
+
+/// Instructions that run one after the other.
+pub(super) struct Block<B: BlockBus> {
+    /// Address of the first; bit 0 tells Thumb state.
+    pub key: u32,
+    /// Halfwords that it covers: a change of one makes it invalid.
+    pub halfwords: u32,
+    /// Most cycles it can take.
+    pub worst_cycles: u32,
+    /// Running it again changes nothing, as long as memory stays.
+    pub is_idempotent: bool,
+    /// Times in a row that its first instruction was left to the reference engine.
+    pub refusals: u8,
+    pub ops: Box<[Op<B>]>,
+    /// Keys and numbers of its last two successors.
+    pub links: [(u32, u32); 2],
+    pub jit: JitState,
+}
+
+impl<B: BlockBus> Block<B> {
+    /// Number of the block at `key` if it followed this one lately; it may be invalid by now.
+    #[inline(always)]
+    pub fn link(&self, key: u32) -> u32 {
+        let [first, second] = self.links;
+        if first.0 == key {
+            first.1
+        } else if second.0 == key {
+            second.1
+        } else {
+            NO_BLOCK
+        }
+    }
+
+    /// Runs as much of the block as certainly ends within `budget` cycles. Instructions that take
+    /// less than their worst case leave more to those behind. False if the block was left between
+    /// two instructions.
+    pub fn run_part(&self, run: &mut Run<'_, B>, budget: u32) -> bool {
+        let limit = run.state.cycles + budget;
+        let state = self.key & 1;
+        let (mut rest, mut worst) = (&*self.ops, 0);
+        while let Some(next) = rest.first() {
+            let start_cycles = run.state.cycles + u32::from(next.before);
+            let left = limit - start_cycles + worst;
+            let (part, behind) =
+                rest.split_at(rest.partition_point(|op| u32::from(op.worst) <= left));
+            if part.is_empty() {
+                run.state.cycles = start_cycles;
+                run.state.next = next.address | state;
+                return false;
+            }
+            run.state.next = NO_TARGET | state;
+            run.execute(part);
+            if run.state.next != NO_TARGET | state {
+                return true;
+            }
+            worst = part.last().map_or(worst, |op| u32::from(op.worst));
+            rest = behind;
+        }
+        true
+    }
+}

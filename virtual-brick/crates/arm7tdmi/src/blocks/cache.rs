@@ -1,0 +1,259 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The cache of decoded blocks: lookup, successors, invalidation.
+
+use std::fmt;
+
+use super::block::{Block, JitState};
+use super::bus::{BlockBus, CodePlace};
+use super::jit::Jit;
+use super::translate::{translate, BYTES_MAX};
+
+/// The cache holds at most so many blocks; one more invalidates them all.
+const BLOCKS_MAX: usize = 0x4000;
+/// The [`Block::key`] of a slot without a block.
+const NO_KEY: u32 = u32::MAX;
+/// After so many refusals in a row, the first instruction is expected to be refused again.
+const REFUSALS_LIKELY: u8 = 4;
+
+/// The decoded blocks of one machine. A copy starts empty, since this is a cache and no state.
+pub struct Blocks<B: BlockBus> {
+    pub(super) blocks: Vec<Block<B>>,
+    free: Vec<u32>,
+    /// Number of the block that begins at each halfword, plus one.
+    starts: Vec<u32>,
+    pub(super) epoch: u32,
+    pub(super) jit: Option<Box<dyn Jit>>,
+    /// Compile threshold: runs of a block before its compilation is requested; 0 without a JIT.
+    pub(super) threshold_runs: u16,
+    /// Entries into the engine. Hotness decays with them: a block that runs often in few entries
+    /// is worth compiling, one that runs now and then in each is not.
+    pub(super) entries: u32,
+    /// Numbers of the blocks that were compiled together, by region.
+    pub(super) regions: Vec<Box<[u32]>>,
+    /// Of these, those whose code is still being compiled.
+    pub(super) pending_regions: u32,
+}
+
+impl<B: BlockBus> Default for Blocks<B> {
+    fn default() -> Self {
+        Self {
+            blocks: Vec::new(),
+            free: Vec::new(),
+            starts: Vec::new(),
+            epoch: 0,
+            jit: None,
+            threshold_runs: 0,
+            entries: 0,
+            regions: Vec::new(),
+            pending_regions: 0,
+        }
+    }
+}
+
+impl<B: BlockBus> Clone for Blocks<B> {
+    fn clone(&self) -> Self {
+        self.new_like()
+    }
+}
+
+impl<B: BlockBus> fmt::Debug for Blocks<B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = self.blocks.len() - self.free.len();
+        f.debug_struct("Blocks").field("count", &count).finish()
+    }
+}
+
+impl<B: BlockBus> Blocks<B> {
+    /// An empty cache whose hot blocks are compiled.
+    pub fn with_jit(jit: Box<dyn Jit>) -> Self {
+        Self {
+            threshold_runs: jit.threshold_runs().clamp(1, 0x8000) as u16,
+            jit: Some(jit),
+            ..Self::default()
+        }
+    }
+
+    /// An empty cache that compiles as this one does.
+    pub fn new_like(&self) -> Self {
+        self.jit
+            .as_ref()
+            .map_or_else(Self::default, |jit| Self::with_jit(jit.new_like()))
+    }
+
+    /// Bytes of JIT code compiled so far.
+    pub fn jit_code_bytes(&self) -> usize {
+        self.jit.as_ref().map_or(0, |jit| jit.code_bytes())
+    }
+
+    /// Invalidates what has changed in memory since the last run.
+    #[inline(always)]
+    pub(super) fn update(&mut self, bus: &mut B) {
+        let epoch = bus.code_epoch();
+        if self.epoch != epoch || self.starts.is_empty() {
+            self.epoch = epoch;
+            self.invalidate_all();
+        }
+        while let Some(halfword) = bus.next_code_change() {
+            self.invalidate_word(halfword);
+        }
+    }
+
+    fn invalidate_all(&mut self) {
+        self.invalidate_code();
+        self.blocks.clear();
+        self.free.clear();
+        self.starts.clear();
+        self.starts.resize(B::CODE_HALFWORDS as usize, 0);
+    }
+
+    /// Invalidates the blocks that cover a word.
+    fn invalidate_word(&mut self, halfword: u32) {
+        let first = halfword.saturating_sub(BYTES_MAX / 2);
+        for start in first..=halfword + 1 {
+            let Some(slot) = self.starts.get_mut(start as usize) else {
+                return;
+            };
+            let Some(number) = slot.checked_sub(1) else {
+                continue;
+            };
+            if start + self.blocks[number as usize].halfwords > halfword {
+                *slot = 0;
+                self.remove(number);
+            }
+        }
+    }
+
+    fn remove(&mut self, number: u32) {
+        self.invalidate_region(self.blocks[number as usize].jit.region);
+        let block = &mut self.blocks[number as usize];
+        block.key = NO_KEY;
+        block.ops = Box::default();
+        self.free.push(number);
+    }
+
+    /// Invalidates the code of a region; its blocks stay.
+    fn invalidate_region(&mut self, region: u32) {
+        let numbers = self.regions.get_mut(region as usize).map(std::mem::take);
+        for number in numbers.unwrap_or_default() {
+            if let Some(block) = self.blocks.get_mut(number as usize) {
+                let halfword = block.jit.halfword;
+                block.jit = JitState::cold(halfword);
+                if let Some(jit) = &mut self.jit {
+                    jit.invalidate(halfword);
+                }
+            }
+        }
+    }
+
+    /// Invalidates all JIT code; the blocks stay.
+    pub(super) fn invalidate_code(&mut self) {
+        self.regions.clear();
+        self.pending_regions = 0;
+        for block in &mut self.blocks {
+            block.jit = JitState::cold(block.jit.halfword);
+        }
+        if let Some(jit) = &mut self.jit {
+            jit.invalidate_all();
+        }
+    }
+
+    /// Number of the block that begins at `key`; it is translated if it is not in the cache.
+    #[inline(always)]
+    pub(super) fn find_or_translate(
+        &mut self,
+        bus: &mut B,
+        key: u32,
+        place: CodePlace,
+    ) -> Option<u32> {
+        let slot = self.starts[place.halfword as usize];
+        if let Some(block) = self.blocks.get(slot.wrapping_sub(1) as usize) {
+            if block.key == key {
+                return Some(slot - 1);
+            }
+        }
+        self.translate(bus, key, place, slot)
+    }
+
+    /// Translates the block at `key` and replaces the one that began there.
+    #[inline(never)]
+    fn translate(&mut self, bus: &mut B, key: u32, place: CodePlace, slot: u32) -> Option<u32> {
+        let block = translate(bus, key, place)?;
+        if let Some(number) = slot.checked_sub(1) {
+            self.starts[place.halfword as usize] = 0;
+            self.remove(number);
+        }
+        let number = self.insert(block);
+        self.starts[place.halfword as usize] = number + 1;
+        Some(number)
+    }
+
+    fn insert(&mut self, block: Block<B>) -> u32 {
+        if let Some(number) = self.free.pop() {
+            self.blocks[number as usize] = block;
+            return number;
+        }
+        if self.blocks.len() >= BLOCKS_MAX {
+            self.invalidate_all();
+        }
+        self.blocks.push(block);
+        self.blocks.len() as u32 - 1
+    }
+
+    /// Has the reference engine had to execute the block's first instruction again and again? Now
+    /// and then the block is tried all the same.
+    #[inline(always)]
+    pub(super) fn is_likely_refused(&mut self, number: u32) -> bool {
+        let Some(block) = self.blocks.get_mut(number as usize) else {
+            return true;
+        };
+        if block.refusals < REFUSALS_LIKELY {
+            return false;
+        }
+        block.refusals = block.refusals.wrapping_add(1);
+        block.refusals != 0
+    }
+
+    #[inline(always)]
+    pub(super) fn note_refusal(&mut self, number: u32, refused: bool) {
+        if let Some(block) = self.blocks.get_mut(number as usize) {
+            block.refusals = if refused { block.refusals + 1 } else { 0 };
+        }
+    }
+
+    /// The block at `key`, as the successor of block `from` from now on. None outside
+    /// of this memory.
+    #[inline(never)]
+    pub(super) fn successor(
+        &mut self,
+        bus: &mut B,
+        from: u32,
+        key: u32,
+        memory: u8,
+    ) -> Option<u32> {
+        let place = bus.code_place(key & !1)?;
+        if place.memory != memory {
+            return None;
+        }
+        let number = self.find_or_translate(bus, key, place)?;
+        if let Some(block) = self.blocks.get_mut(from as usize) {
+            block.links = [(key, number), block.links[0]];
+        }
+        Some(number)
+    }
+
+    /// Does this number still stand for the block at `key`?
+    #[inline(always)]
+    pub(super) fn is_valid(&self, number: u32, key: u32) -> bool {
+        self.blocks
+            .get(number as usize)
+            .is_some_and(|block| block.key == key)
+    }
+
+    /// Number of the block at `key`, if it is in the cache.
+    pub(super) fn find(&self, bus: &B, key: u32) -> Option<u32> {
+        let place = bus.code_place(key & !1)?;
+        let number = self.starts.get(place.halfword as usize)?.checked_sub(1)?;
+        self.is_valid(number, key).then_some(number)
+    }
+}

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The slow path of loads and stores: accesses through the bus. Each ends its block, since
+//! afterwards anything can be due.
+
+use super::encoding::{extended, width, WRITE_BACK};
+use super::run::{opcodes, size_of, End, Op, Run};
+use crate::blocks::bus::{BlockBus, BusAccess};
+use crate::bus::{Cycle, Width};
+
+/// A load that only the bus can make.
+#[cold]
+#[inline(never)]
+pub(in crate::blocks) fn load<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    item: u8,
+    (at, moved): (u32, u32),
+) {
+    if !run.begin_access(op, at, width(item), false) {
+        return;
+    }
+    let loaded = run.bus.read(at, width(item), Cycle::Nonsequential);
+    if op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    run.bus.internal(1);
+    match loaded {
+        Ok(value) => run.set(op.destination, extended(item, value)),
+        Err(_) => run.end = End::Aborted,
+    }
+}
+
+/// A store that only the bus can make.
+#[cold]
+#[inline(never)]
+pub(in crate::blocks) fn store<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    item: u8,
+    (at, moved): (u32, u32),
+) {
+    let value = run.get(op.destination);
+    if !run.begin_access(op, at, width(item), true) {
+        return;
+    }
+    let stored = run.bus.write(at, width(item), value, Cycle::Nonsequential);
+    run.state.after_store = op.address;
+    if op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    if stored.is_err() {
+        run.end = End::Aborted;
+    }
+}
+
+impl<B: BlockBus> Run<'_, B> {
+    /// Time and pipeline as they are when the access of this instruction begins; false when the
+    /// reference engine must make it, and the block has ended before it.
+    #[inline(always)]
+    fn begin_access(&mut self, op: &Op<B>, address: u32, width: Width, write: bool) -> bool {
+        let passed = self.state.cycles + u32::from(op.through);
+        let access = self.bus.access_between(address, width, write, passed);
+        if access == BusAccess::Refused {
+            self.exit_before(op);
+            return false;
+        }
+        let (state, size) = (self.state.next & 1, size_of(self.state.next));
+        self.state.next = op.address.wrapping_add(size) | state;
+        if access == BusAccess::ChangesMemory {
+            self.fetched = Some(opcodes(self.bus, self.state.next));
+        }
+        self.bus.continue_at(op.address.wrapping_add(3 * size));
+        self.bus.pass(passed);
+        self.state.cycles = 0;
+        self.ran = true;
+        self.end = End::Accessed;
+        true
+    }
+}

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Loads and stores. An access that is not plain goes through the bus, or the block is left before
+//! the instruction has changed anything.
+
+use super::encoding::*;
+use super::run::{run_next, size_of, Handler, Op, Rest, Run};
+use super::slow_path;
+use crate::alu::shift_by_constant;
+use crate::blocks::bus::{BlockBus, PlainRead, PlainWords};
+use crate::bus::Width;
+
+/// Address of the access and, in general addressing, the moved base.
+#[inline(always)]
+fn address<B: BlockBus, const ADDRESSING: u8>(run: &Run<'_, B>, op: &Op<B>) -> (u32, u32) {
+    match ADDRESSING {
+        FIXED => (op.value, 0),
+        OFFSET => (run.get(op.first).wrapping_add(op.value), 0),
+        INDEXED => {
+            let offset = run.get(op.second) << (op.amount & 31);
+            (run.get(op.first).wrapping_add(offset), 0)
+        }
+        RELATIVE => {
+            let offset = run.get(op.second) << (op.amount & 31);
+            (op.value.wrapping_add(offset), 0)
+        }
+        _ => {
+            let offset = if op.mode & REGISTER_OFFSET == 0 {
+                op.value
+            } else {
+                let (kind, amount) = (u32::from(op.mode >> SHIFT), u32::from(op.amount));
+                shift_by_constant(kind, run.get(op.second), amount, run.state.carry != 0).value
+            };
+            let base = run.get(op.first);
+            let moved = if op.mode & UP != 0 {
+                base.wrapping_add(offset)
+            } else {
+                base.wrapping_sub(offset)
+            };
+            let used = if op.mode & BEFORE != 0 { moved } else { base };
+            (used, moved)
+        }
+    }
+}
+
+fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: Rest<'_, B>,
+) {
+    let (at, moved) = address::<B, ADDRESSING>(run, op);
+    let Some(value) = run.bus.ram_read(at, width(ITEM)) else {
+        return load_outside_ram(run, op, rest, ITEM, (at, moved));
+    };
+    run.state.cycles += u32::from(op.cycles);
+    if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    run.set(op.destination, extended(ITEM, value));
+    run_next(run, rest);
+}
+
+/// A load that is not from RAM.
+#[inline(never)]
+fn load_outside_ram<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: Rest<'_, B>,
+    item: u8,
+    (at, moved): (u32, u32),
+) {
+    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(item)) else {
+        return slow_path::load(run, op, item, (at, moved));
+    };
+    run.state.cycles += cycles + 1;
+    if op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    run.set(op.destination, extended(item, value));
+    run_next(run, rest);
+}
+
+fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: Rest<'_, B>,
+) {
+    let (at, moved) = address::<B, ADDRESSING>(run, op);
+    let value = run.get(op.destination);
+    if !run.bus.ram_write(at, width(ITEM), value) {
+        return slow_path::store(run, op, ITEM, (at, moved));
+    }
+    run.state.cycles += u32::from(op.cycles);
+    run.state.after_store = op.address;
+    if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+    run_next(run, rest);
+}
+
+/// LDR to r15: a branch in ARM state.
+fn load_branch<B: BlockBus, const ADDRESSING: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    _rest: Rest<'_, B>,
+) {
+    let (at, moved) = address::<B, ADDRESSING>(run, op);
+    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, Width::Word) else {
+        return run.exit_before(op);
+    };
+    if !run.branch_to(op, value & !3) {
+        return run.exit_before(op);
+    }
+    run.state.cycles += cycles + 1;
+    if op.mode & WRITE_BACK != 0 {
+        run.set(op.first, moved);
+    }
+}
+
+/// The handler of a load to r15.
+pub(in crate::blocks) const fn load_branch_handler<B: BlockBus>(addressing: u8) -> Handler<B> {
+    match addressing {
+        FIXED => load_branch::<B, FIXED>,
+        OFFSET => load_branch::<B, OFFSET>,
+        INDEXED => load_branch::<B, INDEXED>,
+        RELATIVE => load_branch::<B, RELATIVE>,
+        _ => load_branch::<B, GENERAL>,
+    }
+}
+
+const fn load_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
+    match addressing {
+        RELATIVE => load::<B, ITEM, RELATIVE>,
+        FIXED => load::<B, ITEM, FIXED>,
+        OFFSET => load::<B, ITEM, OFFSET>,
+        INDEXED => load::<B, ITEM, INDEXED>,
+        _ => load::<B, ITEM, GENERAL>,
+    }
+}
+
+const fn store_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
+    match addressing {
+        RELATIVE => store::<B, ITEM, RELATIVE>,
+        FIXED => store::<B, ITEM, FIXED>,
+        OFFSET => store::<B, ITEM, OFFSET>,
+        INDEXED => store::<B, ITEM, INDEXED>,
+        _ => store::<B, ITEM, GENERAL>,
+    }
+}
+
+/// The handler of a single load.
+pub(in crate::blocks) const fn load_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
+    match item {
+        WORD => load_item::<B, WORD>(addressing),
+        BYTE => load_item::<B, BYTE>(addressing),
+        HALFWORD => load_item::<B, HALFWORD>(addressing),
+        SIGNED_BYTE => load_item::<B, SIGNED_BYTE>(addressing),
+        _ => load_item::<B, SIGNED_HALFWORD>(addressing),
+    }
+}
+
+/// The handler of a single store.
+pub(in crate::blocks) const fn store_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
+    match item {
+        WORD => store_item::<B, WORD>(addressing),
+        BYTE => store_item::<B, BYTE>(addressing),
+        _ => store_item::<B, HALFWORD>(addressing),
+    }
+}
+
+/// First address of a multiple transfer and the moved base.
+#[inline(always)]
+fn block_address<B: BlockBus>(run: &Run<'_, B>, op: &Op<B>) -> (u32, u32) {
+    let base = run.get(op.first);
+    let start = (op.value << 8) as i32 >> 24;
+    let moved = op.value as i32 >> 24;
+    (
+        base.wrapping_add(start as u32),
+        base.wrapping_add(moved as u32),
+    )
+}
+
+/// The end of a multiple load.
+pub(in crate::blocks) const FALLS_THROUGH: u8 = 0;
+/// r15 is in the list.
+pub(in crate::blocks) const BRANCHES: u8 = 1;
+/// r15 is in the list, and CPSR is restored.
+pub(in crate::blocks) const RETURNS: u8 = 2;
+
+/// LDM.
+pub(in crate::blocks) fn load_block<B: BlockBus, const FINISH: u8>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: Rest<'_, B>,
+) {
+    let (at, moved) = block_address(run, op);
+    let count = u32::from(op.amount);
+    if FINISH != FALLS_THROUGH {
+        let plain = run.bus.plain_words(at, count);
+        let Some(&last) = plain.and_then(|plain| plain.words.last()) else {
+            return run.exit_before(op);
+        };
+        let size = size_of(run.state.next);
+        let branched = if FINISH == RETURNS {
+            run.return_to(op, last)
+        } else {
+            run.branch_to(op, last & !(size - 1) | run.state.next & 1)
+        };
+        if !branched {
+            return run.exit_before(op);
+        }
+    }
+    let Some(PlainWords { words, cycles }) = run.bus.plain_words(at, count) else {
+        return run.exit_before(op);
+    };
+    run.state.cycles += 1 + count * cycles;
+    run.state.registers[op.first as usize] = moved;
+    let mut list = op.value & 0xFFFF;
+    for &word in words {
+        run.state.registers[(list.trailing_zeros() & 15) as usize] = word;
+        list &= list.wrapping_sub(1);
+    }
+    match FINISH {
+        FALLS_THROUGH => run_next(run, rest),
+        RETURNS => run.restore_status(),
+        _ => {}
+    }
+}
+
+/// STM.
+pub(in crate::blocks) fn store_block<B: BlockBus>(
+    run: &mut Run<'_, B>,
+    op: &Op<B>,
+    rest: Rest<'_, B>,
+) {
+    let (at, moved) = block_address(run, op);
+    let count = u32::from(op.amount);
+    let Some(PlainWords { words, cycles }) = run.bus.plain_words_mut(at, count) else {
+        return run.exit_before(op);
+    };
+    let mut list = op.value & 0xFFFF;
+    let mut words = words.iter_mut();
+    if let Some(word) = words.next() {
+        *word = run.state.registers[(list.trailing_zeros() & 15) as usize];
+        list &= list.wrapping_sub(1);
+    }
+    run.state.registers[op.first as usize] = moved;
+    for word in words {
+        *word = run.state.registers[(list.trailing_zeros() & 15) as usize];
+        list &= list.wrapping_sub(1);
+    }
+    run.state.cycles += count * cycles;
+    run.state.after_store = op.address;
+    run_next(run, rest);
+}

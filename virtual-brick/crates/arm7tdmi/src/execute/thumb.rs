@@ -1,0 +1,372 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Thumb state: handlers of the formats, arithmetic and branches.
+
+use super::fetch::Handler;
+use super::thumb_transfer::{
+    load_relative, multiple, push_pop, transfer_constant, transfer_register, transfer_stack,
+    HALFWORD_CONSTANT,
+};
+use crate::alu::{add, shift_by_constant, shift_by_register, Shifted};
+use crate::bus::Bus;
+use crate::cost::signed_cycles;
+use crate::cpu::{Cpu, Step};
+use crate::decode::format::{thumb_format, ConstantOperation, ThumbFormat};
+
+struct Decoder<B>(std::marker::PhantomData<B>);
+
+impl<B: Bus> Decoder<B> {
+    /// Handlers by bits 15:6.
+    const TABLE: [Handler<B>; 1024] = {
+        let mut table = [undefined as Handler<B>; 1024];
+        let mut index = 0;
+        while index < 1024 {
+            table[index] = handler(index as u32);
+            index += 1;
+        }
+        table
+    };
+}
+
+impl Cpu {
+    /// One Thumb instruction: fetch ahead, execute.
+    #[inline]
+    pub(super) fn execute_thumb<B: Bus>(&mut self, bus: &mut B) -> Step {
+        let opcode = self.fetch_ahead_thumb(bus);
+        let handler = (&Decoder::<B>::TABLE)[((opcode >> 6) & 0x3FF) as usize];
+        handler(self, bus, opcode)
+    }
+
+    /// A register in the three bits of `opcode` from `position` up.
+    #[inline(always)]
+    pub(super) fn low_register(&self, opcode: u32, position: u32) -> u32 {
+        self.registers.get((opcode >> position) & 7)
+    }
+}
+
+/// The handler of the format that an index of the table encodes.
+const fn handler<B: Bus>(index: u32) -> Handler<B> {
+    match thumb_format(index) {
+        ThumbFormat::Shift(kind) => shift_handler(kind),
+        ThumbFormat::AddSubtract { constant, minus } => match (constant, minus) {
+            (false, false) => add_subtract::<B, false, false>,
+            (false, true) => add_subtract::<B, false, true>,
+            (true, false) => add_subtract::<B, true, false>,
+            (true, true) => add_subtract::<B, true, true>,
+        },
+        ThumbFormat::Constant(operation) => match operation {
+            ConstantOperation::Move => constant::<B, MOVE>,
+            ConstantOperation::Compare => constant::<B, COMPARE>,
+            ConstantOperation::Add => constant::<B, ADD>,
+            ConstantOperation::Subtract => constant::<B, SUBTRACT>,
+        },
+        ThumbFormat::Register(operation) => register_handler(operation),
+        ThumbFormat::HighRegister(operation) => match operation {
+            ConstantOperation::Add => high_register::<B, ADD>,
+            ConstantOperation::Compare => high_register::<B, COMPARE>,
+            _ => high_register::<B, MOVE>,
+        },
+        ThumbFormat::BranchExchange => branch_and_exchange,
+        ThumbFormat::LoadRelative => load_relative,
+        ThumbFormat::TransferRegister(kind) => transfer_register_handler(kind),
+        ThumbFormat::TransferConstant(kind) => transfer_constant_handler(kind),
+        ThumbFormat::TransferStack { load: false } => transfer_stack::<B, false>,
+        ThumbFormat::TransferStack { load: true } => transfer_stack::<B, true>,
+        ThumbFormat::LoadAddress { stack: false } => load_address::<B, 15>,
+        ThumbFormat::LoadAddress { stack: true } => load_address::<B, 13>,
+        ThumbFormat::AddToStackPointer => add_to_stack_pointer,
+        ThumbFormat::PushPop { load: false } => push_pop::<B, false>,
+        ThumbFormat::PushPop { load: true } => push_pop::<B, true>,
+        ThumbFormat::Multiple { load: false } => multiple::<B, false>,
+        ThumbFormat::Multiple { load: true } => multiple::<B, true>,
+        ThumbFormat::ConditionalBranch => conditional_branch,
+        ThumbFormat::SoftwareInterrupt => software_interrupt,
+        ThumbFormat::Branch => branch,
+        ThumbFormat::LongBranchPrefix => long_branch_prefix,
+        ThumbFormat::LongBranchSuffix => long_branch_suffix,
+        ThumbFormat::Undefined => undefined,
+    }
+}
+
+const fn shift_handler<B: Bus>(kind: u32) -> Handler<B> {
+    match kind {
+        0 => shift::<B, 0>,
+        1 => shift::<B, 1>,
+        _ => shift::<B, 2>,
+    }
+}
+
+/// Format 4, by bits 9:6.
+const fn register_handler<B: Bus>(operation: u32) -> Handler<B> {
+    match operation {
+        0x0 => logical::<B, AND>,
+        0x1 => logical::<B, EOR>,
+        0x2 => shift_register::<B, 0>,
+        0x3 => shift_register::<B, 1>,
+        0x4 => shift_register::<B, 2>,
+        0x5 => arithmetic::<B, ADC>,
+        0x6 => arithmetic::<B, SBC>,
+        0x7 => shift_register::<B, 3>,
+        0x8 => logical::<B, TST>,
+        0x9 => arithmetic::<B, NEG>,
+        0xA => arithmetic::<B, CMP>,
+        0xB => arithmetic::<B, CMN>,
+        0xC => logical::<B, ORR>,
+        0xD => multiply,
+        0xE => logical::<B, BIC>,
+        _ => logical::<B, MVN>,
+    }
+}
+
+/// Formats 7 and 8, by bits 11:9.
+const fn transfer_register_handler<B: Bus>(kind: u32) -> Handler<B> {
+    match kind {
+        0 => transfer_register::<B, 0>,
+        1 => transfer_register::<B, 1>,
+        2 => transfer_register::<B, 2>,
+        3 => transfer_register::<B, 3>,
+        4 => transfer_register::<B, 4>,
+        5 => transfer_register::<B, 5>,
+        6 => transfer_register::<B, 6>,
+        _ => transfer_register::<B, 7>,
+    }
+}
+
+/// Formats 9 and 10: twice the width (word, byte, halfword), plus one for a load.
+const fn transfer_constant_handler<B: Bus>(kind: u32) -> Handler<B> {
+    match kind {
+        0 => transfer_constant::<B, 0b00>,
+        1 => transfer_constant::<B, 0b01>,
+        2 => transfer_constant::<B, 0b10>,
+        3 => transfer_constant::<B, 0b11>,
+        4 => transfer_constant::<B, HALFWORD_CONSTANT>,
+        _ => transfer_constant::<B, { HALFWORD_CONSTANT + 1 }>,
+    }
+}
+
+/// Format 1: LSL, LSR, ASR by a constant.
+fn shift<B: Bus, const KIND: u32>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let value = cpu.low_register(opcode, 3);
+    let Shifted { value, carry } =
+        shift_by_constant(KIND, value, (opcode >> 6) & 0x1F, cpu.carry());
+    cpu.registers.set(opcode & 7, value);
+    cpu.set_nzc(value, carry);
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+/// Format 2: ADD and SUB of a register or a 3-bit constant.
+fn add_subtract<B: Bus, const CONSTANT: bool, const MINUS: bool>(
+    cpu: &mut Cpu,
+    _bus: &mut B,
+    opcode: u32,
+) -> Step {
+    let b = if CONSTANT {
+        (opcode >> 6) & 7
+    } else {
+        cpu.low_register(opcode, 6)
+    };
+    let a = cpu.low_register(opcode, 3);
+    let sum = if MINUS {
+        add(a, !b, true)
+    } else {
+        add(a, b, false)
+    };
+    cpu.registers.set(opcode & 7, sum.value);
+    cpu.set_nzcv(sum);
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+const MOVE: u8 = 0;
+const COMPARE: u8 = 1;
+const ADD: u8 = 2;
+const SUBTRACT: u8 = 3;
+
+/// Format 3: MOV, CMP, ADD, SUB with an 8-bit constant.
+fn constant<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let register = (opcode >> 8) & 7;
+    let (a, b) = (cpu.registers.get(register), opcode & 0xFF);
+    cpu.advance_thumb();
+    if OPERATION == MOVE {
+        cpu.set_nz(b);
+        cpu.registers.set(register, b);
+        return Step::Instruction;
+    }
+    let sum = if OPERATION == ADD {
+        add(a, b, false)
+    } else {
+        add(a, !b, true)
+    };
+    cpu.set_nzcv(sum);
+    if OPERATION != COMPARE {
+        cpu.registers.set(register, sum.value);
+    }
+    Step::Instruction
+}
+
+const AND: u8 = 0;
+const EOR: u8 = 1;
+const TST: u8 = 2;
+const ORR: u8 = 3;
+const BIC: u8 = 4;
+const MVN: u8 = 5;
+
+/// Format 4: operations that leave C and V alone.
+fn logical<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let (a, b) = (cpu.low_register(opcode, 0), cpu.low_register(opcode, 3));
+    let value = match OPERATION {
+        AND | TST => a & b,
+        EOR => a ^ b,
+        ORR => a | b,
+        BIC => a & !b,
+        _ => !b,
+    };
+    cpu.set_nz(value);
+    if OPERATION != TST {
+        cpu.registers.set(opcode & 7, value);
+    }
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+const ADC: u8 = 0;
+const SBC: u8 = 1;
+const NEG: u8 = 2;
+const CMP: u8 = 3;
+const CMN: u8 = 4;
+
+/// Format 4: operations of the adder.
+fn arithmetic<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let (a, b) = (cpu.low_register(opcode, 0), cpu.low_register(opcode, 3));
+    let sum = match OPERATION {
+        ADC => add(a, b, cpu.carry()),
+        SBC => add(a, !b, cpu.carry()),
+        NEG => add(0, !b, true),
+        CMP => add(a, !b, true),
+        _ => add(a, b, false),
+    };
+    cpu.set_nzcv(sum);
+    if matches!(OPERATION, ADC | SBC | NEG) {
+        cpu.registers.set(opcode & 7, sum.value);
+    }
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+/// Format 4: shifts by a register, S + I.
+fn shift_register<B: Bus, const KIND: u32>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    bus.internal(1);
+    let (value, amount) = (cpu.low_register(opcode, 0), cpu.low_register(opcode, 3));
+    let Shifted { value, carry } = shift_by_register(KIND, value, amount & 0xFF, cpu.carry());
+    cpu.registers.set(opcode & 7, value);
+    cpu.set_nzc(value, carry);
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+/// Format 4: MUL, whose multiplier is the old destination. C and V keep their values.
+fn multiply<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    let multiplier = cpu.low_register(opcode, 0);
+    let value = multiplier.wrapping_mul(cpu.low_register(opcode, 3));
+    bus.internal(signed_cycles(multiplier));
+    cpu.registers.set(opcode & 7, value);
+    cpu.set_nz(value);
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+/// Format 5: ADD, CMP, MOV between any registers; only CMP sets flags.
+fn high_register<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    let destination = (opcode & 7) | ((opcode >> 4) & 8);
+    let (a, b) = (
+        cpu.registers.get(destination),
+        cpu.registers.get(opcode >> 3),
+    );
+    cpu.advance_thumb();
+    match OPERATION {
+        ADD => cpu.write_result(bus, destination, a.wrapping_add(b)),
+        MOVE => cpu.write_result(bus, destination, b),
+        _ => {
+            cpu.set_nzcv(add(a, !b, true));
+            Step::Instruction
+        }
+    }
+}
+
+/// Format 5: BX.
+fn branch_and_exchange<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    let target = cpu.registers.get(opcode >> 3);
+    cpu.exchange(bus, target);
+    Step::Instruction
+}
+
+/// Format 12: ADD Rd, PC (as a word address) or SP.
+fn load_address<B: Bus, const BASE: u32>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let base = match BASE {
+        15 => cpu.registers.pc() & !3,
+        _ => cpu.registers.get(BASE),
+    };
+    let value = base.wrapping_add(4 * (opcode & 0xFF));
+    cpu.registers.set((opcode >> 8) & 7, value);
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+/// Format 13: ADD SP, plus or minus a word offset.
+fn add_to_stack_pointer<B: Bus>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let (pointer, offset) = (cpu.registers.get(13), 4 * (opcode & 0x7F));
+    let moved = if opcode & 0x80 == 0 {
+        pointer.wrapping_add(offset)
+    } else {
+        pointer.wrapping_sub(offset)
+    };
+    cpu.registers.set(13, moved);
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+/// Format 16: 2S + N when taken, else S.
+fn conditional_branch<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    if cpu.condition_passes(opcode >> 8) {
+        let offset = (i32::from(opcode as u8 as i8) << 1) as u32;
+        cpu.branch_thumb(bus, cpu.registers.pc().wrapping_add(offset));
+    } else {
+        cpu.advance_thumb();
+    }
+    Step::Instruction
+}
+
+/// Format 17.
+fn software_interrupt<B: Bus>(cpu: &mut Cpu, bus: &mut B, _opcode: u32) -> Step {
+    cpu.enter_software_interrupt(bus)
+}
+
+/// Format 18.
+fn branch<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    let offset = ((opcode << 21) as i32 >> 20) as u32;
+    cpu.branch_thumb(bus, cpu.registers.pc().wrapping_add(offset));
+    Step::Instruction
+}
+
+/// Format 19, first half: the upper part of the offset goes to LR.
+fn long_branch_prefix<B: Bus>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+    let offset = ((opcode << 21) as i32 >> 9) as u32;
+    let partial = cpu.registers.pc().wrapping_add(offset);
+    cpu.registers.set(14, partial);
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
+/// Format 19, second half: branch, with the return address and bit 0 set in LR.
+fn long_branch_suffix<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
+    let target = cpu.registers.get(14).wrapping_add(2 * (opcode & 0x7FF));
+    let following = cpu.registers.pc().wrapping_sub(2);
+    cpu.registers.set(14, following | 1);
+    cpu.branch_thumb(bus, target);
+    Step::Instruction
+}
+
+fn undefined<B: Bus>(cpu: &mut Cpu, bus: &mut B, _opcode: u32) -> Step {
+    cpu.enter_undefined(bus)
+}
