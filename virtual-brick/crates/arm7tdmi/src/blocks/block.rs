@@ -86,13 +86,14 @@ impl<B: BlockBus> Block<B> {
             let left = limit - start_cycles + worst;
             let (part, behind) =
                 rest.split_at(rest.partition_point(|op| u32::from(op.worst) <= left));
-            if part.is_empty() {
+            let mut ops = part.iter();
+            let Some(op) = ops.next() else {
                 run.state.cycles = start_cycles;
                 run.state.next = next.address | state;
                 return false;
-            }
+            };
             run.state.next = NO_TARGET | state;
-            run.execute(part);
+            (op.handler)(run, op, ops);
             if run.state.next != NO_TARGET | state {
                 return true;
             }

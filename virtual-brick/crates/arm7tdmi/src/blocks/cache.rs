@@ -245,9 +245,8 @@ impl<B: BlockBus> Blocks<B> {
     /// Does this number still stand for the block at `key`?
     #[inline(always)]
     pub(super) fn is_valid(&self, number: u32, key: u32) -> bool {
-        self.blocks
-            .get(number as usize)
-            .is_some_and(|block| block.key == key)
+        let block = self.blocks.get(number as usize);
+        block.is_some_and(|block| block.key == key)
     }
 
     /// Number of the block at `key`, if it is in the cache.

@@ -250,14 +250,14 @@ fn execute<B: BlockBus>(
                 None => return,
             }
         }
-        if blocks.is_valid(link, run.state.next) {
-            number = link;
-            continue;
-        }
-        match blocks.successor(run.bus, number, run.state.next, run.memory) {
-            Some(found) => number = found,
-            None => return,
-        }
+        number = if blocks.is_valid(link, run.state.next) {
+            link
+        } else {
+            match blocks.successor(run.bus, number, run.state.next, run.memory) {
+                Some(found) => found,
+                None => return,
+            }
+        };
     }
 }
 

@@ -19,6 +19,8 @@ mod jit;
 mod operations;
 mod region;
 mod state;
+#[cfg(test)]
+mod tests;
 mod translate;
 
 pub use bus::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords, RamView};

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What one run of blocks executes, and where it stops.
+
+use super::machine::{assert_as_reference, branch, program, DEVICE, NOP, START};
+use crate::blocks::Blocks;
+use crate::instruction::ALWAYS;
+
+const COUNT: u32 = 0xE282_2001; // add r2, r2, #1
+
+#[test]
+fn only_the_part_of_a_block_that_ends_before_the_event_runs() {
+    let opcodes = [
+        COUNT,
+        COUNT,
+        COUNT,
+        COUNT,
+        branch(ALWAYS, START + 16, START),
+    ];
+    let (mut cpu, mut machine) = program(&opcodes);
+    machine.event = machine.now + 3;
+    let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), u64::MAX, 1);
+    assert!(run.ran);
+    assert_eq!((cpu.register(2), machine.now), (3, machine.event));
+    assert_as_reference(&opcodes, &cpu, &machine);
+}
+
+#[test]
+fn an_idle_loop_passes_in_whole_iterations() {
+    let opcodes = [branch(ALWAYS, START, START)];
+    let (mut cpu, mut machine) = program(&opcodes);
+    machine.event = machine.now + 3_000_001;
+    let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), u64::MAX, 1);
+    // With interrupts masked, the reference engine sees that the program has ended.
+    assert!(!run.ran);
+    cpu.set_cpsr(0x1F);
+    let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), u64::MAX, 1);
+    assert!(run.branched_to_itself);
+    assert!(machine.event - machine.now < 3);
+}
+
+#[test]
+fn the_bus_knows_the_time_of_an_access_that_it_makes() {
+    let opcodes = [COUNT, 0xE591_0000, COUNT, branch(ALWAYS, START + 12, START)]; // ldr r0, [r1]
+    let (mut cpu, mut machine) = program(&opcodes);
+    cpu.set_register(1, DEVICE);
+    let start = machine.now;
+    let limit = start + 5;
+    let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), limit, 1);
+    assert_eq!(u64::from(cpu.register(0)), start + 3);
+    assert_eq!(run.accessed, None, "the block behind the access ran, too");
+    assert_eq!(cpu.register(2), 2);
+}
+
+#[test]
+fn an_access_that_brings_an_event_near_ends_the_run() {
+    let opcodes = [0xE581_0000, COUNT, NOP, branch(ALWAYS, START + 12, START)]; // str r0, [r1]
+    let (mut cpu, mut machine) = program(&opcodes);
+    cpu.set_register(1, DEVICE);
+    cpu.set_register(0, machine.now as u32);
+    let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), u64::MAX, 1);
+    assert_eq!((run.accessed, cpu.register(2)), (Some(START), 0));
+}
+
+#[test]
+fn a_block_that_is_refused_again_and_again_is_rarely_tried() {
+    let (mut cpu, mut machine) = program(&[0xEF00_0000]); // swi
+    let mut blocks = Blocks::default();
+    for _ in 0..4 {
+        assert!(!cpu.run_blocks(&mut machine, &mut blocks, u64::MAX, 1).ran);
+        assert_eq!(blocks.entries, blocks.blocks[0].refusals.into());
+    }
+    cpu.run_blocks(&mut machine, &mut blocks, u64::MAX, 1);
+    assert_eq!(blocks.entries, 4);
+}

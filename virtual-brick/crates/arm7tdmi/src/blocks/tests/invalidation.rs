@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Which blocks are invalid after a change of memory.
+
+use super::machine::{assert_as_reference, branch, program, run_until, store, START};
+use crate::blocks::Blocks;
+use crate::instruction::ALWAYS;
+
+const COUNT: u32 = 0xE282_2001; // add r2, r2, #1
+const SECOND: u32 = START + 12;
+
+/// Two blocks that lead to each other.
+fn opcodes() -> [u32; 5] {
+    let (to_second, to_first) = (
+        branch(ALWAYS, START + 8, SECOND),
+        branch(ALWAYS, SECOND + 4, START),
+    );
+    [COUNT, COUNT, to_second, COUNT, to_first]
+}
+
+#[test]
+fn a_store_to_code_invalidates_only_the_blocks_that_cover_it() {
+    let (mut cpu, mut machine) = program(&opcodes());
+    let mut blocks = Blocks::default();
+    run_until(&mut cpu, &mut machine, &mut blocks, 100);
+    let first = blocks.find(&machine, START).unwrap();
+    assert!(blocks.find(&machine, SECOND).is_some());
+    // The same opcode again is a change, too.
+    store(&mut machine, SECOND, COUNT);
+    blocks.update(&mut machine);
+    assert_eq!(blocks.find(&machine, SECOND), None);
+    assert_eq!(blocks.find(&machine, START), Some(first));
+}
+
+#[test]
+fn the_run_continues_with_the_changed_code() {
+    let opcodes = [
+        0xE59F_000C, // ldr r0, [pc, #12]: the last word
+        0xE58F_0000, // str r0, [pc]: two instructions ahead, already fetched
+        COUNT,
+        COUNT,
+        branch(ALWAYS, START + 16, START),
+        0xE282_2010, // add r2, r2, #16
+    ];
+    let (mut cpu, mut machine) = program(&opcodes);
+    run_until(&mut cpu, &mut machine, &mut Blocks::default(), 200);
+    assert_as_reference(&opcodes, &cpu, &machine);
+    assert!(cpu.register(2) > 16);
+}
+
+#[test]
+fn a_new_epoch_invalidates_all_blocks() {
+    let (mut cpu, mut machine) = program(&opcodes());
+    let mut blocks = Blocks::default();
+    run_until(&mut cpu, &mut machine, &mut blocks, 100);
+    machine.epoch += 1;
+    blocks.update(&mut machine);
+    assert!(blocks.blocks.is_empty());
+}
