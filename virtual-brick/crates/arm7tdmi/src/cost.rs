@@ -114,7 +114,8 @@ impl MultiplyKind {
     }
 }
 
-/// Cycles of the multiplier array, which takes 8 bits per cycle, when leading ones end it early as leading zeros do.
+/// Cycles of the multiplier array, which takes 8 bits per cycle, when leading ones end it early as
+/// leading zeros do.
 #[inline]
 pub(crate) const fn signed_cycles(multiplier: u32) -> u32 {
     let leading = if multiplier >> 31 == 0 {

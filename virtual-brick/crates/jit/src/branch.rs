@@ -43,8 +43,8 @@ impl Function<'_> {
         self.ended = true;
     }
 
-    /// The entry of a target, whose bit 0 tells Thumb state. Takes a side exit if there is none, or if
-    /// the target is the branch itself or where its fetches continue.
+    /// The entry of a target, whose bit 0 tells Thumb state. Takes a side exit if there is none, or
+    /// if the target is the branch itself or where its fetches continue.
     pub fn entry_of(&mut self, target: Value) -> Value {
         let shifted = self.ins().ishl_imm(target, i64::from(ENTRY_SHIFT - 1));
         let mask = i64::from(self.table.window.mask << ENTRY_SHIFT);

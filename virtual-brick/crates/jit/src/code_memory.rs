@@ -4,11 +4,11 @@
 //!
 //! Why the calls are sound:
 //!
-//! - The code called was compiled by this crate's [compiler](crate::compiler) for this signature and
-//!   names no address of its own, is finished before its address is known to anybody, and lies in
-//!   memory that is freed only with the [`CodeMemory`], which is borrowed during the call.
-//!   [`CodeAddress`] cannot be made elsewhere, and [`CodeMemory::clear`] is called together with the
-//!   removal of all entries that name code.
+//! - The code called was compiled by this crate's [compiler](crate::compiler) for this signature
+//!   and names no address of its own, is finished before its address is used, and lies in memory
+//!   that is freed only with the [`CodeMemory`], which is borrowed during the call.
+//!   [`CodeAddress`] cannot be made elsewhere, and [`CodeMemory::clear`] is called together with
+//!   the removal of all entries that name code.
 //! - It accesses four things: the state, which is borrowed mutably and has a fixed layout; the
 //!   words of RAM, borrowed mutably, and their marks, borrowed, both of the length that is
 //!   compared before each call with the length the code was compiled for, and with each offset

@@ -153,8 +153,8 @@ impl Function<'_> {
         offset
     }
 
-    /// Index of the known range that covers an access around a base and those behind it. Takes a side
-    /// exit unless all bytes are in RAM.
+    /// Index of the known range that covers an access around a base and those behind it. Takes a
+    /// side exit unless all bytes are in RAM.
     fn checked(&mut self, base: Value, own: AccessRange, around: Option<AccessRange>) -> usize {
         let covers = |checked: &Option<CheckedRange>| {
             checked.is_some_and(|known| known.base == base && known.range.covers(&own))

@@ -32,7 +32,7 @@ fn operand<B: BlockBus, const KIND: u8>(run: &Run<'_, B>, op: &Op<B>) -> Shifted
             let value = run.get(op.second);
             Shifted {
                 value: value << amount,
-                carry: value >> (32 - amount & 31) & 1 != 0,
+                carry: value >> ((32 - amount) & 31) & 1 != 0,
             }
         }
         RIGHT => {

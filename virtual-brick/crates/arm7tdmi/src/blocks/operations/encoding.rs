@@ -79,10 +79,12 @@ pub(in crate::blocks) const fn packed(block: &BlockTransfer) -> u32 {
     block.list | (start as u32 & 0xFF) << 16 | (moved as u32) << 24
 }
 
+/// The mode of general addressing.
 pub(in crate::blocks) fn mode_of(transfer: &Transfer, mode: u8) -> u8 {
-    mode | u8::from(transfer.add) * UP
-        | u8::from(transfer.before) * BEFORE
-        | u8::from(transfer.moves_base()) * WRITE_BACK
+    let bit = |condition: bool, bit: u8| if condition { bit } else { 0 };
+    mode | bit(transfer.add, UP)
+        | bit(transfer.before, BEFORE)
+        | bit(transfer.moves_base(), WRITE_BACK)
 }
 
 /// A second operand as the fields of an operation.
