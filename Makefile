@@ -67,6 +67,10 @@ test-python: ## Tests of run-time, drivers, control, tools and the whole drive
 	@$(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests runtime/tests \
 		drivers/tests examples
 
+.PHONY: test-page
+test-page: ## Tests of the page: units in Node.js, the shipped page in headless Chromium
+	@tools/page test
+
 .PHONY: conformance
 conformance: complete ## Full campaigns against outside truth; writes verification/results.{json,md}
 	@$(PYTHON) -m verification.run

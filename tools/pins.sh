@@ -16,6 +16,7 @@ DEBIAN_PACKAGES=(
 )
 # Only tests need these.
 DEVELOP_PACKAGES=(
+    chromium
     gappa
     git
     nbc
@@ -23,6 +24,9 @@ DEVELOP_PACKAGES=(
 )
 RUST_MINIMUM=1.86.0
 RUST_PACKAGES=(rustc-web cargo-web)
+# Tests and style checks need these where the commands npm and cargo-clippy are missing.
+NODE_PACKAGES=(nodejs npm)
+CLIPPY_PACKAGES=(rust-web-clippy rustfmt-web)
 PYTHON=/usr/bin/python3
 # The page is built with this Rust alone, so that anyone gets the same bytes.
 PAGE_RUST=1.95.0

@@ -159,7 +159,21 @@ def test_packages_of_tests_are_asked_for_by_tests_only(machine: Path) -> None:
     assert run_setup(machine).returncode == 0
     result = run_setup(machine, "develop")
     assert result.returncode == 4
-    assert "--no-install-recommends gappa nbc\n" in result.stderr
+    wanted = "--no-install-recommends gappa nbc"
+    assert f"{wanted} nodejs npm rust-web-clippy rustfmt-web\n" in result.stderr
+    for command in ("npm", "cargo-clippy"):
+        write_command(machine / "bin", command, "exit 0")
+    assert f"{wanted}\n" in run_setup(machine, "develop").stderr
+
+
+def test_an_own_rust_without_clippy_is_left_as_it_is(machine: Path) -> None:
+    """Debian's clippy does not fit it; its owner is told what to install."""
+    install_all(machine)
+    for command in ("npm", "rustup"):
+        write_command(machine / "bin", command, "exit 0")
+    result = run_setup(machine, "develop")
+    assert result.returncode == 4
+    assert "run 'rustup component add clippy rustfmt'" in result.stderr
 
 
 def test_where_sudo_is_refused_the_command_is_one_with_sudo(machine: Path) -> None:
