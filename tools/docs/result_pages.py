@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Pages that say more than a table: the plant beside published points, firmware, fuzzing."""
+"""Reference pages from results: plant versus published points, firmware images, fuzzing."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ Row = dict[str, Any]
 HEAD = """<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 """
-PLANT_HEAD = """# The plant beside published measurements
+PLANT_HEAD = """# Plant versus published measurements
 
 Generated from `verification/plant/points.json` by `python -m verification.plant.points`; do not
 edit.
 
-Each measurement of a real NXT motor that was found published, repeated on the virtual motor. A
-value is *in* or *out* where the publications agree well enough to give a band; the others are
-stated for comparison. All values are at the output shaft.
+The table has all known published measurements of real NXT motors, repeated on the virtual motor.
+If the publications agree well enough to define a tolerance band, a value is *in* or *out* of it;
+the other values are given for comparison. All values are at the output shaft.
 
-Sets: **A** identified for the MinSeg robot (MATLAB parameter file); **B** Watanabe's, for
-NXTway-GS, with an inertia for a motor alone; **C** of the Pybricks firmware (`motor_data.py`,
-2026), fitted to Philo's points; **A, real bridge** is A with 0.6 V lost in the bridge and 0.04 N m
-of friction at rest. Sources: *Philo*, P. Hurbain's pages on LEGO motors (2006); *students*, a
-project at Ryerson University with one motor on 8.16 V; *Muntoo*, a sweep of the power under NXC
-(2011).
+Parameter sets: **A** is identified for the MinSeg robot (MATLAB parameter file); **B** is
+Watanabe's, for NXTway-GS, with an inertia for a motor alone; **C** is from the Pybricks firmware
+(`motor_data.py`, 2026), fitted to Philo's points; **A, real bridge** is A with a voltage drop of
+0.6 V in the bridge and a static friction of 0.04 N m. Sources: *Philo*, P. Hurbain's pages on LEGO
+motors (2006); *students*, a project at Ryerson University with one motor on 8.16 V; *Muntoo*, a
+sweep of the power under NXC (2011).
 """
 
 
@@ -61,21 +61,22 @@ def _contradiction(data: Row) -> list[str]:
     free = _value(points, "8 V, no load, brake mode", percent, real)
     speed = _value(points, "9 V, no load", "speed, rpm", real)
     floating = _value(points, "9 V, 0.115 N m, float mode", percent, "A")
-    text = f"""## Points that contradict each other
+    text = f"""## Contradictory points
 
-Philo's motor with 0.115 N m on 9 V stood still below about 40 % of the duty cycle. The published
-sets turn it from {min(linear):.0f} to {max(linear):.0f} %. Friction at rest and the bridge's drop
-raise that, but they also hold back a motor without load, and Muntoo's turned from 5 %: whatever
-the share of the two, set A then turns from {data["stall_percent_at_most"]:.0f} % at the latest. No
-constant friction and drop meet both measurements.
+Philo's motor with 0.115 N m on 9 V did not turn below a duty cycle of about 40 %. With the
+published sets it turns from {min(linear):.0f} to {max(linear):.0f} %. Static friction and the
+bridge's voltage drop raise this value, but they also hold a motor without load, and Muntoo's motor
+turned from 5 %: for any ratio of the two, set A then turns from
+{data["stall_percent_at_most"]:.0f} % at the latest. No constant friction and drop agree with both
+measurements.
 
-`A, real bridge` meets Philo's point with {_value(points, loaded, percent, real):.0f} %, turns
-without load from {free:.0f} % only, and reaches {speed:.0f} rpm in place of 170, because Philo's
-other points were measured at the motor's terminals. In float mode the current dies down in each
-period and A turns from {floating:.0f} %; which mode the 40 % were measured in is not published. A
-robot's file therefore has `driver_drop` and `static_friction` as parameters with tolerances.
+`A, real bridge` agrees with Philo's point ({_value(points, loaded, percent, real):.0f} %), but
+without load it turns only from {free:.0f} % and reaches {speed:.0f} rpm instead of 170, because
+Philo's other points were measured at the motor's terminals. In float mode the current decays in
+each period and A turns from {floating:.0f} %; the mode of the 40 % measurement is not published.
+Therefore a robot's file has `driver_drop` and `static_friction` as parameters with tolerances.
 
-Not in the table: Philo's points under LEGO's power control, which are a property of that
+The table does not contain Philo's points under LEGO's power control, which depend on that
 firmware's regulation, and the drive of a Tribot over a floor, whose wheels are not published.
 """
     return text.split("\n")
@@ -93,7 +94,7 @@ def plant_page(data: Row) -> str:
         values = [_judged(measured) for measured in point["measured"]]
         head = [point["condition"], point["quantity"], _short(point["published"]), band]
         lines.append(_row([*head, *values, point["source"]]))
-    lines += ["", "## Values that are out", ""]
+    lines += ["", "## Values outside their band", ""]
     lines += [_row(["Set", "Condition", "Quantity", "Reason"]), "|---|---|---|---|"]
     keys = ("set", "condition", "quantity", "reason")
     lines += [_row([miss[key] for key in keys]) for miss in data["missed"]]
@@ -104,10 +105,10 @@ FIRMWARE_HEAD = """# Firmware images on the virtual brick
 
 Generated from `verification/firmware/images.json` by `python -m verification.firmware.images`; do
 not
-edit. Images that were not made for this brick, unchanged, from power-on (nxtOSEK's: from the boot
-monitor's RAM). None is part of this project: each is looked for where its variable says. A test
-compares the picture (`verification/firmware/test_images.py`); menus, buttons, programs and hosts of
-LEGO's firmware have tests of their own in `host/tests/firmware` and
+edit. The table has unmodified third-party images, run from power-on (nxtOSEK's from the boot monitor's
+RAM). None is part of this project; an environment variable names the folder of each. A test compares
+the pictures (`verification/firmware/test_images.py`). Menus, buttons, programs and hosts of LEGO's
+firmware are tested in `host/tests/firmware` and
 `virtual-brick/crates/virtual-brick/tests/nxt_firmware.rs`.
 """
 
@@ -115,7 +116,7 @@ LEGO's firmware have tests of their own in `host/tests/firmware` and
 def firmware_pages(rows: list[Row]) -> dict[str, str]:
     """The page and the pictures beside it, by path from docs/."""
     lines = [HEAD + FIRMWARE_HEAD]
-    lines += [_row(["Image", "From", "What was seen", "LCD"]), "|---|---|---|---|"]
+    lines += [_row(["Image", "Source", "Observation", "LCD"]), "|---|---|---|---|"]
     files = {}
     for row in rows:
         names = ", ".join(f"`{name}`" for name in row["variables"])
@@ -138,33 +139,34 @@ FUZZ_HEAD = """# Fuzzing
 Generated from `verification/fuzz/results.json` by `python -m verification.fuzz.campaign`; do not
 edit.
 
-What no honest user gives the virtual brick, each for the same time in every `make conformance`:
-first the target's corpus of right content as it is, then content damaged at random. A *finding* is
-a panic, an exception without words, a peer that is no longer served, a record that does not play
-again, or memory beyond its bound (512 MB of growth a target, 1 GB in the native targets). The peers
-talk to a brick that runs LEGO's firmware; after each hostile session an honest host must be served.
+Every `make conformance` gives invalid input to the virtual brick, for the same time to each target:
+first the target's corpus of valid input unchanged, then input mutated at random. A *finding* is a
+panic, an exception without a message, a peer that is no longer served, a record that cannot be
+replayed, or memory beyond its bound (512 MB of growth for each target, 1 GB in the Rust targets).
+The peers communicate with a brick that runs LEGO's firmware; after each hostile session a regular
+host must be served.
 """
-FUZZ_TAIL = """A content that is not borne is kept in `build/fuzz/findings`, and `python -m
-verification.fuzz.campaign --give FILE` gives it again; a native target names its seed, and `fuzz 1
-SEED` runs it first. Corpora: `verification/fuzz/corpus`, a compiled C program with debug
-information, random programs, and snapshots that are saved when the campaign begins.
+FUZZ_TAIL = """An input with a finding is kept in `build/fuzz/findings`, and
+`python -m verification.fuzz.campaign --give FILE` repeats it; a Rust target prints its seed, and
+`fuzz 1 SEED` runs it first. The corpora are `verification/fuzz/corpus`, a compiled C program with
+debug information, random programs, and snapshots saved at the beginning of the campaign.
 
-## Found and mended
+## Corrected defects
 
-| Target | What was found | Now |
+| Target | Finding | Correction |
 |---|---|---|
 """
 FOUND = (
     (
         "malformed snapshot",
-        "a header that is no JSON object, infinite or negative numbers, text without an encoding:"
-        " an exception in place of a refusal",
-        "whole numbers up to a day and encodable text only",
+        "a header that is not a JSON object, infinite or negative numbers, text without an encoding:"
+        " an exception instead of an error message",
+        "only integers up to a day and encodable text are accepted",
     ),
     (
         "malformed snapshot",
-        "found by reading: a cycle in the far future, to which the brick was run",
-        "a day at most, in steps that Ctrl-C can end",
+        "found by review: the brick was run to a cycle in the far future",
+        "at most a day, in steps that Ctrl-C can interrupt",
     ),
 )
 
@@ -172,7 +174,7 @@ FOUND = (
 def fuzz_page(rows: list[Row]) -> str:
     """Targets with corpus, time, cases and findings."""
     lines = [HEAD + FUZZ_HEAD]
-    lines += [_row(["Target", "Given", "Corpus", "Time, s", "Cases", "Findings"])]
+    lines += [_row(["Target", "Input", "Corpus", "Time, s", "Cases", "Findings"])]
     lines += ["|---|---|---:|---:|---:|---:|"]
     for row in rows:
         counts = [str(row[key]) for key in ("corpus", "seconds", "case_count", "findings")]

@@ -84,7 +84,7 @@ def _name(steps: Steps, begin: int) -> str:
     name = steps.function(begin)
     if name != INTERRUPT:
         return name
-    return f"{name}, {'way in' if begin == IRQ_VECTOR else 'way out'}"
+    return f"{name}, {'entry' if begin == IRQ_VECTOR else 'exit'}"
 
 
 def longest_sections(programs: Iterable[tuple[str, str, int]] = PROGRAMS) -> dict[str, Section]:
