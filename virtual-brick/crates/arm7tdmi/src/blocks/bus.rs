@@ -120,16 +120,16 @@ pub trait BlockBus: Bus {
         write: bool,
         after_cycles: u32,
     ) -> BusAccess;
-    /// Number of the first halfword of a memory, and the bits of an address, in halfwords, that give
-    /// the distance from it.
+    /// Number of the first halfword of a memory, and the bits of an address, in halfwords, that
+    /// give the distance from it.
     fn code_window(&self, memory: u8) -> (u32, u32);
     /// All of RAM, for JIT code; none if it cannot be accessed in this way.
     fn ram_view(&mut self) -> Option<RamView<'_>>;
     /// Something besides the processor must act before the next instruction.
     fn needs_attention(&self) -> bool;
     /// Cycles in which nothing can act on the processor and `limit` (in the bus's time) is not
-    /// reached, as long as the processor accesses only memory. `irq` and `fiq` tell which interrupts
-    /// are not masked.
+    /// reached, as long as the processor accesses only memory. `irq` and `fiq` tell which
+    /// interrupts are not masked.
     fn cycles_until_event(&self, limit: u64, irq: bool, fiq: bool) -> u32;
     /// Lets cycles of the processor pass in which nothing happens.
     fn pass(&mut self, cycles: u32);

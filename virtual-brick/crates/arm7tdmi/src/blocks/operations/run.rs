@@ -84,8 +84,8 @@ pub(in crate::blocks) struct Op<B: BlockBus> {
     pub mode: u8,
     /// Cycles of a load or store when it accesses RAM, besides the fetches; else a condition.
     pub cycles: u8,
-    /// Most cycles from the block's beginning to the next place, behind this operation, at which the
-    /// block can be left.
+    /// Most cycles from the block's beginning to the next place, behind this operation, at which
+    /// the block can be left.
     pub worst: u16,
 }
 

@@ -130,8 +130,8 @@ pub(in crate::blocks) fn live_flags(instructions: &[Instruction]) -> Vec<bool> {
     observed
 }
 
-/// For each instruction of a block: are all flags behind it those of the processor, if only those in
-/// `live_flags` are computed?
+/// For each instruction of a block: are all flags behind it those of the processor, if only those
+/// in `live_flags` are computed?
 pub(in crate::blocks) fn complete_flags(
     instructions: &[Instruction],
     live_flags: &[bool],

@@ -215,8 +215,7 @@ impl<B: BlockBus> Builder<'_, B> {
         op.value = value;
     }
 
-    /// Cycles of a branch to a known target; none if no block may begin there, or if it is the branch
-    /// itself.
+    /// Cycles of a branch to a known target; none if no block may begin there.
     fn refill_cycles(&self, target: u32) -> Option<u16> {
         let place = self.bus.target_place(target)?;
         let sequence = self.address.wrapping_add(3 * size_of(self.key));
