@@ -105,10 +105,10 @@ FIRMWARE_HEAD = """# Firmware images on the virtual brick
 
 Generated from `verification/firmware/images.json` by `python -m verification.firmware.images`; do
 not
-edit. The table has unmodified third-party images, run from power-on (nxtOSEK's from the boot monitor's
-RAM). None is part of this project; an environment variable names the folder of each. A test compares
-the pictures (`verification/firmware/test_images.py`). Menus, buttons, programs and hosts of LEGO's
-firmware are tested in `host/tests/firmware` and
+edit. The table has unmodified third-party images, run from power-on (nxtOSEK's from the boot
+monitor's RAM). None is part of this project; an environment variable names the folder of each. A
+test compares the pictures (`verification/firmware/test_images.py`). Menus, buttons, programs and
+hosts of LEGO's firmware are tested in `host/tests/firmware` and
 `virtual-brick/crates/virtual-brick/tests/nxt_firmware.rs`.
 """
 
@@ -159,8 +159,8 @@ debug information, random programs, and snapshots saved at the beginning of the 
 FOUND = (
     (
         "malformed snapshot",
-        "a header that is not a JSON object, infinite or negative numbers, text without an encoding:"
-        " an exception instead of an error message",
+        "a header that is not a JSON object, infinite or negative numbers, text without an"
+        " encoding: an exception instead of an error message",
         "only integers up to a day and encodable text are accepted",
     ),
     (
