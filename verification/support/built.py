@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ravenbrick.image.build import choices_of, record_file
+from ravenbrick.image.build import choices_of, manifest_file
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.elf import ImageKind
-from ravenbrick.image.manifest import MadeFrom
+from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
 
@@ -22,6 +22,6 @@ def put_image(project: Path, content: bytes, kind: ImageKind = "ram") -> Path:
     elf = workspace.image(kind, robot.name)
     elf.parent.mkdir(parents=True, exist_ok=True)
     elf.write_bytes(content)
-    made = MadeFrom.now(choices_of(workspace, robot, Settings.of(robot)), [], [elf])
-    made.write(record_file(elf))
+    made = BuildManifest.now(choices_of(workspace, robot, Settings.of(robot)), [], [elf])
+    made.write(manifest_file(elf))
     return elf

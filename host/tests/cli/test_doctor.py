@@ -109,7 +109,7 @@ def test_a_module_of_another_version_is_told(monkeypatch: pytest.MonkeyPatch, fa
 
 def test_an_absent_python_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """By what pyproject.toml asks for."""
-    wishes = ["no-such-package>=2", "not-asked-for; extra == 'export'"]
-    monkeypatch.setattr("importlib.metadata.requires", lambda _name: wishes)
+    requirements = ["no-such-package>=2", "not-asked-for; extra == 'export'"]
+    monkeypatch.setattr("importlib.metadata.requires", lambda _name: requirements)
     monkeypatch.setattr("ravenbrick.cli.doctor.PACKAGE", Path("/no/checkout"))
     assert doctor() == "ravenbrick: missing: Python package no-such-package; run 'make setup'"

@@ -23,7 +23,7 @@ from ravenbrick.errors import (
     ToolMissingError,
     UsageError,
 )
-from ravenbrick.image.build import build_image, clean_project, record_file
+from ravenbrick.image.build import build_image, clean_project, manifest_file
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.workspace import Workspace
 
@@ -125,7 +125,7 @@ def test_another_profile_is_another_image(workspace: Workspace, robot: Robot) ->
     write_recipe(workspace.project, 'echo "$@" > said')
     build_image(workspace, robot, "ram")
     build_image(workspace, replace(robot, profile="jorvik"), "ram")
-    record = json.loads(record_file(workspace.image("ram", robot.name)).read_text())
+    record = json.loads(manifest_file(workspace.image("ram", robot.name)).read_text())
     assert record["settings"]["PROFILE"] == "jorvik"
 
 

@@ -52,7 +52,7 @@ class Program:
     asking: bool = False
     numbers: dict[int, int] = field(default_factory=lambda: {1: 0, 2: 0})
     heard: list[Message] = field(default_factory=list)
-    deaf_to: int = 0
+    ignores: int = 0
     reader: FrameReader = field(default_factory=FrameReader)
 
     def parameters(self) -> list[ParameterDescription]:
@@ -62,15 +62,15 @@ class Program:
             ParameterDescription(1, 0.0, 50.0, self.gains[1], "ki", "1/s"),
         ]
 
-    def hear(self, data: bytes) -> bytes:
+    def receive(self, data: bytes) -> bytes:
         """What the program says to that."""
         answers = b""
         for content in self.reader.feed(data):
             message = decode(content)
             if message is None:
                 continue
-            if self.deaf_to:
-                self.deaf_to -= 1
+            if self.ignores:
+                self.ignores -= 1
                 continue
             self.heard.append(message)
             answers += self._answer(message)
@@ -145,7 +145,7 @@ class Server:
                     data = connection.recv(1000)
                 except TimeoutError:
                     data = b""
-                connection.sendall(self.program.hear(data))
+                connection.sendall(self.program.receive(data))
                 if self.program.asking:
                     self.program.time_us += 4_000
                     connection.sendall(self.program.sample(1, 1.0, 0.5))

@@ -58,7 +58,7 @@ def test_nothing_recorded_is_lost_when_links_break(server: Server, tmp_path: Pat
 def test_a_torn_record_keeps_what_came_before(tmp_path: Path) -> None:
     """Cut anywhere, a record can be read up to the cut; another file is refused in words."""
     record, program = tmp_path / "live.rbt", Program()
-    pieces = [program.hear(sent(Ask())), *(program.sample(1, 1.0, 0.5) for _ in range(20))]
+    pieces = [program.receive(sent(Ask())), *(program.sample(1, 1.0, 0.5) for _ in range(20))]
     with Spool(record) as spool:
         spool.add(Entry(Direction.CONNECTED, 0, b""))
         for at_us, piece in enumerate(pieces):
@@ -86,7 +86,7 @@ def test_a_pseudo_terminal_is_a_serial_device() -> None:
 
     def brick() -> None:
         while not finished.is_set():
-            answer = program.hear(os.read(ours, 1000))
+            answer = program.receive(os.read(ours, 1000))
             program.time_us += 1
             os.write(ours, answer + program.sample(1, 2.0, 1.0))
 
@@ -105,7 +105,7 @@ def test_a_pseudo_terminal_is_a_serial_device() -> None:
 
 
 class Patient(Monitor):
-    """Its thousand seconds are over when the first run is whole and the wish is granted."""
+    """Its thousand seconds are over when the first run is whole and the request is accepted."""
 
     @property
     def now_s(self) -> float:

@@ -22,7 +22,7 @@ TIME_CONSTANT = 0.1
 def stepping() -> Session:
     """Set-points 0, 4 and 2 V, half a second each, followed with a time constant of 0.1 s."""
     program, session, speed = Program(), Session(), 0.0
-    session.receive(program.hear(session.connected(0.0)))
+    session.receive(program.receive(session.connected(0.0)))
     for number in range(375):
         setpoint = (0.0, 4.0, 2.0)[number // 125]
         session.receive(program.sample(1, setpoint, speed) + program.sample(2, 7900))

@@ -38,7 +38,7 @@ from ravenbrick.trace.recording import Recording
 def talking(program: Program) -> Session:
     """A session that has heard all descriptions."""
     session = Session()
-    session.receive(program.hear(session.connected(0.0)))
+    session.receive(program.receive(session.connected(0.0)))
     assert session.described
     return session
 
@@ -102,15 +102,15 @@ def test_samples_become_a_recording(tmp_path: Path) -> None:
 
 
 def test_parameters_change_within_their_limits() -> None:
-    """A wish is sent, repeated while unanswered, and done; wrong ones are refused in words."""
+    """A request is sent, repeated while unanswered, and done; wrong ones are refused in words."""
     program = Program()
     session = talking(program)
     session.set_parameter("kp", 1.25)
-    program.deaf_to = 1
-    session.receive(program.hear(session.pending(0.1)))
+    program.ignores = 1
+    session.receive(program.receive(session.pending(0.1)))
     assert session.values[0] == 0.5
     assert session.pending(0.2) == b""
-    session.receive(program.hear(session.pending(0.7)))
+    session.receive(program.receive(session.pending(0.7)))
     assert program.gains[0] == session.values[0] == 1.25
     assert session.pending(0.8) == b""
     with pytest.raises(UsageError, match="kp = 3 is outside 0 to 2"):
@@ -124,14 +124,14 @@ def test_the_brick_has_the_last_word() -> None:
     program = Program()
     session = Session()
     session.set_parameter("kp", 7.0)
-    session.receive(program.hear(session.connected(0.0)))
-    session.receive(program.hear(session.pending(0.1)))
+    session.receive(program.receive(session.connected(0.0)))
+    session.receive(program.receive(session.pending(0.1)))
     assert session.answers == [Answer(0, Verdict.OUT_OF_RANGE, 0.5)]
     assert program.gains[0] == session.values[0] == 0.5
 
 
-def test_wishes_outlive_a_lost_link() -> None:
-    """What was wished before the loss is sent after it; the samples so far stay."""
+def test_requests_outlive_a_lost_link() -> None:
+    """What was requested before the loss is sent after it; the samples so far stay."""
     program = Program()
     session = talking(program)
     session.receive(program.sample(1, 1, 1))
@@ -139,8 +139,8 @@ def test_wishes_outlive_a_lost_link() -> None:
     session.pending(0.1)
     program.numbers[1] += 5
     program.time_us += 1_000_000
-    session.receive(program.hear(session.connected(1.0)))
-    session.receive(program.hear(session.pending(1.1)))
+    session.receive(program.receive(session.connected(1.0)))
+    session.receive(program.receive(session.pending(1.1)))
     session.receive(program.sample(1, 2, 2))
     assert program.gains[1] == 9.0
     assert len(session.runs) == 1 and session.run is not None
@@ -153,7 +153,7 @@ def test_a_restart_begins_another_run() -> None:
     session = talking(program)
     session.receive(program.sample(1, 1, 1))
     again = Program(time_us=1_000)
-    session.receive(again.hear(session.connected(1.0)))
+    session.receive(again.receive(session.connected(1.0)))
     session.receive(again.sample(1, 5, 5))
     assert [run.sample_count for run in session.runs] == [1, 1]
 
@@ -164,19 +164,19 @@ def test_other_versions_are_named() -> None:
         program = Program(version=version)
         session = Session()
         with pytest.raises(VersionError, match=f"version {version} .*bring {older} up to date"):
-            session.receive(program.hear(session.connected(0.0)))
+            session.receive(program.receive(session.connected(0.0)))
 
 
 def test_a_silent_host_keeps_alive_and_asks_again() -> None:
     """Without an answer the question is repeated; afterwards a word per second is enough."""
-    program = Program(deaf_to=1)
+    program = Program(ignores=1)
     session = Session()
-    assert program.hear(session.connected(0.0)) == b""
+    assert program.receive(session.connected(0.0)) == b""
     assert session.pending(0.4) == b""
-    session.receive(program.hear(session.pending(0.6)))
+    session.receive(program.receive(session.pending(0.6)))
     assert session.described
     assert session.pending(1.5) == b""
-    program.hear(session.pending(1.7))
+    program.receive(session.pending(1.7))
     assert isinstance(program.heard[-1], KeepAlive)
 
 

@@ -13,7 +13,7 @@ import pytest
 from host.tests.conftest import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.brick.stimulus_callback import Callback, Moment
+from ravenbrick.brick.stimulus_callback import BrickState, Callback
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import read_image
 from ravenbrick.project.criteria_text import parse_expectation
@@ -39,13 +39,13 @@ pytestmark = [
 ]
 
 
-def hand(moment: Moment) -> dict[str, float] | None:
+def hand(state: BrickState) -> dict[str, float] | None:
     """Start by the touch sensor, then steer as soon as the wheel turns and the LCD says so."""
-    if moment.cycles < MASTER_CLOCK.cycles_of_ms(200):
+    if state.cycles < MASTER_CLOCK.cycles_of_ms(200):
         return None
-    if moment.cycles < MASTER_CLOCK.cycles_of_ms(350):
+    if state.cycles < MASTER_CLOCK.cycles_of_ms(350):
         return {"touch.1": 1.0}
-    if moment.read("vehicle_setpoint_left") > 1 and moment.signal("motor.B.angle") > 1:
+    if state.read("vehicle_setpoint_left") > 1 and state.signal("motor.B.angle") > 1:
         return {"touch.1": 0.0, "motor.A.hand_angle": 0.25}
     return {"touch.1": 0.0}
 

@@ -1,29 +1,22 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The virtual brick as a target."""
+"""Runs of an image on the virtual brick, alone or beside a scenario's peer."""
 
 from __future__ import annotations
 
 import json
-from bisect import bisect_left
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ravenbrick.brick.configuration import brick_configuration
-from ravenbrick.brick.exception_name import source_place, with_name, with_source
 from ravenbrick.brick.fmu_body import CoSimulation, FmuBody
-from ravenbrick.brick.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
-from ravenbrick.brick.links.peers import BluetoothLink
-from ravenbrick.brick.port_use import WATCHED, DriverCall, port_warnings
+from ravenbrick.brick.port_use import WATCHED
 from ravenbrick.brick.protocol import Progress, no_progress
-from ravenbrick.brick.snapshot import Snapshot, SnapshotWishes
-from ravenbrick.brick.sound_file import save_sound
+from ravenbrick.brick.scenario_run import ScenarioRun
+from ravenbrick.brick.snapshot import SnapshotOptions
 from ravenbrick.brick.stimulus_callback import Callback
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import (
@@ -35,31 +28,22 @@ from ravenbrick.errors import (
 from ravenbrick.image.build import build_image
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.installation import advice_for_python, brick_module
-from ravenbrick.project.criteria_text import PIN, expected_pins
+from ravenbrick.project.criteria_text import expected_pins
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.stimuli import TimedInput
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.recording import (
-    EventKind,
-    Picture,
     Recording,
-    Screen,
-    Signal,
-    Stop,
-    Thread,
-    decode_events,
 )
 
-__all__ = ["Station", "VirtualTarget"]
+__all__ = ["PeerRun", "VirtualTarget"]
 
-SLICE_MS = 5
-PROGRESS_MS = 500
 PEER_ADDRESS = "00:16:53:00:00:02"
 
 
 @dataclass(frozen=True)
-class Station:
+class PeerRun:
     """A scenario's peer: what it is, and how it ran."""
 
     robot: Robot
@@ -83,14 +67,14 @@ class VirtualTarget:
         callback: Callback | None = None,
         settings: Mapping[str, Any] | None = None,
         body: FmuBody | None = None,
-        snapshots: SnapshotWishes | None = None,
+        snapshots: SnapshotOptions | None = None,
         sound: Path | None = None,
     ) -> None:
         self._module = module if module is not None else brick_module()
         self._callback = callback
         self._settings = dict(settings or {})
         self._body = body
-        self._snapshots = snapshots or SnapshotWishes()
+        self._snapshots = snapshots or SnapshotOptions()
         self._sound = sound
 
     @property
@@ -114,57 +98,57 @@ class VirtualTarget:
         scenario: Scenario,
         image: ElfImage,
         progress: Progress = no_progress,
-    ) -> tuple[Recording, Station | None]:
+    ) -> tuple[Recording, PeerRun | None]:
         """The recording of `run`, and the scenario's peer as it ran, if there is one."""
-        play = self._play(robot, scenario, image, self._callback)
-        station = self._station(scenario)
-        if station is None:
-            play.run(progress)
+        run = self._scenario_run(robot, scenario, image, self._callback)
+        peer = self._peer(scenario)
+        if peer is None:
+            run.run(progress)
         else:
             address = {"bluetooth": {"address": PEER_ADDRESS}}
-            other = self._play(station.robot, station.scenario, station.image, None, address)
-            play.run(progress, other)
-            station = replace(station, recording=other.recording())
+            other = self._scenario_run(peer.robot, peer.scenario, peer.image, None, address)
+            run.run(progress, other)
+            peer = replace(peer, recording=other.recording())
         if self._sound is not None:
-            play.save_sound(self._sound)
-        return play.recording(), station
+            run.save_sound(self._sound)
+        return run.recording(), peer
 
-    def _station(self, scenario: Scenario) -> Station | None:
+    def _peer(self, scenario: Scenario) -> PeerRun | None:
         """The peer's robot, scenario and image; raises as for the first brick's."""
         if scenario.peer is None:
             return None
         project = scenario.peer.project
         robot = read_robot(project)
         chosen = read_scenario(scenario_path(project, scenario.peer.scenario), robot)
-        return Station(robot, chosen, build_image(Workspace.of(project), robot, "ram").image)
+        return PeerRun(robot, chosen, build_image(Workspace.of(project), robot, "ram").image)
 
-    def _play(
+    def _scenario_run(
         self,
         robot: Robot,
         scenario: Scenario,
         image: ElfImage,
         callback: Callback | None,
         fields: Mapping[str, Any] | None = None,
-    ) -> _Play:
-        wishes = self._snapshots if fields is None else SnapshotWishes()
-        if wishes.start is not None:
-            brick, inputs = wishes.start.restore(self._module, image), wishes.start.inputs
+    ) -> ScenarioRun:
+        options = self._snapshots if fields is None else SnapshotOptions()
+        if options.start is not None:
+            brick, inputs = options.start.restore(self._module, image), options.start.inputs
         else:
             brick = self._assemble(robot, scenario, image, fields=fields)
             inputs = self._schedule(brick, scenario)
             self._probe(brick, robot, image)
             brick.watch_calls(list(WATCHED))
         pins = expected_pins(scenario.expectations)
-        if pins and (wishes.start or wishes.save):
+        if pins and (options.start or options.save):
             raise UsageError("a snapshot holds no record of pins; leave out what expects them")
         if pins:
             brick.log_pins(pins)
-        play = _Play(brick, robot, scenario, image, callback, self._module.InputError, inputs)
-        if wishes.save is not None:
+        run = ScenarioRun(brick, robot, scenario, image, callback, self._module.InputError, inputs)
+        if options.save is not None:
             probes = tuple((setpoint.symbol, setpoint.type) for setpoint in robot.setpoints)
             configuration = self._configuration(robot, scenario, None)
-            play.keep(wishes, configuration, () if image.bare else probes)
-        return play
+            run.save_snapshot_later(options, configuration, () if image.bare else probes)
+        return run
 
     def _configuration(
         self, robot: Robot, scenario: Scenario, fields: Mapping[str, Any] | None
@@ -241,249 +225,3 @@ class VirtualTarget:
                     "name an exported variable of the application",
                 )
             brick.add_probe(setpoint.symbol, setpoint.type)
-
-
-class _Moment:
-    """What a callback sees of the brick."""
-
-    def __init__(self, brick: Any, image: ElfImage) -> None:
-        self._brick = brick
-        self._image = image
-
-    @property
-    def time(self) -> float:
-        """s."""
-        return MASTER_CLOCK.seconds(self._brick.cycles)
-
-    @property
-    def cycles(self) -> int:
-        """Since power-on."""
-        return int(self._brick.cycles)
-
-    @property
-    def lcd(self) -> tuple[str, ...]:
-        """Text by line."""
-        return _picture(self._brick, self._image).text
-
-    def signal(self, name: str) -> float:
-        """The last sample."""
-        signals = _signals(self._brick)
-        if name not in signals:
-            raise KeyError(f"no signal '{name}'; there are: {', '.join(signals)}")
-        return float(signals[name].values[-1]) if signals[name].values.size else 0.0
-
-    def read(self, symbol: str) -> float:
-        """A variable now."""
-        return float(self._brick.read_float(symbol))
-
-
-class _Play:
-    """One run in slices: pictures, screens and the callback's inputs on the way."""
-
-    def __init__(
-        self,
-        brick: Any,
-        robot: Robot,
-        scenario: Scenario,
-        image: ElfImage,
-        callback: Callback | None,
-        refused: type[Exception],
-        inputs: Sequence[TimedInput],
-    ) -> None:
-        self._brick, self._robot = brick, robot
-        self._scenario, self._image = scenario, image
-        self._scheduled = inputs
-        self._callback, self._refused = callback, refused
-        self._moment = _Moment(brick, image)
-        self._visited: list[int] = []
-        self._seen: list[tuple[int, Picture]] = []
-        self._version = -1
-        self._content = b""
-        self._stop: Any = None
-        self._pictures: list[Picture] = []
-        self._inputs: list[TimedInput] = []
-        self._kept: tuple[SnapshotWishes, str, tuple[tuple[str, str], ...]] | None = None
-        self._listener = _listener(brick, scenario)
-
-    def _occasions(self) -> set[int]:
-        """Milliseconds at which there is something to do besides looking at the display."""
-        end = self._scenario.duration_ms
-        occasions = {end, *range(PROGRESS_MS, end, PROGRESS_MS), *self._scenario.pictures_ms}
-        if self._callback is not None:
-            occasions |= set(range(0, end, self._callback.period_ms))
-        if self._kept is not None:
-            occasions.add(self._kept[0].save_ms)
-        if self._listener is not None:
-            occasions |= set(range(SLICE_MS, end, SLICE_MS))
-        return occasions
-
-    def keep(
-        self, wishes: SnapshotWishes, configuration: str, probes: tuple[tuple[str, str], ...]
-    ) -> None:
-        """Save a snapshot on the way."""
-        self._kept = (wishes, configuration, probes)
-
-    def _save_snapshot(self, at_ms: int) -> None:
-        if self._kept is None:
-            return
-        wishes, configuration, probes = self._kept
-        if wishes.save is not None and at_ms == wishes.save_ms:
-            inputs = (*self._scheduled, *self._inputs)
-            snapshot = Snapshot.take(self._brick, configuration, self._image, inputs, probes)
-            snapshot.save(wishes.save)
-
-    def run(self, progress: Progress, peer: _Play | None = None) -> None:
-        """To the end of the scenario or of the run; `peer` is in range and runs beside."""
-        link = BluetoothLink(self._brick, peer._brick) if peer is not None else None
-        occasions = self._occasions()
-        instants = sorted({*range(SLICE_MS, self._scenario.duration_ms, SLICE_MS), *occasions})
-        cycles = [MASTER_CLOCK.cycles_of_ms(at_ms) for at_ms in instants]
-        next_one = 0
-        for occasion_ms in sorted(occasions):
-            due = bisect_left(instants, occasion_ms)
-            while next_one <= due:
-                first, last = next_one, next_one
-                if link is None or peer is None:
-                    stop, last = self._brick.run_until_picture(cycles, first, due + 1)
-                else:
-                    stop, other = link.run_until(cycles[first])
-                    peer._visit(instants[first], cycles[first : first + 1], other)
-                self._visit(instants[last], cycles[first : last + 1], stop)
-                if stop.reason != "reached":
-                    return
-                next_one = last + 1
-            self._attend(occasion_ms, progress)
-        if self._listener is not None:
-            self._listener.check()
-
-    def _attend(self, at_ms: int, progress: Progress) -> None:
-        if at_ms % PROGRESS_MS == 0:
-            progress(at_ms / self._scenario.duration_ms)
-        self._save_snapshot(at_ms)
-        if self._listener is not None:
-            self._listener.look(at_ms)
-        if self._callback is not None and at_ms % self._callback.period_ms == 0:
-            self._ask(self._callback)
-
-    def save_sound(self, path: Path) -> None:
-        """What was played so far."""
-        save_sound(self._brick, path)
-
-    def _visit(self, at_ms: int, visited_cycles: list[int], stop: Any) -> None:
-        self._stop = stop
-        self._visited += visited_cycles
-        version = self._brick.lcd_version
-        if version != self._version:
-            self._version = version
-            self._look()
-        if at_ms in self._scenario.pictures_ms and stop.reason == "reached":
-            self._pictures.append(_picture(self._brick, self._image))
-
-    def recording(self) -> Recording:
-        """The run so far."""
-        stop = _stop(self._brick, self._stop, self._robot.directory)
-        events = decode_events(self._brick.events())
-        inputs = [timed for timed in self._scheduled if timed.at_cycles <= stop.at_cycles]
-        pins = expected_pins(self._scenario.expectations)
-        return Recording(
-            scenario=self._scenario.name,
-            clock=MASTER_CLOCK,
-            stop=stop,
-            events=events,
-            signals=_signals(self._brick) | _pins(self._brick, pins),
-            threads=_threads(self._brick),
-            pictures=(*self._pictures, _picture(self._brick, self._image)),
-            digest=self._brick.trace_digest(),
-            inputs=tuple(sorted([*inputs, *self._inputs], key=lambda timed: timed.at_cycles)),
-            screens=self._screens(events),
-            overflows=tuple(self._brick.stack_overflows()),
-            warnings=self._warnings(events),
-        )
-
-    def _warnings(self, events: NDArray[np.void]) -> tuple[str, ...]:
-        calls = [DriverCall(*call) for call in self._brick.watched_calls()]
-        return port_warnings(self._robot, calls, events, self._brick.link_up_cycles)
-
-    def _look(self) -> None:
-        content = self._brick.lcd()
-        if content != self._content:
-            self._content = content
-            self._seen.append((self._visited[-1], _picture(self._brick, self._image)))
-
-    def _ask(self, callback: Callback) -> None:
-        for name, value in callback.inputs(self._moment):
-            try:
-                self._brick.schedule_input(self._brick.cycles, name, value)
-            except self._refused as error:
-                raise callback.error(f"returned what is refused: {error}") from None
-            self._inputs.append(TimedInput(self._brick.cycles, name, value))
-
-    def _screens(self, events: NDArray[np.void]) -> tuple[Screen, ...]:
-        """Text after each whole picture: from the event that ends its transfer on.
-
-        What is seen between such events is a picture half drawn.
-        """
-        changed = events[events["kind"] == int(EventKind.DISPLAY_CHANGED)]["at_cycles"].tolist()
-        screens: list[Screen] = []
-        for at in changed:
-            visit = self._visited[min(bisect_left(self._visited, at), len(self._visited) - 1)]
-            text = next(p.text for visited, p in reversed(self._seen) if visited <= visit)
-            if not screens or screens[-1].text != text:
-                screens.append(Screen(at, text))
-        return tuple(screens)
-
-
-def _stop(brick: Any, stop: Any, project: Path) -> Stop:
-    place = source_place(brick.raised_at(), project) if stop.reason == "halted" else None
-    message = with_name(stop.message, place)
-    return Stop(stop.reason, stop.at_cycles, message, with_source(place))
-
-
-def _listener(brick: Any, scenario: Scenario) -> Any:
-    """The scenario's monitor, if there is one; telemetry is loaded only then."""
-    if scenario.monitor is None:
-        return None
-    from ravenbrick.brick.links.monitored import Listener
-
-    return Listener(brick, scenario.monitor)
-
-
-def _picture(brick: Any, image: ElfImage) -> Picture:
-    pixels = np.frombuffer(brick.lcd(), dtype=np.uint8).reshape(64, 100).astype(bool)
-    font = image.symbols.get(FONT_SYMBOL)
-    text = lcd_text(pixels, brick.read_memory(font.address, FONT_SIZE)) if font else ()
-    return Picture(brick.cycles, pixels, text)
-
-
-def _signals(brick: Any) -> dict[str, Signal]:
-    return {
-        name: Signal(np.frombuffer(cycles, "<u8"), np.frombuffer(values, "<f8"))
-        for name, (cycles, values) in sorted(brick.signals().items())
-    }
-
-
-def _pins(brick: Any, pins: list[int]) -> dict[str, Signal]:
-    """A signal for each pin, with the instants at which its level changes."""
-    if not pins:
-        return {}
-    log = np.array(brick.logged_pins(), np.int64).reshape(-1, 2)
-    found = {}
-    for pin in pins:
-        levels = log[:, 1] >> pin & 1
-        changes = np.concatenate([[True], np.diff(levels) != 0])
-        cycles = log[changes, 0].astype(np.uint64)
-        found[f"{PIN}{pin}"] = Signal(cycles, levels[changes].astype(np.float64))
-    return found
-
-
-def _threads(brick: Any) -> tuple[Thread, ...]:
-    """A thread's position is the subject of its events."""
-    return tuple(
-        Thread(
-            thread.name or f"task at 0x{thread.address:08X}",
-            thread.base_priority,
-            thread.stack_size,
-            thread.stack_used,
-        )
-        for thread in brick.threads()
-    )

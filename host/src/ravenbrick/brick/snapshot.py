@@ -22,7 +22,7 @@ from ravenbrick.errors import UsageError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.stimuli import TimedInput
 
-__all__ = ["Snapshot", "SnapshotError", "SnapshotWishes"]
+__all__ = ["Snapshot", "SnapshotError", "SnapshotOptions"]
 
 _MAGIC = b"RAVENBRICK SNAPSHOT\n"
 _VERSION = 1
@@ -195,7 +195,7 @@ def _text(value: Any) -> str:
 
 
 @dataclass(frozen=True)
-class SnapshotWishes:
+class SnapshotOptions:
     """For a run: the snapshot to begin with, and where to save one after so many milliseconds."""
 
     start: Snapshot | None = None

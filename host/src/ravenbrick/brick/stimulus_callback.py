@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stimuli from a Python function that the user names on the command line.
 
-The function is called every `period_ms` of virtual time with a `Moment`, and returns the inputs
+The function is called every `period_ms` of virtual time with a `BrickState`, and returns the inputs
 that change at that instant: a mapping, pairs, or None. What it returned is recorded with the run,
 which therefore can be played again without it.
 """
@@ -21,10 +21,10 @@ from typing import Any, Protocol
 
 from ravenbrick.errors import UsageError
 
-__all__ = ["Callback", "Moment", "load_callback"]
+__all__ = ["BrickState", "Callback", "load_callback"]
 
 
-class Moment(Protocol):
+class BrickState(Protocol):
     """The brick as a callback sees it."""
 
     @property
@@ -49,19 +49,19 @@ class Moment(Protocol):
 class Callback:
     """A user's function and how often it is asked."""
 
-    def __init__(self, function: Callable[[Moment], Any], name: str, period_ms: int) -> None:
+    def __init__(self, function: Callable[[BrickState], Any], name: str, period_ms: int) -> None:
         self._function = function
         self.name = name
         self.period_ms = period_ms
 
-    def inputs(self, moment: Moment) -> list[tuple[str, float]]:
+    def inputs(self, state: BrickState) -> list[tuple[str, float]]:
         """What changes now; raises `UsageError` with file and line of what went wrong."""
         try:
-            answer = self._function(moment)
+            answer = self._function(state)
         except Exception as error:
             where = traceback.extract_tb(error.__traceback__)[-1]
             raise UsageError(
-                f"{where.filename}:{where.lineno}: {self.name} at {moment.time:.6f} s: "
+                f"{where.filename}:{where.lineno}: {self.name} at {state.time:.6f} s: "
                 f"{type(error).__name__}: {error}; correct the function"
             ) from None
         try:
@@ -72,7 +72,7 @@ class Callback:
         if all(math.isfinite(value) for _, value in found):
             return found
         raise self.error(
-            f"returned {answer!r} at {moment.time:.6f} s; return a mapping from input names to "
+            f"returned {answer!r} at {state.time:.6f} s; return a mapping from input names to "
             "finite numbers, pairs of them, or None"
         )
 

@@ -17,7 +17,7 @@ from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.build import ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import play, project_image, project_scenarios
+from ravenbrick.cli.pipeline import project_image, project_scenarios, run_scenario
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.image.elf import ElfImage
@@ -86,7 +86,7 @@ def _recording(
     reporter: Reporter,
 ) -> Recording:
     with reporter.step(f"run '{scenario.name}'") as step:
-        recording = play(workspace, robot, scenario, image, target, step.progress)
+        recording = run_scenario(workspace, robot, scenario, image, target, step.progress)
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.1f} s of the brick"
     check_survival(scenario, recording)
     check_task_set(robot, recording)

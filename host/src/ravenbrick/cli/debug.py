@@ -47,9 +47,9 @@ def gdb_command(program: str, elf: Path, port: int, script: Path | None = None) 
     return [program, "-q", *commands, "-ex", f"target remote {LOOPBACK}:{port}", str(elf)]
 
 
-def _serve(brick: Any, port: int, **wishes: Any) -> None:
+def _serve(brick: Any, port: int, **options: Any) -> None:
     try:
-        brick.serve_debugger(port, LOOPBACK, **wishes)
+        brick.serve_debugger(port, LOOPBACK, **options)
     except OSError as error:
         raise UsageError(
             f"the server cannot use port {port} ({error.strerror or error}); name a free one with "

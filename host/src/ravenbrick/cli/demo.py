@@ -18,8 +18,8 @@ from ravenbrick.cli.pipeline import (
     design_project,
     left_bounds,
     peer_runs,
-    play,
     project_scenarios,
+    run_scenario,
     task_rows,
 )
 from ravenbrick.errors import CriteriaError, ScenarioError, shown_path
@@ -58,7 +58,7 @@ def _run_all(
     runs = []
     for scenario in scenarios:
         with reporter.step(f"run '{scenario.name}'") as step:
-            recording = play(workspace, robot, scenario, built.image, target, step.progress)
+            recording = run_scenario(workspace, robot, scenario, built.image, target, step.progress)
             runs.append(any_run(robot, scenario, recording))
             seconds = recording.clock.seconds(recording.stop.at_cycles)
             step.note = f"{seconds:.3f} s on the brick, digest {recording.digest[:12]}"

@@ -148,22 +148,26 @@ def _module() -> Check:
     return Check(name, True, f"{__version__}, {'with' if module.JIT else 'without'} JIT code")
 
 
-def _requirement(wish: str) -> Check:
+def _requirement(requirement: str) -> Check:
     """A Python package that this version needs; pip has compared the versions."""
-    name = re.split(r"[^\w.-]", wish, maxsplit=1)[0]
+    name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
     try:
         return Check(f"Python package {name}", True, metadata.version(name))
     except metadata.PackageNotFoundError:
-        return Check(f"Python package {name}", False, f"missing ({wish})")
+        return Check(f"Python package {name}", False, f"missing ({requirement})")
 
 
 def _requirements() -> list[str]:
     """The packages that this version names; a checkout has no description of itself."""
     manifest = PACKAGE.parents[1] / "pyproject.toml"
     if manifest.is_file():
-        wishes: list[str] = tomllib.loads(manifest.read_text())["project"]["dependencies"]
-        return wishes
-    return [wish for wish in metadata.requires("ravenbrick") or () if "extra ==" not in wish]
+        requirements: list[str] = tomllib.loads(manifest.read_text())["project"]["dependencies"]
+        return requirements
+    return [
+        requirement
+        for requirement in metadata.requires("ravenbrick") or ()
+        if "extra ==" not in requirement
+    ]
 
 
 def _checks() -> list[Check]:

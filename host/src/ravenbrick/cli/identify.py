@@ -14,7 +14,7 @@ from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.build import ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.pipeline import play, project_image
+from ravenbrick.cli.pipeline import project_image, run_scenario
 from ravenbrick.control.identification import (
     IdentifiedMotor,
     MotorData,
@@ -75,7 +75,9 @@ def identify_command(
         loaded = project_image(workspace, robot, image.kind, reporter)
         chosen = read_scenario(scenario_path(directory, name), robot)
         with reporter.step(f"run '{chosen.name}'") as step:
-            recording = play(workspace, robot, chosen, loaded, VirtualTarget(), step.progress)
+            recording = run_scenario(
+                workspace, robot, chosen, loaded, VirtualTarget(), step.progress
+            )
             runs.append(motor_data(recording, motor))
             step.note = f"{len(runs[-1].time)} samples, {len(runs[-1].voltage)} voltages"
     with reporter.step("fit") as step:

@@ -32,7 +32,7 @@ __all__ = ["monitor_command"]
 _RECORD_SUFFIX = ".rbt"
 
 
-def _wish(text: str) -> tuple[str, float]:
+def _assignment(text: str) -> tuple[str, float]:
     name, equals, value = text.partition("=")
     try:
         if not name or not equals:
@@ -56,7 +56,7 @@ class _Listener:
         self._reporter = reporter
         self.session: Session | None = None
 
-    def hear(self, message: Message) -> None:
+    def show(self, message: Message) -> None:
         """One message of the brick."""
         session = self.session
         match message:
@@ -153,7 +153,7 @@ def monitor_command(
     seconds: Annotated[
         float | None, typer.Option(min=0.1, help="Duration in seconds (default: until Ctrl-C).")
     ] = None,
-    wishes: Annotated[
+    assignments: Annotated[
         list[str] | None,
         typer.Option("--set", help="Parameter to change, as NAME=VALUE; may be repeated."),
     ] = None,
@@ -179,14 +179,14 @@ def monitor_command(
 ) -> dict[str, Any]:
     if (step is None) != (design is None):
         raise UsageError("--step and --design go together: a pair of signals and a project folder")
-    wanted = [_wish(text) for text in wishes or []]
+    wanted = [_assignment(text) for text in assignments or []]
     reporter, finished = Reporter(json_output), True
     if address.endswith(_RECORD_SUFFIX):
         session = replay(Path(address))
     else:
         check_address(address)
         listener = _Listener(reporter)
-        session = Session(on_message=listener.hear)
+        session = Session(on_message=listener.show)
         listener.session = session
         for name, value in wanted:
             session.set_parameter(name, value)

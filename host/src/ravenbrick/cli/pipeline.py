@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, get_args
 from ravenbrick.brick.protocol import Progress, no_progress
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import RavenbrickError, shown_path
-from ravenbrick.image.build import BUSY, build_image, current_image, record_file
+from ravenbrick.image.build import BUSY, build_image, current_image, manifest_file
 from ravenbrick.image.design_script import run_design
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.locks import locked
-from ravenbrick.image.manifest import MadeFrom
+from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.image.memory import MemoryReport
 from ravenbrick.project.robot import ROBOT_FILE, Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
@@ -30,7 +30,7 @@ from ravenbrick.trace.summary import ROLES, Evidence, Run
 from ravenbrick.trace.task_set import check_task_set
 
 if TYPE_CHECKING:
-    from ravenbrick.brick.run import Station, VirtualTarget
+    from ravenbrick.brick.run import PeerRun, VirtualTarget
 
 __all__ = [
     "any_run",
@@ -40,10 +40,10 @@ __all__ = [
     "keep_peer",
     "left_bounds",
     "peer_runs",
-    "play",
     "project_image",
     "project_scenarios",
     "read_run",
+    "run_scenario",
     "scenario_or_none",
     "task_rows",
 ]
@@ -77,7 +77,7 @@ def project_image(
 
 def built_file(elf: Path, reporter: Reporter) -> Path:
     """An ELF file; one that a project's build left is built before where it is not current."""
-    made = MadeFrom.read(record_file(elf))
+    made = BuildManifest.read(manifest_file(elf))
     project = Path(made.settings.get("project folder", "")) if made is not None else Path()
     if made is not None and (project / ROBOT_FILE).is_file():
         workspace, robot = Workspace.of(project), read_robot(project)
@@ -87,7 +87,7 @@ def built_file(elf: Path, reporter: Reporter) -> Path:
     return elf
 
 
-def play(
+def run_scenario(
     workspace: Workspace,
     robot: Robot,
     scenario: Scenario,
@@ -102,7 +102,7 @@ def play(
     return recording
 
 
-def keep_peer(peer: Station | None) -> Recording | None:
+def keep_peer(peer: PeerRun | None) -> Recording | None:
     """Keep the recording of the brick that ran beside, in its own project's results."""
     if peer is None or peer.recording is None:
         return None

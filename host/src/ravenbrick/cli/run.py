@@ -13,8 +13,8 @@ import typer
 
 from ravenbrick.brick.configuration import brick_configuration
 from ravenbrick.brick.fmu_body import FmuBody
-from ravenbrick.brick.run import Station, VirtualTarget
-from ravenbrick.brick.snapshot import Snapshot, SnapshotWishes
+from ravenbrick.brick.run import PeerRun, VirtualTarget
+from ravenbrick.brick.snapshot import Snapshot, SnapshotOptions
 from ravenbrick.brick.stimulus_callback import Callback, load_callback
 from ravenbrick.cli.app import JsonOption, ProjectArgument, ScenarioArgument, command
 from ravenbrick.cli.build import DebugOption, ElfOption, ImageChoice, ImageOption, build_kind
@@ -140,7 +140,7 @@ def _callback(text: str | None, period_ms: int, replay: Path | None) -> Callback
     return load_callback(text, period_ms)
 
 
-def _peer_run(peer: Station | None, reporter: Reporter) -> Run | None:
+def _peer_run(peer: PeerRun | None, reporter: Reporter) -> Run | None:
     """The run of the scenario's peer, kept, measured and shown."""
     recording = keep_peer(peer)
     if peer is None or recording is None:
@@ -156,9 +156,9 @@ def _outcome(run: Run, beside: Run | None, kept: Path) -> dict[str, Any]:
     return answer if beside is None else {**answer, "peer": run_summary(beside)}
 
 
-def _wishes(
+def _snapshot_options(
     scenario: Scenario, body: Path | None, save: Path | None, at_s: float, start: Path | None
-) -> SnapshotWishes:
+) -> SnapshotOptions:
     if (save or start) and (body or scenario.peer or scenario.monitor):
         raise UsageError(
             "a snapshot holds one brick: leave --body out and take a scenario without peer and "
@@ -167,7 +167,7 @@ def _wishes(
     at_ms = round(1000 * at_s)
     if save is not None and at_ms > scenario.duration_ms:
         raise UsageError(f"--snapshot-at {at_s:g}: the scenario ends before that")
-    return SnapshotWishes(None if start is None else Snapshot.load(start), save, at_ms)
+    return SnapshotOptions(None if start is None else Snapshot.load(start), save, at_ms)
 
 
 def _show(run: Run, reporter: Reporter) -> None:
@@ -233,7 +233,7 @@ def run_command(
         callback=_callback(callback, callback_period_ms, replay),
         settings={"engine": engine.value, **timing_profile.settings},
         body=FmuBody(body) if body else None,
-        snapshots=_wishes(chosen, body, save_snapshot, snapshot_at, from_snapshot),
+        snapshots=_snapshot_options(chosen, body, save_snapshot, snapshot_at, from_snapshot),
         sound=sound,
     )
     reporter = Reporter(json_output)

@@ -23,7 +23,7 @@ from ravenbrick.trace.measures import RunMeasures, check_survival, evaluate_crit
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.verdict import expects_fault, judge
 
-Played = tuple[Recording, RunMeasures]
+CheckedRun = tuple[Recording, RunMeasures]
 
 
 class _Runs:
@@ -31,7 +31,7 @@ class _Runs:
 
     def __init__(self, rubric: Rubric, image: ElfImage) -> None:
         self._rubric, self._image = rubric, image
-        self._played: dict[tuple[Path, int], Played] = {}
+        self._played: dict[tuple[Path, int], CheckedRun] = {}
 
     def scenario(self, check: Check, seed: int | None) -> Scenario:
         """The check's scenario with the seed and, of the check, the expectation."""
@@ -45,7 +45,7 @@ class _Runs:
             seeded if check.kind == "criteria" else replace(seeded, criteria=(), expectations=own)
         )
 
-    def play(self, check: Check, seed: int | None) -> Played:
+    def run(self, check: Check, seed: int | None) -> CheckedRun:
         """The recording and its measures; raises `RavenbrickError`."""
         assert check.scenario is not None
         scenario = self.scenario(check, seed)
@@ -60,7 +60,7 @@ class _Runs:
 
 
 def _judge_run(runs: _Runs, check: Check, seed: int | None) -> tuple[bool, str]:
-    recording, measures = runs.play(check, seed)
+    recording, measures = runs.run(check, seed)
     scenario = runs.scenario(check, seed)
     if check.kind == "criteria":
         results = evaluate_criteria(scenario, recording, measures)

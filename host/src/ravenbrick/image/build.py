@@ -23,7 +23,7 @@ from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.design_script import DESIGN_SCRIPT, design_is_due, run_design
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.locks import locked
-from ravenbrick.image.manifest import MadeFrom
+from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.image.memory import MemoryReport, memory_report
 from ravenbrick.image.run_time import (
     COMPILER,
@@ -48,7 +48,7 @@ __all__ = [
     "current_image",
     "find_tool",
     "gprbuild_call",
-    "record_file",
+    "manifest_file",
     "require_tools",
 ]
 
@@ -101,9 +101,9 @@ def require_tools() -> None:
         )
 
 
-def record_file(elf: Path) -> Path:
+def manifest_file(elf: Path) -> Path:
     """The record of what an image was made from."""
-    return elf.with_name("made-from.json")
+    return elf.with_name("build-manifest.json")
 
 
 def choices_of(workspace: Workspace, robot: Robot, settings: Settings) -> dict[str, Any]:
@@ -116,11 +116,11 @@ def choices_of(workspace: Workspace, robot: Robot, settings: Settings) -> dict[s
 def current_image(workspace: Workspace, robot: Robot, kind: BuildKind) -> ElfImage | None:
     """The image, if it is there and was made from the sources as they are now; otherwise None."""
     elf = workspace.image(kind, robot.name)
-    made = MadeFrom.read(record_file(elf))
+    made = BuildManifest.read(manifest_file(elf))
     if made is None or str(elf) not in made.files:
         return None
     settings = Settings.of(robot, debug=kind == "debug")
-    if made.change(choices_of(workspace, robot, settings), record_file(elf)) is not None:
+    if made.change(choices_of(workspace, robot, settings), manifest_file(elf)) is not None:
         return None
     return None if design_is_due(workspace, settings) else read_image(elf)
 
@@ -207,7 +207,7 @@ def _check_project(workspace: Workspace, settings: Settings) -> None:
 
 @contextmanager
 def _nothing_left_after_failure(elf: Path) -> Iterator[None]:
-    for file in (record_file(elf), elf):
+    for file in (manifest_file(elf), elf):
         file.unlink(missing_ok=True)
     try:
         yield
@@ -244,7 +244,7 @@ def _build(
             )
         kernel_folders, kernel_files = run_time_sources(settings)
         files += [run_time / "adalib" / "libgnat.a", workspace.project / DESIGN_SCRIPT]
-        made = MadeFrom.now(choices, folders + kernel_folders, files + kernel_files)
+        made = BuildManifest.now(choices, folders + kernel_folders, files + kernel_files)
         command = ["gprbuild", "-k", f"-j{os.cpu_count() or 1}", *call]
         command += ["-cargs", "-v", "-cargs:Ada", "-gnatef", "-bargs", "-v", "-largs", "-v"]
         log = folder / "build.log"
@@ -262,7 +262,7 @@ def _build(
         memory.write(folder / "memory.json")
         if folders:
             made.add(elf)
-            made.write(record_file(elf))
+            made.write(manifest_file(elf))
     return Built(image, memory, folder / "memory.json")
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From which files and settings a product was made, and whether they are still the same."""
+"""Build manifests: the files and settings a product was built from, and whether they changed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typing import Any
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.errors import shown_path
 
-__all__ = ["MadeFrom", "file_digest"]
+__all__ = ["BuildManifest", "file_digest"]
 
 VERSION = 1
 # A file that changed just before it was looked at may change again without another time stamp.
@@ -48,7 +48,7 @@ def _names(folder: str) -> list[str]:
 
 
 @dataclass
-class MadeFrom:
+class BuildManifest:
     """Settings, the names in each folder of sources, and stamp and digest of each file."""
 
     settings: dict[str, Any]
@@ -59,19 +59,19 @@ class MadeFrom:
     @classmethod
     def now(
         cls, settings: dict[str, Any], folders: Iterable[Path], files: Iterable[Path]
-    ) -> MadeFrom:
-        """As things are; files that do not exist are recorded as missing."""
+    ) -> BuildManifest:
+        """The present state; files that do not exist are recorded as missing."""
         found = {str(folder): _names(str(folder)) for folder in folders}
-        made = cls(settings, found, {})
+        manifest = cls(settings, found, {})
         for folder, names in found.items():
             for name in names:
-                made.add(Path(folder, name))
+                manifest.add(Path(folder, name))
         for file in files:
-            made.add(file)
-        return made
+            manifest.add(file)
+        return manifest
 
     def add(self, file: Path) -> None:
-        """Record a file too."""
+        """Add a file."""
         path = str(file)
         try:
             stamp = _stamp(path)
@@ -82,22 +82,22 @@ class MadeFrom:
             self.files[path] = ([-1, 0, 0], "")
 
     @classmethod
-    def read(cls, path: Path) -> MadeFrom | None:
-        """The record in a file; None where there is none that can be read."""
+    def read(cls, path: Path) -> BuildManifest | None:
+        """The manifest in a file; None where there is none that can be read."""
         try:
-            made = cls(**json.loads(path.read_bytes()))
+            manifest = cls(**json.loads(path.read_bytes()))
         except (OSError, ValueError, TypeError):
             return None
-        return made if made.version == VERSION else None
+        return manifest if manifest.version == VERSION else None
 
     def write(self, path: Path) -> None:
-        """Write the record; raises `OSError`."""
+        """Write the manifest; raises `OSError`."""
         atomic_write(path, json.dumps(asdict(self)) + "\n")
 
-    def change(self, settings: dict[str, Any], record: Path) -> str | None:
-        """What is no longer so, for the user; None when nothing has changed.
+    def change(self, settings: dict[str, Any], file: Path) -> str | None:
+        """What has changed, in words for the user; None for nothing.
 
-        Stamps are looked at first, contents where they differ; `record` then gets the new stamps.
+        Stamps are looked at first, contents where they differ; `file` then gets the new stamps.
         """
         for name in {**self.settings, **settings}:
             if self.settings.get(name) != settings.get(name):
@@ -121,5 +121,5 @@ class MadeFrom:
             renewed = renewed or self.files[path][0][1] != 0
         if renewed:
             with suppress(OSError):
-                self.write(record)
+                self.write(file)
         return None

@@ -13,7 +13,7 @@ from typing import Any
 from ravenbrick.errors import BuildError, UsageError, shown_path
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.locks import locked
-from ravenbrick.image.manifest import MadeFrom
+from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.project.workspace import run_time_folder, tree
 from ravenbrick.subprocesses import run_child
 
@@ -74,9 +74,9 @@ def run_time_library(settings: Settings) -> Path:
     folder = run_time_home()
     library, record = folder / settings.library, folder / f"{settings.library}.json"
     with locked(folder, "that builds the run-time library") as lock:
-        made = MadeFrom.read(record)
+        made = BuildManifest.read(record)
         if made is None or made.change(_choices(settings), record) is not None:
-            made = MadeFrom.now(_choices(settings), *run_time_sources(settings))
+            made = BuildManifest.now(_choices(settings), *run_time_sources(settings))
             _make(folder, settings, lock)
             made.add(library / "adalib" / "libgnat.a")
             made.write(record)

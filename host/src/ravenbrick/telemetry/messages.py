@@ -50,7 +50,7 @@ class Kind(IntEnum):
 
 
 class Verdict(IntEnum):
-    """What became of a wish to change a parameter."""
+    """Answer to a request to change a parameter."""
 
     ACCEPTED = 0
     OUT_OF_RANGE = 1

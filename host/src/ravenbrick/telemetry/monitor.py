@@ -63,13 +63,13 @@ class Monitor:
             self._lose(error)
 
     def end(self) -> None:
-        """Say farewell and let go of the link."""
+        """Tell the brick and close the link."""
         if self._link is None:
             return
         try:
-            self._write(self.session.farewell(self.now_s))
+            self._write(self.session.close(self.now_s))
         except LinkLostError as error:
-            self.tell(f"no farewell: {error}")
+            self.tell(f"the brick could not be told of the end: {error}")
         self._link.close()
         self._link = None
 

@@ -45,7 +45,7 @@ class VersionError(UsageError):
 
 
 @dataclass
-class _Wish:
+class _Request:
     """A change that has not been answered yet."""
 
     value: float
@@ -66,7 +66,7 @@ class Session:
     _reader: FrameReader = field(default_factory=FrameReader)
     _hello: Hello | None = None
     _signals_known: set[tuple[int, int]] = field(default_factory=set)
-    _wishes: dict[str, _Wish] = field(default_factory=dict)
+    _requests: dict[str, _Request] = field(default_factory=dict)
     _spoke_at_s: float = 0.0
     _asked_at_s: float | None = None
 
@@ -93,13 +93,13 @@ class Session:
         """A connection exists: what to send first. An end parts it from what came before."""
         self._reader.restart()
         self._hello = None
-        for wish in self._wishes.values():
-            wish.sent_at_s = None
+        for request in self._requests.values():
+            request.sent_at_s = None
         self._asked_at_s = now_s
         return FRAME_END + self._say(Ask(), now_s)
 
     def set_parameter(self, name: str, value: float) -> None:
-        """Wish for a parameter's change; sent when the brick has described it, and again if lost.
+        """Request a parameter's change; sent when the brick has described it, and again if lost.
 
         The brick checks the limits once more. Raises `UsageError` for a value outside them, or an
         unknown name once all are known.
@@ -115,23 +115,23 @@ class Session:
                     f"{name} = {value:g} is outside {limits.minimum:g} to {limits.maximum:g}"
                     f"{' ' + limits.unit if limits.unit else ''}, the limits on the brick"
                 )
-        self._wishes[name] = _Wish(value)
+        self._requests[name] = _Request(value)
 
     def pending(self, now_s: float) -> bytes:
-        """What is to be sent now, often nothing."""
+        """Messages that are due now; often empty."""
         out = b""
         if self._asked_at_s is not None and not self.described:
             if now_s - self._asked_at_s >= _RETRY_S:
                 self._asked_at_s = now_s
                 out += self._say(Ask(), now_s)
         elif self.described:
-            out += self._send_wishes(now_s)
+            out += self._send_requests(now_s)
         if now_s - self._spoke_at_s >= KEEP_ALIVE_S:
             out += self._say(KeepAlive(), now_s)
         return out
 
-    def farewell(self, now_s: float) -> bytes:
-        """What to send before the connection is closed on purpose."""
+    def close(self, now_s: float) -> bytes:
+        """The last message before the connection is closed on purpose."""
         return self._say(Stop(), now_s)
 
     def receive(self, data: bytes) -> None:
@@ -148,16 +148,16 @@ class Session:
         self._spoke_at_s = now_s
         return frame(encode(message))
 
-    def _send_wishes(self, now_s: float) -> bytes:
+    def _send_requests(self, now_s: float) -> bytes:
         indices = {p.name: p.index for p in self.parameters.values()}
         out = b""
-        for name, wish in list(self._wishes.items()):
+        for name, request in list(self._requests.items()):
             if name not in indices:
-                del self._wishes[name]
+                del self._requests[name]
                 raise UsageError(f"the program has no parameter '{name}'")
-            if wish.sent_at_s is None or now_s - wish.sent_at_s >= _RETRY_S:
-                wish.sent_at_s = now_s
-                out += self._say(SetParameter(indices[name], wish.value), now_s)
+            if request.sent_at_s is None or now_s - request.sent_at_s >= _RETRY_S:
+                request.sent_at_s = now_s
+                out += self._say(SetParameter(indices[name], request.value), now_s)
         return out
 
     def _take(self, message: Message) -> None:
@@ -206,4 +206,4 @@ class Session:
         parameter = self.parameters.get(answer.index)
         if answer.verdict is not Verdict.UNKNOWN and parameter is not None:
             self.values[answer.index] = answer.value
-            self._wishes.pop(parameter.name, None)
+            self._requests.pop(parameter.name, None)

@@ -66,18 +66,18 @@ class _LiveFigure:
                 parameter.maximum,
                 valinit=self._session.values[parameter.index],
             )
-            slider.on_changed(self._wish(parameter.name))
+            slider.on_changed(self._changed(parameter.name))
             self._sliders.append(slider)
 
-    def _wish(self, name: str) -> Callable[[float], None]:
-        def wish(value: float) -> None:
+    def _changed(self, name: str) -> Callable[[float], None]:
+        def change(value: float) -> None:
             if math.isfinite(value):
                 try:
                     self._session.set_parameter(name, value)
                 except UsageError as error:
                     self._tell(str(error))
 
-        return wish
+        return change
 
 
 def show_live(

@@ -15,13 +15,13 @@ from ravenbrick.errors import PeerError
 from ravenbrick.project.scenario import MonitorWindow
 from ravenbrick.telemetry.session import Session
 
-__all__ = ["Listener"]
+__all__ = ["ScriptedMonitor"]
 
 
 RETRY_MS = 1_000
 
 
-class Listener:
+class ScriptedMonitor:
     """Connects when its window begins, listens, and hangs up when the window ends.
 
     Until the program answers, it asks once a second for the connection.
@@ -35,7 +35,7 @@ class Listener:
         self._page_ms = window.from_ms
         self._asked = self._was_connected = False
 
-    def look(self, now_ms: int) -> None:
+    def poll(self, now_ms: int) -> None:
         """Do what is due."""
         ends = self._window.until_ms
         if ends is not None and now_ms >= ends:
