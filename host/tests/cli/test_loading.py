@@ -20,7 +20,7 @@ from ravenbrick.cli.app import COMMANDS, ELSEWHERE, app
 
 FOLDER = Path(ravenbrick.cli.__file__).parent
 LIBRARIES = {"control", "matplotlib", "scipy.linalg", "scipy.optimize", "scipy.signal"}
-SLOW = LIBRARIES | {"scipy.interpolate", "rich", "jsonschema"}
+SLOW = LIBRARIES | {"scipy.interpolate", "rich", "jinja2", "jsonschema"}
 # Without what is only prepared to be loaded.
 NAMES = "(n for n, m in sys.modules.items() if m and type(m).__name__ != '_LazyModule')"
 PROGRAM = f"""

@@ -113,6 +113,17 @@ def test_a_failed_run_shows_its_sentence_and_what_was_recorded(
     assert page.index("Constraint_Error") < page.index("Program failed") < page.index("Signals of")
 
 
+def test_what_a_project_says_is_text(robot: Robot, scenario: Scenario, tmp_path: Path) -> None:
+    """No name, description or message becomes an element of the page."""
+    hostile = "</title><script>&"
+    run = _run(robot, replace(scenario, name=hostile, description=hostile), preempted())
+    run = replace(run, problem=RunFaultError(hostile, detail=hostile))
+    named = replace(robot, name=hostile, description=hostile)
+    page = _page(Evidence(named, None, None, (run,), None), tmp_path)
+    assert "<script" not in page
+    assert "&lt;script&gt;&amp;" in page
+
+
 def test_a_run_that_ended_before_any_event_has_a_section(
     robot: Robot, scenario: Scenario, tmp_path: Path
 ) -> None:

@@ -1,46 +1,44 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables and figures of the report as HTML."""
+"""HTML pages from the templates of this folder; text of a project is always escaped."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from html import escape
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 from ravenbrick.report.chart import Drawing
 
-__all__ = ["Drawings", "Table", "counted", "table"]
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
-Cells = Sequence[str]
+__all__ = ["Figure", "Figures", "Row", "counted", "milliseconds", "page", "percent"]
+
+# Cells of a table; a pair is a text with a smaller one below it.
+Row = tuple[str | int | tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
-class Table:
-    """Numbers to the right; the first `text_columns` to the left. `markup`: cells are HTML."""
+class Figure:
+    """A chart with its caption."""
 
-    head: Cells
-    rows: Sequence[Cells]
-    text_columns: int = 1
-    markup: bool = False
-
-    def html(self) -> str:
-        """In a box of its own that scrolls sideways."""
-        cells = self._row(self.head, "th", False)
-        body = "".join(self._row(row, "td", self.markup) for row in self.rows)
-        return f'<div class="scroll"><table>{cells}{body}</table></div>'
-
-    def _row(self, cells: Cells, tag: str, markup: bool) -> str:
-        text = ""
-        for place, cell in enumerate(cells):
-            style = ' class="text"' if place < self.text_columns else ""
-            text += f"<{tag}{style}>{cell if markup else escape(cell)}</{tag}>"
-        return f"<tr>{text}</tr>"
+    drawing: Drawing
+    caption: str
 
 
-def table(head: Cells, rows: Sequence[Cells]) -> str:
-    """A plain table."""
-    return Table(head, rows).html()
+@dataclass
+class Figures:
+    """The figures of a page, by the names of their files."""
+
+    named: dict[str, Figure] = field(default_factory=dict)
+
+    def add(self, name: str, drawing: Drawing | None, caption: str) -> Figure | None:
+        """A figure of the page; None for no drawing."""
+        if drawing is None:
+            return None
+        self.named[name] = Figure(drawing, caption)
+        return self.named[name]
 
 
 def counted(number: int, noun: str) -> str:
@@ -48,18 +46,32 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
-@dataclass
-class Drawings:
-    """The drawings that a page shows, by the names of their files."""
+def percent(share: float) -> str:
+    """A share of one in percent."""
+    return f"{100 * share:.2f} %"
 
-    drawn: dict[str, Drawing] = field(default_factory=dict)
 
-    def figure(self, name: str, drawing: Drawing | None, caption: str) -> str:
-        """A drawing with its caption; nothing for no drawing."""
-        if drawing is None:
-            return ""
-        self.drawn[name] = drawing
-        return (
-            f'<figure><div class="scroll">{drawing.svg()}</div>'
-            f"<figcaption>{escape(caption)}</figcaption></figure>"
-        )
+def milliseconds(seconds: float | None) -> str:
+    """A time in s as text, `never` for None."""
+    return "never" if seconds is None else f"{1000 * seconds:.1f} ms"
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # slow to load
+
+    made = Environment(
+        loader=PackageLoader("ravenbrick.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.globals["counted"] = counted
+    made.filters |= {"milliseconds": milliseconds, "percent": percent}
+    return made
+
+
+def page(template: str, **values: Any) -> str:
+    """The page of a template; raises `jinja2.UndefinedError` for a value that is not given."""
+    return _environment().get_template(template).render(values)

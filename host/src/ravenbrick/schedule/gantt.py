@@ -76,7 +76,7 @@ def _draw(axis: Axes, run: Simulation, lanes: dict[str, int], end: float) -> Non
     for places, offset, mark, colour in (
         (arrivals, 0.36, "^", "#000000"),
         (met, -0.36, "v", COLOURS["setpoint"]),
-        (missed, -0.36, "x", COLOURS["right"]),
+        (missed, -0.36, "x", COLOURS["deadline"]),
     ):
         across = [time for time, _ in places]
         up = [lane + offset for _, lane in places]

@@ -81,14 +81,14 @@ def _deadline_bars(axis: Axes, tasks: list[dict[str, Any]]) -> None:
     for row, task in enumerate(tasks):
         bound = microseconds(task["response_bound_cycles"])
         share = 100 * bound / task["deadline_us"]
-        colour = COLOURS["right"] if share > 100 else COLOURS["faint"]
+        colour = COLOURS["deadline"] if share > 100 else COLOURS["raw"]
         axis.barh(row, share, height=0.5, color=colour)
         text = f"{bound:.0f} of {task['deadline_us']} us"
         axis.text(0.012, row + 0.28, text, va="bottom", fontsize=8)
         if task["observed"] is not None:
             seen = 100 * microseconds(task["observed"]["response_cycles"]) / task["deadline_us"]
             axis.plot([seen, seen], [row - 0.32, row + 0.32], color="#000000")
-    axis.axvline(100, color=COLOURS["right"], linestyle="--")
+    axis.axvline(100, color=COLOURS["deadline"], linestyle="--")
     axis.set_xscale("log")
     highest = max(axis.get_xlim()[1], 150)
     axis.set_xlim(0.01, highest)
@@ -117,7 +117,7 @@ def _critical(
     if blocking:
         lane = lanes.get(timing.blocking.task, lanes["interrupts"])
         width = microseconds(blocking)
-        axis.barh(lane, width, height=0.6, color=COLOURS["right"], label="blocking")
+        axis.barh(lane, width, height=0.6, color=COLOURS["deadline"], label="blocking")
     terms = analysis.bounds[timing.task.name].terms
     met = {} if terms is None else {part.task: part.time for part in terms.interference}
     run = simulate(_in_window(analysis, met, length), int(length) + 1, releases=critical_instant)
@@ -185,7 +185,7 @@ def windows_figure(
     deadline = microseconds(analysis.bounds[task].task.deadline)
     for axis in axes:
         if deadline < microseconds(bound):
-            axis.axvline(deadline, color=COLOURS["right"], linestyle="--", label="deadline")
+            axis.axvline(deadline, color=COLOURS["deadline"], linestyle="--", label="deadline")
         axis.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
         axis.set_yticks(list(lanes.values()), list(lanes))
         axis.set_ylim(-0.6, len(lanes) - 0.4)
@@ -203,7 +203,7 @@ def spreads_figure(result: dict[str, Any]) -> Figure:
         found = result["long_run"]["tasks"][task["name"]]
         kinds = (
             ("response time", "response_time_cycles", COLOURS["design"]),
-            ("release latency", "release_latency_cycles", COLOURS["right"]),
+            ("release latency", "release_latency_cycles", COLOURS["deadline"]),
         )
         for label, key, colour in kinds:
             edges = [microseconds(edge) for edge, _ in found[key]["bins"]]
@@ -226,12 +226,12 @@ def margin_figure(loop: Loop, chain: ChainDelay) -> Figure:
     marks = [("designed", 1000 * loop.designed_delay, COLOURS["design"])]
     if chain.sample_bound_cycles is not None:
         bound = microseconds(chain.sample_bound_cycles) / 1000
-        marks.append(("bound", bound, COLOURS["right"]))
+        marks.append(("bound", bound, COLOURS["deadline"]))
     if chain.sample_min_cycles is not None and chain.sample_max_cycles is not None:
         low = microseconds(chain.sample_min_cycles) / 1000
         high = microseconds(chain.sample_max_cycles) / 1000
         label = f"seen: {low:.2f} to {high:.2f} ms, the width is the jitter"
-        axis.axvspan(low, high, color=COLOURS["faint"], label=label)
+        axis.axvspan(low, high, color=COLOURS["raw"], label=label)
     end = 1.2 * max(delay for _, delay, _ in marks) or 1.0
     delays = [end * step / 100 for step in range(101)]
     margins = [phase_margin(loop, delay / 1000) for delay in delays]

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from html import escape
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ravenbrick.atomic_write import atomic_write
+from ravenbrick.report.page import page
 from ravenbrick.report.plots.style import data_uri, png_bytes
 from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.result import advice, microseconds
@@ -120,74 +119,6 @@ def _observed_rows(result: dict[str, Any]) -> list[list[str]]:
     return rows
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-    )
-    return f'<div class="scroll"><table><tr>{cells}</tr>{body}</table></div>'
-
-
-def _image(figure: Figure, caption: str) -> str:
-    source = data_uri(png_bytes(figure), "image/png")
-    alternative = escape(caption, quote=True)
-    return (
-        f'<figure><img src="{source}" alt="{alternative}">'
-        f"<figcaption>{escape(caption)}</figcaption></figure>"
-    )
-
-
-def _page(
-    name: str,
-    result: dict[str, Any],
-    figures: Sequence[tuple[str, Figure]],
-    notes: Sequence[str],
-) -> str:
-    css = resources.files("ravenbrick.report").joinpath("templates/report.css").read_text("utf-8")
-    verdict = "All deadlines are met." if result["schedulable"] else "A deadline can be missed."
-    verdict += "" if result["stacks_suffice"] else " A stack can overflow."
-    lines = "".join(f"<li>{escape(line)}</li>" for line in (*advice(result), *notes))
-    differences = "".join(f"<li>{escape(line)}.</li>" for line in why_apart(result))
-    services = [
-        (key.removesuffix("_cycles").replace("__", "."), _text(value))
-        for key, value in result["services"].items()
-    ]
-    objects = [(item["name"], str(item["ceiling"])) for item in result["protected_objects"]]
-    alarm = microseconds(result["services"]["alarm_cycles"])
-    parts = [
-        f"<h1>{escape(name)}: timing</h1>",
-        f'<p class="lead">{verdict} Times in cycles of 48.054857 MHz, {result["timing"]} timing. '
-        "Bounds come from the binary before the run; what is seen comes from the run.</p>",
-        f"<ul>{lines}</ul>",
-        "<h2>Response times</h2>",
-        _table(REPORT_HEAD, short_rows(result)),
-        *(_image(figure, caption) for caption, figure in figures),
-        "<h2>Each term beside what was seen</h2>",
-        "<p>The largest values of a row need not belong to one job.</p>",
-        _table(OBSERVED_HEAD, _observed_rows(result)),
-        "<h2>Why bound and observation differ</h2>",
-        "<p>The bound takes all terms at their worst in one job. A run meets them together only "
-        "when inputs and phases fall so; <code>--hunt</code> looks for such runs.</p>",
-        f"<ul>{differences}</ul>",
-        "<h2>Interrupts</h2>",
-        _table(INTERRUPT_HEAD, interrupt_rows(result)),
-        *([_table(EVENT_HEAD, event_rows(result))] if result["timing_events"] else []),
-        f"<p>All handlers need at most {result['interrupt_stack_bound_bytes']} bytes of the "
-        f"handlers' stack. A release costs {alarm:.1f} us at the highest priority.</p>",
-        "<h2>The run-time's services</h2>",
-        _table(("service", "at most"), services),
-        "<h2>Protected objects</h2>",
-        _table(("object", "ceiling"), objects),
-    ]
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(name)}: timing</title><style>\n{css}</style></head>\n<body>"
-        + "\n".join(parts)
-        + "\n</body></html>\n"
-    )
-
-
 def write_timing_report(
     name: str,
     result: dict[str, Any],
@@ -197,7 +128,27 @@ def write_timing_report(
 ) -> Path:
     """Write timing.html, with `notes` below the advice, and timing.json; returns the report's
     file."""
+    services = result["services"].items()
+    text = page(
+        "timing_report.html",
+        title=f"{name}: timing",
+        result=result,
+        notes=(*advice(result), *notes),
+        response_head=REPORT_HEAD,
+        responses=short_rows(result),
+        figures=[(text, data_uri(png_bytes(figure), "image/png")) for text, figure in figures],
+        term_head=OBSERVED_HEAD,
+        terms=_observed_rows(result),
+        differences=why_apart(result),
+        interrupt_head=INTERRUPT_HEAD,
+        interrupts=interrupt_rows(result),
+        event_head=EVENT_HEAD,
+        events=event_rows(result),
+        release_us=microseconds(result["services"]["alarm_cycles"]),
+        services=[(k.removesuffix("_cycles").replace("__", "."), _text(v)) for k, v in services],
+        objects=[(item["name"], item["ceiling"]) for item in result["protected_objects"]],
+    )
     report = folder / "timing.html"
-    atomic_write(report, _page(name, result, figures, notes))
+    atomic_write(report, text)
     atomic_write(folder / "timing.json", json.dumps(result, indent=1) + "\n")
     return report

@@ -1,15 +1,14 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One look for all plots: the same colour for the same thing, legible in grey print."""
+"""Plots of matplotlib in the look of the charts."""
 
 from __future__ import annotations
 
 import base64
 import io
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+from ravenbrick.report.chart import COLOURS, task_colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,27 +17,12 @@ if TYPE_CHECKING:
 __all__ = [
     "COLOURS",
     "data_uri",
-    "degrees_per_second",
     "legend",
     "new_figure",
     "png_bytes",
     "task_colour",
 ]
 
-COLOURS = {
-    "setpoint": "#555555",
-    "design": "#9a6a00",
-    "sampled": "#00695c",
-    "left": "#1f5fa8",
-    "right": "#b3372f",
-    "with": "#1f5fa8",
-    "without": "#b3372f",
-    "interrupts": "#8a8a8a",
-    "kernel": "#c9b458",
-    "grid": "#e3e3e3",
-    "faint": "#a9c2df",
-}
-TASK_COLOURS = ("#1f5fa8", "#00695c", "#8e4585", "#9a6a00", "#4a6b2a", "#7a4b3a")
 DPI = 150
 
 
@@ -54,16 +38,6 @@ def new_figure(width: float = 8.0, height: float = 4.0, rows: int = 1) -> tuple[
         axis.spines[["top", "right"]].set_visible(False)
         axis.tick_params(labelsize=9)
     return figure, list(axes)
-
-
-def task_colour(index: int) -> str:
-    """Colour of a task by its index."""
-    return TASK_COLOURS[index % len(TASK_COLOURS)]
-
-
-def degrees_per_second(speed: NDArray[np.float64]) -> NDArray[np.float64]:
-    """rad/s -> degrees/s, the unit that NXT users know."""
-    return cast("NDArray[np.float64]", np.degrees(speed))
 
 
 def data_uri(content: bytes, media_type: str) -> str:

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from html import escape
-
+from ravenbrick.report.page import Row, percent
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import TaskMeasures
 
@@ -25,11 +24,12 @@ TASK_COLUMNS = (
 )
 
 
-def _cycles(recording: Recording, cycles: float | None) -> str:
+def _cycles(recording: Recording, cycles: float | None) -> str | tuple[str, str]:
+    """Cycles with microseconds below."""
     if cycles is None:
         return "none"
     microseconds = 1e6 * cycles / float(recording.clock.hertz)
-    return f"{cycles:,.0f}<small>{microseconds:,.1f} µs</small>".replace(",", " ")
+    return f"{cycles:,.0f}".replace(",", " "), f"{microseconds:,.1f} µs".replace(",", " ")
 
 
 def _deadline(recording: Recording, task: TaskMeasures) -> str:
@@ -40,10 +40,10 @@ def _deadline(recording: Recording, task: TaskMeasures) -> str:
 
 def task_cells(
     recording: Recording, task: TaskMeasures, share: float, bound_cycles: int | None = None
-) -> tuple[str, ...]:
-    """The row of a task as HTML: cycles with microseconds below."""
+) -> Row:
+    """The row of a task."""
     return (
-        escape(task.name),
+        task.name,
         str(task.releases),
         _cycles(recording, task.response_time_cycles_min),
         _cycles(recording, task.response_time_cycles_mean),
@@ -52,5 +52,5 @@ def task_cells(
         _cycles(recording, bound_cycles),
         _deadline(recording, task),
         str(task.deadline_misses) if task.deadline_cycles is not None else "none",
-        f"{100 * share:.2f} %",
+        percent(share),
     )
