@@ -168,7 +168,7 @@ export class Schedule {
 
   private take({ at, kind, subject, value }: TraceEvent): void {
     switch (kind) {
-      case Kind.threadRunning:
+      case Kind.thread_running:
         if (this.nested.length === 0) this.closeRunning(at);
         this.running = subject === IDLE ? null : { subject, since: at };
         break;
@@ -178,10 +178,10 @@ export class Schedule {
       case Kind.completion:
         this.lane(subject).completed(value, at, this.begin);
         break;
-      case Kind.interruptEntered:
+      case Kind.interrupt_entered:
         this.enter(at, subject);
         break;
-      case Kind.interruptLeft:
+      case Kind.interrupt_left:
         this.leave(at);
         break;
     }

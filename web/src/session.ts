@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** What is run: program, surroundings, tasks and inputs. */
+import { motors } from "../../catalogue/parts.json";
 
 /** The configuration of the virtual brick; the core checks it and names what is wrong. */
 export interface Configuration {
@@ -64,6 +65,15 @@ export interface Run extends Session {
   digest: string;
 }
 
+const { nxt } = motors;
+
+/** The motor of the catalogue, with linear friction alone. */
+const PARAMETERS = Object.fromEntries(
+  (
+    ["resistance", "torque_constant", "electric_constant", "viscous_friction", "inertia"] as const
+  ).map((name) => [name, nxt[name].value]),
+);
+
 /** A brick with a touch sensor and three free motors, for a program without a project. */
 export const PLAIN_SESSION: Session = {
   project: "brick",
@@ -71,20 +81,7 @@ export const PLAIN_SESSION: Session = {
   configuration: {
     seed: 1,
     battery: { kind: "li_ion", voltage: 8.0, internal_resistance: 0.0 },
-    motors: Object.fromEntries(
-      ["A", "B", "C"].map((port) => [
-        port,
-        {
-          parameters: {
-            resistance: 6.8562,
-            torque_constant: 0.31739,
-            electric_constant: 0.46839,
-            viscous_friction: 0.0011278,
-            inertia: 0.000842,
-          },
-        },
-      ]),
-    ),
+    motors: Object.fromEntries(["A", "B", "C"].map((port) => [port, { parameters: PARAMETERS }])),
     body: { kind: "bench" },
     sensors: { "1": { kind: "touch" } },
   },

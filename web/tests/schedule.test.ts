@@ -5,7 +5,9 @@ import { IDLE, Kind } from "../src/events";
 import { Schedule } from "../src/schedule";
 import { pack } from "./events";
 
-const { threadRunning, release, completion, interruptEntered, interruptLeft } = Kind;
+const { release, completion } = Kind;
+const { thread_running: threadRunning } = Kind;
+const { interrupt_entered: interruptEntered, interrupt_left: interruptLeft } = Kind;
 
 describe("the schedule", () => {
   it("gives the processor to one thread after the other", () => {

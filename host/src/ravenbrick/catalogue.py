@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tree's `catalogue/`: motors, bodies, batteries and sensors, each constant once.
 
-`parts.json` has the entries that a `robot.toml` names, `sensors.json` what a sensor port takes.
+`parts.json` has the entries that a `robot.toml` names, `sensors.json` what a sensor port takes,
+`trace.json` the numbers in traces, which crate `trace`, this package and the page share.
 An installed package has its own copy: code and catalogue always fit together.
 """
 
@@ -19,6 +20,8 @@ from typing import Any
 __all__ = [
     "SensorInput",
     "SensorKind",
+    "event_numbers",
+    "interrupt_sources",
     "part_source",
     "part_values",
     "parts",
@@ -114,3 +117,14 @@ def sensor_input(name: str) -> tuple[SensorKind, SensorInput, str] | None:
             if match:
                 return kind, one, match[1]
     return None
+
+
+def event_numbers() -> Mapping[str, int]:
+    """The number of each kind of event in a trace, by its name."""
+    return {name: int(number) for name, number in _content("trace.json")["events"].items()}
+
+
+def interrupt_sources() -> Mapping[int, str]:
+    """Names of the chip's interrupt sources (AT91SAM7S256 datasheet, peripheral identifiers)."""
+    names = _content("trace.json")["interrupt_sources"]
+    return {int(number): str(name) for number, name in names.items()}

@@ -11,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from ravenbrick.catalogue import event_numbers
 from ravenbrick.clock import Clock
 from ravenbrick.project.robot import Task
 from ravenbrick.trace.recording import EVENT_TYPE, IDLE, EventKind, Recording, Stop, Thread
@@ -191,3 +192,8 @@ def test_a_task_without_a_job_has_no_measures() -> None:
     measures = measure_task(recording([], 100), 0, None)
     assert (measures.releases, measures.response_time_cycles_max) == (0, None)
     assert measures.release_jitter_cycles is None
+
+
+def test_kinds_of_events_are_those_of_the_catalogue() -> None:
+    """Which the tests of crate `trace` compare with the virtual brick's."""
+    assert {kind.name.lower(): kind.value for kind in EventKind} == event_numbers()

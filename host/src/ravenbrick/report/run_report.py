@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.atomic_write import atomic_write
-from ravenbrick.image.memory import MemoryReport
 from ravenbrick.report.page import Figure, Figures, milliseconds, page, percent
 from ravenbrick.report.plots.path import path_drawing
 from ravenbrick.report.plots.step_response import step_drawing
@@ -119,8 +118,9 @@ def _comparison(evidence: Evidence, figures: Figures) -> Figure | None:
     )
 
 
-def _memory(memory: MemoryReport | None) -> dict[str, Any]:
+def _memory(evidence: Evidence) -> dict[str, Any]:
     """The memory report with the rows of its tables."""
+    memory = evidence.memory
     stacks = [
         (task.name, *("unknown" if size is None else size for size in sizes))
         for task in (memory.tasks if memory else ())
@@ -142,7 +142,7 @@ def _page(evidence: Evidence, figures: Figures) -> str:
         step=_step(evidence, figures),
         comparison=_comparison(evidence, figures),
         sections=[run_section(run, evidence, figures) for run in evidence.runs],
-        **_memory(evidence.memory),
+        **_memory(evidence),
     )
 
 

@@ -285,3 +285,14 @@ fn a_trace_cut_back_to_a_mark_is_the_trace_of_that_time() {
     assert_eq!(trace.digest(), digest);
     trace.sample(30, &[0.25]).unwrap();
 }
+
+#[test]
+fn kinds_have_the_names_and_numbers_that_host_and_page_read() {
+    let catalogue = include_str!("../../../../catalogue/trace.json");
+    let lines: Vec<_> = EventKind::ALL
+        .iter()
+        .map(|kind| format!("  \"{}\": {}", kind.name(), kind.number()))
+        .collect();
+    let events = format!("\"events\": {{\n{}\n }}", lines.join(",\n"));
+    assert!(catalogue.contains(&events), "not in catalogue/trace.json:\n{events}");
+}
