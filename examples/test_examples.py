@@ -95,10 +95,10 @@ def test_the_telemetry_is_part_of_the_schedulability_report() -> None:
     ravenbrick("build", str(EXAMPLES / "motor-bench"))
     answer = ravenbrick("analyse", str(EXAMPLES / "motor-bench"), "--scenario", "step")
     assert answer["schedulable"]
-    talker = next(task for task in answer["tasks"] if task["name"] == "talker")
-    seen = talker["observed"]
-    assert 0 < seen["execution_cycles"] <= talker["execution_bound_cycles"]
-    assert 0 < seen["response_cycles"] <= talker["response_bound_cycles"]
+    server_task = next(task for task in answer["tasks"] if task["name"] == "server_task")
+    seen = server_task["observed"]
+    assert 0 < seen["execution_cycles"] <= server_task["execution_bound_cycles"]
+    assert 0 < seen["response_cycles"] <= server_task["response_bound_cycles"]
 
 
 @pytest.mark.skipif(

@@ -126,13 +126,13 @@ def test_a_monitored_run_plays_again(image: Any, tmp_path: Path, kind: str) -> N
 
 
 def test_a_scenario_s_monitor_takes_samples_from_its_begin_to_its_end(image: Any) -> None:
-    """The talker works while the monitor listens, and every run of the scenario is the same."""
+    """The server works while the monitor listens, and every run of the scenario is the same."""
     robot = read_robot(BENCH)
     scenario = read_scenario(scenario_path(BENCH, "monitored"), robot)
     recording = VirtualTarget().run(robot, scenario, image)
     assert VirtualTarget().run(robot, scenario, image).digest == recording.digest
-    talker = [thread.name.lower() for thread in recording.threads].index("talker")
-    jobs = [job for job in jobs_of(recording, talker)[1:] if job.response_time_cycles]
+    server_task = [thread.name.lower() for thread in recording.threads].index("server_task")
+    jobs = [job for job in jobs_of(recording, server_task)[1:] if job.response_time_cycles]
     second = MASTER_CLOCK.hertz
 
     def longest(begin_s: float, end_s: float) -> int:
@@ -149,10 +149,10 @@ def test_a_scenario_s_monitor_asks_until_the_program_listens(image: Any) -> None
     scenario = read_scenario(scenario_path(BENCH, "monitored"), robot)
     early = replace(scenario, duration_ms=2_500, monitor=MonitorWindow("1234", 0, None))
     recording = VirtualTarget().run(robot, early, image)
-    talker = [thread.name.lower() for thread in recording.threads].index("talker")
-    latest = [job for job in jobs_of(recording, talker) if job.response_time_cycles][-20:]
+    server_task = [thread.name.lower() for thread in recording.threads].index("server_task")
+    latest = [job for job in jobs_of(recording, server_task) if job.response_time_cycles][-20:]
     idle = VirtualTarget().run(robot, replace(early, monitor=None), image)
-    quiet = [job for job in jobs_of(idle, talker) if job.response_time_cycles][-20:]
+    quiet = [job for job in jobs_of(idle, server_task) if job.response_time_cycles][-20:]
     longest, usual = (max(j.response_time_cycles or 0 for j in jobs) for jobs in (latest, quiet))
     assert longest > 2 * usual
     wrong = replace(early, monitor=MonitorWindow("4321", 0, None))

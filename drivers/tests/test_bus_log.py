@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The two-wire bus of sensor ports against a scripted peripheral: scenario in, exact log out.
 
-S and P are start and stop, each byte is followed by a or n, acknowledged or not. A beat is half a
+S and P are start and stop, each byte is followed by a or n, acknowledged or not. A tick is half a
 bit.
 """
 
@@ -15,15 +15,15 @@ import pytest
 from verification.support.bricks.observe import Brick
 
 LOGS = {
-    "write": "S 02a 41a 02a P done beats 058",
-    "read": "S 02a 42a S 03a 5Aa 5Bn P done 5A 5B beats 097",
-    "LEGO read": "S 02a 42a P S 03a 5Aa 5Bn done 5A 5B beats 108",
-    "nobody": "S 02n P failed beats 022",
-    "NACK of a register": "S 02a 42n P failed beats 040",
-    "NACK of the read": "S 02a 42a S 03n P failed beats 061",
-    "unplugged in the data": "S 02a 42a S 03a FFn P done FF beats 079",
-    "stretched": "S 02a 41a P done beats 059",
-    "stuck": "S 02a failed beats 128",
+    "write": "S 02a 41a 02a P done ticks 058",
+    "read": "S 02a 42a S 03a 5Aa 5Bn P done 5A 5B ticks 097",
+    "LEGO read": "S 02a 42a P S 03a 5Aa 5Bn done 5A 5B ticks 108",
+    "nobody": "S 02n P failed ticks 022",
+    "NACK of a register": "S 02a 42n P failed ticks 040",
+    "NACK of the read": "S 02a 42a S 03n P failed ticks 061",
+    "unplugged in the data": "S 02a 42a S 03a FFn P done FF ticks 079",
+    "stretched": "S 02a 41a P done ticks 059",
+    "stuck": "S 02a failed ticks 128",
 }
 
 

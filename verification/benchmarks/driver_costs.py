@@ -112,7 +112,7 @@ SOURCES = {
 }
 CAUSED = {5, 6, 8, 11, 13, 14}
 PERIOD_CYCLES = 100 * CLOCK_NUMERATOR // (CLOCK_DENOMINATOR * 1000)
-TASKS = {"coprocessor_task": 2.0, "regulator_task": 4.0, "talker": 10.0}
+TASKS = {"coprocessor_task": 2.0, "regulator_task": 4.0, "server_task": 10.0}
 MAIN = 0
 MASK_SYMBOL = "ravenbrick__interrupts__masked"
 STEP_CYCLES = 4
@@ -475,7 +475,7 @@ def telemetry_lines(known: dict[str, Any]) -> list[str]:
     ]
     return [
         "",
-        "`talker` is the Bluetooth telemetry server, measured while a host receives samples.",
+        "`server_task` is the Bluetooth telemetry server, measured while a host receives samples.",
         "",
         "| Telemetry | Code, bytes | Data, bytes |",
         "|---|---:|---:|",

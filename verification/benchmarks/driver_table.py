@@ -106,7 +106,7 @@ DEVICES = (
         ("NXT.Telemetry", "NXT.Frames"),
         ("telemetry", "frames"),
         ("Telemetry.",),
-        "talker",
+        "server_task",
     ),
     Device(
         "flash storage",

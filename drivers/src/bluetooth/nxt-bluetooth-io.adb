@@ -18,7 +18,7 @@ package body IO is
       Last  : Natural;
       Next  : Time := Clock;
    begin
-      while First <= Data'Last and then Now_Is = Connected loop
+      while First <= Data'Last and then Current_State = Connected loop
          Last := Natural'Min (Data'Last, First + Room - 1);
          Send (Data (First .. Last));
          First := Last + 1;
@@ -39,7 +39,7 @@ package body IO is
          Receive (Data (First .. Data'Last), Last);
          First := Last + 1;
          Complete := First > Data'Last;
-         exit when Complete or else Now_Is /= Connected;
+         exit when Complete or else Current_State /= Connected;
          Next := Next + Poll_Period;
          delay until Next;
          Poll;
@@ -55,31 +55,31 @@ package body IO is
    end Send;
 
    procedure Skip (Length : Natural; Complete : out Boolean) is
-      Passed : Byte_Array (1 .. 1);
+      Skipped : Byte_Array (1 .. 1);
    begin
       Complete := True;
       for Count in 1 .. Length loop
-         Receive_All (Passed, Complete);
+         Receive_All (Skipped, Complete);
          exit when not Complete;
       end loop;
    end Skip;
 
    procedure Receive (This : access Message) is
-      Length   : constant Natural := Length_Of (This.all);
-      Data     : Byte_Array (1 .. Length) with Import, Address => This.all'Address;
-      Header   : Byte_Array (1 .. Header_Length);
-      Coming   : Natural;
-      Complete : Boolean;
+      Length    : constant Natural := Length_Of (This.all);
+      Data      : Byte_Array (1 .. Length) with Import, Address => This.all'Address;
+      Header    : Byte_Array (1 .. Header_Length);
+      Announced : Natural;
+      Complete  : Boolean;
    begin
       loop
          Receive_All (Header, Complete);
          exit when not Complete;
-         Coming := Natural (Header (1)) + 256 * Natural (Header (2));
-         if Coming = Length then
+         Announced := Natural (Header (1)) + 256 * Natural (Header (2));
+         if Announced = Length then
             Receive_All (Data, Complete);
             exit;
          end if;
-         Skip (Coming, Complete);
+         Skip (Announced, Complete);
          exit when not Complete;
       end loop;
    end Receive;

@@ -19,22 +19,22 @@ package body NXT.Bluetooth is
    Address_Length : constant := 7;
    Device_Length  : constant := 7 + 16 + 4;
 
-   Is_Available : Boolean := False;
-   Own_Address  : BT_Address := (others => 0);
-   Now_Is       : Connection_State := Idle;
-   Serving      : Boolean := False;
-   Expected     : Pin_Code := (others => 0);
-   Peer         : BT_Address := (others => 0);
-   Handle       : Byte := 0;
-   Last_Failed  : Boolean := False;
+   Is_Available  : Boolean := False;
+   Own_Address   : BT_Address := (others => 0);
+   Current_State : Connection_State := Idle;
+   Is_Serving    : Boolean := False;
+   Expected_Pin  : Pin_Code := (others => 0);
+   Peer          : BT_Address := (others => 0);
+   Handle        : Byte := 0;
+   Last_Failed   : Boolean := False;
 
-   Most_Polls : constant := 200;
-   Patience   : Natural range 0 .. Most_Polls := 0;
+   Poll_Limit : constant := 200;
+   Polls_Left : Natural range 0 .. Poll_Limit := 0;
    --  Calls of Poll until the module is asked to close a connection that does not go on.
 
    function Available return Boolean is (Is_Available);
    function Address return BT_Address is (Own_Address);
-   function State return Connection_State is (Now_Is);
+   function State return Connection_State is (Current_State);
 
    subtype Address_Bytes is Byte_Array (1 .. Address_Length);
 
@@ -95,39 +95,39 @@ package body NXT.Bluetooth is
    --  What a connection needs, in the order of its life
 
    procedure Send_Pin is
-      Arguments : Byte_Array (1 .. Address_Length + Expected'Length);
+      Arguments : Byte_Array (1 .. Address_Length + Expected_Pin'Length);
    begin
       Arguments (1 .. Address_Length) := To_Bytes (Peer);
-      for Index in Expected'Range loop
+      for Index in Expected_Pin'Range loop
          pragma Annotate (Ravenbrick, Iterations, 16, "letters of a code");
-         Arguments (Address_Length + 1 + Index) := Expected (Index);
+         Arguments (Address_Length + 1 + Index) := Expected_Pin (Index);
       end loop;
       Send (Pin, Arguments);
    end Send_Pin;
 
    procedure End_Connection is
    begin
-      Bluetooth_Line.Want_Stream (False);
-      Bluetooth_Line.Forget;
+      Bluetooth_Line.Request_Stream (False);
+      Bluetooth_Line.Discard_Unsent;
       Restart;
-      Now_Is := (if Serving then Listening else Idle);
+      Current_State := (if Is_Serving then Listening else Idle);
    end End_Connection;
 
-   procedure Obey (Item : Message) is
+   procedure Handle_Message (Item : Message) is
    begin
       case Item.Code is
-         when Pin_Wanted =>
+         when Pin_Requested =>
             Peer := To_Address (Item);
             Send_Pin;
          when Connection_Offered =>
             Peer := To_Address (Item);
-            Send (Accept_Offer, (1 => (if Now_Is = Listening then Yes else No)));
+            Send (Accept_Offer, (1 => (if Current_State = Listening then Yes else No)));
          when Connect_Result =>
             if Item.Arguments (1) = Yes then
                Handle := Item.Arguments (2);
                Send (Open_Stream, (1 => Handle));
-               Now_Is := Opening;
-               Patience := Most_Polls;
+               Current_State := Opening;
+               Polls_Left := Poll_Limit;
             else
                Last_Failed := True;
                End_Connection;
@@ -135,93 +135,93 @@ package body NXT.Bluetooth is
          when Close_Result =>
             End_Connection;
          when Reset_Indication =>
-            Last_Failed := Now_Is /= Idle;
-            Serving := False;
+            Last_Failed := Current_State /= Idle;
+            Is_Serving := False;
             End_Connection;
          when others =>
             null;
       end case;
-   end Obey;
+   end Handle_Message;
 
-   Most_Messages : constant := 2;
+   Messages_Per_Poll : constant := 2;
    --  That a call of Poll takes; the next ones are taken by the next call.
 
    --  Messages, if there are any. Not to be called while the stream is open.
-   procedure Take_Messages is
+   procedure Handle_Messages is
       Item  : Message;
       Found : Boolean;
    begin
-      for Count in 1 .. Most_Messages loop
+      for Count in 1 .. Messages_Per_Poll loop
          Receive (Item, Found);
          exit when not Found;
-         Obey (Item);
-         exit when Now_Is = Opening;
+         Handle_Message (Item);
+         exit when Current_State = Opening;
       end loop;
-   end Take_Messages;
+   end Handle_Messages;
 
-   procedure Leave_Stream (Closes_Itself : Boolean) is
+   procedure Leave_Stream (Closed_By_Module : Boolean) is
    begin
-      Bluetooth_Line.Forget;
+      Bluetooth_Line.Discard_Unsent;
       Restart;
-      Now_Is := Closing;
-      Patience := (if Closes_Itself then Most_Polls else 0);
+      Current_State := Closing;
+      Polls_Left := (if Closed_By_Module then Poll_Limit else 0);
    end Leave_Stream;
 
    --  The wish for the stream follows the last message: what is sent after it belongs to it.
-   procedure Open_The_Stream (Is_Stream : Boolean) is
+   procedure Continue_Opening (Is_Stream : Boolean) is
    begin
       if Is_Stream then
-         Now_Is := Connected;
-      elsif Patience = 0 then
-         Leave_Stream (Closes_Itself => False);
+         Current_State := Connected;
+      elsif Polls_Left = 0 then
+         Leave_Stream (Closed_By_Module => False);
       else
-         Patience := Patience - 1;
+         Polls_Left := Polls_Left - 1;
          if Bluetooth_Line.All_Sent then
-            Bluetooth_Line.Want_Stream (True);
+            Bluetooth_Line.Request_Stream (True);
          end if;
       end if;
-   end Open_The_Stream;
+   end Continue_Opening;
 
    --  The wish for messages waits until the last byte has left, which would be taken for one. The
    --  module tells of an end that was not ours; otherwise, and when it does not, it is asked.
-   procedure Close_Down (Is_Stream : Boolean) is
+   procedure Continue_Closing (Is_Stream : Boolean) is
    begin
       if Bluetooth_Line.All_Sent then
-         Bluetooth_Line.Want_Stream (False);
+         Bluetooth_Line.Request_Stream (False);
       end if;
       if Is_Stream then
          return;
-      elsif Patience = 0 then
+      elsif Polls_Left = 0 then
          Send (Close_Connection, (1 => Handle));
-         Patience := Most_Polls;
+         Polls_Left := Poll_Limit;
       else
-         Patience := Patience - 1;
+         Polls_Left := Polls_Left - 1;
       end if;
-      Take_Messages;
-   end Close_Down;
+      Handle_Messages;
+   end Continue_Closing;
 
    procedure Poll is
       Is_Stream : Boolean;
    begin
-      Bluetooth_Line.Look (Is_Stream);
-      case Now_Is is
+      Bluetooth_Line.Read_Mode (Is_Stream);
+      case Current_State is
          when Opening =>
-            Open_The_Stream (Is_Stream);
+            Continue_Opening (Is_Stream);
          when Connected =>
             if not Is_Stream then
-               Leave_Stream (Closes_Itself => True);
+               Leave_Stream (Closed_By_Module => True);
             end if;
          when Closing =>
-            Close_Down (Is_Stream);
+            Continue_Closing (Is_Stream);
          when Idle | Listening | Calling =>
-            Take_Messages;
+            Handle_Messages;
       end case;
    end Poll;
 
    procedure Disconnect is
    begin
-      if Now_Is in Opening | Connected then
-         Leave_Stream (Closes_Itself => False);
+      if Current_State in Opening | Connected then
+         Leave_Stream (Closed_By_Module => False);
       end if;
    end Disconnect;
 
@@ -238,7 +238,7 @@ package body NXT.Bluetooth is
          Receive (Item, Found);
          exit when Found and then Item.Code = Code;
          if Found then
-            Obey (Item);
+            Handle_Message (Item);
             Found := False;
          end if;
          exit when Now >= Deadline;
@@ -262,14 +262,14 @@ package body NXT.Bluetooth is
       Item : Message;
    begin
       Bluetooth_Line.Power_Off;
-      Serving := False;
-      Now_Is := Idle;
+      Is_Serving := False;
+      Current_State := Idle;
       Restart;
       delay until Clock + Reset_Time;
       Bluetooth_Line.Power_On;
       Wait_For (Reset_Indication, Start_Limit, Item, Is_Available);
       if Is_Available then
-         Ask (Get_Address, No_Arguments, Address_Is, Item, Is_Available);
+         Ask (Get_Address, No_Arguments, Address_Result, Item, Is_Available);
          Own_Address := To_Address (Item);
       end if;
    end Initialize;
@@ -305,14 +305,14 @@ package body NXT.Bluetooth is
       Now      : Time := Clock;
       Deadline : constant Time := Now + Limit;
       Item     : Message;
-      Came     : Boolean;
+      Received : Boolean;
    begin
       Length := 0;
       loop
          pragma Annotate (Ravenbrick, Iterations, 163_451, "the longest search each Poll_Period");
-         Receive (Item, Came);
-         exit when Came and then Item.Code = Ending;
-         if Came and then Item.Code = Element and then Item.Count >= Device_Length
+         Receive (Item, Received);
+         exit when Received and then Item.Code = Ending;
+         if Received and then Item.Code = Element and then Item.Count >= Device_Length
            and then Length < Found'Length
          then
             Found (Found'First + Length) := To_Device (Item);
@@ -372,7 +372,7 @@ package body NXT.Bluetooth is
       loop
          pragma Annotate (Ravenbrick, Iterations, 300_000, "ten minutes; no job with a deadline");
          Poll;
-         Success := Now_Is = Wanted;
+         Success := Current_State = Wanted;
          exit when Success or else Last_Failed;
          Next := Next + Poll_Period;
          delay until Next;
@@ -381,16 +381,16 @@ package body NXT.Bluetooth is
 
    procedure Serve (Pin : Pin_Code) is
    begin
-      Expected := Pin;
-      Serving := True;
-      Now_Is := Listening;
+      Expected_Pin := Pin;
+      Is_Serving := True;
+      Current_State := Listening;
       Send (Open_Port);
    end Serve;
 
    procedure Accept_Connection
      (Pin : Pin_Code; Addr : out BT_Address; Success : out Boolean) is
    begin
-      if Now_Is = Idle then
+      if Current_State = Idle then
          Serve (Pin);
       end if;
       Wait_Until (Connected, Success);
@@ -404,9 +404,9 @@ package body NXT.Bluetooth is
 
    procedure Connect (Target : BT_Address; Pin : Pin_Code; Success : out Boolean) is
    begin
-      Expected := Pin;
+      Expected_Pin := Pin;
       Peer := Target;
-      Now_Is := Calling;
+      Current_State := Calling;
       Send (Bluetooth_Messages.Connect, To_Bytes (Target));
       Wait_Until (Connected, Success);
    end Connect;
@@ -414,7 +414,7 @@ package body NXT.Bluetooth is
    --  The stream
 
    function Room return Natural is
-     (if Now_Is = Connected then Bluetooth_Line.Room else 0);
+     (if Current_State = Connected then Bluetooth_Line.Room else 0);
 
    procedure Send (Data : Byte_Array) is
    begin
@@ -423,7 +423,7 @@ package body NXT.Bluetooth is
 
    procedure Receive (Data : out Byte_Array; Last : out Natural) is
    begin
-      if Now_Is = Connected then
+      if Current_State = Connected then
          Bluetooth_Line.Receive (Data, Last);
       else
          Last := Data'First - 1;

@@ -72,25 +72,25 @@ package body NXT.Bluetooth_Line is
       PIOA.PIO_SODR := Reset_Line;
    end Power_On;
 
-   procedure Want_Stream (Wanted : Boolean) is
+   procedure Request_Stream (On : Boolean) is
    begin
-      if Wanted then
+      if On then
          PIOA.PIO_SODR := Stream_Line;
       else
          PIOA.PIO_CODR := Stream_Line;
       end if;
-   end Want_Stream;
+   end Request_Stream;
 
    Half_Scale : constant := 512;
 
-   procedure Look (Is_Stream : out Boolean) is
+   procedure Read_Mode (Is_Stream : out Boolean) is
    begin
       Is_Stream := Converter.Count (Registers.ADC.Bluetooth_Channel) > Half_Scale;
       Converter.Start;
-   end Look;
+   end Read_Mode;
 
    --  What is sent makes room; what waits goes to an idle DMA, up to the end of the ring.
-   procedure Pump is
+   procedure Send_Next_Block is
    begin
       if Controller.PERIPH_TCR > 0 then
          return;
@@ -102,11 +102,11 @@ package body NXT.Bluetooth_Line is
          Controller.PERIPH_TPR := Outgoing (Oldest)'Address;
          Controller.PERIPH_TCR := Word (In_Flight);
       end if;
-   end Pump;
+   end Send_Next_Block;
 
    function Room return Natural is
    begin
-      Pump;
+      Send_Next_Block;
       return Send_Capacity - 1 - Waiting;
    end Room;
 
@@ -117,23 +117,23 @@ package body NXT.Bluetooth_Line is
          Outgoing (Oldest + Ring_Place (Waiting)) := Item;
          Waiting := Waiting + 1;
       end loop;
-      Pump;
+      Send_Next_Block;
    end Send;
 
    function All_Sent return Boolean is
    begin
-      Pump;
+      Send_Next_Block;
       return Waiting = 0 and then Has (Controller.US_CSR, Sent);
    end All_Sent;
 
-   procedure Forget is
+   procedure Discard_Unsent is
    begin
       Controller.PERIPH_PTCR := DMA_Send_Disable;
       Controller.PERIPH_TCR := 0;
       Waiting := 0;
       In_Flight := 0;
       Controller.PERIPH_PTCR := DMA_Send_Enable;
-   end Forget;
+   end Discard_Unsent;
 
    --  Bytes of the current buffer that have come. The count is read before the next count: if
    --  there still is a next buffer afterwards, the count was the current one's.
@@ -145,7 +145,7 @@ package body NXT.Bluetooth_Line is
    end Arrived;
 
    --  The buffer that was read becomes the DMA's next one, or its first when it has none.
-   procedure Give_Back is
+   procedure Return_Buffer is
    begin
       Controller.PERIPH_RNPR := Received (Current)'Address;
       Controller.PERIPH_RNCR := Buffer_Size;
@@ -156,7 +156,7 @@ package body NXT.Bluetooth_Line is
       end if;
       Current := Current + 1;
       Read := 0;
-   end Give_Back;
+   end Return_Buffer;
 
    procedure Receive (Data : out Byte_Array; Last : out Natural) is
       Available : constant Natural := Arrived;
@@ -166,7 +166,7 @@ package body NXT.Bluetooth_Line is
       Last := Data'First + Count - 1;
       Read := Read + Count;
       if Read = Buffer_Size then
-         Give_Back;
+         Return_Buffer;
       end if;
    end Receive;
 
@@ -178,7 +178,7 @@ package body NXT.Bluetooth_Line is
          Read := Read + 1;
          Item := Received (Current) (Read);
          if Read = Buffer_Size then
-            Give_Back;
+            Return_Buffer;
          end if;
       end if;
    end Receive;

@@ -14,10 +14,10 @@ package NXT.Bluetooth_Line is
    procedure Power_On;
    --  The module starts; it says so within half a second or so.
 
-   procedure Want_Stream (Wanted : Boolean);
+   procedure Request_Stream (On : Boolean);
    --  Ask for the stream of the connection that was opened, or for messages.
 
-   procedure Look (Is_Stream : out Boolean);
+   procedure Read_Mode (Is_Stream : out Boolean);
    --  Whether the module is in stream mode, as it was at the call before: each call begins a
    --  conversion and gives the result of the last one.
 
@@ -40,7 +40,7 @@ package NXT.Bluetooth_Line is
    procedure Receive (Item : out Byte; Found : out Boolean);
    --  The next byte that has come, if there is one.
 
-   procedure Forget;
+   procedure Discard_Unsent;
    --  Throw away what has not been sent; two bytes may still be on their way.
 
 end NXT.Bluetooth_Line;

@@ -54,7 +54,7 @@ package body NXT.Bluetooth_Messages is
    end Keep_Argument;
 
    --  A length too short for a message is passed over: the next byte may be one.
-   procedure Take_Length (Item : Byte) is
+   procedure Accept_Length (Item : Byte) is
    begin
       if Item >= Overhead then
          Length := Natural (Item);
@@ -62,13 +62,13 @@ package body NXT.Bluetooth_Messages is
          Sum := Unsigned_16 (Item);
          Coming.Count := 0;
       end if;
-   end Take_Length;
+   end Accept_Length;
 
-   procedure Take (Item : Byte; Complete : out Boolean) is
+   procedure Accept_Byte (Item : Byte; Complete : out Boolean) is
    begin
       Complete := False;
       if Length = 0 then
-         Take_Length (Item);
+         Accept_Length (Item);
          return;
       end if;
       Taken := Taken + 1;
@@ -85,7 +85,7 @@ package body NXT.Bluetooth_Messages is
          Complete := Sum = 0 and then Length - Overhead <= Longest_Arguments;
          Restart;
       end if;
-   end Take;
+   end Accept_Byte;
 
    procedure Receive (Item : out Message; Found : out Boolean) is
       Next  : Byte;
@@ -95,7 +95,7 @@ package body NXT.Bluetooth_Messages is
       for Count in 1 .. Longest_Message loop
          Bluetooth_Line.Receive (Next, Comes);
          exit when not Comes;
-         Take (Next, Found);
+         Accept_Byte (Next, Found);
          exit when Found;
       end loop;
       Item := Coming;

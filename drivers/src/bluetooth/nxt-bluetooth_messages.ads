@@ -52,7 +52,7 @@ package NXT.Bluetooth_Messages is
    Inquiry_Stopped    : constant Byte := 16#10#;
    Connect_Result     : constant Byte := 16#13#;
    Reset_Indication   : constant Byte := 16#14#;
-   Pin_Wanted         : constant Byte := 16#15#;
+   Pin_Requested      : constant Byte := 16#15#;
    Connection_Offered : constant Byte := 16#16#;
    List_Result        : constant Byte := 16#17#;
    List_Item          : constant Byte := 16#18#;
@@ -61,8 +61,8 @@ package NXT.Bluetooth_Messages is
    Port_Opened        : constant Byte := 16#1B#;
    Discoverable_Set   : constant Byte := 16#20#;
    Name_Set           : constant Byte := 16#22#;
-   Address_Is         : constant Byte := 16#28#;
-   Name_Is            : constant Byte := 16#2C#;
+   Address_Result     : constant Byte := 16#28#;
+   Name_Result        : constant Byte := 16#2C#;
 
    Listed : constant Byte := 16#50#;
    --  Argument of List_Result: success.

@@ -3,7 +3,7 @@
 
 --  Priorities of the drivers. Among interrupts the shortest deadline comes first: a byte on the
 --  co-processor link lasts 22 us, a motor edge stays at least 0.5 ms and must not be miscounted; a
---  late beat of the sensors' buses makes them slower and nothing else, the display can wait,
+--  late tick of the sensors' buses makes them slower and nothing else, the display can wait,
 --  sound has a buffer of some milliseconds, and a USB host tries again for as long as it takes.
 
 with System;

@@ -28,7 +28,7 @@ package body NXT.AVR is
    protected Shared with Priority => Priorities.Shared_Data is
       procedure Set_Motor (Motor : Motor_Id; Duty : PWM_Value; Brake : Boolean);
       procedure Set_Supply (Port : Sensor_Id; Supply : Sensor_Power);
-      procedure End_With (Command : AVR_IO.Power_Command);
+      procedure Shut_Down (Command : AVR_IO.Power_Command);
       procedure Brake_Motors;
       function Outputs return AVR_IO.Outputs;
       procedure Put_Inputs (Values : AVR_IO.Inputs);
@@ -63,11 +63,11 @@ package body NXT.AVR is
          Commands.Sensor_Supply (Port) := Supply;
       end Set_Supply;
 
-      procedure End_With (Command : AVR_IO.Power_Command) is
+      procedure Shut_Down (Command : AVR_IO.Power_Command) is
       begin
          Commands := AVR_IO.All_Stopped;
          Commands.Power := Command;
-      end End_With;
+      end Shut_Down;
 
       procedure Brake_Motors is
       begin
@@ -105,7 +105,7 @@ package body NXT.AVR is
       Inputs_Next  : Boolean := True;
    end record;
 
-   procedure Take_Readings (Intact : out Boolean) is
+   procedure Accept_Readings (Intact : out Boolean) is
       Frame     : AVR_IO.Input_Frame;
       Values    : AVR_IO.Inputs;
       Judgement : AVR_IO.Verdict;
@@ -116,22 +116,22 @@ package body NXT.AVR is
          Shared.Put_Inputs (Values);
       end if;
       Intact := Judgement /= AVR_IO.Corrupt;
-   end Take_Readings;
+   end Accept_Readings;
 
    --  Motors that nobody commands anew stay braked when the link is back.
-   procedure Lose (This : in out Link) is
+   procedure Handle_Loss (This : in out Link) is
    begin
       This.State := Silent;
       Losses := Losses + 1;
       Shared.Brake_Motors;
-   end Lose;
+   end Handle_Loss;
 
    --  Judge the transfer of the period before. One that has not ended by now never will.
    procedure Complete_Transfer (This : in out Link) is
       Good : Boolean := TWI.Status = TWI.Done;
    begin
       if Good and then This.Purpose = Readings then
-         Take_Readings (Good);
+         Accept_Readings (Good);
       end if;
       if Good or else This.Purpose = Nothing then
          This.Failures (This.Purpose) := 0;
@@ -140,18 +140,18 @@ package body NXT.AVR is
          This.Failures (This.Purpose) := This.Failures (This.Purpose) + 1;
       end if;
       if TWI.Status = TWI.Busy or else This.Failures (This.Purpose) > Tolerated_Failures then
-         Lose (This);
+         Handle_Loss (This);
       end if;
       This.Purpose := Nothing;
    end Complete_Transfer;
 
-   procedure Be_Quiet (This : in out Link; Then_Enter : Link_State) is
+   procedure Wait_Quietly (This : in out Link; Then_Enter : Link_State) is
    begin
       This.Quiet_Left := This.Quiet_Left - 1;
       if This.Quiet_Left = 0 then
          This.State := Then_Enter;
       end if;
-   end Be_Quiet;
+   end Wait_Quietly;
 
    procedure Exchange (This : in out Link) is
    begin
@@ -173,14 +173,14 @@ package body NXT.AVR is
             This.Quiet_Left := Quiet_Periods;
             This.State := Quiet;
          when Quiet =>
-            Be_Quiet (This, Then_Enter => Greeting);
+            Wait_Quietly (This, Then_Enter => Greeting);
          when Greeting =>
             TWI.Start_Send (AVR_IO.Address, AVR_IO.Greeting);
             This.Purpose := Text;
             This.Quiet_Left := Quiet_Periods;
             This.State := Settling;
          when Settling =>
-            Be_Quiet (This, Then_Enter => Exchanging);
+            Wait_Quietly (This, Then_Enter => Exchanging);
          when Exchanging =>
             Exchange (This);
       end case;
@@ -216,22 +216,22 @@ package body NXT.AVR is
 
    procedure Power_Down is
    begin
-      Shared.End_With (AVR_IO.Switch_Off);
+      Shared.Shut_Down (AVR_IO.Switch_Off);
    end Power_Down;
 
    procedure Enter_Boot_Monitor is
    begin
-      Shared.End_With (AVR_IO.Boot_Monitor);
+      Shared.Shut_Down (AVR_IO.Boot_Monitor);
    end Enter_Boot_Monitor;
 
    function Data_Available return Boolean is (Shared.Received);
 
    procedure Await_Data_Available is
-      Next_Look : Time := Clock;
+      Next_Check : Time := Clock;
    begin
       while not Shared.Received loop
-         Next_Look := Next_Look + Period;
-         delay until Next_Look;
+         Next_Check := Next_Check + Period;
+         delay until Next_Check;
       end loop;
    end Await_Data_Available;
 

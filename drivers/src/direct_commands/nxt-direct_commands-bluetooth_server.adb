@@ -10,46 +10,46 @@ package body NXT.Direct_Commands.Bluetooth_Server is
    Header_Length : constant := 2;
    Retry_Period  : constant Time_Span := Seconds (1);
 
-   task Talker with Priority => Priority, Storage_Size => Stack_Bytes;
+   task Server_Task with Priority => Priority, Storage_Size => Stack_Bytes;
 
    --  What has come of a telegram, its length included.
 
-   Coming : Byte_Array (1 .. Header_Length + Longest_Telegram);
-   Came   : Natural := 0;
-   Passed : Natural := 0;
-   --  Passed: bytes of an overlong telegram still to be passed over.
+   Incoming      : Byte_Array (1 .. Header_Length + Longest_Telegram);
+   Received      : Natural := 0;
+   Skipped_Bytes : Natural := 0;
+   --  Skipped_Bytes: bytes of an overlong telegram still to be passed over.
 
-   function Wanted return Natural is
-     (if Came < Header_Length then Header_Length
-      else Header_Length + Natural (Coming (1)) + 256 * Natural (Coming (2)));
+   function Announced_Length return Natural is
+     (if Received < Header_Length then Header_Length
+      else Header_Length + Natural (Incoming (1)) + 256 * Natural (Incoming (2)));
 
    procedure Answer is
       Reply : Telegram;
       Last  : Natural;
    begin
-      Obey (Coming (Header_Length + 1 .. Came), Reply, Last);
+      Execute (Incoming (Header_Length + 1 .. Received), Reply, Last);
       if Last > 0 and then NXT.Bluetooth.Room >= Header_Length + Last then
          NXT.Bluetooth.Send (To_Bytes (Unsigned_16 (Last)));
          NXT.Bluetooth.Send (Reply (1 .. Last));
       end if;
-      Came := 0;
+      Received := 0;
    end Answer;
 
-   procedure Take (Item : Byte) is
+   procedure Accept_Byte (Item : Byte) is
    begin
-      if Passed > 0 then
-         Passed := Passed - 1;
+      if Skipped_Bytes > 0 then
+         Skipped_Bytes := Skipped_Bytes - 1;
          return;
       end if;
-      Came := Came + 1;
-      Coming (Came) := Item;
-      if Came >= Header_Length and then Wanted > Coming'Last then
-         Passed := Wanted - Came;
-         Came := 0;
-      elsif Came > Header_Length and then Came = Wanted then
+      Received := Received + 1;
+      Incoming (Received) := Item;
+      if Received >= Header_Length and then Announced_Length > Incoming'Last then
+         Skipped_Bytes := Announced_Length - Received;
+         Received := 0;
+      elsif Received > Header_Length and then Received = Announced_Length then
          Answer;
       end if;
-   end Take;
+   end Accept_Byte;
 
    procedure Answer_All is
       Data : Byte_Array (1 .. Longest_Telegram);
@@ -58,7 +58,7 @@ package body NXT.Direct_Commands.Bluetooth_Server is
       NXT.Bluetooth.Poll;
       NXT.Bluetooth.Receive (Data, Last);
       for Item of Data (1 .. Last) loop
-         Take (Item);
+         Accept_Byte (Item);
       end loop;
    end Answer_All;
 
@@ -73,14 +73,14 @@ package body NXT.Direct_Commands.Bluetooth_Server is
       for Index in NXT.Bluetooth.Address'Range loop
          Address (1 + Index) := NXT.Bluetooth.Address (Index);
       end loop;
-      Introduce (Program_Name, Address);
+      Set_Identity (Program_Name, Address);
       NXT.Bluetooth.Set_Discoverable (True);
       NXT.Bluetooth.Serve (NXT.Bluetooth.To_Pin (Pin));
    end Start;
 
    procedure Require is null;
 
-   task body Talker is
+   task body Server_Task is
       Period : constant Time_Span := Milliseconds (Period_Ms);
       Next   : Time;
    begin
@@ -88,14 +88,14 @@ package body NXT.Direct_Commands.Bluetooth_Server is
       Next := Clock;
       loop
          if NXT.Bluetooth.State in NXT.Bluetooth.Idle | NXT.Bluetooth.Listening then
-            Came := 0;
-            Passed := 0;
+            Received := 0;
+            Skipped_Bytes := 0;
          end if;
          Answer_All;
          Tick;
          Next := Next + Period;
          delay until Next;
       end loop;
-   end Talker;
+   end Server_Task;
 
 end NXT.Direct_Commands.Bluetooth_Server;

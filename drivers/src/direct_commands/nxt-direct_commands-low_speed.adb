@@ -31,7 +31,7 @@ package body NXT.Direct_Commands.Low_Speed is
       end if;
    end Close;
 
-   function Meaning (Result : Integer) return Byte is
+   function Status_Of (Result : Integer) return Byte is
      (if Result >= 0 then Success
       elsif Result = Port_Busy then Pending
       elsif Result = Too_Long then Out_Of_Range
@@ -66,7 +66,7 @@ package body NXT.Direct_Commands.Low_Speed is
       elsif Wanted = 0 and then Data'Length in 2 .. Longest then
          Start_Write (Port, Data, Result);
       end if;
-      Status := Meaning (Result);
+      Status := Status_Of (Result);
       if Status = Success then
          Awaited (Port) := Wanted;
       end if;
@@ -80,16 +80,16 @@ package body NXT.Direct_Commands.Low_Speed is
       Data := (others => 0);
       Count := 0;
       Complete_Transaction (Port, Data'Address, Positive'Max (1, Natural (Awaited (Port))), Result);
-      Status := Meaning (Result);
+      Status := Status_Of (Result);
       if Status = Success then
          Count := Awaited (Port);
       end if;
    end Read;
 
-   procedure Look (Port : Sensor_Id; Ready : out Byte; Status : out Byte) is
+   procedure Get_Status (Port : Sensor_Id; Ready : out Byte; Status : out Byte) is
       Ignored : Data_Bytes;
    begin
       Read (Port, Ignored, Ready, Status);
-   end Look;
+   end Get_Status;
 
 end NXT.Direct_Commands.Low_Speed;

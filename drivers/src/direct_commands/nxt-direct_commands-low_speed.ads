@@ -17,7 +17,7 @@ private package NXT.Direct_Commands.Low_Speed is
    procedure Write (Port : Sensor_Id; Data : Byte_Array; Wanted : Byte; Status : out Byte);
    --  Send Data, the first of which is the device, then take Wanted bytes from it.
 
-   procedure Look (Port : Sensor_Id; Ready : out Byte; Status : out Byte);
+   procedure Get_Status (Port : Sensor_Id; Ready : out Byte; Status : out Byte);
    --  How many bytes can be fetched; a transaction that goes on or has failed is a status.
 
    procedure Read

@@ -31,7 +31,7 @@ package body NXT.Direct_Commands.Outputs is
 
    All_Outputs : array (Motor_Id) of Output;
 
-   function Is_Meant (Motor : Motor_Id; Port : Byte) return Boolean is
+   function Is_Addressed (Motor : Motor_Id; Port : Byte) return Boolean is
      (Port = All_Ports or else Byte (Motor_Id'Pos (Motor)) = Port);
 
    procedure Drive (Motor : Motor_Id; Item : Output) is
@@ -54,7 +54,7 @@ package body NXT.Direct_Commands.Outputs is
       end if;
       Status := Success;
       for Motor in Motor_Id loop
-         if Is_Meant (Motor, Port) then
+         if Is_Addressed (Motor, Port) then
             declare
                Item : Output renames All_Outputs (Motor);
             begin
@@ -81,7 +81,7 @@ package body NXT.Direct_Commands.Outputs is
    procedure Reset_Position (Port : Byte; Relative : Boolean) is
    begin
       for Motor in Motor_Id loop
-         if Is_Meant (Motor, Port) then
+         if Is_Addressed (Motor, Port) then
             if Relative then
                All_Outputs (Motor).Block_Origin := Encoder_Count (Motor);
             else

@@ -6,7 +6,7 @@ with NXT.USB;
 
 package body NXT.Direct_Commands.USB_Server is
 
-   task Talker with Priority => Priority, Storage_Size => Stack_Bytes;
+   task Server_Task with Priority => Priority, Storage_Size => Stack_Bytes;
 
    procedure Answer_All is
       Item   : NXT.USB.Packet_Data;
@@ -17,7 +17,7 @@ package body NXT.Direct_Commands.USB_Server is
       while NXT.USB.Packets_Free > 0 loop
          NXT.USB.Receive (Item, Length);
          exit when Length = 0;
-         Obey (Item (1 .. Length), Reply, Last);
+         Execute (Item (1 .. Length), Reply, Last);
          if Last > 0 then
             NXT.USB.Send (Reply (1 .. Last));
          end if;
@@ -26,11 +26,11 @@ package body NXT.Direct_Commands.USB_Server is
 
    procedure Require is null;
 
-   task body Talker is
+   task body Server_Task is
       Period : constant Time_Span := Milliseconds (Period_Ms);
       Next   : Time := Clock;
    begin
-      Introduce (Program_Name, (others => 0));
+      Set_Identity (Program_Name, (others => 0));
       NXT.USB.Attach;
       loop
          Answer_All;
@@ -38,6 +38,6 @@ package body NXT.Direct_Commands.USB_Server is
          Next := Next + Period;
          delay until Next;
       end loop;
-   end Talker;
+   end Server_Task;
 
 end NXT.Direct_Commands.USB_Server;

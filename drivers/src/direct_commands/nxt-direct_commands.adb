@@ -11,10 +11,10 @@ with NXT.Direct_Commands.Outputs;
 package body NXT.Direct_Commands is
 
    --  First byte of a telegram
-   No_Reply_Wanted : constant Byte := 16#80#;
-   Direct          : constant Byte := 16#00#;
-   System_Command  : constant Byte := 16#01#;
-   Reply_Mark      : constant Byte := 16#02#;
+   No_Reply       : constant Byte := 16#80#;
+   Direct         : constant Byte := 16#00#;
+   System_Command : constant Byte := 16#01#;
+   Reply_Mark     : constant Byte := 16#02#;
 
    --  Status of a reply
    Success       : constant Byte := 16#00#;
@@ -51,14 +51,14 @@ package body NXT.Direct_Commands is
    Own_Name    : Byte_Array (1 .. Name_Length) := (others => 0);
    Own_Address : Eight_Bytes := (others => 0);
 
-   procedure Introduce (Name : String; Address : Eight_Bytes) is
+   procedure Set_Identity (Name : String; Address : Eight_Bytes) is
    begin
       Own_Name := (others => 0);
       for Index in 1 .. Name'Length loop
          Own_Name (Index) := Character'Pos (Name (Name'First + Index - 1));
       end loop;
       Own_Address := Address;
-   end Introduce;
+   end Set_Identity;
 
    function Word_At (Item : Byte_Array; Place : Positive) return Unsigned_32 is
      (Unsigned_32 (Item (Item'First + Place - 1))
@@ -78,7 +78,7 @@ package body NXT.Direct_Commands is
       Into.Last := Into.Last + Item'Length;
    end Put;
 
-   procedure Obey_Tone (Item : Byte_Array; Result : in out Answer) is
+   procedure Execute_Tone (Item : Byte_Array; Result : in out Answer) is
       Frequency : constant Unsigned_32 := Word_At (Item, 3);
       Highest   : constant := NXT.Audio.Tone_Rate / 2;
    begin
@@ -87,9 +87,9 @@ package body NXT.Direct_Commands is
       else
          Result.Status := Out_Of_Range;
       end if;
-   end Obey_Tone;
+   end Execute_Tone;
 
-   procedure Obey_Output (Item : Byte_Array; Result : in out Answer) is
+   procedure Execute_Output (Item : Byte_Array; Result : in out Answer) is
       Port : constant Byte := Item (Item'First + 2);
    begin
       if not Outputs.Is_Port (Port) then
@@ -108,9 +108,9 @@ package body NXT.Direct_Commands is
                Put (Result, Outputs.State (Port));
             end if;
       end case;
-   end Obey_Output;
+   end Execute_Output;
 
-   procedure Obey_Input (Item : Byte_Array; Result : in out Answer) is
+   procedure Execute_Input (Item : Byte_Array; Result : in out Answer) is
       Port : constant Byte := Item (Item'First + 2);
    begin
       if not Inputs.Is_Port (Port) then
@@ -125,9 +125,9 @@ package body NXT.Direct_Commands is
          when others =>
             null;
       end case;
-   end Obey_Input;
+   end Execute_Input;
 
-   procedure Obey_Bus_Write (Port : Sensor_Id; Item : Byte_Array; Result : in out Answer) is
+   procedure Execute_Bus_Write (Port : Sensor_Id; Item : Byte_Array; Result : in out Answer) is
       First  : constant Positive := Item'First + 5;
       Length : constant Natural := Natural (Item (Item'First + 3));
    begin
@@ -137,9 +137,9 @@ package body NXT.Direct_Commands is
          Low_Speed.Write
            (Port, Item (First .. First + Length - 1), Item (Item'First + 4), Result.Status);
       end if;
-   end Obey_Bus_Write;
+   end Execute_Bus_Write;
 
-   procedure Obey_Bus (Item : Byte_Array; Result : in out Answer) is
+   procedure Execute_Bus (Item : Byte_Array; Result : in out Answer) is
       Port  : constant Byte := Item (Item'First + 2);
       Data  : Low_Speed.Data_Bytes;
       Count : Byte;
@@ -150,27 +150,27 @@ package body NXT.Direct_Commands is
       end if;
       case Item (Item'First + 1) is
          when Bus_Write =>
-            Obey_Bus_Write (Sensor_Id'Val (Port), Item, Result);
+            Execute_Bus_Write (Sensor_Id'Val (Port), Item, Result);
          when Bus_Status =>
-            Low_Speed.Look (Sensor_Id'Val (Port), Count, Result.Status);
+            Low_Speed.Get_Status (Sensor_Id'Val (Port), Count, Result.Status);
             Put (Result, (1 => Count));
          when others =>
             Low_Speed.Read (Sensor_Id'Val (Port), Data, Count, Result.Status);
             Put (Result, Count & Data);
       end case;
-   end Obey_Bus;
+   end Execute_Bus;
 
-   procedure Obey_Direct (Item : Byte_Array; Result : in out Answer) is
+   procedure Execute_Direct (Item : Byte_Array; Result : in out Answer) is
    begin
       case Item (Item'First + 1) is
          when Play_Tone =>
-            Obey_Tone (Item, Result);
+            Execute_Tone (Item, Result);
          when Set_Output | Get_Output | Reset_Position =>
-            Obey_Output (Item, Result);
+            Execute_Output (Item, Result);
          when Set_Input_Mode | Get_Input | Reset_Scaled =>
-            Obey_Input (Item, Result);
+            Execute_Input (Item, Result);
          when Bus_Status | Bus_Write | Bus_Read =>
-            Obey_Bus (Item, Result);
+            Execute_Bus (Item, Result);
          when Get_Battery =>
             Put (Result, To_Bytes (Unsigned_16 (NXT.Battery.Voltage)));
          when Stop_Sound =>
@@ -180,9 +180,9 @@ package body NXT.Direct_Commands is
          when others =>
             Result.Status := Unknown;
       end case;
-   end Obey_Direct;
+   end Execute_Direct;
 
-   procedure Obey_System (Item : Byte_Array; Result : in out Answer) is
+   procedure Execute_System (Item : Byte_Array; Result : in out Answer) is
    begin
       case Item (Item'First + 1) is
          when Get_Version =>
@@ -195,7 +195,7 @@ package body NXT.Direct_Commands is
          when others =>
             Result.Status := Unknown;
       end case;
-   end Obey_System;
+   end Execute_System;
 
    --  Length of the direct commands that are known; all system commands may have any.
    function Length_Of (Code : Byte) return Natural is
@@ -208,7 +208,7 @@ package body NXT.Direct_Commands is
          when Bus_Write      => 5,
          when others         => Header_Length);
 
-   procedure Obey (Item : Byte_Array; Reply : out Telegram; Last : out Natural) is
+   procedure Execute (Item : Byte_Array; Reply : out Telegram; Last : out Natural) is
       Result : Answer;
       Class  : Byte;
    begin
@@ -217,25 +217,25 @@ package body NXT.Direct_Commands is
       if Item'Length < Header_Length then
          return;
       end if;
-      Class := Item (Item'First) and not No_Reply_Wanted;
+      Class := Item (Item'First) and not No_Reply;
       Result.Data := (others => 0);
       if Class = System_Command then
-         Obey_System (Item, Result);
+         Execute_System (Item, Result);
       elsif Class /= Direct then
          return;
       elsif Item'Length < Length_Of (Item (Item'First + 1)) then
          Result.Status := Wrong_Length;
       else
-         Obey_Direct (Item, Result);
+         Execute_Direct (Item, Result);
       end if;
-      if (Item (Item'First) and No_Reply_Wanted) = 0 then
+      if (Item (Item'First) and No_Reply) = 0 then
          Reply := Result.Data;
          Reply (1) := Reply_Mark;
          Reply (2) := Item (Item'First + 1);
          Reply (Status_Place) := Result.Status;
          Last := Result.Last;
       end if;
-   end Obey;
+   end Execute;
 
    procedure Tick is
    begin

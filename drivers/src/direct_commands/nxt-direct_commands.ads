@@ -14,11 +14,11 @@ package NXT.Direct_Commands is
    Longest_Telegram : constant := 64;
    subtype Telegram is Byte_Array (1 .. Longest_Telegram);
 
-   procedure Introduce (Name : String; Address : Eight_Bytes) with
+   procedure Set_Identity (Name : String; Address : Eight_Bytes) with
      Pre => Name'Length <= 15;
    --  What a host is told. Address: of Bluetooth, seven bytes and a zero.
 
-   procedure Obey (Item : Byte_Array; Reply : out Telegram; Last : out Natural);
+   procedure Execute (Item : Byte_Array; Reply : out Telegram; Last : out Natural);
    --  Carry a telegram out; the answer is in Reply (1 .. Last), and Last is 0 when none is wanted.
 
    procedure Tick;

@@ -9,10 +9,10 @@ package body NXT.I2C_Lines is
 
    Acknowledge_Bit : constant := 9;
 
-   --  Beats for which a sensor may hold the clock, 5 ms
+   --  Ticks for which a sensor may hold the clock, 5 ms
    Patience : constant := 100;
 
-   --  Beats before each byte that give LEGO's sensors time
+   --  Ticks before each byte that give LEGO's sensors time
    Pause_Before_Byte : constant := 2;
 
    type Masks is array (Sensor_Id) of Word;
@@ -88,7 +88,7 @@ package body NXT.I2C_Lines is
       Set_Up_Condition (This, Port);
    end Prepare;
 
-   --  The clock goes down and the next bit is put; Waits are the beats until the clock rises.
+   --  The clock goes down and the next bit is put; Waits are the ticks until the clock rises.
    procedure Set_Up_Bit (This : in out Bus; Port : Sensor_Id) is
       Last : constant Boolean := This.Input_Count + 1 = This.Input_Length;
    begin
@@ -118,7 +118,7 @@ package body NXT.I2C_Lines is
       end if;
    end Set_Up_First_Byte;
 
-   procedure Follow_Byte_Sent (This : in out Bus; Acknowledged : Boolean; Port : Sensor_Id) is
+   procedure After_Byte_Sent (This : in out Bus; Acknowledged : Boolean; Port : Sensor_Id) is
       Was_Read_Address : constant Boolean := This.Output_Next > This.Output_Last;
    begin
       if not Acknowledged then
@@ -137,9 +137,9 @@ package body NXT.I2C_Lines is
             Prepare (This, Stop, Port);
          end if;
       end if;
-   end Follow_Byte_Sent;
+   end After_Byte_Sent;
 
-   procedure Follow_Byte_Received (This : in out Bus; Port : Sensor_Id) is
+   procedure After_Byte_Received (This : in out Bus; Port : Sensor_Id) is
    begin
       This.Input_Count := This.Input_Count + 1;
       This.Input (This.Input_Count) := This.Shift;
@@ -150,7 +150,7 @@ package body NXT.I2C_Lines is
       else
          Prepare (This, Stop, Port);
       end if;
-   end Follow_Byte_Received;
+   end After_Byte_Received;
 
    --  The clock is high: take the bit, then let the clock fall with the next one.
    procedure Sample (This : in out Bus; Levels : Word; Port : Sensor_Id) is
@@ -161,9 +161,9 @@ package body NXT.I2C_Lines is
          This.Shift := 2 * This.Shift + (if This.Receiving and then High then 1 else 0);
          Set_Up_Bit (This, Port);
       elsif This.Receiving then
-         Follow_Byte_Received (This, Port);
+         After_Byte_Received (This, Port);
       else
-         Follow_Byte_Sent (This, not High, Port);
+         After_Byte_Sent (This, not High, Port);
       end if;
    end Sample;
 
@@ -210,7 +210,7 @@ package body NXT.I2C_Lines is
       end if;
    end Raise_Clock;
 
-   procedure Beat (This : in out Bus; Port : Sensor_Id) is
+   procedure Tick (This : in out Bus; Port : Sensor_Id) is
    begin
       case This.State is
          when Idle                   => null;
@@ -220,6 +220,6 @@ package body NXT.I2C_Lines is
          when Bit_Clock              => Raise_Clock (This, Bit_Sample, Port);
          when Condition | Bit_Sample => Proceed_When_Clock_Is_High (This, Port);
       end case;
-   end Beat;
+   end Tick;
 
 end NXT.I2C_Lines;

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  One soft two-wire bus as a state machine that a timer advances by half bits: between two beats
+--  One soft two-wire bus as a state machine that a timer advances by half bits: between two ticks
 --  either the clock or the data changes. No timer and no interrupt here.
 
 with Interfaces;
@@ -50,7 +50,7 @@ private package NXT.I2C_Lines is
    procedure Begin_Transfer (This : in out Bus);
    --  Output, Input_Length and Read_Address are set; the lines are free.
 
-   procedure Beat (This : in out Bus; Port : Sensor_Id)
+   procedure Tick (This : in out Bus; Port : Sensor_Id)
      with Pre => This.State /= Idle;
    --  Half a bit has passed. When This.State becomes Idle the transfer has ended.
 

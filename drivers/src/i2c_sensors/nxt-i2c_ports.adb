@@ -13,8 +13,8 @@ package body NXT.I2C_Ports is
 
    pragma Compile_Time_Error (Maximum_Length /= Longest_Data, "length of a transaction");
 
-   Bits_Per_Second  : constant := 9_600;
-   Counts_Per_Beat  : constant := Clock_Hz / (2 * Bits_Per_Second);
+   Bits_Per_Second : constant := 9_600;
+   Counts_Per_Tick : constant := Clock_Hz / (2 * Bits_Per_Second);
 
    Read_Direction   : constant := 1;
 
@@ -38,7 +38,7 @@ package body NXT.I2C_Ports is
       procedure Start (Port : Sensor_Id; Wanted : Request; Result : out Integer);
       function State_Of (Port : Sensor_Id) return Bus;
    private
-      procedure Handle_Beat with Attach_Handler => Ada.Interrupts.Names.TC1;
+      procedure Handle_Tick with Attach_Handler => Ada.Interrupts.Names.TC1;
       Table   : Bus_Table;
       Open    : Flag_Table := (others => False);
       Running : Boolean := False;
@@ -93,14 +93,14 @@ package body NXT.I2C_Ports is
 
       function State_Of (Port : Sensor_Id) return Bus is (Table (Port));
 
-      procedure Handle_Beat is
+      procedure Handle_Tick is
          Ignored : constant Word := TC1.TC_SR;
          Left    : Boolean := False;
          pragma Unreferenced (Ignored);
       begin
          for Port in Sensor_Id loop
             if Table (Port).State /= Idle then
-               Beat (Table (Port), Port);
+               Tick (Table (Port), Port);
                if Table (Port).State = Idle then
                   Set_True (Ended (Port));
                else
@@ -112,7 +112,7 @@ package body NXT.I2C_Ports is
             TC1.TC_CCR := TC.Disable;
             Running := False;
          end if;
-      end Handle_Beat;
+      end Handle_Tick;
 
    end Buses;
 
@@ -232,7 +232,7 @@ package body NXT.I2C_Ports is
 begin
    PMC.PMC.PMC_PCER := Bit (TC1_Id);
    TC1.TC_CMR := Repeating;
-   TC1.TC_RC := Counts_Per_Beat;
+   TC1.TC_RC := Counts_Per_Tick;
    TC1.TC_IER := Compared;
    Initialize;
 end NXT.I2C_Ports;

@@ -27,6 +27,14 @@ package body NXT.Motor_Controls is
       end loop;
    end Brake_All;
 
+   function To_Duty (Control, Battery : Volts) return Duty_Cycle is
+   begin
+      return
+        (if Control >= Battery then PWM_Value'Last
+         elsif Control <= -Battery then PWM_Value'First
+         else PWM_Value (100.0 * Control / Battery));
+   end To_Duty;
+
    procedure Control_Motor (Motor : Motor_Id; Power : Power_Percentage; Mode : Motion_Modes) is
    begin
       case Mode is

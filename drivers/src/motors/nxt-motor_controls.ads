@@ -21,6 +21,11 @@ package NXT.Motor_Controls is
 
    procedure Brake_All;
 
+   generic
+      type Volts is digits <>;
+   function To_Duty (Control, Battery : Volts) return Duty_Cycle;
+   --  The duty cycle whose mean voltage is Control; full duty when the battery gives less.
+
    --  As course programs know it
 
    subtype Power_Percentage is PWM_Value range 0 .. 100;

@@ -146,7 +146,7 @@ package body NXT.Regulated_Motors is
    Least_Speed : constant Degrees_Per_Second := 1_000 / (Sample_Time_Ms * Speed_Window);
 
    --  Whether a motor is at its angle: begins close to it and slow, ends further off.
-   function Rests (This : Controller; Now : Measurement; Wanted : Command) return Boolean is
+   function Is_At_Rest (This : Controller; Now : Measurement; Wanted : Command) return Boolean is
      (Wanted.Kind = Of_Angle
       and then
         (if This.Resting and then not Wanted.Fresh
@@ -154,7 +154,7 @@ package body NXT.Regulated_Motors is
          else abs (Wanted.Angle - Now.Angle) <= Tolerance
               and then abs Now.Speed < 2 * Least_Speed));
 
-   function Speed_Wanted
+   function Target_Speed
      (This : in out Controller; Now : Measurement; Wanted : Command) return Standard.Float
    is
       Limit  : constant Standard.Float := Standard.Float (Wanted.Speed);
@@ -166,7 +166,7 @@ package body NXT.Regulated_Motors is
       Nxt_Position_Regulator.Step
         (This.Angle, (Angle_To_Go => Standard.Float (Wanted.Angle - Now.Angle)), Output);
       return Standard.Float'Max (-Limit, Standard.Float'Min (Limit, Output.Wanted_Speed));
-   end Speed_Wanted;
+   end Target_Speed;
 
    --  The duty cycle whose mean is a voltage.
    function To_Duty (Volts, Supply : Standard.Float) return PWM_Value is
@@ -182,10 +182,10 @@ package body NXT.Regulated_Motors is
    is
       Output : Nxt_Speed_Regulator.External_Outputs;
    begin
-      This.Resting := Rests (This, Now, Wanted);
+      This.Resting := Is_At_Rest (This, Now, Wanted);
       Nxt_Speed_Regulator.Step
         (This.Speed,
-         (Input_Voltage => Speed_Wanted (This, Now, Wanted) / Speed_Per_Volt,
+         (Input_Voltage => Target_Speed (This, Now, Wanted) / Speed_Per_Volt,
           Real_Voltage  => Standard.Float (Now.Speed) / Speed_Per_Volt),
          Output);
       Duty := To_Duty (Output.Correctedvoltage, Supply);
@@ -212,14 +212,14 @@ package body NXT.Regulated_Motors is
    end Measure;
 
    --  A link that was lost has braked the motors; whoever commands them must know.
-   procedure Look_At_Link (This : in out Regulator) is
+   procedure Check_Link (This : in out Regulator) is
    begin
       if NXT.AVR.Link_Losses /= This.Losses then
          This.Losses := NXT.AVR.Link_Losses;
          Shared.Stop_All;
       end if;
       This.Battery := NXT.Battery.Voltage;
-   end Look_At_Link;
+   end Check_Link;
 
    procedure Run_Motors (This : in out Regulator) is
       Values : Measurements;
@@ -249,7 +249,7 @@ package body NXT.Regulated_Motors is
       This.Past := (others => First);
       loop
          delay until Next;
-         Look_At_Link (This);
+         Check_Link (This);
          Run_Motors (This);
          Next := Next + Period;
       end loop;
@@ -287,15 +287,15 @@ package body NXT.Regulated_Motors is
    procedure Await_Arrival
      (Motor : Motor_Id; Limit : Ada.Real_Time.Time_Span; Success : out Boolean)
    is
-      Next_Look : Time := Clock;
-      Last_Look : constant Time := Next_Look + Limit;
+      Next_Check : Time := Clock;
+      Last_Check : constant Time := Next_Check + Limit;
    begin
       loop
          Success := Arrived (Motor);
-         exit when Success or else Next_Look >= Last_Look
+         exit when Success or else Next_Check >= Last_Check
            or else Regulation_Of (Motor) /= Of_Angle;
-         Next_Look := Next_Look + Period;
-         delay until Next_Look;
+         Next_Check := Next_Check + Period;
+         delay until Next_Check;
       end loop;
    end Await_Arrival;
 

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Timer counter channels 1 and 2 (datasheet, chapter TC), which beat the time of the sensor ports'
+--  Timer counter channels 1 and 2 (datasheet, chapter TC), which clock the sensor ports'
 --  soft two-wire buses and of colour sensors. Channel 0 belongs to the run-time.
 
 with System;

@@ -39,18 +39,19 @@ package body NXT.RS485 is
       function Has_Lost return Boolean;
    private
       procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.US0;
-      procedure Give_Next;
-      procedure Look_For_Errors;
+      procedure Queue_Next_Block;
+      procedure Check_Errors;
 
-      Opened   : Boolean := False;
-      Idle     : Boolean := True;
-      Lost     : Boolean := False;
-      Output   : Byte_Array (1 .. Longest_Message) := (others => 0);
-      Ring     : Ring_Bytes := (others => 0);
-      Given    : Ring_Index := 0;
-      First    : Ring_Index := 0;
+      Opened : Boolean := False;
+      Idle   : Boolean := True;
+      Lost   : Boolean := False;
+      Output : Byte_Array (1 .. Longest_Message) := (others => 0);
+      Ring   : Ring_Bytes := (others => 0);
+      Queued : Ring_Index := 0;
+      First  : Ring_Index := 0;
    end Transfer;
-   --  Given: begin of the block that the DMA controller got last. First: of what was not taken yet.
+   --  Queued: start of the block that the DMA controller got last. First: start of the bytes that
+   --  were not read yet.
 
    protected body Transfer is
 
@@ -66,7 +67,7 @@ package body NXT.RS485 is
          Controller.US_BRGR := Divider / 8 or (Divider mod 8) * 2 ** Fraction_Place;
          PIOA.PIO_ASR := Pins;
          PIOA.PIO_PDR := Pins;
-         Given := Block;
+         Queued := Block;
          First := 0;
          Lost := False;
          Controller.PERIPH_RPR := Ring (0)'Address;
@@ -112,31 +113,31 @@ package body NXT.RS485 is
 
       --  The controller has begun the block given last and gets the one after it, which was filled
       --  two blocks ago. What nobody has taken from it is lost.
-      procedure Give_Next is
-         Next : constant Ring_Index := Given + Block;
+      procedure Queue_Next_Block is
+         Next : constant Ring_Index := Queued + Block;
       begin
          if First / Block = Next / Block then
             Lost := True;
             First := Next + Block;
          end if;
-         Given := Next;
+         Queued := Next;
          Controller.PERIPH_RNPR := Ring (Next)'Address;
          Controller.PERIPH_RNCR := Block;
-      end Give_Next;
+      end Queue_Next_Block;
 
-      procedure Look_For_Errors is
+      procedure Check_Errors is
       begin
          if Has (Controller.US_CSR, Overrun or Framing_Error) then
             Lost := True;
             Controller.US_CR := Reset_Errors;
          end if;
-      end Look_For_Errors;
+      end Check_Errors;
 
       procedure Handle_Interrupt is
          Flags : constant Word := Controller.US_CSR and Controller.US_IMR;
       begin
          if Has (Flags, Receive_Ended) then
-            Give_Next;
+            Queue_Next_Block;
          end if;
          if Has (Flags, Send_Ended) then
             Controller.US_IDR := Send_Ended;
@@ -153,7 +154,7 @@ package body NXT.RS485 is
              ((To_Integer (Controller.PERIPH_RPR) - To_Integer (Ring'Address))
               mod Ring_Length);
       begin
-         Look_For_Errors;
+         Check_Errors;
          Data := (others => 0);
          Count := 0;
          while Opened and then First /= Now and then Count < Data'Length loop

@@ -53,7 +53,7 @@ package body NXT.Color_Sensors is
    --  Larger factors than any sensor has would overflow later.
    Largest_Factor : constant Unsigned_32 := 16#1F_FFFF#;
 
-   procedure Keep (This : in out Color_Sensor; Data : Calibration) is
+   procedure Store_Calibration (This : in out Color_Sensor; Data : Calibration) is
       Place : Positive;
    begin
       for Line in Row loop
@@ -69,7 +69,7 @@ package body NXT.Color_Sensors is
            ADC_Value (Natural'Min (Natural (Data (Place)) + 256 * Natural (Data (Place + 1)),
                                    Natural (ADC_Value'Last)));
       end loop;
-   end Keep;
+   end Store_Calibration;
 
    function Is_Plugged (Port : Sensor_Id) return Boolean is
      (NXT.AVR.Reading (Port) <= Plugged_Up_To);
@@ -106,7 +106,7 @@ package body NXT.Color_Sensors is
       Set_Pin_Mode (This.Port, Digital_0, Input);
       Set_Pin_Mode (This.Port, Digital_1, ADC);
       if Is_Valid (Answer) then
-         Keep (This, Answer);
+         Store_Calibration (This, Answer);
          This.Ready := True;
          Status := Measured;
       elsif Is_Plugged (This.Port) then

@@ -16,14 +16,14 @@ package body NXT.Audio.Wav is
    Name_Length   : constant := 4;
    PCM           : constant := 1;
 
-   function Half_At (Place : System.Address) return Unsigned_16 is
+   function Half_Word_At (Place : System.Address) return Unsigned_16 is
       Bytes : array (0 .. 1) of Unsigned_8 with Import, Address => Place;
    begin
       return Unsigned_16 (Bytes (0)) + 256 * Unsigned_16 (Bytes (1));
-   end Half_At;
+   end Half_Word_At;
 
    function Word_At (Place : System.Address) return Unsigned_32 is
-     (Unsigned_32 (Half_At (Place)) + 65_536 * Unsigned_32 (Half_At (Place + 2)));
+     (Unsigned_32 (Half_Word_At (Place)) + 65_536 * Unsigned_32 (Half_Word_At (Place + 2)));
 
    --  The address of the content of a chunk; chunks have even lengths. Invalid_Format if there is
    --  none up to Stop.
@@ -56,8 +56,8 @@ package body NXT.Audio.Wav is
          Data   : constant System.Address := Content (Data_Name, First, Stop);
          Rate   : constant Unsigned_32 := Word_At (Format + 4);
       begin
-         if Half_At (Format) /= PCM or else Half_At (Format + 2) /= 1
-           or else Half_At (Format + 14) /= 8 or else Rate not in Sampling_Rates
+         if Half_Word_At (Format) /= PCM or else Half_Word_At (Format + 2) /= 1
+           or else Half_Word_At (Format + 14) /= 8 or else Rate not in Sampling_Rates
          then
             raise Invalid_Format with "NXT.Audio.Wav: not 8-bit mono PCM";
          end if;

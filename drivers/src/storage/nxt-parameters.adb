@@ -44,7 +44,7 @@ package body NXT.Parameters is
       16#EDB8_8320#, 16#F00F_9344#, 16#D6D6_A3E8#, 16#CB61_B38C#,
       16#9B64_C2B0#, 16#86D3_D2D4#, 16#A00A_E278#, 16#BDBD_F21C#);
 
-   function Check_Of (Page : Record_Page) return Unsigned_32 is
+   function Checksum_Of (Page : Record_Page) return Unsigned_32 is
       Checked : Record_Page := Page;
       Bytes   : Byte_Array (1 .. 256) with Import, Address => Checked'Address;
       Sum     : Unsigned_32 := 16#FFFF_FFFF#;
@@ -56,7 +56,7 @@ package body NXT.Parameters is
          Sum := Shift_Right (Sum, 4) xor Remainders (Sum and 15);
       end loop;
       return not Sum;
-   end Check_Of;
+   end Checksum_Of;
 
    function Read (Page : Ring_Page) return Record_Page is
       Words  : constant Page_Content := Content (Page);
@@ -66,7 +66,7 @@ package body NXT.Parameters is
    end Read;
 
    function Is_Valid (Page : Record_Page) return Boolean is
-     (Page.Magic = Magic and then Page.Check = Check_Of (Page)
+     (Page.Magic = Magic and then Page.Check = Checksum_Of (Page)
       and then Page.Id in Unsigned_8 (Parameter_Id'First) .. Unsigned_8 (Parameter_Id'Last)
       and then Page.Length <= Maximum_Bytes);
 
@@ -131,7 +131,7 @@ package body NXT.Parameters is
       Done  : Boolean;
    begin
       Page.Data (1 .. Data'Length) := Data;
-      Page.Check := Check_Of (Page);
+      Page.Check := Checksum_Of (Page);
       Result := Memory_Failed;
       for Attempt in 1 .. Attempts loop
          Last_Page := Next_Free (Last_Page);

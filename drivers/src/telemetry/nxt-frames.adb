@@ -49,7 +49,7 @@ package body NXT.Frames is
       Last := Place;
    end Encode;
 
-   procedure Keep (This : in out Reader; Item : Byte) is
+   procedure Store (This : in out Reader; Item : Byte) is
    begin
       if This.Length = This.Data'Last then
          This.Bad := True;
@@ -60,19 +60,19 @@ package body NXT.Frames is
          This.Length := This.Length + 1;
          This.Data (This.Length) := Item;
       end if;
-   end Keep;
+   end Store;
 
    procedure Begin_Block (This : in out Reader; Length : Byte) is
    begin
       if This.Zero then
-         Keep (This, 0);
+         Store (This, 0);
       end if;
       This.Begun := True;
       This.Left := Natural (Length) - 1;
       This.Zero := Length < Byte'Last;
    end Begin_Block;
 
-   function Is_Right (This : Reader) return Boolean is
+   function Checksum_Matches (This : Reader) return Boolean is
      (not This.Bad
       and then This.Left = 0
       and then This.Length > Check_Bytes
@@ -81,7 +81,7 @@ package body NXT.Frames is
 
    procedure Finish (This : in out Reader; Complete : out Boolean) is
    begin
-      Complete := Is_Right (This);
+      Complete := Checksum_Matches (This);
       if Complete then
          This.Content := This.Length - Check_Bytes;
       elsif This.Begun then
@@ -101,7 +101,7 @@ package body NXT.Frames is
       if Item = 0 then
          Finish (This, Complete);
       elsif This.Left > 0 then
-         Keep (This, Item);
+         Store (This, Item);
          This.Left := This.Left - 1;
       else
          Begin_Block (This, Item);

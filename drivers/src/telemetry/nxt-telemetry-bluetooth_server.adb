@@ -22,7 +22,7 @@ package body NXT.Telemetry.Bluetooth_Server is
 
    procedure Require is
    begin
-      Talk.Require;
+      Link_Server.Require;
    end Require;
 
 end NXT.Telemetry.Bluetooth_Server;

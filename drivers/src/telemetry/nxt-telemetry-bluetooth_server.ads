@@ -28,7 +28,7 @@ private
    procedure Start with No_Inline;
    --  Its waits are none of the server's own.
 
-   package Talk is new NXT.Telemetry.Server
+   package Link_Server is new NXT.Telemetry.Server
      (Program_Name => Program_Name,
       Start        => Start,
       Attend       => Bluetooth.Poll,

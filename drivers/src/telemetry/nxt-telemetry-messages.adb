@@ -117,7 +117,7 @@ package body NXT.Telemetry.Messages is
    end Build_Sample;
 
    --  A value that is not a number is in no range.
-   function Judge (Index : Byte; Wanted : Float) return Verdict is
+   function Check (Index : Byte; Wanted : Float) return Verdict is
    begin
       if Natural (Index) >= Parameter_Count then
          return Unknown;
@@ -128,11 +128,11 @@ package body NXT.Telemetry.Messages is
          return (if Wanted >= Limit.Minimum and then Wanted <= Limit.Maximum
                  then Accepted else Out_Of_Range);
       end;
-   end Judge;
+   end Check;
 
    procedure Build_Answer (Into : out Builder; Index : Byte; Value_Bits : Four_Bytes) is
       Wanted : constant Float := To_Float (To_Word (Value_Bits));
-      Result : constant Verdict := Judge (Index, Wanted);
+      Result : constant Verdict := Check (Index, Wanted);
    begin
       if Result = Accepted then
          In_Force (Parameter (Index + 1)) := Wanted;
@@ -160,7 +160,7 @@ package body NXT.Telemetry.Messages is
    Ask_Length : constant := 2;
    Set_Length : constant := 6;
 
-   function Wish_In (Item : Frames.Reader) return Wish is
+   function Request_In (Item : Frames.Reader) return Request is
       Length : constant Natural := Frames.Content_Length (Item);
    begin
       if Length = 0 then
@@ -176,7 +176,7 @@ package body NXT.Telemetry.Messages is
          when Stop_Code  => return (if Length = 1 then Stop else Nothing);
          when others     => return Nothing;
       end case;
-   end Wish_In;
+   end Request_In;
 
    procedure Read_Set
      (Item : Frames.Reader; Index : out Byte; Value_Bits : out Four_Bytes) is

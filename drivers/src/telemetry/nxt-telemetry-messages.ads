@@ -31,13 +31,13 @@ private package NXT.Telemetry.Messages is
 
    --  From the host
 
-   type Wish is (Nothing, Ask, Ask_Other_Version, Set_Parameter, Keep_Alive, Stop);
+   type Request is (Nothing, Ask, Ask_Other_Version, Set_Parameter, Keep_Alive, Stop);
 
-   function Wish_In (Item : Frames.Reader) return Wish;
+   function Request_In (Item : Frames.Reader) return Request;
    --  Of the content that Item holds; Nothing when it is not one of this version.
 
    procedure Read_Set
      (Item : Frames.Reader; Index : out Byte; Value_Bits : out Four_Bytes)
-   with Pre => Wish_In (Item) = Set_Parameter;
+   with Pre => Request_In (Item) = Set_Parameter;
 
 end NXT.Telemetry.Messages;

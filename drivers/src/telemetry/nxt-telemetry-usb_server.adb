@@ -45,7 +45,7 @@ package body NXT.Telemetry.USB_Server is
 
    procedure Require is
    begin
-      Talk.Require;
+      Link_Server.Require;
    end Require;
 
 end NXT.Telemetry.USB_Server;

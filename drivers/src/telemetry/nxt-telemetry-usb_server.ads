@@ -31,7 +31,7 @@ private
    procedure Send (Data : Bytes.Byte_Array);
    procedure Receive (Data : out Bytes.Byte_Array; Last : out Natural);
 
-   package Talk is new NXT.Telemetry.Server
+   package Link_Server is new NXT.Telemetry.Server
      (Program_Name => Program_Name,
       Start        => Start,
       Room         => Room,

@@ -39,20 +39,20 @@ package body NXT.USB is
       end loop;
    end Set;
 
-   procedure Fill (Point : Endpoint; Data : Byte_Array) is
+   procedure Write_FIFO (Point : Endpoint; Data : Byte_Array) is
    begin
       for Item of Data loop
          Device.UDP_FDR (Point) := Word (Item);
       end loop;
       Set (Point, Packet_Ready);
-   end Fill;
+   end Write_FIFO;
 
-   procedure Empty (Point : Endpoint; Data : out Byte_Array) is
+   procedure Read_FIFO (Point : Endpoint; Data : out Byte_Array) is
    begin
       for Item of Data loop
          Item := Byte (Device.UDP_FDR (Point) and 16#FF#);
       end loop;
-   end Empty;
+   end Read_FIFO;
 
    --  Packets on their way
 
@@ -98,18 +98,18 @@ package body NXT.USB is
       function Free return Natural;
    private
       procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.UDP;
-      procedure Begin_Again;
+      procedure Reset;
       procedure Configure (On : Boolean);
       procedure Handle_Control;
-      procedure Obey (Item : Request);
-      procedure Answer (Data : Byte_Array; Wanted : Natural);
+      procedure Handle_Request (Item : Request);
+      procedure Start_Reply (Data : Byte_Array; Wanted : Natural);
       procedure Send_Reply;
-      procedure Take_Packets;
-      procedure Give_Packet;
+      procedure Receive_Packets;
+      procedure Send_Packet;
       Name      : Serial_Text := (others => '0');
       In_Use    : Boolean := False;
       Address   : Byte := No_Address;
-      Now       : Reply;
+      Answer    : Reply;
       Incoming  : Queue;
       Outgoing  : Queue;
       In_Flight : Boolean := False;
@@ -120,11 +120,11 @@ package body NXT.USB is
 
    protected body Port is
 
-      procedure Begin_Again is
+      procedure Reset is
       begin
          In_Use := False;
          Address := No_Address;
-         Now.Last := 0;
+         Answer.Last := 0;
          Device.UDP_RST_EP := 16#F#;
          Device.UDP_RST_EP := 0;
          Device.UDP_FADDR := Enable_Function;
@@ -132,7 +132,7 @@ package body NXT.USB is
          Device.UDP_IDR := 16#F# or Bus_Events;
          Device.UDP_IER := Interrupt_Of (Control_Point);
          Configure (False);
-      end Begin_Again;
+      end Reset;
 
       procedure Configure (On : Boolean) is
       begin
@@ -156,7 +156,7 @@ package body NXT.USB is
       begin
          Name := Serial;
          Device.UDP_TXVC := 0;
-         Begin_Again;
+         Reset;
          PIOA.PIO_CODR := Bit (USB_Pull_Up);
       end Attach;
 
@@ -169,71 +169,71 @@ package body NXT.USB is
       end Detach;
 
       procedure Send_Reply is
-         Last : constant Natural := Natural'Min (Now.Last, Now.First + Control_Packet - 1);
+         Last : constant Natural := Natural'Min (Answer.Last, Answer.First + Control_Packet - 1);
       begin
-         Fill (Control_Point, Now.Data (Now.First .. Last));
-         Now.Short := Now.Short and then Last - Now.First + 1 = Control_Packet;
-         Now.First := Last + 1;
+         Write_FIFO (Control_Point, Answer.Data (Answer.First .. Last));
+         Answer.Short := Answer.Short and then Last - Answer.First + 1 = Control_Packet;
+         Answer.First := Last + 1;
       end Send_Reply;
 
-      procedure Answer (Data : Byte_Array; Wanted : Natural) is
+      procedure Start_Reply (Data : Byte_Array; Wanted : Natural) is
          Count : constant Natural := Natural'Min (Data'Length, Wanted);
       begin
-         Now.Data (1 .. Count) := Data (Data'First .. Data'First + Count - 1);
-         Now.First := 1;
-         Now.Last := Count;
-         Now.Short := Count < Wanted;
+         Answer.Data (1 .. Count) := Data (Data'First .. Data'First + Count - 1);
+         Answer.First := 1;
+         Answer.Last := Count;
+         Answer.Short := Count < Wanted;
          Send_Reply;
-      end Answer;
+      end Start_Reply;
 
-      procedure Obey (Item : Request) is
+      procedure Handle_Request (Item : Request) is
       begin
          case Kind_Of (Item) is
             when Get_Device =>
-               Answer (Device_Descriptor, Wanted (Item));
+               Start_Reply (Device_Descriptor, Requested_Length (Item));
             when Get_Configuration_Descriptor =>
-               Answer (Configuration_Descriptor, Wanted (Item));
+               Start_Reply (Configuration_Descriptor, Requested_Length (Item));
             when Get_Languages =>
-               Answer (Languages, Wanted (Item));
+               Start_Reply (Languages, Requested_Length (Item));
             when Get_Serial =>
-               Answer (Text_Descriptor (Name), Wanted (Item));
+               Start_Reply (Text_Descriptor (Name), Requested_Length (Item));
             when Set_Address =>
                Address := Item (Value_Low);
-               Answer (Nothing, 0);
+               Start_Reply (Nothing, 0);
             when Set_Configuration =>
                Configure (Item (Value_Low) /= 0);
-               Answer (Nothing, 0);
+               Start_Reply (Nothing, 0);
             when Get_Configuration =>
-               Answer ((1 => (if In_Use then 1 else 0)), Wanted (Item));
+               Start_Reply ((1 => (if In_Use then 1 else 0)), Requested_Length (Item));
             when Get_Status =>
-               Answer (Self_Powered_Status, Wanted (Item));
+               Start_Reply (Self_Powered_Status, Requested_Length (Item));
             when Accepted =>
-               Answer (Nothing, 0);
+               Start_Reply (Nothing, 0);
             when Unknown =>
                Set (Control_Point, Stall);
          end case;
-      end Obey;
+      end Handle_Request;
 
       procedure Handle_Control is
          Flags : constant Word := Device.UDP_CSR (Control_Point);
          Item  : Request;
       begin
          if Has (Flags, Setup_Received) then
-            Empty (Control_Point, Item);
+            Read_FIFO (Control_Point, Item);
             if Is_To_Host (Item) then
                Set (Control_Point, To_Host);
             else
                Clear (Control_Point, To_Host);
             end if;
             Clear (Control_Point, Setup_Received);
-            Obey (Item);
+            Handle_Request (Item);
          elsif Has (Flags, Sent) then
             Clear (Control_Point, Sent);
             if Address /= No_Address then
                Device.UDP_FADDR := Enable_Function or Word (Address);
                Device.UDP_GLB_STAT := Addressed;
                Address := No_Address;
-            elsif Now.First <= Now.Last or else Now.Short then
+            elsif Answer.First <= Answer.Last or else Answer.Short then
                Send_Reply;
             end if;
          elsif Has (Flags, Stall_Sent) then
@@ -244,7 +244,7 @@ package body NXT.USB is
       end Handle_Control;
 
       --  Packets from the host, as long as there is room. Banks are filled in turn.
-      procedure Take_Packets is
+      procedure Receive_Packets is
          Flags : Word;
       begin
          loop
@@ -258,15 +258,15 @@ package body NXT.USB is
                Slot : Packet renames Incoming.Items (Incoming.Oldest + Place (Incoming.Count));
             begin
                Slot.Length := Natural'Min (Received_Count (Flags), Packet_Size);
-               Empty (From_Host, Slot.Data (1 .. Slot.Length));
+               Read_FIFO (From_Host, Slot.Data (1 .. Slot.Length));
             end;
             Incoming.Count := Incoming.Count + 1;
             Clear (From_Host, Next_Bank);
             Next_Bank := Next_Bank xor (Bank_0_Received or Bank_1_Received);
          end loop;
-      end Take_Packets;
+      end Receive_Packets;
 
-      procedure Give_Packet is
+      procedure Send_Packet is
       begin
          if Has (Device.UDP_CSR (Into_Host), Sent) then
             Clear (Into_Host, Sent);
@@ -280,26 +280,26 @@ package body NXT.USB is
             declare
                Oldest : Packet renames Outgoing.Items (Outgoing.Oldest);
             begin
-               Fill (Into_Host, Oldest.Data (1 .. Oldest.Length));
+               Write_FIFO (Into_Host, Oldest.Data (1 .. Oldest.Length));
             end;
          end if;
-      end Give_Packet;
+      end Send_Packet;
 
       procedure Handle_Interrupt is
          Pending : constant Word := Device.UDP_ISR;
       begin
          if Has (Pending, End_Of_Reset) then
-            Begin_Again;
+            Reset;
          end if;
          Device.UDP_ICR := Pending and Bus_Events;
          if Has (Pending, Interrupt_Of (Control_Point)) then
             Handle_Control;
          end if;
          if In_Use and then Has (Pending, Interrupt_Of (From_Host)) then
-            Take_Packets;
+            Receive_Packets;
          end if;
          if In_Use and then Has (Pending, Interrupt_Of (Into_Host)) then
-            Give_Packet;
+            Send_Packet;
          end if;
       end Handle_Interrupt;
 
@@ -317,7 +317,7 @@ package body NXT.USB is
                Slot.Data (1 .. Data'Length) := Data;
             end;
             Outgoing.Count := Outgoing.Count + 1;
-            Give_Packet;
+            Send_Packet;
          end if;
       end Send;
 

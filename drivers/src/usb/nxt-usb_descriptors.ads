@@ -28,7 +28,7 @@ private package NXT.USB_Descriptors is
 
    function Is_To_Host (Item : Request) return Boolean is ((Item (1) and 16#80#) /= 0);
 
-   function Wanted (Item : Request) return Natural is
+   function Requested_Length (Item : Request) return Natural is
      (Natural (Item (7)) + 256 * Natural (Item (8)));
    --  The most bytes that the host takes.
 

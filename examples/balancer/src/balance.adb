@@ -6,10 +6,13 @@ with NXT.AVR;
 with NXT.Battery;
 with NXT.Motor_Controls;
 with NXT.Motor_Encoders;
+with NXT.Shared_State;
 with State_Feedback;
 with System;
 
 package body Balance is
+
+   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    use NXT;
 
@@ -25,24 +28,6 @@ package body Balance is
    --  Per cent of duty per degree that the wheels differ: keeps the heading (NXTway-GS).
 
    Fallen_Pitch : constant := 0.8;
-
-   protected Shared with Priority => System.Priority'First + 2 is
-      procedure Set (Now : Status);
-      function Get return Status;
-   private
-      Current : Status;
-   end Shared;
-
-   protected body Shared is
-
-      procedure Set (Now : Status) is
-      begin
-         Current := Now;
-      end Set;
-
-      function Get return Status is (Current);
-
-   end Shared;
 
    Pitch_Seen : Float := 0.0 with
      Volatile, Export, Convention => C, External_Name => "balance_pitch";

@@ -7,11 +7,14 @@ with NXT.Battery;
 with NXT.Light_Sensors;
 with NXT.Light_Sensors.Ctors;
 with NXT.Motor_Controls;
+with NXT.Shared_State;
 with NXT.Touch_Sensors;
 with Steering;
 with System;
 
 package body Following is
+
+   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    use NXT;
 
@@ -26,24 +29,6 @@ package body Following is
    Touch   : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
    Touched : Boolean := True;
 
-   protected Shared with Priority => System.Priority'First + 2 is
-      procedure Set (Now : Status);
-      function Get return Status;
-   private
-      Current : Status;
-   end Shared;
-
-   protected body Shared is
-
-      procedure Set (Now : Status) is
-      begin
-         Current := Now;
-      end Set;
-
-      function Get return Status is (Current);
-
-   end Shared;
-
    Brightness_Seen : Float := 0.0 with
      Volatile, Export, Convention => C, External_Name => "follow_brightness";
    --  For an observer; the program only writes it.
@@ -57,7 +42,7 @@ package body Following is
       Steering.Initialize (Work);
    end Start;
 
-   procedure Obey_Touch_Sensor is
+   procedure Read_Touch_Sensor is
       Touched_Now : constant Boolean := NXT.Touch_Sensors.Pressed (Touch);
    begin
       if Touched_Now and then not Touched then
@@ -67,7 +52,7 @@ package body Following is
          end if;
       end if;
       Touched := Touched_Now;
-   end Obey_Touch_Sensor;
+   end Read_Touch_Sensor;
 
    function Duty (Volts, Supply : Float) return PWM_Value is
      (if Volts >= Supply then PWM_Value'Last
@@ -95,7 +80,7 @@ package body Following is
       if NXT.AVR.Data_Available then
          Raw := Integer (NXT.AVR.Raw_Input (Sensor_3));
          Now.Brightness := Float (Black - Raw) * (1.0 / Float (Black - White));
-         Obey_Touch_Sensor;
+         Read_Touch_Sensor;
          if Now.Running then
             Drive;
          end if;

@@ -9,11 +9,14 @@ with NXT.Buttons;
 with NXT.Motor_Controls;
 with NXT.Motor_Encoders;
 with NXT.Telemetry;
+with NXT.Shared_State;
 with NXT.Touch_Sensors;
 with Speed_Controller;
 with System;
 
 package body Bench is
+
+   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    use NXT;
 
@@ -23,24 +26,6 @@ package body Bench is
 
    Sensor  : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
    Touched : Boolean := True;
-
-   protected Shared with Priority => System.Priority'First + 2 is
-      procedure Set (Now : Status);
-      function Get return Status;
-   private
-      Current : Status;
-   end Shared;
-
-   protected body Shared is
-
-      procedure Set (Now : Status) is
-      begin
-         Current := Now;
-      end Set;
-
-      function Get return Status is (Current);
-
-   end Shared;
 
    --  Symbols for an observer; the program only writes them
 
@@ -76,7 +61,7 @@ package body Bench is
       Oldest := (Oldest + 1) mod Speed_Window;
    end Measure;
 
-   procedure Obey_Touch_Sensor is
+   procedure Read_Touch_Sensor is
       Touched_Now : constant Boolean := NXT.Touch_Sensors.Pressed (Sensor);
    begin
       if Touched_Now and then not Touched then
@@ -91,7 +76,7 @@ package body Bench is
          end if;
       end if;
       Touched := Touched_Now;
-   end Obey_Touch_Sensor;
+   end Read_Touch_Sensor;
 
    function Outer_Loop return Float is
       Wanted : constant Float :=
@@ -117,7 +102,7 @@ package body Bench is
    begin
       Measure;
       if NXT.AVR.Data_Available then
-         Obey_Touch_Sensor;
+         Read_Touch_Sensor;
          if Now.Mode /= Stopped then
             Drive;
          end if;

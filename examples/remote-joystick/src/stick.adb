@@ -7,9 +7,12 @@ with NXT.Bluetooth;      use NXT.Bluetooth;
 with NXT.Bytes;
 with NXT.Frames;
 with NXT.Motor_Encoders;
+with NXT.Shared_State;
 with NXT.Touch_Sensors;
 
 package body Stick is
+
+   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    use NXT;
    use type NXT.Bytes.Byte;
@@ -17,24 +20,6 @@ package body Stick is
    Period         : constant Time_Span := Milliseconds (Period_Ms);
    Looking_Period : constant := 5;
    --  Seconds that a search takes.
-
-   protected Shared with Priority => System.Priority'First + 2 is
-      procedure Set (Item : Status);
-      function Get return Status;
-   private
-      Current : Status;
-   end Shared;
-
-   protected body Shared is
-
-      procedure Set (Item : Status) is
-      begin
-         Current := Item;
-      end Set;
-
-      function Get return Status is (Current);
-
-   end Shared;
 
    function Latest return Status is (Shared.Get);
 

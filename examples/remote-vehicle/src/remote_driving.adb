@@ -6,12 +6,15 @@ with NXT.AVR;
 with NXT.Battery;
 with NXT.Motor_Controls;
 with NXT.Motor_Encoders;
+with NXT.Shared_State;
 with Quantities;       use Quantities;
 with Speed_Controller;
 with Speedometer;
 with System;
 
 package body Remote_Driving is
+
+   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    use NXT;
 
@@ -37,24 +40,6 @@ package body Remote_Driving is
    Setpoint_Right : Volts := 0.0 with
      Volatile, Export, Convention => C, External_Name => "remote_setpoint_right";
 
-   protected Shared with Priority => System.Priority'First + 2 is
-      procedure Set (Item : Status);
-      function Get return Status;
-   private
-      Current : Status;
-   end Shared;
-
-   protected body Shared is
-
-      procedure Set (Item : Status) is
-      begin
-         Current := Item;
-      end Set;
-
-      function Get return Status is (Current);
-
-   end Shared;
-
    procedure Start is
    begin
       Speedometer.Start (Meter, NXT.Motor_Encoders.Current);
@@ -79,12 +64,9 @@ package body Remote_Driving is
       Now.Driving := False;
    end Stop;
 
-   function To_Duty (Control, Battery : Volts) return NXT.Motor_Controls.Duty_Cycle is
-     (if Control >= Battery then PWM_Value'Last
-      elsif Control <= -Battery then PWM_Value'First
-      else PWM_Value (100.0 * Control / Battery));
-
    procedure Drive (Speeds : Speedometer.Motor_Speeds) is
+      function To_Duty is new NXT.Motor_Controls.To_Duty (Volts);
+
       Battery  : constant Volts := Volts (NXT.Battery.Voltage) * 0.001;
       Wanted   : constant Wheel_Volts :=
         (Left  => Cruise * Inner_Share (Now.Angle),

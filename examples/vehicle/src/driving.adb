@@ -11,7 +11,6 @@ with NXT.Touch_Sensors;
 package body Driving is
 
    use NXT;
-   use Panel;
    use Quantities;
 
    Joystick_Touch : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
@@ -54,7 +53,7 @@ package body Driving is
                            when others       => Closed_Loop);
    end Begin_Drive;
 
-   procedure Obey_Touch_Sensor (This : in out Vehicle) is
+   procedure Read_Touch_Sensor (This : in out Vehicle) is
       Touched_Now : constant Boolean := NXT.Touch_Sensors.Pressed (Joystick_Touch);
    begin
       if Touched_Now and then not This.Touched then
@@ -65,9 +64,9 @@ package body Driving is
          end if;
       end if;
       This.Touched := Touched_Now;
-   end Obey_Touch_Sensor;
+   end Read_Touch_Sensor;
 
-   procedure Obey_Power_Button (This : in out Vehicle) is
+   procedure Read_Power_Button (This : in out Vehicle) is
       Held_Now : constant Boolean := NXT.Buttons.Current_Button = Power_Button;
    begin
       if Held_Now and then not This.Power_Held then
@@ -75,7 +74,7 @@ package body Driving is
          NXT.AVR.Power_Down;
       end if;
       This.Power_Held := Held_Now;
-   end Obey_Power_Button;
+   end Read_Power_Button;
 
    function Battery_Voltage (This : Vehicle) return Volts is
      (Volts (This.Now.Battery) * 0.001);
@@ -112,13 +111,9 @@ package body Driving is
       Values.Control := Outputs.Corrected_Voltage;
    end Run_Controller;
 
-   --  The duty cycle whose mean is Control; full duty when the battery cannot give that much.
-   function To_Duty (Control, Battery : Volts) return NXT.Motor_Controls.Duty_Cycle is
-     (if Control >= Battery then PWM_Value'Last
-      elsif Control <= -Battery then PWM_Value'First
-      else PWM_Value (100.0 * Control / Battery));
-
    procedure Drive_Wheels (This : in out Vehicle) is
+      function To_Duty is new NXT.Motor_Controls.To_Duty (Volts);
+
       Battery : constant Volts := Battery_Voltage (This);
    begin
       Speed_Controller.Parameters.Saturation := Battery;
@@ -138,8 +133,8 @@ package body Driving is
    begin
       Measure (This);
       if NXT.AVR.Data_Available and then This.Now.Mode /= Off then
-         Obey_Touch_Sensor (This);
-         Obey_Power_Button (This);
+         Read_Touch_Sensor (This);
+         Read_Power_Button (This);
          if This.Now.Mode in Closed_Loop .. Step_Response then
             Drive_Wheels (This);
          end if;

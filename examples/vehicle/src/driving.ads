@@ -11,11 +11,31 @@
 
 with Speed_Controller;
 with NXT;
-with Panel;
+with NXT.Battery;
 with Quantities;
 with Speedometer;
 
 package Driving is
+
+   type Drive_Mode is (Stopped, Closed_Loop, Open_Loop, Step_Response, Off);
+
+   type Wheel is (Left, Right);
+
+   type Wheel_Values is record
+      Setpoint : Quantities.Volts := 0.0;
+      Speed    : Quantities.Volts := 0.0;
+      Control  : Quantities.Volts := 0.0;
+   end record;
+   --  Speed is the measured one; Control goes to the motor.
+
+   type Wheel_Pair is array (Wheel) of Wheel_Values;
+
+   type Status is record
+      Mode     : Drive_Mode := Stopped;
+      Wheels   : Wheel_Pair;
+      Joystick : Quantities.Degrees := 0;
+      Battery  : NXT.Battery.Supply_Millivolts := 0;
+   end record;
 
    type Vehicle is limited private;
 
@@ -25,14 +45,14 @@ package Driving is
    procedure Control (This : in out Vehicle);
    --  One period. Before the co-processor has answered, nothing moves.
 
-   function Current_Status (This : Vehicle) return Panel.Status;
+   function Current_Status (This : Vehicle) return Status;
 
 private
 
-   type Controllers is array (Panel.Wheel) of Speed_Controller.Work_Area;
+   type Controllers is array (Wheel) of Speed_Controller.Work_Area;
 
    type Vehicle is limited record
-      Now         : Panel.Status;
+      Now         : Status;
       Meter       : Speedometer.Meter;
       Work        : Controllers;
       Touched     : Boolean := True;
@@ -40,8 +60,8 @@ private
    end record;
    --  Touched and Power_Held: as in the period before; only a new press counts.
 
-   Motor_Of : constant array (Panel.Wheel) of NXT.Motor_Id :=
-     (Panel.Left => NXT.Motor_B, Panel.Right => NXT.Motor_C);
+   Motor_Of : constant array (Wheel) of NXT.Motor_Id :=
+     (Left => NXT.Motor_B, Right => NXT.Motor_C);
 
    Joystick_Motor : constant NXT.Motor_Id := NXT.Motor_A;
 

@@ -3,29 +3,26 @@
 
 with NXT.AVR;
 with NXT.Display;  use NXT.Display;
+with NXT.Shared_State;
+with Quantities;
 with System;
 
 package body Panel is
 
+   use Driving;
    use Quantities;
 
-   protected Latest with Priority => System.Priority'First + 2 is
-      procedure Set (Now : Status);
-      function Get return Status;
-   private
-      Current : Status;
-   end Latest;
+   subtype Title is String (1 .. 11);
 
-   protected body Latest is
+   function Title_Of (Mode : Drive_Mode) return Title is
+     (case Mode is
+         when Stopped       => "stopped    ",
+         when Closed_Loop   => "closed loop",
+         when Open_Loop     => "open loop  ",
+         when Step_Response => "step       ",
+         when Off           => "off        ");
 
-      procedure Set (Now : Status) is
-      begin
-         Current := Now;
-      end Set;
-
-      function Get return Status is (Current);
-
-   end Latest;
+   package Latest is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    --  Symbols for an observer; the program only writes them
 
@@ -64,16 +61,6 @@ package body Panel is
       Battery := Integer (Now.Battery);
       Latest.Set (Now);
    end Publish;
-
-   subtype Title is String (1 .. 11);
-
-   function Title_Of (Mode : Drive_Mode) return Title is
-     (case Mode is
-         when Stopped       => "stopped    ",
-         when Closed_Loop   => "closed loop",
-         when Open_Loop     => "open loop  ",
-         when Step_Response => "step       ",
-         when Off           => "off        ");
 
    --  A number with two decimals, right-aligned, at most 99.99.
    procedure Put_Hundredths (Hundredths : Integer) is

@@ -183,7 +183,7 @@ def test_a_folder_in_place_of_the_facts_is_not_passed_over(tmp_path: Path) -> No
 
 def test_ceilings_and_handlers_are_those_of_the_sources(analysis: Analysis) -> None:
     ceilings = {item.name: item.ceiling for item in analysis.objects}
-    assert ceilings["panel__latest"] == 2
+    assert ceilings["panel__latest__objectX"] == 2
     assert ceilings["nxt__avr__shared"] == 30
     priorities = {cost.handler.source: cost.handler.priority for cost in analysis.interrupts}
     assert priorities[9] == 38 and priorities[12] == 31

@@ -5,7 +5,7 @@
 
 package body Ravenbrick.Processor is
 
-   function Mask_And_Tell return Status
+   function Mask_And_Report return Status
      with Import, Convention => C, External_Name => "ravenbrick_mask_interrupts";
    procedure Set (Previous : Status)
      with Import, Convention => C, External_Name => "ravenbrick_set_status";
@@ -18,7 +18,7 @@ package body Ravenbrick.Processor is
 
    procedure Mask_Interrupts (Previous : out Status) is
    begin
-      Previous := Mask_And_Tell;
+      Previous := Mask_And_Report;
    end Mask_Interrupts;
 
    procedure Restore_Interrupts (Previous : Status) is

@@ -25,6 +25,7 @@ __all__ = [
     "UNITS_PER_SECOND",
     "Run",
     "Runner",
+    "assert_repeats",
     "build",
     "is_in",
     "make_runtime",
@@ -162,3 +163,9 @@ def is_in(result: Run, symbol: str, address: int) -> bool:
 
 
 Runner = Callable[..., Run]
+
+
+def assert_repeats(journal: str, pattern: str, at_least: int) -> None:
+    """`journal` is `pattern` over and over, cut anywhere, and holds it `at_least` times."""
+    assert journal.count(pattern) >= at_least
+    assert (pattern * (len(journal) // len(pattern) + 1)).startswith(journal)

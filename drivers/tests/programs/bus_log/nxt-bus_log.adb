@@ -35,12 +35,12 @@ package body NXT.Bus_Log is
    end Note_Number;
 
    --  What the peripheral does: it acknowledges Acknowledged bytes and sends First, First + 1, ...
-   --  After Held_Bits bits it holds the clock for Held_Beats beats.
+   --  After Held_Bits bits it holds the clock for Held_Ticks ticks.
    type Script is record
       Acknowledged : Natural := 100;
       First        : Unsigned_8 := 0;
       Held_Bits    : Natural := Natural'Last;
-      Held_Beats   : Natural := 0;
+      Held_Ticks   : Natural := 0;
    end record;
 
    type Peripheral is record
@@ -57,7 +57,7 @@ package body NXT.Bus_Log is
       Value    : Unsigned_8 := 0;
       Next     : Unsigned_8 := 0;
    end record;
-   --  Level: of the lines after the beat before. Low: pulled down by the peripheral.
+   --  Level: of the lines after the tick before. Low: pulled down by the peripheral.
 
    procedure Take_Condition (This : in out Peripheral; Is_Start : Boolean) is
    begin
@@ -101,7 +101,7 @@ package body NXT.Bus_Log is
          end if;
          This.Low_D := This.Sending and then (This.Next and Mask) = 0;
       end if;
-      This.Low_C := This.All_Bits >= This.Script.Held_Bits and then This.Script.Held_Beats > 0;
+      This.Low_C := This.All_Bits >= This.Script.Held_Bits and then This.Script.Held_Ticks > 0;
    end Put_Bit;
 
    procedure Follow (This : in out Peripheral; Master : Word) is
@@ -118,8 +118,8 @@ package body NXT.Bus_Log is
       This.Level_C := Level_C;
       This.Level_D := Has (Master, Data) and then not This.Low_D;
       if This.Low_C and then Has (Master, Clock) then
-         This.Script.Held_Beats := This.Script.Held_Beats - 1;
-         This.Low_C := This.Script.Held_Beats > 0;
+         This.Script.Held_Ticks := This.Script.Held_Ticks - 1;
+         This.Low_C := This.Script.Held_Ticks > 0;
          if not This.Low_C then
             This.Level_C := True;
             Take_Bit (This, This.Level_D);
@@ -140,33 +140,33 @@ package body NXT.Bus_Log is
       Slave  : Peripheral := (Script => Behaviour, others => <>);
       Levels : Word := Clock or Data;
       State  : Bus_State;
-      Beats  : Natural := 0;
+      Ticks  : Natural := 0;
       Limit  : constant := 4_000;
    begin
       Note (Name & ": ");
       Take_Lines (Port);
       Begin_Transfer (Master);
-      while Master.State /= Idle and then Beats < Limit loop
+      while Master.State /= Idle and then Ticks < Limit loop
          State := Master.State;
          if State in Condition | Bit_Sample then
             Put (Levels and not (if Slave.Low_C then Clock else 0)
                  and not (if Slave.Low_D then Data else 0));
          end if;
-         Beat (Master, Port);
+         Tick (Master, Port);
          if State in Condition | Bit_Sample and then Master.State = State then
             Put (Levels);
          end if;
          Levels := PIOA.PIO_PDSR and (Clock or Data);
          Follow (Slave, Levels);
-         Beats := Beats + 1;
+         Ticks := Ticks + 1;
       end loop;
       Note (if Master.Failed then "failed" else "done");
       for Place in 1 .. Master.Input_Count loop
          Note (" ");
          Note_Number (Natural (Master.Input (Place)), 2);
       end loop;
-      Note (" beats ");
-      Note_Number (Beats, 3, Base => 10);
+      Note (" ticks ");
+      Note_Number (Ticks, 3, Base => 10);
       Note ((1 => ASCII.LF));
    end Perform;
 
@@ -205,9 +205,9 @@ package body NXT.Bus_Log is
       Run ("NACK of a register", (Acknowledged => 1, others => <>), Read_Of (16#02#, 16#42#, 1));
       Run ("NACK of the read", (Acknowledged => 2, others => <>), Read_Of (16#02#, 16#42#, 1));
       Run ("unplugged in the data", (First => 16#FF#, others => <>), Read_Of (16#02#, 16#42#, 1));
-      Run ("stretched", (Held_Bits => 12, Held_Beats => 20, others => <>),
+      Run ("stretched", (Held_Bits => 12, Held_Ticks => 20, others => <>),
            Write_Of ((16#02#, 16#41#)));
-      Run ("stuck", (Held_Bits => 12, Held_Beats => 3_000, others => <>),
+      Run ("stuck", (Held_Bits => 12, Held_Ticks => 3_000, others => <>),
            Write_Of ((16#02#, 16#41#)));
    end Run_Scenarios;
 

@@ -38,7 +38,7 @@ procedure Line_Costs is
          when 6      => NXT.USB.Send (Packet);
          when 7      => NXT.USB.Receive (Packet, Length);
          when 8      => Received := Received + Length;
-         when 9      => NXT.Direct_Commands.Obey (Get_Battery, Reply, Last);
+         when 9      => NXT.Direct_Commands.Execute (Get_Battery, Reply, Last);
          when 10     => NXT.Direct_Commands.Tick;
          when others => null;
       end case;

@@ -11,12 +11,12 @@ package body Masked is
 
    protected Low with Interrupt_Priority => Low_Level is
       procedure Handle with Attach_Handler => TC1;
-      procedure Stay;
+      procedure Hold;
    end Low;
 
    protected High with Interrupt_Priority => High_Level is
       procedure Handle with Attach_Handler => TC2;
-      procedure Stay;
+      procedure Hold;
    end High;
 
    procedure Wait is
@@ -34,14 +34,14 @@ package body Masked is
          Note ('l');
       end Handle;
 
-      procedure Stay is
+      procedure Hold is
       begin
          Note ('(');
          Start_Once (Timers.Channel_1, 2_403);
          Start_Once (Timers.Channel_2, 2_403);
          Wait;
          Note (')');
-      end Stay;
+      end Hold;
    end Low;
 
    protected body High is
@@ -51,14 +51,14 @@ package body Masked is
          Note ('h');
       end Handle;
 
-      procedure Stay is
+      procedure Hold is
       begin
          Note ('[');
          Start_Once (Timers.Channel_1, 2_403);
          Start_Once (Timers.Channel_2, 2_403);
          Wait;
          Note (']');
-      end Stay;
+      end Hold;
    end High;
 
    task body User is
@@ -67,9 +67,9 @@ package body Masked is
       loop
          Next := Next + Milliseconds (2);
          delay until Next;
-         Low.Stay;
+         Low.Hold;
          Note (',');
-         High.Stay;
+         High.Hold;
          Note (';');
       end loop;
    end User;

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Images in RAM and flash, in ARM and Thumb state: behaviour, size and costs."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from elftools.elf.elffile import ELFFile
+
+from verification.benchmarks.runtime.footprints import linked_bytes
+from verification.support.bricks.runtime_programs import (
+    CYCLES_PER_MS,
+    IDLE,
+    Runner,
+    assert_repeats,
+    build,
+)
+
+RAM = 0x0020_0000
+
+FIGURES = (
+    "stopwatch", "protected_call", "round_trip", "suspend_to_next", "entry_opened",
+    "to_handler", "to_task", "to_handler_max", "to_task_max", "interrupts",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def figures(run: Runner) -> dict[str, int]:
+    """What the program that measures itself found."""
+    result = run("figures")
+    return dict(zip(FIGURES, result.words("results", len(FIGURES)), strict=True))
+
+
+def states_of(elf: Path) -> dict[str, str]:
+    """State of each function: bit 0 of a symbol tells Thumb code (ARM IHI 0044F 5.5.3)."""
+    with elf.open("rb") as file:
+        symbols = list(ELFFile(file).get_section_by_name(".symtab").iter_symbols())
+    return {
+        symbol.name: "thumb" if symbol["st_value"] & 1 else "arm"
+        for symbol in symbols
+        if symbol["st_info"]["type"] == "STT_FUNC"
+    }
+
+
+class TestImages:
+    @pytest.mark.parametrize("image", ["ram", "flash"])
+    @pytest.mark.parametrize("code", ["arm", "thumb"])
+    @pytest.mark.parametrize("runtime", ["arm", "thumb"])
+    def test_both_images_and_both_states_behave_alike(
+        self, run: Runner, image: str, code: str, runtime: str
+    ) -> None:
+        """The same program from RAM and from flash, it and the run-time in either state."""
+        journal = run("entries", image=image, code=code, runtime=runtime).journal()
+        assert_repeats(journal, "wpg1lpgh2", 5)
+
+    @pytest.mark.parametrize(
+        ("program", "pattern", "at_least"),
+        [
+            ("nested_interrupts", "([]|t)s;[](|t)s.", 8),
+            ("interrupt_ceiling", "(h)l,[]hl;", 15),
+            ("ceiling", "(12a)lb;", 20),
+        ],
+    )
+    def test_the_run_time_in_thumb_state_dispatches_alike(
+        self, run: Runner, program: str, pattern: str, at_least: int
+    ) -> None:
+        """Handlers, masks and ceilings, the program in Thumb state, too."""
+        journal = run(program, code="thumb", runtime="thumb").journal()
+        assert_repeats(journal, pattern, at_least)
+
+    def test_the_flash_image_has_time_critical_code_in_ram(self, run: Runner) -> None:
+        """Dispatching, delays, locks and entries; what is the program's own stays in flash."""
+        brick = run("entries", image="flash").brick
+        for symbol in (
+            "ravenbrick__threads__block",
+            "ravenbrick__delays__delay_until",
+            "system__tasking__protected_objects__single_entry__service_entry",
+        ):
+            assert brick.symbol(symbol)[0] >= RAM
+        assert brick.symbol("rendezvous_free__consumerTKB")[0] < RAM
+
+    def test_a_unit_may_be_in_the_other_state(self, run: Runner) -> None:
+        """One unit of an ARM program compiled with -mthumb: the program behaves alike."""
+        options = ("-XMIXED=yes",)
+        journal = run("entries", code="arm", image="flash", options=options).journal()
+        assert_repeats(journal, "wpg1lpgh2", 5)
+        states = states_of(build("entries", "flash", "arm", options=options))
+        assert states["rendezvous_free__consumerTKB"] == "thumb"
+        assert states["main"] == "arm"
+
+    def test_a_failure_is_told_by_the_run_time_in_thumb_state(self, run: Runner) -> None:
+        """Down to the hook of the program, which is Thumb code, too."""
+        result = run("range_check", code="thumb", runtime="thumb")
+        assert result.journal() == "0123456789!"
+
+    def test_a_program_is_idle_between_its_jobs(self, run: Runner) -> None:
+        """The observer sees the idle processor as no thread at all."""
+        result = run("entries")
+        running = result.events("thread_running")["subject"]
+        assert (running == IDLE).any()
+        assert all(a != b for a, b in pairwise(running.tolist()))
+
+
+class TestFootprint:
+    """Tasks, delay until, protected entry, suspension object and interrupts in one program."""
+
+    @pytest.mark.parametrize(("state", "limit_bytes"), [("arm", 6_800), ("thumb", 4_600)])
+    def test_kernel_and_language_layer_fit(self, state: str, limit_bytes: int) -> None:
+        """Linked code and constants of the run-time, the compiler's helpers included."""
+        elf = build("footprint", code=state, runtime=state)
+        assert 2_000 < linked_bytes(elf) <= limit_bytes
+
+    @pytest.mark.parametrize("state", ["arm", "thumb"])
+    def test_the_weighed_program_works(self, run: Runner, state: str) -> None:
+        """Two turns of each period of 2 ms."""
+        result = run("footprint", cycles=101 * CYCLES_PER_MS, code=state, runtime=state)
+        assert 98 <= result.brick.read_int("turns", "u32") <= 101
+
+
+class TestFigures:
+    """Costs in cycles of programs in RAM and ARM state; goals of the run-time."""
+
+    @pytest.mark.parametrize(
+        ("figure", "limit_cycles"),
+        [("suspend_to_next", 90), ("entry_opened", 300), ("to_handler", 80), ("to_task", 300)],
+    )
+    def test_a_primitive_costs_at_most_its_goal(
+        self, figures: dict[str, int], figure: str, limit_cycles: int
+    ) -> None:
+        """As measured by the program itself, less the reading of the stopwatch."""
+        assert 0 < figures[figure] - figures["stopwatch"] <= limit_cycles
+
+    def test_a_protected_procedure_costs_at_most_60_cycles(self, figures: dict[str, int]) -> None:
+        """Lock and unlock without contention, less a plain call, mean of 100."""
+        assert 0 < figures["protected_call"] <= 60 * 100
