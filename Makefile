@@ -65,7 +65,7 @@ test-rust: ## Tests of the virtual brick's crates
 test-python: ## Tests of run-time, drivers, control, tools and the whole drive
 	@.venv/bin/ravenbrick build examples/vehicle
 	@$(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests runtime/tests \
-		drivers/tests examples
+		drivers/tests examples verification
 
 .PHONY: test-page
 test-page: ## Tests of the page: units in Node.js, the shipped page in headless Chromium

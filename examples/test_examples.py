@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -15,9 +14,7 @@ import pytest
 
 EXAMPLES = Path(__file__).resolve().parent
 DESIGNED = ("motor-bench", "line-follower", "balancer")
-LONG = pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="a whole lap on the floor: make conformance"
-)
+LONG = pytest.mark.long("a whole lap on the floor")
 RUNS = [
     ("blank", "press"),
     ("motor-bench", "step"),
@@ -73,9 +70,7 @@ def test_a_scenario_meets_its_criteria(example: str, scenario: str) -> None:
     assert all(criterion["met"] for criterion in answer["criteria"])
 
 
-@pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="two bricks for 30 s: make conformance"
-)
+@pytest.mark.long("two bricks for 30 s")
 def test_a_joystick_steers_a_vehicle_through_the_air() -> None:
     """Two bricks find each other and drive, each meets its criteria, and the run comes again."""
     ravenbrick("build", str(EXAMPLES / "remote-joystick"))
@@ -87,9 +82,7 @@ def test_a_joystick_steers_a_vehicle_through_the_air() -> None:
     assert first["trace_digest"] != first["peer"]["trace_digest"]
 
 
-@pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="bounds every path of a job: make conformance"
-)
+@pytest.mark.long("bounds every path of a job")
 def test_the_telemetry_is_part_of_the_schedulability_report() -> None:
     """The server's job and response have bounds, not below what was seen, and all is in time."""
     ravenbrick("build", str(EXAMPLES / "motor-bench"))
@@ -101,9 +94,7 @@ def test_the_telemetry_is_part_of_the_schedulability_report() -> None:
     assert 0 < seen["response_cycles"] <= server_task["response_bound_cycles"]
 
 
-@pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="a minute on the brick: make conformance"
-)
+@pytest.mark.long("a minute on the brick")
 def test_the_balancer_stands_for_a_minute_under_pushes() -> None:
     """Four pushes forwards and backwards; it does not fall and does not run away."""
     answer = run_scenario("balancer", "stand")

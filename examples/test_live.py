@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-import os
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -174,9 +173,7 @@ def test_live_steps_lie_on_the_design() -> None:
         assert np.mean(np.abs(step.values - delayed)) < np.mean(np.abs(off))
 
 
-@pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="fits two recordings: make conformance"
-)
+@pytest.mark.long("fits two recordings")
 def test_a_live_record_feeds_identification(image: Any, tmp_path: Path) -> None:
     """Voltage and angle as the program published them: the motor's gain and time constant."""
     for name, steps in (

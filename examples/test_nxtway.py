@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import struct
 from dataclasses import replace
@@ -26,9 +25,7 @@ BALANCER = Path(__file__).resolve().parent / "balancer"
 # Y. Yamamoto, NXTway-GS Model-Based Design (2008): on wheel angle, pitch, their rates (the wheel's
 # with the factor 0.85) and the integral of the wheel angle.
 PUBLISHED = (0.83508, 34.18958, 1.09951, 2.81409, 0.44721)
-LONG = pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="a minute on the brick: make conformance"
-)
+LONG = pytest.mark.long("a minute on the brick")
 
 
 @pytest.fixture(scope="module")

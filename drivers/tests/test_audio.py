@@ -12,6 +12,7 @@ import numpy.typing as npt
 import pytest
 import virtual_brick
 
+from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import CLOCK_DENOMINATOR, CLOCK_NUMERATOR, Brick, bench
 
 SAMPLE_CYCLES = 1_000
@@ -23,9 +24,9 @@ Samples = npt.NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
-def played(image: Callable[[str, str], bytes]) -> Callable[[float, float], Samples]:
+def played() -> Callable[[float, float], Samples]:
     """From two instants in ms to what was played between them, full scale 1."""
-    device = Brick(virtual_brick.VirtualBrick(json.dumps(bench()), image("audio", "ram")))
+    device = Brick(virtual_brick.VirtualBrick(json.dumps(bench()), image_of("audio", "ram")))
     device.run(1_400)
     samples = np.frombuffer(device.device.sound(), "<i2") / FULL
     return lambda start, end: samples[round(start * RATE / 1000) : round(end * RATE / 1000)]

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
+from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import Brick
 from verification.support.bricks.power_cut import ERASED, PAGE_COUNT, memory_of, start
 
@@ -18,9 +19,9 @@ MOMENTS = 12
 
 
 @pytest.fixture(scope="module")
-def elf(image: Callable[[str, str], bytes]) -> bytes:
+def elf() -> bytes:
     """The program as an image in flash."""
-    return image("brown_out", "flash")
+    return image_of("brown_out", "flash")
 
 
 @pytest.fixture(scope="module")

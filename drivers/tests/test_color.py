@@ -8,20 +8,12 @@ from collections.abc import Callable
 
 import pytest
 
-from verification.support.bricks.observe import Brick
+from verification.support.bricks.observe import SURFACES, Brick
 
 SENSOR = {"2": {"kind": "color"}}
 MEASURED, NO_SENSOR, WRONG_CHECKSUM = range(3)
 STARTED_MS = 200.0
 COLORS = ["none", "black", "blue", "green", "yellow", "red", "white"]
-SURFACES = {
-    "black": (0.06, 0.06, 0.07),
-    "blue": (0.12, 0.25, 0.55),
-    "green": (0.15, 0.50, 0.25),
-    "yellow": (0.90, 0.70, 0.20),
-    "red": (0.75, 0.12, 0.12),
-    "white": (0.95, 0.93, 0.90),
-}
 
 
 def show(device: Brick, at_ms: float, surface: tuple[float, float, float]) -> None:

@@ -12,9 +12,9 @@ import nxt.sensor.generic
 import pytest
 from ravenbrick.brick.links.peers import UsbComputer
 
-from drivers.tests.test_color import SURFACES
 from verification.support.bricks.nxt_firmware import MENU_MS, firmware_brick, run_ms
 from verification.support.bricks.nxt_sockets import UsbSocket
+from verification.support.bricks.observe import SURFACES
 
 PORT = nxt.sensor.Port.S2
 START_MS, MEASURE_MS = 700, 30

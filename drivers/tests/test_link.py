@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import virtual_brick
 
-from drivers.tests.conftest import ROOT, TESTS
+from verification.support.bricks.driver_programs import PROGRAMS, ROOT, build_run_time
 from verification.support.bricks.observe import Brick, bench
 
 SENSORS = {"2": {"kind": "analogue"}}
@@ -75,11 +75,12 @@ def test_a_hanging_bus_is_reset_until_it_is_free(
     assert device.motors(at_ms=FAULT_MS + 1_500) == AFTER_LOSS
 
 
-def test_period_and_priority_are_the_programs_choice(run_time: None, tmp_path: Path) -> None:
+def test_period_and_priority_are_the_programs_choice(tmp_path: Path) -> None:
     """With 10 ms in place of 2 ms, at a low priority, inputs come within 40 ms."""
+    build_run_time()
     command = ["gprbuild", "-q", "-j2", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"]
-    command += ["-P", str(TESTS / "test.gpr"), "-XTEST=link", f"-XRAVENBRICK_BUILD={tmp_path}"]
-    command += [f"-XDRIVERS_CONFIGURATION={TESTS / 'slow_link'}"]
+    command += ["-P", str(PROGRAMS / "test.gpr"), "-XTEST=link", f"-XRAVENBRICK_BUILD={tmp_path}"]
+    command += [f"-XDRIVERS_CONFIGURATION={PROGRAMS / 'slow_link'}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     elf = (tmp_path / "drivers" / "tests" / "link" / "ram" / "link.elf").read_bytes()

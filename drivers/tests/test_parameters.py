@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
+from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import Brick
 from verification.support.bricks.power_cut import (
     ERASED,
@@ -27,9 +28,9 @@ EMPTY = ERASED * PAGE_COUNT
 
 
 @pytest.fixture(scope="module")
-def elf(image: Callable[[str, str], bytes]) -> bytes:
+def elf() -> bytes:
     """The program as an image in flash."""
-    return image("parameters", "flash")
+    return image_of("parameters", "flash")
 
 
 def test_nothing_is_found_in_erased_flash(elf: bytes) -> None:

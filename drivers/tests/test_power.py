@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
+from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import Brick
 from verification.support.bricks.power_cut import memory_of, start
 
@@ -40,9 +41,9 @@ def test_a_program_in_ram_has_no_watchdog(
     assert (device.integer("enabled"), device.integer("rounds")) == (0, 20)
 
 
-def test_the_brick_keeps_its_name(image: Callable[[str, str], bytes]) -> None:
+def test_the_brick_keeps_its_name() -> None:
     """It is called NXT at first, and what it was called last after the next start."""
-    elf = image("brick_name", "flash")
+    elf = image_of("brick_name", "flash")
     first = start(elf, ERASED)
     first.run(250)
     assert first.text()[:2] == ["NXT", "brick number 7!"]

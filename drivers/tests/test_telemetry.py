@@ -20,6 +20,7 @@ from ravenbrick.telemetry import Monitor, Session, open_link
 from ravenbrick.telemetry.frames import frame
 from ravenbrick.telemetry.messages import Ask, Refused, SetParameter, Verdict, encode
 
+from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import Brick, bench
 
 START_MS = 1500
@@ -222,11 +223,11 @@ def test_garbage_on_the_cable_does_no_harm(usb_host: Host) -> None:
     assert usb_host.session.values[0] == 1.5
 
 
-def test_a_monitored_run_over_the_cable_plays_again(image: Callable[[str, str], bytes]) -> None:
+def test_a_monitored_run_over_the_cable_plays_again() -> None:
     """What the USB host did is recorded with its cycles and gives the same run."""
 
     def fresh() -> virtual_brick.VirtualBrick:
-        return virtual_brick.VirtualBrick(json.dumps(bench()), image("telemetry_usb", "ram"))
+        return virtual_brick.VirtualBrick(json.dumps(bench()), image_of("telemetry_usb", "ram"))
 
     port, record = open_port("tcp:0"), LiveRecord("none")
     session = Session()

@@ -4,29 +4,13 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from verification.support.built import put_image
-from verification.support.elf_maker import make_elf
+from verification.support.projects import make_project
 
 from ravenbrick.project.robot import Robot, read_robot
-
-VEHICLE = Path(__file__).resolve().parents[2] / "examples" / "vehicle"
-
-
-def make_project(root: Path) -> Path:
-    """Folder `vehicle` with robot.toml, the scenarios and a small image already built."""
-    (root / "tools").mkdir()
-    (root / "tools" / "ravenbrick.cgpr").touch()
-    folder = root / "examples" / "vehicle"
-    folder.mkdir(parents=True)
-    shutil.copy(VEHICLE / "robot.toml", folder)
-    shutil.copytree(VEHICLE / "scenarios", folder / "scenarios")
-    put_image(folder, make_elf())
-    return folder
 
 
 @pytest.fixture

@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The kernel's subprograms have contracts, which hold in the programs that use all its services.
 
-RAVENBRICK_LONG=1 runs these; they need a library of their own (`make CONTRACTS=yes`).
+They need a library of their own (`make CONTRACTS=yes`).
 """
 
 from __future__ import annotations
 
-import os
 import re
 from pathlib import Path
 
@@ -43,10 +42,7 @@ def test_every_subprogram_of_the_kernel_has_a_contract() -> None:
         assert CONTRACT.search(text) or re.search(r"\bis\s*\(", text) or words, name
 
 
-@pytest.mark.skipif(
-    not os.environ.get("RAVENBRICK_LONG"),
-    reason="builds a library of its own: RAVENBRICK_LONG=1 runs it",
-)
+@pytest.mark.long("builds a library of its own")
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_the_contracts_of_the_kernel_hold(run: Runner, program: str) -> None:
     """A contract that fails stops the program at its line."""

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 from elftools.elf.elffile import ELFFile
 
-from verification.benchmarks.runtime.footprints import linked_bytes
 from verification.support.bricks.runtime_programs import (
     CYCLES_PER_MS,
     IDLE,
@@ -106,12 +105,6 @@ class TestImages:
 
 class TestFootprint:
     """Tasks, delay until, protected entry, suspension object and interrupts in one program."""
-
-    @pytest.mark.parametrize(("state", "limit_bytes"), [("arm", 6_800), ("thumb", 4_600)])
-    def test_kernel_and_language_layer_fit(self, state: str, limit_bytes: int) -> None:
-        """Linked code and constants of the run-time, the compiler's helpers included."""
-        elf = build("footprint", code=state, runtime=state)
-        assert 2_000 < linked_bytes(elf) <= limit_bytes
 
     @pytest.mark.parametrize("state", ["arm", "thumb"])
     def test_the_weighed_program_works(self, run: Runner, state: str) -> None:

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 
 from verification.support.bricks.runtime_programs import (
@@ -69,10 +67,7 @@ def test_jorvik_queues(run: Runner) -> None:
 by_priority = pytest.param(
     "jorvik-priority",
     "hmlwsp21",
-    marks=pytest.mark.skipif(
-        not os.environ.get("RAVENBRICK_LONG"),
-        reason="builds a library of its own: RAVENBRICK_LONG=1 runs it",
-    ),
+    marks=pytest.mark.long("builds a library of its own"),
 )
 
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from pathlib import Path
 
@@ -15,7 +14,6 @@ from ravenbrick.grading.rubric import read_rubric
 from tools.docs.lessons import SHEETS, SheetError, find, run_sheet, run_solution, solution_of, steps
 
 QUICK = ("03-identification.md", "06-inversion.md", "08-fixed-point.md")
-LONG = "RAVENBRICK_LONG" in os.environ
 ALL = find([])
 
 
@@ -43,9 +41,7 @@ def test_there_are_ten_and_more_in_order() -> None:
     [
         pytest.param(
             sheet,
-            marks=pytest.mark.skipif(
-                not LONG and sheet.name not in QUICK, reason="builds programs: make conformance"
-            ),
+            marks=() if sheet.name in QUICK else pytest.mark.long("builds programs"),
         )
         for sheet in ALL
     ],

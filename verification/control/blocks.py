@@ -19,8 +19,8 @@ from ravenbrick.codegen import check_program, generate_ada, generate_c, prove, r
 from ravenbrick.model import Execution, FixedFormat, FixedPoint, Rounding
 from ravenbrick.model.program import Program, with_constants
 
-from host.tests.codegen.test_block_c import FIXED, fixed_program
 from verification.commands import Counts
+from verification.support.codegen.block_programs import FIXED, fixed_program
 from verification.support.codegen.block_table import TABLE, block_diagram
 from verification.support.codegen.brick_cycles import Cost, image_of_checks, step_costs
 from verification.support.codegen.c_build import WORD_FLAGS, ada_object

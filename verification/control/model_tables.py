@@ -23,13 +23,13 @@ from pathlib import Path
 from ravenbrick.errors import RavenbrickError
 from ravenbrick.simulink import Survey, survey_simulink
 
-from host.tests.codegen.test_block_c import all_models
-from host.tests.codegen.test_misra import (
+from verification.support.codegen.block_programs import all_models
+from verification.support.codegen.misra import (
     LIMITS,
     controllers,
     cppcheck,
     findings,
-    write,
+    write_models,
     write_vehicle,
 )
 
@@ -172,7 +172,7 @@ def misra_page(coder: Path | None) -> tuple[str, int]:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             if models:
-                write(models, folder)
+                write_models(models, folder)
             else:
                 write_vehicle(folder)
             found = findings(folder)

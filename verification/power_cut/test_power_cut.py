@@ -4,23 +4,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 
-from drivers.tests.conftest import image, run_time
+from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.power_cut import ERASED, PAGE_COUNT, Cut, check, contents, cuts
-
-__all__ = ["image", "run_time"]
 
 SAVINGS = 36
 STEPS = 11
 
+pytestmark = pytest.mark.long("396 power cuts")
+
 
 @pytest.fixture(scope="module")
-def elf(image: Callable[[str, str], bytes]) -> bytes:
+def elf() -> bytes:
     """The program of the drivers' test as an image in flash."""
-    return image("parameters", "flash")
+    return image_of("parameters", "flash")
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A day of virtual time: the run-time's clock and a period of a second do not drift.
-
-About five minutes of processor time: part of `make conformance` only.
-"""
+"""A day of virtual time: the run-time's clock and a period of a second do not drift."""
 
 from __future__ import annotations
 
@@ -26,6 +23,8 @@ DAY_SECONDS = 86_400
 CYCLES_PER_UNIT = 16 / 7
 LATEST_CYCLES = 350
 SIGNAL_PERIOD_CYCLES = 480_000_000
+
+pytestmark = pytest.mark.long("24 hours on the brick")
 
 
 @pytest.fixture(scope="module")

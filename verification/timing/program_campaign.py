@@ -45,7 +45,7 @@ from ravenbrick.timing.kernel import (
 from ravenbrick.timing.started import Handler
 from ravenbrick.trace.recording import EventKind, decode_events
 
-from verification.timing import ada_programs
+from verification.support.timing import programs
 from verification.timing.just_missed import CLOSE, Outcome, explain
 
 SLOTS = 8
@@ -116,7 +116,7 @@ class Costs:
 @cache
 def built() -> ElfImage:
     """The image that all programs share."""
-    return ada_programs.built("campaign", "periodic_load")
+    return programs.built("periodic", "periodic_load")
 
 
 def _job(image: ElfImage, known: Sequence[tuple[str, str]], rounds: int, locked: int) -> Bound:

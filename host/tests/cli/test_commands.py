@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host.tests.conftest import VEHICLE, make_project
 from typer.testing import CliRunner, Result
 from verification.support.bricks import fake_brick
-from verification.support.built import put_image
 from verification.support.elf_maker import make_elf
 from verification.support.fake_tools import install_fake_tools, write_recipe
+from verification.support.projects import VEHICLE, make_project, put_image
 
 from ravenbrick.brick import run as virtual
 from ravenbrick.cli.app import app

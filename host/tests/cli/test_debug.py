@@ -14,11 +14,11 @@ from queue import Queue
 from threading import Thread
 
 import pytest
-from gdb_replies import whole_reply
-from host.tests.conftest import VEHICLE
 from tools.docs import gdb_session
 from tools.docs.gdb_session import talk
 from typer.testing import CliRunner
+from verification.support.gdb_replies import whole_reply
+from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app

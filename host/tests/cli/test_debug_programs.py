@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from host.tests.conftest import VEHICLE
 from tools.docs.gdb_session import talk
+from verification.support.projects import VEHICLE
 
 from ravenbrick.cli.debug import GDB
 
@@ -47,9 +46,7 @@ def gdb(image: Path, *commands: str) -> list[str]:
     return talk([*COMMAND, "--gdb", "--port", "0", "--elf", str(image)], commands)
 
 
-LONG = pytest.mark.skipif(
-    not os.environ.get("RAVENBRICK_LONG"), reason="long; RAVENBRICK_LONG=1 runs it"
-)
+LONG = pytest.mark.long("long")
 STATES = [pytest.param("arm", marks=LONG), "thumb"]
 
 

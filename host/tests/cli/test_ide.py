@@ -15,7 +15,7 @@ from typing import Any
 import jsonschema
 import pytest
 import typer
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 
 from ravenbrick.cli.app import app
 

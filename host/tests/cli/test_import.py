@@ -7,9 +7,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from host.tests.model.test_simulink import whole_model
 from typer.testing import CliRunner
-from verification.support.codegen.simulink_files import block, line, single_file
+from verification.support.codegen.simulink_files import block, line, single_file, whole_model
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode

@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from host.tests.conftest import VEHICLE
 from typer.testing import CliRunner
+from verification.support.projects import VEHICLE
 
 import ravenbrick.cli
 from ravenbrick.cli import VERSION_LINE

@@ -20,9 +20,7 @@ from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.templates import TEMPLATES, create_project
 
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
-SLOW = pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="builds and runs a template: make conformance"
-)
+SLOW = pytest.mark.long("builds and runs a template")
 
 
 @pytest.mark.parametrize("name", sorted(TEMPLATES))

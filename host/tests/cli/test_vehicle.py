@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 
 from ravenbrick.image.build import TOOLS, find_tool
 from ravenbrick.project.workspace import Workspace

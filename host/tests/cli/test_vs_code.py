@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 from verification.support.vs_code import VSCode, matcher_problems, problems_in
 
 from ravenbrick.cli.debug import GDB

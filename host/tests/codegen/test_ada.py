@@ -10,10 +10,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host.tests.codegen.test_block_c import all_models
-from host.tests.codegen.test_fixed_point_c import CASES
+from verification.support.codegen.block_programs import all_models
 from verification.support.codegen.c_build import ada_object, arm_image, run
 from verification.support.codegen.emulation import run_on_arm
+from verification.support.codegen.fixed_point_cases import CASES
 from verification.support.codegen.paper_pi import fixed_pi, paper_pi
 
 from ravenbrick.codegen import check_program, generate_ada, generate_c, random_vectors

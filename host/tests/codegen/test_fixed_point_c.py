@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from verification.support.codegen.c_build import ARM, WARNINGS, host_library, run
+from verification.support.codegen.fixed_point_cases import CASES, anti_windup
 from verification.support.codegen.paper_pi import LOOP, fixed_pi, paper_pi, plant
 
 from ravenbrick.codegen import (
@@ -23,68 +24,19 @@ from ravenbrick.codegen import (
     prove,
     random_vectors,
 )
-from ravenbrick.control import DiscretePi, pi_diagram
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
-    Constant,
-    Diagram,
-    DiscreteTransferFunction,
     Execution,
     FixedFormat,
     FixedPoint,
     FixedPointOptions,
-    Gain,
-    Inport,
     IntegrationMethod,
-    Outport,
     Rounding,
-    Sum,
-    UnitDelay,
     to_fixed_point,
 )
 from ravenbrick.model.program import Kind
 
 STEPS = 3000
-
-
-def anti_windup(method: IntegrationMethod, rounding: Rounding) -> FixedPoint:
-    """The vehicle's controller with back-calculation."""
-    diagram = pi_diagram(DiscretePi(0.314445, 0.032221, 0.004, method), 8.0, 0.037)
-    ranges = {"Input_Voltage": 10.0, "Real_Voltage": 10.0, "Integral": 9.0}
-    return to_fixed_point(diagram, FixedPointOptions(ranges, rounding=rounding))
-
-
-def filters(rounding: Rounding) -> FixedPoint:
-    """Recursive filter, delays, literal gains and offsets: states without given ranges."""
-    diagram = Diagram("filters", 0.01)
-    source = diagram.add(Inport("In"))
-    smooth = diagram.add(
-        DiscreteTransferFunction(
-            "Smooth", numerator=(0.02, 0.04, 0.02), denominator=(1.0, -1.56, 0.64)
-        )
-    )
-    memory = diagram.add(UnitDelay("Memory", initial=-0.5))
-    older = diagram.add(UnitDelay("Older"))
-    offset = diagram.add(Constant("Offset", value=-0.1))
-    total = diagram.add(Sum("Total", signs="+-++"))
-    scale = diagram.add(Gain("Scale", gain=-2.75))
-    diagram.connect_chain(source, smooth, total, scale, diagram.add(Outport("Out")))
-    diagram.connect_chain(source, memory, older)
-    diagram.connect(memory, total, 1)
-    diagram.connect(older, total, 2)
-    diagram.connect(offset, total, 3)
-    return to_fixed_point(diagram, FixedPointOptions({"In": 5.0}, rounding=rounding))
-
-
-CASES = {
-    f"{name}_{rounding.name.lower()}": case
-    for rounding in Rounding
-    for name, case in {
-        "paper": fixed_pi(rounding),
-        "filters": filters(rounding),
-        **{m.name.lower(): anti_windup(m, rounding) for m in IntegrationMethod},
-    }.items()
-}
 
 
 @pytest.mark.parametrize("name", CASES)

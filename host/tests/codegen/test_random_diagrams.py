@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from host.tests.codegen.test_block_c import write
+from verification.support.codegen.block_programs import write_checks
 from verification.support.codegen.c_build import host_library
 from verification.support.codegen.random_diagrams import fixed_form, random_diagram
 
@@ -36,7 +36,7 @@ def test_the_c_of_random_diagrams_has_the_bits_of_their_simulation(
 ) -> None:
     """With feedback, slower rates and parts that run on a condition."""
     assert len(models) >= len(SEEDS) + len(SEEDS) // 2
-    library = host_library(tmp_path, *write(models, tmp_path, STEPS))
+    library = host_library(tmp_path, *write_checks(models, tmp_path, STEPS))
     for name in models:
         getattr(library, f"{name}_check")()
         assert ctypes.c_uint32.in_dll(library, f"{name}_check_steps").value == STEPS, name

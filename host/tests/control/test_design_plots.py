@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from pathlib import Path
 from typing import Any
 
@@ -35,9 +34,7 @@ from ravenbrick.model import IntegrationMethod, SpeedLoop
 
 LOOP = SpeedLoop(2.029, 0.037, 116.0)
 WANTED = LoopSpecification(0.4, 0.005, 0.004, 8, 0.0023)
-LONG = pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="seconds of root finding: make conformance"
-)
+LONG = pytest.mark.long("seconds of root finding")
 PI = DiscretePi(0.314445, 0.032221, 0.004, IntegrationMethod.FORWARD_EULER)
 
 

@@ -4,16 +4,19 @@
 
 from __future__ import annotations
 
-import shutil
 import struct
-import subprocess
-import tempfile
 import wave
 from pathlib import Path
 
 import numpy as np
 import pytest
-from verification.support.bricks.nxt_firmware import brick_at_the_menu, encoder, picture, run_ms
+from verification.support.bricks.nxt_firmware import (
+    brick_at_the_menu,
+    compile_nxc,
+    encoder,
+    picture,
+    run_ms,
+)
 
 from ravenbrick.brick.links.peers import UsbComputer
 from ravenbrick.brick.sound_file import save_sound
@@ -54,20 +57,6 @@ RESULT = [
 ]
 
 
-def compiled(program: str) -> bytes:
-    """The bytecode of an NXC program; skips where `nbc` is absent."""
-    if shutil.which("nbc") is None:
-        pytest.skip("nbc is absent: install the Debian package nbc")
-    with tempfile.TemporaryDirectory() as folder:
-        source = Path(folder) / "program.nxc"
-        source.write_text(program)
-        target = source.with_suffix(".rxe")
-        command = ["nbc", "-v=128", f"-O={target}", str(source)]
-        result = subprocess.run(command, capture_output=True, text=True)
-        assert target.exists(), result.stdout + result.stderr
-        return target.read_bytes()
-
-
 def upload(computer: UsbComputer, name: str, content: bytes) -> None:
     """By the system commands of LEGO's communication protocol: open, write, close."""
     filename = name.encode().ljust(20, b"\0")
@@ -99,7 +88,7 @@ def heard_tone(path: Path) -> tuple[float, float]:
 
 
 def test_it_drives_a_motor_reads_sensor_and_encoder_plays_and_writes(tmp_path: Path) -> None:
-    program = compiled(PROGRAM)
+    program = compile_nxc(PROGRAM)
     brick = brick_at_the_menu()
     computer = UsbComputer(brick)
     computer.enumerate()

@@ -10,8 +10,13 @@ from typing import Any
 import nxt.brick
 import nxt.motor
 import pytest
-from host.tests.firmware.test_nxc import compiled
-from verification.support.bricks.nxt_firmware import COMPUTER, brick_at_the_menu, encoder, run_ms
+from verification.support.bricks.nxt_firmware import (
+    COMPUTER,
+    brick_at_the_menu,
+    compile_nxc,
+    encoder,
+    run_ms,
+)
 from verification.support.bricks.nxt_sockets import BluetoothSocket, UsbSocket
 
 from ravenbrick.brick.links.peers import BluetoothComputer, UsbComputer
@@ -51,7 +56,7 @@ def test_it_runs_a_motor_and_reads_its_tacho(client: tuple[nxt.brick.Brick, Any]
 
 def test_it_uploads_and_starts_a_program(client: tuple[nxt.brick.Brick, Any]) -> None:
     remote, brick = client
-    program = compiled(PROGRAM)
+    program = compile_nxc(PROGRAM)
     with remote.open_file("drive.rxe", "wb", len(program)) as file:
         file.write(program)
     assert ("drive.rxe", len(program)) in list(remote.find_files("*.rxe"))

@@ -7,7 +7,6 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import json
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 
-LONG = pytest.mark.skipif("RAVENBRICK_LONG" not in os.environ, reason="workers: make conformance")
+LONG = pytest.mark.long("workers")
 
 
 def drawn_from() -> tuple[Robot, Scenario]:

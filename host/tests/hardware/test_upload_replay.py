@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -46,9 +45,7 @@ from ravenbrick.hardware.usb_bricks import BrickMode, UsbBrick
 upload.find_bricks = lambda: [UsbBrick(BrickMode.BOOT_MONITOR, Path("/dev/null"), "", True)]
 main()
 """
-LONG = pytest.mark.skipif(
-    "RAVENBRICK_LONG" not in os.environ, reason="whole flash memories: make conformance"
-)
+LONG = pytest.mark.long("whole flash memories")
 Upload = Callable[..., subprocess.CompletedProcess[str]]
 
 pytestmark = pytest.mark.skipif(

@@ -11,7 +11,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.brick.session import session_of

@@ -12,7 +12,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 
 from ravenbrick.schemas import schema
 from ravenbrick.schemas.check import meets

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import ImageFileError, RavenbrickError

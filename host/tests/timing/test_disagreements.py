@@ -11,9 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host.tests.conftest import VEHICLE
 from typer.testing import CliRunner
-from verification.support.built import put_image
+from verification.support.projects import VEHICLE, put_image
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app

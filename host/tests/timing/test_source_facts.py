@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot

@@ -17,7 +17,7 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from verification.timing.ada_programs import Subject, analysed, subject
+from verification.support.timing.programs import Subject, analysed, subject
 
 from ravenbrick.timing.facts import TransferLoad
 from ravenbrick.timing.observed import Observed, exceeded, observe

@@ -17,8 +17,7 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from verification.timing.ada_programs import Subject, analysed
-from verification.timing.timing_events import events
+from verification.support.timing.programs import Subject, analysed, subject
 
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.task_file import read_task_file
@@ -31,7 +30,7 @@ from ravenbrick.timing.task_set_file import task_set_text
 
 @pytest.fixture(scope="module")
 def program() -> Subject:
-    return events()
+    return subject("events", "expiring_load")
 
 
 @pytest.fixture(scope="module")
@@ -50,8 +49,8 @@ def test_responses_between_timing_events_stay_below_their_bounds(
     assert analysis.schedulable
 
 
-def test_expiries_are_interference_of_every_task(analysis: Analysis) -> None:
-    assert event_count(events().image) == 2
+def test_expiries_are_interference_of_every_task(program: Subject, analysis: Analysis) -> None:
+    assert event_count(program.image) == 2
     beat, expire = analysis.events
     assert (beat.name, expire.name) == ("Workers.Bell.Beat", "Workers.Bell.Expire")
     assert beat.cycles > expire.cycles > analysis.overheads.alarm

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.conftest import VEHICLE
+from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.brick.stimulus_callback import BrickState, Callback

@@ -5,17 +5,20 @@
 from __future__ import annotations
 
 import json
+import shutil
 import struct
+import subprocess
+import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 import virtual_brick
-from elf_writer import Elf
 from ravenbrick.clock import MASTER_CLOCK
 
 from verification.support.bricks.observe import NXT_MOTOR
+from verification.support.elf_writer import Elf
 
 IMAGE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 FLASH = 0x0010_0000
@@ -78,3 +81,17 @@ def picture(brick: Any) -> list[str]:
         for upper, lower in zip(rows[::2], rows[1::2], strict=True)
     )
     return [line.rstrip() for line in lines]
+
+
+def compile_nxc(program: str) -> bytes:
+    """The bytecode of an NXC program; skips where `nbc` is absent."""
+    if shutil.which("nbc") is None:
+        pytest.skip("nbc is absent: install the Debian package nbc")
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "program.nxc"
+        source.write_text(program)
+        target = source.with_suffix(".rxe")
+        command = ["nbc", "-v=128", f"-O={target}", str(source)]
+        result = subprocess.run(command, capture_output=True, text=True)
+        assert target.exists(), result.stdout + result.stderr
+        return target.read_bytes()

@@ -31,6 +31,16 @@ NXT_MOTOR = {
     "backlash": 0.0,
 }
 
+# Shares of red, green and blue light that a surface throws back.
+SURFACES = {
+    "black": (0.06, 0.06, 0.07),
+    "blue": (0.12, 0.25, 0.55),
+    "green": (0.15, 0.50, 0.25),
+    "yellow": (0.90, 0.70, 0.20),
+    "red": (0.75, 0.12, 0.12),
+    "white": (0.95, 0.93, 0.90),
+}
+
 
 def bench() -> dict[str, Any]:
     """Three motors of the NXT set, A held by hand, B and C free; a touch sensor on port 1."""

@@ -48,3 +48,26 @@ def run(diagram: Diagram, *inputs: np.ndarray) -> np.ndarray:
     ]
     found = np.array(steps)
     return found[:, 0] if found.shape[1] == 1 else found
+
+
+# A PI controller in a subsystem, its output limited and shown on a scope.
+INNER = (
+    block("Inport", "e", "3::1") + block("Gain", "Kp", "3::2", Gain="Kp_value*2")
+    + block("DiscreteIntegrator", "I", "3::3", gainval="Ki", SampleTime="0.01",
+            IntegratorMethod="Integration: Forward Euler", InitialCondition="0.5")
+    + block("Sum", "Add", "3::4", Inputs="|++") + block("Outport", "u", "3::5")
+    + line("3::1#out:1", "3::2#in:1", "3::3#in:1") + line("3::2#out:1", "3::4#in:1")
+    + line("3::3#out:1", "3::4#in:2") + line("3::4#out:1", "3::5#in:1")
+)  # fmt: skip
+ROOT = (
+    block("Inport", "ref", 1) + block("Saturate", "Lim it", 2, UpperLimit="3", LowerLimit="-3")
+    + block("SubSystem", "PI", 3, "{inner}") + block("Outport", "out", 4)
+    + block("Scope", "Scope", 5)
+    + line("1#out:1", "3#in:1") + line("3#out:1", "2#in:1") + line("2#out:1", "4#in:1", "5#in:1")
+)  # fmt: skip
+VARIABLES = {"Kp_value": 0.5, "Ki": 2.0}
+
+
+def whole_model(path: Path) -> Path:
+    """The example in one file."""
+    return single_file(path, ROOT.replace("{inner}", f"<System>{INNER}</System>"))

@@ -17,10 +17,11 @@ from typing import Any
 
 import pytest
 import virtual_brick
-from elf_writer import RAM, Elf
-from gdb_replies import whole_reply
 from ravenbrick.sources import brick_digest
 from virtual_brick import ConfigurationError, ImageError, InputError, VirtualBrick
+
+from verification.support.elf_writer import RAM, Elf
+from verification.support.gdb_replies import whole_reply
 
 COUNTER = 0x0020_8000
 MILLISECOND = 48_055

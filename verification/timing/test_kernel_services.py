@@ -7,7 +7,6 @@ from __future__ import annotations
 import importlib.util
 
 import pytest
-
 from ravenbrick.image.build import TOOLS, find_tool
 
 if importlib.util.find_spec("virtual_brick") is None:

@@ -1,19 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The benchmark's figures: complete, well formed, and within the limits of the README.
-
-RAVENBRICK_LONG=1 measures the generated pages again, too.
-"""
+"""Figures of the run-time: complete, well formed, and within the limits of its README."""
 
 from __future__ import annotations
 
-import os
 from types import ModuleType
 
 import pytest
 
 from verification.benchmarks.runtime import footprints, paths, sections
 from verification.benchmarks.runtime.measure import figures
+from verification.support.bricks.runtime_programs import build
 
 # Limit of the worst sample in cycles
 LIMITS = {
@@ -47,10 +44,14 @@ def test_every_figure_is_within_its_limit_at_random_phases() -> None:
     assert 0 < rows["work while idle, per second"]["mean"] <= 400
 
 
-@pytest.mark.skipif(
-    not os.environ.get("RAVENBRICK_LONG"),
-    reason="records each step of ten programs: RAVENBRICK_LONG=1 runs it",
-)
+@pytest.mark.parametrize(("state", "limit_bytes"), [("arm", 6_800), ("thumb", 4_600)])
+def test_kernel_and_language_layer_fit(state: str, limit_bytes: int) -> None:
+    """Linked code and constants of the run-time, the compiler's helpers included."""
+    elf = build("footprint", code=state, runtime=state)
+    assert 2_000 < footprints.linked_bytes(elf) <= limit_bytes
+
+
+@pytest.mark.long("records each step of ten programs")
 @pytest.mark.parametrize("measured", [paths, sections, footprints])
 def test_a_generated_page_is_what_is_measured_now(measured: ModuleType) -> None:
     """The chapter's walk through the code, the critical sections, the footprint of each feature."""

@@ -13,7 +13,6 @@ import pytest
 from ravenbrick.telemetry.frames import frame
 from ravenbrick.telemetry.messages import Sample, encode
 
-from drivers.tests.conftest import ROOT
 from verification.benchmarks.driver_costs import (
     PROGRAMS,
     SAMPLE_BYTES,
@@ -25,6 +24,7 @@ from verification.benchmarks.driver_costs import (
     table,
     telemetry_memory,
 )
+from verification.support.bricks.driver_programs import ROOT, image_of
 
 CYCLES_PER_MS = 48_055
 SHORT = CYCLES_PER_MS // 50
@@ -59,10 +59,10 @@ Measured = tuple[list[Operation], list[Interrupt], list[Task]]
 
 
 @pytest.fixture(scope="module")
-def results(image: Callable[[str, str], bytes]) -> Callable[[str], Measured]:
+def results() -> Callable[[str], Measured]:
     """From the name of a program to what its run gives."""
     programs = {program.name: program for program in PROGRAMS}
-    return cache(lambda name: measure(programs[name], image(name, "ram")))
+    return cache(lambda name: measure(programs[name], image_of(name, "ram")))
 
 
 @pytest.fixture(params=[program.name for program in PROGRAMS])
@@ -114,9 +114,7 @@ def test_the_page_is_that_of_the_figures() -> None:
     assert [row["name"] for row in known["operations"]] == [n.replace("`", "") for n in rows]
 
 
-def test_telemetry_is_cheap_where_it_is_published(
-    image: Callable[[str, str], bytes], results: Callable[[str], Measured]
-) -> None:
+def test_telemetry_is_cheap_where_it_is_published(results: Callable[[str], Measured]) -> None:
     """While a host listens: 8 values in 20 us, a parameter in 1 us, the server below 1 ms a job."""
     operations, _, tasks = results(TELEMETRY)
     one, four, eight, current = operations[1:-1]
@@ -124,7 +122,7 @@ def test_telemetry_is_cheap_where_it_is_published(
     assert eight.masked < CYCLES_PER_MS // 50
     assert 0 < current.task < CYCLES_PER_MS // 1000
     assert 0 < {task.name: task.longest for task in tasks}["server_task"] < CYCLES_PER_MS
-    memory = telemetry_memory(image(TELEMETRY, "ram"))
+    memory = telemetry_memory(image_of(TELEMETRY, "ram"))
     assert all(row["code_bytes"] > 0 and row["data_bytes"] > 0 for row in memory)
     assert sum(row["code_bytes"] + row["data_bytes"] for row in memory) < 16_384
 

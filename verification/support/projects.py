@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Images that tests put in the place of built ones."""
+"""Project folders of tests: the vehicle, a copy of it, images put in the place of built ones."""
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 from ravenbrick.image.build import choices_of, manifest_file
@@ -13,7 +14,11 @@ from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
 
-__all__ = ["put_image"]
+from verification.support.elf_maker import make_elf
+
+__all__ = ["VEHICLE", "make_project", "put_image"]
+
+VEHICLE = Path(__file__).resolve().parents[2] / "examples" / "vehicle"
 
 
 def put_image(project: Path, content: bytes, kind: ImageKind = "ram") -> Path:
@@ -25,3 +30,15 @@ def put_image(project: Path, content: bytes, kind: ImageKind = "ram") -> Path:
     made = BuildManifest.now(choices_of(workspace, robot, Settings.of(robot)), [], [elf])
     made.write(manifest_file(elf))
     return elf
+
+
+def make_project(root: Path) -> Path:
+    """Folder `vehicle` with robot.toml, the scenarios and a small image already built."""
+    (root / "tools").mkdir()
+    (root / "tools" / "ravenbrick.cgpr").touch()
+    folder = root / "examples" / "vehicle"
+    folder.mkdir(parents=True)
+    shutil.copy(VEHICLE / "robot.toml", folder)
+    shutil.copytree(VEHICLE / "scenarios", folder / "scenarios")
+    put_image(folder, make_elf())
+    return folder

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The Ada programs of this folder: as images, and with what is known about them."""
+"""Ada programs for the timing analysis: as images, and with their flow facts."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from ravenbrick.trace.recording import Recording
 
 __all__ = ["Subject", "analysed", "built", "subject"]
 
-ROOT = Path(__file__).resolve().parents[2]
-FOLDER = Path(__file__).parent
+ROOT = Path(__file__).resolve().parents[3]
+HERE = Path(__file__).resolve().parent
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,12 @@ class Subject:
 
 
 def built(folder: str, program: str) -> ElfImage:
-    """The program of `FOLDER/FOLDER.gpr`, with the Ravenscar run-time."""
+    """A program of a folder here, with the Ravenscar run-time."""
     build = ROOT / "build" / "verification" / folder
-    project = FOLDER / folder / f"{folder}.gpr"
     subprocess.run(
         ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
-         "-P", str(project), f"-XBUILD={build}"],
+         "-P", str(HERE / "programs.gpr"), f"-XFOLDER={folder}", f"-XMAIN={program}",
+         f"-XBUILD={build}"],
         check=True,
         env=os.environ | {
             "LC_ALL": "C",
@@ -60,8 +60,8 @@ def built(folder: str, program: str) -> ElfImage:
 @cache
 def subject(folder: str, program: str) -> Subject:
     """A program that has `robot.toml`, `timing.toml` and the scenario `steady`, built."""
-    robot = read_robot(FOLDER / folder)
-    scenario = read_scenario(scenario_path(FOLDER / folder, "steady"), robot)
+    robot = read_robot(HERE / folder)
+    scenario = read_scenario(scenario_path(HERE / folder, "steady"), robot)
     return Subject(robot, built(folder, program), scenario, read_facts(robot))
 
 

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A minimal writer of ELF executables for ARM (System V ABI, chapters 4 and 5)."""
 
+from __future__ import annotations
+
 import struct
 from dataclasses import dataclass, field
 
@@ -16,17 +18,17 @@ class Elf:
     segments: list[tuple[int, bytes]] = field(default_factory=list)
     symbols: list[tuple[str, int, int, bool]] = field(default_factory=list)
 
-    def words(self, address: int, words: list[int]) -> "Elf":
+    def words(self, address: int, words: list[int]) -> Elf:
         """Add a segment."""
         self.segments.append((address, struct.pack(f"<{len(words)}I", *words)))
         return self
 
-    def function(self, name: str, address: int) -> "Elf":
+    def function(self, name: str, address: int) -> Elf:
         """Add a symbol of code."""
         self.symbols.append((name, address, 4, True))
         return self
 
-    def object(self, name: str, address: int, size: int) -> "Elf":
+    def object(self, name: str, address: int, size: int) -> Elf:
         """Add a symbol of data."""
         self.symbols.append((name, address, size, False))
         return self

@@ -1,13 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A few programs of the campaign in `verification/timing`, on the virtual brick."""
+"""A few programs of the campaign, on the virtual brick."""
 
 from __future__ import annotations
 
 import importlib.util
 
 import pytest
-
 from ravenbrick.image.build import TOOLS, find_tool
 
 if importlib.util.find_spec("virtual_brick") is None:
