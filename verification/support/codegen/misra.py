@@ -62,7 +62,7 @@ def write_models(models: dict[str, Diagram | Program], folder: Path) -> None:
     texts = []
     for source in models.values():
         code = generate_c(source, only_used=True)
-        code.write_models(folder)
+        code.write(folder)
         texts += [text for name, text in code.files.items() if name != "rtwtypes.h"]
     (folder / "rtwtypes.h").write_text(used_types(texts))
     write_application([Path(name).stem for name in folder.glob("*.c")], folder)
