@@ -39,7 +39,7 @@ def test_nothing_is_found_in_erased_flash(elf: bytes) -> None:
 
 
 def test_foreign_contents_are_not_taken_for_values(elf: bytes) -> None:
-    """What another firmware left there is not found, and is no obstacle."""
+    """What another firmware left there is not found, and is not an obstacle."""
     memory = bytes((7 * place + place // 256) % 256 for place in range(PAGE_BYTES * PAGE_COUNT))
     brick = start(elf, memory)
     assert found(brick) == Found(None, None)

@@ -50,7 +50,7 @@ def test_a_moving_wall_is_followed(brick: Callable[..., Brick]) -> None:
 
 
 def test_nothing_plugged_in_does_not_answer(brick: Callable[..., Brick]) -> None:
-    """An empty port is no answer, every time, and no hang."""
+    """An empty port gives no answer, every time, and does not hang."""
     device = brick("ultrasonic", sensors={})
     device.run(MEASURING_MS)
     before = device.integer("rounds")

@@ -40,7 +40,7 @@ def _exclusion(exclusion: Row) -> str:
 def suites_table(rows: list[Row], suites: list[Suite]) -> str:
     """Table of suites: cases, passed, excluded with reasons; what each is compared with.
 
-    Raises SystemExit for a row that is no suite's: it was renamed or has left the table.
+    Raises SystemExit for a row that is not a suite's: it was renamed or has left the table.
     """
     _check_keys(rows, {"area", "suite", "case_count", "passed", "excluded"}, "suites")
     known = {row["suite"]: row for row in rows}

@@ -79,7 +79,7 @@ class Machine:
 
 @pytest.fixture(scope="module")
 def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
-    """The wheel, installed as in the container, in a folder whose name is no easy one."""
+    """The wheel, installed as in the container, in a folder whose name is not an easy one."""
     opt = tmp_path_factory.mktemp("wheel") / "Übung 1"
     write_wheel(opt / "wheel")
     environment = {"HOME": str(opt / "home"), "PATH": "/usr/bin:/bin", "LANG": "C.UTF-8"}

@@ -103,7 +103,7 @@ class VSCode:
             assert task.stdout is not None
             for line in task.stdout:
                 said.append(line)
-                # VS Code looks for the end only in a line that is no beginning.
+                # VS Code looks for the end only in a line that is not a beginning.
                 if re.search(background["beginsPattern"], line.rstrip("\n")):
                     continue
                 if re.search(background["endsPattern"], line.rstrip("\n")):

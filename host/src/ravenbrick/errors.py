@@ -45,7 +45,7 @@ class ExitCode(IntEnum):
         return member
 
     OK = 0, "Done."
-    INTERNAL = 1, "A defect of Ravenbrick itself: please report it with the printed text."
+    INTERNAL = 1, "An internal error of Ravenbrick: please report it with the printed text."
     USAGE = 2, "The command line is wrong: unknown command, option, folder or argument."
     PROJECT_FILE = 3, "robot.toml or a scenario file is wrong; file, line and field are named."
     TOOL_MISSING = 4, "A tool or module is missing; 'ravenbrick doctor' says how to install it."

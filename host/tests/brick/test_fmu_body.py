@@ -112,7 +112,7 @@ def test_a_snapshot_of_a_run_with_a_unit_is_refused(build: Build, tmp_path: Path
     arguments = ["run", str(BENCH), "step", "--body", str(build(2)), "--save-snapshot"]
     result = CliRunner().invoke(app, [*arguments, str(tmp_path / "kept.rbs")])
     assert result.exit_code == 2
-    assert "leave --body out" in result.output
+    assert "omit --body" in result.output
 
 
 def test_what_is_no_unit_for_motors_is_refused_with_words(tmp_path: Path, build: Build) -> None:

@@ -363,7 +363,7 @@ def test_a_file_in_the_way_of_the_results_is_named(project: Path) -> None:
     (Workspace.of(project).root / "out").write_text("not a folder")
     sentence = failure(call("run", project, "drive"), ExitCode.USAGE)
     assert "out" in sentence
-    assert "name another" in sentence or "a file is in the way" in sentence
+    assert "name another" in sentence or "is a file and not a folder" in sentence
 
 
 def test_recordings_of_both_kinds_of_image_are_kept_apart(project: Path) -> None:

@@ -36,7 +36,7 @@ def test_fixed_point_stands_beside_single_precision(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("script", "message"),
     [
-        ("x = 1\n", "no function design()"),
+        ("x = 1\n", "neither design() that returns"),
         ("raise RuntimeError('no motor')\n", "no motor"),
         (SCRIPT.replace("gain=0.5", "gain=0.5").replace('"In": 8.0', '"Out": 8.0'), "'Out'"),
     ],

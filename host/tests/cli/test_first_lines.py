@@ -23,7 +23,7 @@ SLIPS = [
     ("export {project}/robot.toml", "examples/vehicle/robot.toml: not a recording of a run"),
     ("export {project} drive", "out/vehicle/recordings/drive.npz: the scenario has not been run"),
     ("grade {project} --rubric none", "none:1: cannot be read"),
-    ("monitor ttyUSB0", "'ttyUSB0' is no device: expected tcp:PORT,"),
+    ("monitor ttyUSB0", "'ttyUSB0' is not a device: expected tcp:PORT,"),
     ("monitor {project}", "'examples/vehicle' is a folder: expected tcp:PORT,"),
     ("monitor {project}/robot.toml", "'examples/vehicle/robot.toml' is a file: expected tcp:"),
     ("monitor tcp:99999", "'tcp:99999': expected tcp:PORT or tcp:HOST:PORT, the port 1 to"),

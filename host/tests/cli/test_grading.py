@@ -209,4 +209,4 @@ def test_export_says_what_is_missing(project: Path, tmp_path: Path) -> None:
     broken.write_bytes(b"nothing")
     assert "not a recording" in answer(call("export", broken, "--json"), ExitCode.USAGE)["error"]
     both = answer(call("export", broken, "drive", "--json"), ExitCode.USAGE)
-    assert "leave 'drive' out" in both["error"]
+    assert "omit 'drive'" in both["error"]

@@ -114,7 +114,7 @@ def test_the_memory_report_knows_every_stack(demo: dict[str, Any]) -> None:
 
 @pytest.mark.usefixtures("demo")
 def test_a_truncated_image_is_refused(tmp_path: Path) -> None:
-    """Half of the real image is no image."""
+    """Half of the real image is not an image."""
     whole = Workspace.of(VEHICLE).image("ram", "vehicle").read_bytes()
     half = tmp_path / "half.elf"
     half.write_bytes(whole[: len(whole) // 2])

@@ -184,7 +184,7 @@ def test_inputs_of_the_page_are_a_stimulus(project: Path, tmp_path: Path) -> Non
         ({"version": 2}, ExitCode.PROJECT_FILE, "version"),
         ({"inputs": [{"name": "touch.1"}]}, ExitCode.PROJECT_FILE, "at_cycles"),
         ({"inputs": 5}, ExitCode.PROJECT_FILE, "inputs"),
-        ({"configuration": {}}, ExitCode.USAGE, "other surroundings"),
+        ({"configuration": {}}, ExitCode.USAGE, "another environment"),
     ],
 )
 def test_a_wrong_run_file_is_refused(

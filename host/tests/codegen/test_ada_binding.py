@@ -139,7 +139,7 @@ def test_structures_are_found_under_either_name() -> None:
         ),
         (
             coder_header("classic").replace("real_T Real_Voltage;", "void *Real_Voltage;"),
-            "has a field that is no number and no array",
+            "has a field that is neither a number nor an array",
         ),
     ],
 )

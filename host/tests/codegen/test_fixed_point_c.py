@@ -198,7 +198,7 @@ def test_an_inport_without_a_range_is_named() -> None:
 def test_a_range_for_nothing_is_refused() -> None:
     """A misspelt block does not pass in silence."""
     ranges = {"Input_Voltage": 10.0, "Speed": 20.0, "Integrall": 9.0}
-    with pytest.raises(DesignError, match="'Integrall', which is no Inport"):
+    with pytest.raises(DesignError, match="'Integrall', which is not an Inport"):
         to_fixed_point(paper_pi(), FixedPointOptions(ranges))
 
 

@@ -110,7 +110,7 @@ def test_what_the_run_does_not_show_is_not_met(text: str, value: object) -> None
 
 
 def test_the_pins_that_are_spoken_of_are_found() -> None:
-    """In either form; a number that is no pin is no signal of a run."""
+    """In either form; a number that is not a pin is no signal of a run."""
     texts = ["pin 31 high", "pin.4 at least 1", "pin 4 ever low", "pin.32 at least 1", "no fault"]
     assert expected_pins(parse_expectation(text, "here") for text in texts) == [4, 31]
 
@@ -187,7 +187,7 @@ def test_a_file_of_sentences_names_the_wrong_line(tmp_path: Path) -> None:
     file.write_text('# grader\n\nno fault\nlcd shows "x"\n')
     assert [e.place for e in read_expectations_of(str(file))] == [f"{file}:3", f"{file}:4"]
     file.write_text("no fault\nno clue\n")
-    with pytest.raises(ProjectFileError, match=r"grade\.txt:2: 'no clue' is no expectation"):
+    with pytest.raises(ProjectFileError, match=r"grade\.txt:2: 'no clue' is not an expectation"):
         read_expectations_of(str(file))
 
 

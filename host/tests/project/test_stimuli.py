@@ -152,7 +152,7 @@ def test_a_vcd_variable_that_is_no_input_names_its_declaration(
 
 
 def test_an_exported_vcd_plays_the_inputs_of_its_run_again(tmp_path: Path, robot: Robot) -> None:
-    """The inputs come back at the same cycles; signals in the file are no inputs."""
+    """The inputs come back at the same cycles; signals in the file are not inputs."""
     pytest.importorskip("vcd", reason="pyvcd is an extra")
     inputs = (
         TimedInput(48_054_858, "touch.1", 1.0),

@@ -43,7 +43,7 @@ class Device:
 
 
 def test_packets_of_the_wanted_brick_are_the_stream() -> None:
-    """Among two bricks the serial number chooses; no packet in time is no loss."""
+    """Among two bricks the serial number chooses; a packet that is late is not lost."""
     device = Device(BRICK, [b"one", b"two"])
     link = UsbLink(BRICK, lambda vendor, product: [Device(OTHER), device])
     assert device.configured

@@ -30,7 +30,7 @@ def test_tasks_come_by_falling_priority(tasks: dict[str, TaskDynamics]) -> None:
 
 
 def test_a_preempted_job_is_counted_once_per_loss(tasks: dict[str, TaskDynamics]) -> None:
-    """Interrupts are no preemptions, and giving up the processor at the end is none."""
+    """Interrupts are not preemptions, and giving up the processor at the end is none."""
     assert tasks["worker"].preemptions.tolist() == [1]
     assert tasks["urgent"].preemptions.tolist() == [0, 0]
 

@@ -132,7 +132,7 @@ class Brick:
         return ["".join("#" if pixel else "." for pixel in line) for line in lines]
 
     def text(self) -> list[str]:
-        """The display as eight rows of letters; '?' for what is no letter."""
+        """The display as eight rows of letters; '?' for what is not a letter."""
         pixels = self.device.lcd()
         return [
             "".join(_letter(pixels, row, column) for column in range(COLUMNS)).rstrip()

@@ -47,7 +47,7 @@ class InputError(ValueError):
     """The input is unknown, its instant has passed or its value is not allowed."""
 
 class AddressError(ValueError):
-    """Some of the bytes asked for are no memory."""
+    """Some of the bytes asked for are not memory."""
 
 @final
 class Stop:

@@ -36,7 +36,7 @@ _MEMORY_BYTES = sum(length for _, length in _MEMORIES)
 
 
 class SnapshotError(UsageError):
-    """The file is no snapshot, is damaged, or belongs to another image or version."""
+    """The file is not a snapshot, is damaged, or belongs to another image or version."""
 
 
 def _image_digest(image: ElfImage) -> str:
@@ -148,7 +148,7 @@ class Snapshot:
             raise ValueError("it is damaged or cut off")
         fields = json.loads(body[start : start + length])
         if not isinstance(fields, dict):
-            raise ValueError("its header is no JSON object")
+            raise ValueError("its header is not a JSON object")
         unpacked = zlib.decompressobj()
         try:
             memory = unpacked.decompress(body[start + length :], _MEMORY_BYTES)

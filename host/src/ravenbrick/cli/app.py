@@ -123,9 +123,9 @@ def load(name: str) -> Any:
 
 REFUSALS = {
     errno.ENOENT: "correct its name",
-    errno.EACCES: "name another place, or ask whoever may change its permissions",
-    errno.ENOSPC: "free room on the disk, or name another place",
-    errno.ENOTDIR: "a file is in the way of a folder: check that part of the name",
+    errno.EACCES: "name another folder, or ask for permission to write there",
+    errno.ENOSPC: "free space on the disk, or name another folder",
+    errno.ENOTDIR: "a part of the path is a file and not a folder; correct it",
     errno.EISDIR: "name a file in it",
 }
 _FUNCTIONS: dict[str, tuple[Callable[..., None], str]] = {}
@@ -194,7 +194,7 @@ def _defect(error: Exception) -> RavenbrickError:
     where = traceback.extract_tb(error.__traceback__)[-1]
     place = f"{os.path.basename(where.filename)}:{where.lineno}"
     return RavenbrickError(
-        f"defect of Ravenbrick itself: {type(error).__name__} at {place}: {error}; "
+        f"internal error of Ravenbrick: {type(error).__name__} at {place}: {error}; "
         "please report it; set RAVENBRICK_TRACEBACK=1 for a traceback"
     )
 

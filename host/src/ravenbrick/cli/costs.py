@@ -52,7 +52,7 @@ def _choice(script: Path) -> NumberChoice:
     result = module.design() if hasattr(module, "design") else None
     if not isinstance(result, Design):
         raise DesignError(
-            f"{script.name} has no function design() that returns a Design, and no "
+            f"{script.name} has neither design() that returns a Design nor "
             "number_choice() that returns a NumberChoice; write one of them"
         )
     return NumberChoice.of_design(result)

@@ -61,8 +61,8 @@ def _installed_gdb() -> str:
     program = shutil.which(GDB)
     if program is None:
         raise ToolMissingError(
-            f"'{GDB}' is not installed (Debian package gdb-multiarch); install it, or leave out "
-            "'--gdb' and connect the debugger that you have"
+            f"'{GDB}' is not installed (Debian package gdb-multiarch); install it, or omit "
+            "'--gdb' and connect your own debugger"
         )
     return program
 

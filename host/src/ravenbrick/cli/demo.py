@@ -72,7 +72,7 @@ def _run_again(
     with reporter.step(f"run '{first.scenario.name}' again") as step:
         digest = target.run(robot, first.scenario, built.image, step.progress).digest
         same = digest == first.recording.digest
-        step.note = "same trace digest" if same else f"ANOTHER trace digest: {digest[:12]}"
+        step.note = "same trace digest" if same else f"DIFFERENT trace digest: {digest[:12]}"
     return same
 
 

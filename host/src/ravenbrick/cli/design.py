@@ -102,7 +102,7 @@ def _loop_of(workspace: Workspace) -> dict[str, Any]:
     content = json.loads(workspace.design_file.read_text(encoding="utf-8")).get("loop")
     if not isinstance(content, dict):
         raise DesignError(
-            "design.py left no loop to draw; give `open_loop` to write_loop_results, or use Design"
+            "design.py wrote no loop to draw; pass `open_loop` to write_loop_results, or use Design"
         )
     return content
 

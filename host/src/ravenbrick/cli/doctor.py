@@ -144,7 +144,7 @@ def _module() -> Check:
     if getattr(module, "__version__", "") != __version__ or (
         in_checkout() and module.SOURCES != brick_digest(tree())
     ):
-        return Check(name, False, "was built from other sources than those of this version")
+        return Check(name, False, "was not built from the sources of this version")
     return Check(name, True, f"{__version__}, {'with' if module.JIT else 'without'} JIT code")
 
 

@@ -24,7 +24,7 @@ def _source(source: Path, scenario: str | None, image: ImageChoice) -> tuple[Pat
     """File of the recording, and the folder and stem of what is made of it."""
     if source.is_file():
         if scenario is not None:
-            raise UsageError(f"'{source}' is a recording already; leave '{scenario}' out")
+            raise UsageError(f"'{source}' is a recording; omit '{scenario}'")
         return source, source.with_suffix("")
     if not source.exists() and source.suffix == ".npz":
         raise UsageError(f"{source}: there is no such recording; make one with 'ravenbrick run'")

@@ -61,7 +61,7 @@ def grade_command(
     chosen = read_rubric(rubric)
     found = find_submissions(submissions)
     if form is Form.GRADESCOPE and len(found) != 1:
-        raise UsageError("Gradescope wants the results of one submission; name one")
+        raise UsageError("Gradescope accepts the results of one submission only; name one")
     reporter = Reporter(json_output)
     with reporter.step(f"grade {len(found)} by '{chosen.name}'") as step:
         results = run_campaign(chosen, found, output, workers, dask, run_design, step.progress)
@@ -80,7 +80,9 @@ def grade_command(
         reporter.table(("submission", f"of {chosen.points:g}"), rows)
     low = [r["submission"] for r in results if r["points"] < at_least * r["of"]]
     if low:
-        error = CriteriaError(f"{len(low)} of {len(results)} reach less than asked for: {low[0]}")
+        error = CriteriaError(
+            f"{len(low)} of {len(results)} have a lower score than --at-least: {low[0]}"
+        )
         error.data = {"results": results}
         raise error
     return {"rubric": chosen.name, "of": chosen.points, "results": results}

@@ -62,7 +62,7 @@ def live_command(
     if replay is not None:
         kept = LiveRecord.load(replay)
         if kept.scenario != chosen.name:
-            raise UsageError(f"{replay}: is of the scenario '{kept.scenario}'; name that one")
+            raise UsageError(f"{replay}: is of the scenario '{kept.scenario}'; name that scenario")
         return _replayed(brick, kept, reporter)
     port, run_record = open_port(usb or bluetooth), LiveRecord(chosen.name)
     link = "USB" if usb else "Bluetooth"
@@ -100,7 +100,9 @@ def live_command(
 
 def _replayed(brick: Any, kept: LiveRecord, reporter: Reporter) -> dict[str, Any]:
     same = replay_live(brick, kept)
-    reporter.print("the same run again" if same else "ANOTHER trace digest than the recorded")
+    reporter.print(
+        "the same run again" if same else "the trace digest DIFFERS from the recorded one"
+    )
     return {"trace_digest": brick.trace_digest(), "same_as_replayed": same}
 
 
@@ -108,7 +110,7 @@ def _usb_ip_server(usb: str | None, port: int | None, reporter: Reporter) -> Usb
     if port is None:
         return None
     if usb is not None:
-        raise UsageError("--usb and --usb-ip both want the one cable; choose one of them")
+        raise UsageError("--usb and --usb-ip both use the brick's only cable; choose one of them")
     server = UsbIpServer(port)
     reporter.print(f"USB/IP on port {server.port}; as root: modprobe vhci-hcd, then")
     reporter.print(f"  usbip --tcp-port {server.port} attach -r 127.0.0.1 -b 1-1")

@@ -92,7 +92,7 @@ def _from_page(robot: Robot, scenario: Scenario, replay: Path) -> tuple[Scenario
     run = read_run_file(replay)
     if run.configuration != brick_configuration(robot, scenario, MASTER_CLOCK):
         raise UsageError(
-            f"{replay}: was run in other surroundings than those of '{scenario.name}' (sensors, "
+            f"{replay}: was run in another environment than that of '{scenario.name}' (sensors, "
             "robot.toml, seed); name the scenario of that run, or open the file in the page"
         )
     played = replace(
@@ -128,7 +128,9 @@ def _same_as_replayed(
     if original is None:
         return {}
     same = original == recording.digest
-    reporter.print("the same run again" if same else "ANOTHER trace digest than the replayed")
+    reporter.print(
+        "the same run again" if same else "the trace digest DIFFERS from the replayed one"
+    )
     return {"same_as_replayed": same}
 
 
@@ -136,7 +138,7 @@ def _callback(text: str | None, period_ms: int, replay: Path | None) -> Callback
     if text is None:
         return None
     if replay is not None:
-        raise UsageError("--replay already holds what the callback gave; leave --callback out")
+        raise UsageError("--replay contains the inputs of the callback; omit --callback")
     return load_callback(text, period_ms)
 
 
@@ -161,8 +163,7 @@ def _snapshot_options(
 ) -> SnapshotOptions:
     if (save or start) and (body or scenario.peer or scenario.monitor):
         raise UsageError(
-            "a snapshot holds one brick: leave --body out and take a scenario without peer and "
-            "monitor"
+            "a snapshot contains one brick: omit --body and use a scenario without peer and monitor"
         )
     at_ms = round(1000 * at_s)
     if save is not None and at_ms > scenario.duration_ms:

@@ -35,7 +35,7 @@ def _project_image(source: Path, kind: Literal["ram", "flash"], reporter: Report
             )
         if image.kind != kind:
             raise UsageError(
-                f"{source} is a {image.kind} image; say '--image {image.kind}' to put it there"
+                f"{source} is a {image.kind} image; use '--image {image.kind}' to load it there"
             )
         return flat_image(image)
     workspace = Workspace.of(source)

@@ -165,7 +165,7 @@ def view_command(
         address = f"http://{LOOPBACK}:{server.server_port}/"
         reporter.print(f"the brick is at {address}; Ctrl-C ends it")
         if not proven:
-            reporter.print("no bounds of response times; 'ravenbrick analyse' finds this image's")
+            reporter.print("no response-time bounds; run 'ravenbrick analyse' to compute them")
         if browser:
             webbrowser.open(address)
         server.serve_forever(poll_interval=0.1)

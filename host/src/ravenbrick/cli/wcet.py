@@ -119,7 +119,7 @@ def wcet_command(
     if not built_file(elf, reporter).is_file():
         raise UsageError(f"{elf}: there is no such file; name an ELF file")
     if not own_data and (after or any_content):
-        raise UsageError("--after and --any-content say what --own-data starts from; add it")
+        raise UsageError("--after and --any-content need --own-data; add it")
     files = [(str(path), utf8_text(path)) for path in annotations or []]
     options: dict[str, Any] = {"annotations": files, "timing": timing, "wait_states": wait_states}
     options["name"] = str(elf)

@@ -332,7 +332,9 @@ class Adapter(Interface):
         if "Float" in self.c_type(one):
             return _literal(value)
         if value != int(value):
-            raise DesignError(f"parameter '{one.name}' is {one.c_type}: {value} is no whole number")
+            raise DesignError(
+                f"parameter '{one.name}' is {one.c_type}: {value} is not a whole number"
+            )
         return str(int(value))
 
     def _layout(self) -> str:

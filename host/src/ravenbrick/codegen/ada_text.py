@@ -63,7 +63,7 @@ def ada_name(name: str) -> str:
     words = name.split("_")
     if not all(words) or not name[0].isalpha():
         raise DesignError(
-            f"'{name}' is no Ada name: underscores stand alone between letters; rename it"
+            f"'{name}' is not an Ada name: underscores stand alone between letters; rename it"
         )
     if name.lower() in _RESERVED:
         return f"{name[0].upper()}{name[1:]}_Value"

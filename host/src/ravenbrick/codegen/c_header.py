@@ -187,7 +187,7 @@ class _Reader:
             inner = member.inner or self._found.structure(member.type_name)
             if member.pointer:
                 raise DesignError(
-                    f"{self._file}: {name} has a field that is no number and no array: "
+                    f"{self._file}: {name} has a field that is neither a number nor an array: "
                     f"'{member.name}'"
                 )
             if inner is not None and not member.lengths:

@@ -42,7 +42,7 @@ class LimitCycle:
 class LimitCycleSearch:
     """`runs` from random states with constant inputs, `steps` each; `cycles` of those not at rest.
 
-    With a plant the loop is closed. A search is no proof that there are no others.
+    With a plant the loop is closed. A search is not a proof that there are no others.
     """
 
     runs: int

@@ -157,7 +157,7 @@ def _check_plant(fixed: FixedPoint, plant: PlantInLoop) -> None:
     known = [slot.name for slot in program.inputs]
     for name in plant.measured:
         if name not in known:
-            raise DesignError(f"'{name}' is no Inport; there are: {', '.join(known)}")
+            raise DesignError(f"'{name}' is not an Inport; there are: {', '.join(known)}")
 
 
 def one_step_errors(fixed: FixedPoint) -> dict[str, float]:

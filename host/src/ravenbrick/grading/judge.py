@@ -83,7 +83,7 @@ def _judge_image(check: Check, image: ElfImage, rubric: Rubric) -> tuple[bool, s
 def judge_check(rubric: Rubric, image: ElfImage, runs: _Runs, check: Check) -> dict[str, Any]:
     """Points in proportion to the seeds that pass; `found` tells the first that does not.
 
-    Answers are no business of the image: they get their points elsewhere.
+    Answers do not concern the image; they are graded elsewhere.
     """
     if check.kind == "answer":
         return check_row(check, 0.0, "")

@@ -108,7 +108,7 @@ def to_fixed_point(diagram: Diagram | Program, options: FixedPointOptions) -> Fi
     for name in options.ranges:
         if name not in known:
             raise DesignError(
-                f"a range is given for '{name}', which is no Inport and has no state; "
+                f"a range is given for '{name}', which is not an Inport and has no state; "
                 f"there are: {', '.join(sorted(known))}"
             )
     ranges = real_ranges(source, options.intervals())

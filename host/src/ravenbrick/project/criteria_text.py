@@ -193,7 +193,7 @@ def parse_expectation(text: str, place: str) -> Expectation:
         match = pattern.fullmatch(sentence)
         if match:
             return build(match, written, place, window)
-    raise ExpectationSyntaxError(f"'{written}' is no expectation; the forms are: {FORMS}")
+    raise ExpectationSyntaxError(f"'{written}' is not an expectation; the forms are: {FORMS}")
 
 
 def expected_pins(expectations: Iterable[Expectation]) -> list[int]:

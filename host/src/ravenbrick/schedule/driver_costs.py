@@ -92,6 +92,8 @@ def read_driver_costs(path: Path, unit: str) -> DriverCosts:
         problem = f"'{path}' cannot be read ({error.strerror}); name driver-costs.json"
         raise CostError(problem) from None
     except (ValueError, KeyError, TypeError):
-        raise CostError(f"'{path}' is no table of driver costs; name driver-costs.json") from None
+        raise CostError(
+            f"'{path}' is not a table of driver costs; name driver-costs.json"
+        ) from None
     cycles_per_unit = Fraction(1) if unit == CYCLES else hertz / UNITS[unit]
     return DriverCosts(operations, tasks, cycles_per_unit, hertz / 1000 / cycles_per_unit)

@@ -23,7 +23,7 @@ Toward = Literal["nearest", "up", "down"]
 def exact(value: object) -> Time:
     """The number as written: 2.5, '2.5' and Fraction(5, 2) are the same time.
 
-    A float stands for its shortest decimal text. Raises `ValueError` for what is no finite number.
+    A float means its shortest decimal text. Raises `ValueError` for a number that is not finite.
     """
     if isinstance(value, bool):
         raise ValueError(f"{value} is not a number")

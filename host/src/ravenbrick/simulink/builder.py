@@ -112,7 +112,7 @@ class Dialog:
             return max(round(seconds / self.sample_time), 2)
         count = round(seconds / self.sample_time)
         if not math.isclose(count * self.sample_time, seconds, rel_tol=1e-6, abs_tol=1e-12):
-            raise ValueError(f"{seconds} s is no whole number of samples")
+            raise ValueError(f"{seconds} s is not a whole number of samples")
         return count
 
     def refuse(self, name: str, allowed: tuple[str, ...]) -> None:

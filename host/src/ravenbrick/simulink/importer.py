@@ -45,7 +45,7 @@ _SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "XYGraph", "FloatingScope
 class Refusal:
     """A block without counterpart: its path, its type and why.
 
-    `outside` says that it is no arithmetic of signals at all: physical modelling, a chart or
+    `outside` says that it cannot be expressed with signals: physical modelling, a chart or
     program in another language, a device, a toolbox that is not at hand.
     """
 

@@ -136,9 +136,11 @@ class Network:
                     continue
                 named = port.lower() if isinstance(port, str) else port
                 if isinstance(named, str) and named not in CONTROLS.values():
-                    self.odd[target] = f"its port '{port}' is no signal (physical, reset or state)"
+                    self.odd[target] = (
+                        f"its port '{port}' is not a signal (physical, reset or state)"
+                    )
                 elif not isinstance(line.source[1], int):
-                    self.odd[target] = f"the port '{line.source[1]}' of '{source}' is no signal"
+                    self.odd[target] = f"the port '{line.source[1]}' of '{source}' is not a signal"
                 else:
                     self._lines[target, named] = ((source, line.source[1]), line.name)
                     if isinstance(named, int):
@@ -256,7 +258,7 @@ class _Place:
 
 
 def _masked(site: Site, mask: Mapping[str, str]) -> Workspace:
-    """The variables outside with those of the mask; a parameter that is no number is left out."""
+    """Outer variables with those of the mask, without parameters that are not numbers."""
     own = {}
     for name, text in mask.items():
         try:

@@ -256,7 +256,7 @@ def selected(site: Site, bus: Shape) -> list[tuple[str, int, Shape]]:
     key = "OutputSignals" if site.kind == "BusSelector" else "AssignedSignals"
     names = [name for name in site.block.parameters.get(key, "").split(",") if name]
     if not isinstance(bus, Bus):
-        raise ValueError("its input is no bus whose signals are known")
+        raise ValueError("its input is not a bus whose signals are known")
     return [(name, *bus.find(name)) for name in names]
 
 

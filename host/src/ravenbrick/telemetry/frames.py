@@ -91,7 +91,7 @@ class FrameReader:
             self._overrun = True
 
     def _content(self) -> bytes | None:
-        """What stands between two zeros; nothing between neighbouring zeros is no damage."""
+        """The bytes between two zeros; an empty frame is not damage."""
         coded, overrun = bytes(self._pending), self._overrun
         self.restart()
         if not coded:

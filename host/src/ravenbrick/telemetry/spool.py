@@ -75,7 +75,7 @@ class Spool:
 def read_spool(path: Path) -> Iterator[Entry]:
     """Entries of a record; one cut off at the end, as by a power failure, is left out.
 
-    Raises `UsageError` when the file is no record.
+    Raises `UsageError` when the file is not a record.
     """
     data = path.read_bytes()
     if not data.startswith(_FIRST_LINE):

@@ -108,7 +108,7 @@ def show_live(
     timer = figure.canvas.new_timer(interval=_PERIOD_MS, callbacks=[(step, (), {})])
 
     def complain(loop: Any, context: dict[str, Any]) -> None:
-        """A browser that was closed in the middle of a picture is no defect."""
+        """A browser that was closed in the middle of a picture is not a defect."""
         if not isinstance(context.get("exception"), WebSocketClosedError):
             loop.default_exception_handler(context)
 

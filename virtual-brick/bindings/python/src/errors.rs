@@ -24,7 +24,7 @@ create_exception!(
     virtual_brick,
     AddressError,
     PyValueError,
-    "An address that is no memory."
+    "An address that is not memory."
 );
 
 /// The exception of type `E` with the sentence of a Rust error.

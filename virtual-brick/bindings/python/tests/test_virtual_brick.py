@@ -136,7 +136,7 @@ def test_a_loop_with_interrupts_masked_halts() -> None:
 
 
 def test_a_refused_image_is_an_image_error() -> None:
-    """Anything that is no ARM executable raises."""
+    """Anything that is not an ARM executable raises."""
     with pytest.raises(ImageError, match="not an ELF file"):
         VirtualBrick(configuration(), b"nonsense")
     with pytest.raises(ImageError, match="truncated"):
@@ -152,7 +152,7 @@ def test_a_refused_configuration_names_the_field() -> None:
 
 
 def test_inputs_are_checked_when_scheduled() -> None:
-    """Unknown names, past instants and values that are no numbers raise."""
+    """Unknown names, past instants and values that are not numbers raise."""
     brick = counting()
     brick.run_until(100)
     for at, name, value in [(200, "touch.3", 1.0), (99, "touch.1", 1.0), (200, "touch.1", 1e999)]:

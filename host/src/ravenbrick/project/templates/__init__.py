@@ -116,7 +116,7 @@ def create_project(directory: Path, template_name: str) -> Workspace:
     project = directory.resolve()
     if not NAME.match(project.name):
         raise UsageError(
-            f"'{project.name}' is no name for a robot; use small letters, digits, '-' and '_', "
+            f"'{project.name}' is not a valid robot name; use small letters, digits, '-' and '_', "
             "beginning with a letter"
         )
     if project.exists():

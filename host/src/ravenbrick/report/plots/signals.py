@@ -100,7 +100,7 @@ def _motor_plots(robot: Robot, signals: _Signals) -> list[Plot]:
 
 
 def _scaled(name: str) -> tuple[str, float, float]:
-    """Title, factor and offset of a signal that is no motor's."""
+    """Title, factor and offset of a signal that is not a motor's."""
     kind, _, rest = name.partition(".")
     port = rest.partition(".")[0]
     known: dict[str, tuple[str, float, float]] = {
