@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Pages and pictures of the documentation that are made from the program at every build."""
+"""Pages and pictures of the documentation that every build generates from the program."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def command_page() -> str:
     """Every command with its arguments and options, from the program itself."""
     from ravenbrick.cli.app import COMMANDS, load
 
-    lines = ["# Commands", "", "`ravenbrick COMMAND --help` says the same."]
+    lines = ["# Commands", "", "`ravenbrick COMMAND --help` prints the same texts."]
     for name in sorted(COMMANDS):
         found = load(name)
         lines += ["", f"## ravenbrick {name}", "", _cell(found.help or ""), ""]
@@ -97,7 +97,7 @@ def schema_page(name: str, title: str) -> str:
     root = schema(name)
     lines = [f"# {title}", "", root["description"], ""]
     lines += ["A *quantity* is a table with `value`, `unit`, `tolerance` and `source`.", ""]
-    lines += ["| Field | Kind | Must be there | Meaning |", "|---|---|---|---|"]
+    lines += ["| Field | Kind | Required | Meaning |", "|---|---|---|---|"]
     return "\n".join([*lines, *_fields(root, root, "")]) + "\n"
 
 
@@ -130,7 +130,7 @@ def _specifications(folders: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 
 
 def package_page(title: str, opening: str, *folders: str) -> str:
-    """Every public package below the folders: what it is for, and its declarations."""
+    """Every public package below the folders, with its purpose and its declarations."""
     lines = [f"# {title}", "", opening]
     for name, text in _specifications(folders):
         comment, visible = _public_part(text)
@@ -143,9 +143,14 @@ def trace_page() -> str:
     from ravenbrick.trace.recording import EVENT_TYPE, EventKind
 
     lines = ["# Events of a recording", ""]
-    lines += ["What they mean: [recordings](../trace.md).", "", "| Number | Kind |", "|---:|---|"]
+    lines += [
+        "[Recordings](../trace.md) explains the events.",
+        "",
+        "| Number | Kind |",
+        "|---:|---|",
+    ]
     lines += [f"| {kind.value} | {kind.name.lower().replace('_', ' ')} |" for kind in EventKind]
-    lines += ["", f"An event has {EVENT_TYPE.itemsize} bytes, the lower one first:", ""]
+    lines += ["", f"An event has {EVENT_TYPE.itemsize} bytes, little-endian:", ""]
     lines += ["| Field | Offset | Kind |", "|---|---:|---|"]
     assert EVENT_TYPE.fields is not None
     for name, (kind, offset, *_) in EVENT_TYPE.fields.items():
@@ -185,12 +190,12 @@ def write_pages(pages: Path, pictures: Path) -> None:
     texts = {"commands": command_page()}
     texts |= {file: schema_page(name, title) for file, (name, title) in SCHEMAS.items()}
     texts["drivers"] = package_page(
-        "Drivers: all packages", "From the specifications below `drivers/src`.", "drivers/src"
+        "Drivers: all packages", "The specifications in `drivers/src`.", "drivers/src"
     )
     texts["run-time"] = package_page(
         "Run-time: all packages",
-        "From the specifications below `runtime/language`; what programs may name of Ada's library "
-        "and is not here comes from the compiler.",
+        "The specifications in `runtime/language`. All other units of Ada's library come from the "
+        "compiler.",
         "runtime/language",
     )
     texts["trace-events"] = trace_page()

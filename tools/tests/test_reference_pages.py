@@ -24,7 +24,7 @@ def test_the_page_of_commands_has_every_command_with_its_example() -> None:
 def test_pages_of_files_have_nested_fields_with_units() -> None:
     """Quantities with their unit, lists with brackets."""
     page = schema_page(*SCHEMAS["robot-toml"])
-    assert "| `motors.NAME.resistance` | quantity in ohm | yes |" in page
+    assert "| `motors.NAME.resistance` | quantity in ohm |" in page
     assert "| `tasks[].period_us` | integer |" in page
     assert "`checks[].stack_share_at_most`" in schema_page(*SCHEMAS["rubric-toml"])
 
