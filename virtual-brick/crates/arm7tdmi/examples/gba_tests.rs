@@ -106,14 +106,6 @@ impl Bus for Console {
     }
 
     fn internal(&mut self, _count: u32) {}
-
-    fn irq(&self) -> bool {
-        false
-    }
-
-    fn fiq(&self) -> bool {
-        false
-    }
 }
 
 fn main() -> ExitCode {

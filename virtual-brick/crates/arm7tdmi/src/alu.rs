@@ -97,6 +97,24 @@ pub fn rotated_constant(constant: u32, rotation: u32, carry: bool) -> Shifted {
     Shifted { value, carry }
 }
 
+/// Codes of the data processing operations.
+pub(crate) const AND: u8 = 0x0;
+pub(crate) const EOR: u8 = 0x1;
+pub(crate) const SUB: u8 = 0x2;
+pub(crate) const RSB: u8 = 0x3;
+pub(crate) const ADD: u8 = 0x4;
+pub(crate) const ADC: u8 = 0x5;
+pub(crate) const SBC: u8 = 0x6;
+const RSC: u8 = 0x7;
+pub(crate) const TST: u8 = 0x8;
+const TEQ: u8 = 0x9;
+pub(crate) const CMP: u8 = 0xA;
+pub(crate) const CMN: u8 = 0xB;
+pub(crate) const ORR: u8 = 0xC;
+pub(crate) const MOV: u8 = 0xD;
+pub(crate) const BIC: u8 = 0xE;
+pub(crate) const MVN: u8 = 0xF;
+
 /// Sum with the flags it produces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sum {
@@ -117,6 +135,34 @@ pub fn add(a: u32, b: u32, carry: bool) -> Sum {
         value,
         carry: wide >> 32 != 0,
         overflow: bit(!(a ^ b) & (a ^ value), 31),
+    }
+}
+
+/// Result of a data processing operation, by its code, and whether it is logical: then C comes from
+/// the shifter, and V stays.
+#[inline(always)]
+pub(crate) fn data_operation(operation: u8, a: u32, b: u32, carry: bool) -> (Sum, bool) {
+    let logical = |value| {
+        let sum = Sum {
+            value,
+            carry: false,
+            overflow: false,
+        };
+        (sum, true)
+    };
+    match operation {
+        AND | TST => logical(a & b),
+        EOR | TEQ => logical(a ^ b),
+        SUB | CMP => (add(a, !b, true), false),
+        RSB => (add(b, !a, true), false),
+        ADD | CMN => (add(a, b, false), false),
+        ADC => (add(a, b, carry), false),
+        SBC => (add(a, !b, carry), false),
+        RSC => (add(b, !a, carry), false),
+        ORR => logical(a | b),
+        MOV => logical(b),
+        BIC => logical(a & !b),
+        _ => logical(!b),
     }
 }
 

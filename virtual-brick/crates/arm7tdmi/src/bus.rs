@@ -43,7 +43,14 @@ pub trait Bus {
     /// Let `count` internal cycles pass; never stretched.
     fn internal(&mut self, count: u32);
     /// Level of nIRQ (true: asserted) as the core's synchroniser shows it at this boundary.
-    fn irq(&self) -> bool;
-    /// Level of nFIQ (true: asserted) as the core's synchroniser shows it at this boundary.
-    fn fiq(&self) -> bool;
+    /// A machine without interrupts need not define it.
+    #[inline(always)]
+    fn irq(&self) -> bool {
+        false
+    }
+    /// Level of nFIQ, likewise.
+    #[inline(always)]
+    fn fiq(&self) -> bool {
+        false
+    }
 }

@@ -191,25 +191,3 @@ const fn block_transfer(block: &BlockTransfer) -> BusCycles {
         BusCycles::store(data)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn array_cycles_grow_with_each_significant_byte() {
-        for (multiplier, cycles) in [(0, 1), (0xFF, 1), (0x100, 2), (0xFFFF, 2), (0x1_0000, 3)] {
-            assert_eq!(unsigned_cycles(multiplier), cycles);
-            assert_eq!(signed_cycles(multiplier), cycles);
-            assert_eq!(signed_cycles(!multiplier), cycles);
-        }
-        assert_eq!(unsigned_cycles(0x0100_0000), 4);
-        assert_eq!(signed_cycles(0x7FFF_FFFF), 4);
-    }
-
-    #[test]
-    fn leading_ones_end_only_signed_multiplications_early() {
-        assert_eq!(signed_cycles(0xFFFF_FF00), 1);
-        assert_eq!(unsigned_cycles(0xFFFF_FF00), 4);
-    }
-}

@@ -6,9 +6,10 @@
 
 mod support;
 
-use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Instruction, Width};
+use arm7tdmi::{psr, Cpu, Instruction};
 use std::path::Path;
-use support::{archive, counts::Counts, single_step::Class};
+use support::counts::Counts;
+use support::{archive, single_step::Class, single_step::VectorBus};
 
 const ARCHIVE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -33,71 +34,10 @@ fn all_vectors_have_the_stated_cycles() {
     assert_eq!(case_count, 37 * 400);
 }
 
-/// Counts cycles; any address answers, the data with a hash of the address.
-struct CountingBus {
-    opcode: u32,
-    fills_left: u32,
-    counts: Counts,
-    next_random: u32,
-}
-
 fn hash(x: u32) -> u32 {
     let x = (x ^ x >> 16).wrapping_mul(0x7FEB_352D);
     let x = (x ^ x >> 15).wrapping_mul(0x846C_A68B);
     x ^ x >> 16
-}
-
-impl CountingBus {
-    fn new(opcode: u32) -> Self {
-        Self {
-            opcode,
-            fills_left: 2,
-            counts: Counts::default(),
-            next_random: opcode,
-        }
-    }
-
-    fn fetch(&mut self, cycle: Cycle) -> u32 {
-        if self.fills_left > 0 {
-            self.fills_left -= 1;
-        } else {
-            self.counts.count_code(cycle);
-        }
-        self.opcode
-    }
-}
-
-impl Bus for CountingBus {
-    fn fetch_word(&mut self, _address: u32, cycle: Cycle) -> Result<u32, Abort> {
-        Ok(self.fetch(cycle))
-    }
-
-    fn fetch_halfword(&mut self, _address: u32, cycle: Cycle) -> Result<u16, Abort> {
-        Ok(self.fetch(cycle) as u16)
-    }
-
-    fn read(&mut self, address: u32, _width: Width, cycle: Cycle) -> Result<u32, Abort> {
-        self.counts.count_data(cycle);
-        self.next_random = hash(self.next_random ^ address);
-        Ok(self.next_random)
-    }
-
-    fn write(&mut self, _: u32, _: Width, _: u32, cycle: Cycle) -> Result<(), Abort> {
-        self.counts.count_data(cycle);
-        Ok(())
-    }
-
-    fn internal(&mut self, count: u32) {
-        self.counts.internal += count;
-    }
-
-    fn irq(&self) -> bool {
-        false
-    }
-
-    fn fiq(&self) -> bool {
-        false
-    }
 }
 
 /// Registers get random values of random magnitude, so that multiplications end at each stage.
@@ -122,7 +62,7 @@ fn check(opcode: u32, seed: u32, thumb: bool) {
     };
     let mut cpu = random_cpu(seed, thumb);
     let stated = Counts::stated(&instruction, &cpu);
-    let mut bus = CountingBus::new(opcode);
+    let mut bus = VectorBus::new(opcode, ORIGIN);
     let _ = cpu.step(&mut bus);
     assert_eq!(bus.counts, stated, "{opcode:#010X} {instruction:X?}");
 }

@@ -54,7 +54,7 @@ pub(super) fn operation(opcode: u32) -> Operation {
         },
         ThumbFormat::LoadAddress { stack: true } => {
             let second = Operand::constant(4 * (opcode & 0xFF));
-            quiet(AluOperation::Add, low(opcode, 8), 13, second)
+            without_flags(AluOperation::Add, low(opcode, 8), 13, second)
         }
         ThumbFormat::AddToStackPointer => {
             let operation = if opcode & 0x80 == 0 {
@@ -62,7 +62,7 @@ pub(super) fn operation(opcode: u32) -> Operation {
             } else {
                 AluOperation::Sub
             };
-            quiet(operation, 13, 13, Operand::constant(4 * (opcode & 0x7F)))
+            without_flags(operation, 13, 13, Operand::constant(4 * (opcode & 0x7F)))
         }
         ThumbFormat::ConditionalBranch => Operation::Branch {
             offset: (i32::from(opcode as u8 as i8) << 1) as u32,
@@ -142,7 +142,12 @@ fn alu(operation: AluOperation, destination: u32, first: u32, second: Operand) -
 }
 
 /// An operation that leaves the flags alone.
-fn quiet(operation: AluOperation, destination: u32, first: u32, second: Operand) -> Operation {
+fn without_flags(
+    operation: AluOperation,
+    destination: u32,
+    first: u32,
+    second: Operand,
+) -> Operation {
     Operation::DataProcessing(DataProcessing {
         operation,
         sets_flags: false,

@@ -8,7 +8,7 @@ use super::multiply::{multiply, multiply_long};
 use super::status::{mrs, msr_constant, msr_register};
 use super::transfer::{halfword_transfer, single_transfer, swap};
 use super::transfer::{SIGNED_BYTE, SIGNED_HALFWORD, UNSIGNED_HALFWORD};
-use crate::alu::{add, rotated_constant, shift_by_constant, shift_by_register, Shifted, Sum};
+use crate::alu::{data_operation, rotated_constant, shift_by_constant, shift_by_register, Shifted};
 use crate::bus::Bus;
 use crate::cpu::{Cpu, Step};
 use crate::decode::format::{arm_format, arm_index, ArmFormat, HalfwordTransfer, OperandKind};
@@ -151,21 +151,7 @@ fn data_processing<B: Bus, const OPERATION: u8, const KIND: u8>(
     if KIND != SHIFT_BY_REGISTER {
         cpu.advance_arm();
     }
-    let carry_in = cpu.carry();
-    let (sum, logical) = match OPERATION >> 1 {
-        0x0 | 0x8 => (of_value(a & b), true),
-        0x1 | 0x9 => (of_value(a ^ b), true),
-        0x2 | 0xA => (add(a, !b, true), false),
-        0x3 => (add(b, !a, true), false),
-        0x4 | 0xB => (add(a, b, false), false),
-        0x5 => (add(a, b, carry_in), false),
-        0x6 => (add(a, !b, carry_in), false),
-        0x7 => (add(b, !a, carry_in), false),
-        0xC => (of_value(a | b), true),
-        0xD => (of_value(b), true),
-        0xE => (of_value(a & !b), true),
-        _ => (of_value(!b), true),
-    };
+    let (sum, logical) = data_operation(OPERATION >> 1, a, b, cpu.carry());
     let destination = opcode >> 12;
     let compares = OPERATION & 0b11000 == 0b10000;
     if OPERATION & 1 != 0 {
@@ -182,15 +168,6 @@ fn data_processing<B: Bus, const OPERATION: u8, const KIND: u8>(
         return Step::Instruction;
     }
     cpu.write_result(bus, destination, sum.value)
-}
-
-#[inline(always)]
-const fn of_value(value: u32) -> Sum {
-    Sum {
-        value,
-        carry: false,
-        overflow: false,
-    }
 }
 
 /// B and BL: 2S + N.

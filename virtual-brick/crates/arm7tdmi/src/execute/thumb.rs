@@ -7,7 +7,10 @@ use super::thumb_transfer::{
     load_relative, multiple, push_pop, transfer_constant, transfer_register, transfer_stack,
     HALFWORD_CONSTANT,
 };
-use crate::alu::{add, shift_by_constant, shift_by_register, Shifted};
+use crate::alu::{
+    add, data_operation, shift_by_constant, shift_by_register, Shifted, ADC, ADD, AND, BIC, CMN,
+    CMP, EOR, MOV, MVN, ORR, RSB, SBC, SUB, TST,
+};
 use crate::bus::Bus;
 use crate::cost::signed_cycles;
 use crate::cpu::{Cpu, Step};
@@ -49,22 +52,22 @@ const fn handler<B: Bus>(index: u32) -> Handler<B> {
     match thumb_format(index) {
         ThumbFormat::Shift(kind) => shift_handler(kind),
         ThumbFormat::AddSubtract { constant, minus } => match (constant, minus) {
-            (false, false) => add_subtract::<B, false, false>,
-            (false, true) => add_subtract::<B, false, true>,
-            (true, false) => add_subtract::<B, true, false>,
-            (true, true) => add_subtract::<B, true, true>,
+            (false, false) => add_subtract::<B, ADD, false>,
+            (false, true) => add_subtract::<B, SUB, false>,
+            (true, false) => add_subtract::<B, ADD, true>,
+            (true, true) => add_subtract::<B, SUB, true>,
         },
         ThumbFormat::Constant(operation) => match operation {
-            ConstantOperation::Move => constant::<B, MOVE>,
-            ConstantOperation::Compare => constant::<B, COMPARE>,
+            ConstantOperation::Move => constant::<B, MOV>,
+            ConstantOperation::Compare => constant::<B, CMP>,
             ConstantOperation::Add => constant::<B, ADD>,
-            ConstantOperation::Subtract => constant::<B, SUBTRACT>,
+            ConstantOperation::Subtract => constant::<B, SUB>,
         },
         ThumbFormat::Register(operation) => register_handler(operation),
         ThumbFormat::HighRegister(operation) => match operation {
             ConstantOperation::Add => high_register::<B, ADD>,
-            ConstantOperation::Compare => high_register::<B, COMPARE>,
-            _ => high_register::<B, MOVE>,
+            ConstantOperation::Compare => high_register::<B, CMP>,
+            _ => high_register::<B, MOV>,
         },
         ThumbFormat::BranchExchange => branch_and_exchange,
         ThumbFormat::LoadRelative => load_relative,
@@ -99,22 +102,22 @@ const fn shift_handler<B: Bus>(kind: u32) -> Handler<B> {
 /// Format 4, by bits 9:6.
 const fn register_handler<B: Bus>(operation: u32) -> Handler<B> {
     match operation {
-        0x0 => logical::<B, AND>,
-        0x1 => logical::<B, EOR>,
+        0x0 => two_registers::<B, AND>,
+        0x1 => two_registers::<B, EOR>,
         0x2 => shift_register::<B, 0>,
         0x3 => shift_register::<B, 1>,
         0x4 => shift_register::<B, 2>,
-        0x5 => arithmetic::<B, ADC>,
-        0x6 => arithmetic::<B, SBC>,
+        0x5 => two_registers::<B, ADC>,
+        0x6 => two_registers::<B, SBC>,
         0x7 => shift_register::<B, 3>,
-        0x8 => logical::<B, TST>,
-        0x9 => arithmetic::<B, NEG>,
-        0xA => arithmetic::<B, CMP>,
-        0xB => arithmetic::<B, CMN>,
-        0xC => logical::<B, ORR>,
+        0x8 => two_registers::<B, TST>,
+        0x9 => two_registers::<B, RSB>,
+        0xA => two_registers::<B, CMP>,
+        0xB => two_registers::<B, CMN>,
+        0xC => two_registers::<B, ORR>,
         0xD => multiply,
-        0xE => logical::<B, BIC>,
-        _ => logical::<B, MVN>,
+        0xE => two_registers::<B, BIC>,
+        _ => two_registers::<B, MVN>,
     }
 }
 
@@ -155,8 +158,24 @@ fn shift<B: Bus, const KIND: u32>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> S
     Step::Instruction
 }
 
+/// A data processing operation that sets flags; C stays where it is logical.
+#[inline(always)]
+fn process<const OPERATION: u8>(cpu: &mut Cpu, destination: u32, a: u32, b: u32) -> Step {
+    let (sum, logical) = data_operation(OPERATION, a, b, cpu.carry());
+    if logical {
+        cpu.set_nz(sum.value);
+    } else {
+        cpu.set_nzcv(sum);
+    }
+    if !matches!(OPERATION, TST | CMP | CMN) {
+        cpu.registers.set(destination, sum.value);
+    }
+    cpu.advance_thumb();
+    Step::Instruction
+}
+
 /// Format 2: ADD and SUB of a register or a 3-bit constant.
-fn add_subtract<B: Bus, const CONSTANT: bool, const MINUS: bool>(
+fn add_subtract<B: Bus, const OPERATION: u8, const CONSTANT: bool>(
     cpu: &mut Cpu,
     _bus: &mut B,
     opcode: u32,
@@ -166,92 +185,20 @@ fn add_subtract<B: Bus, const CONSTANT: bool, const MINUS: bool>(
     } else {
         cpu.low_register(opcode, 6)
     };
-    let a = cpu.low_register(opcode, 3);
-    let sum = if MINUS {
-        add(a, !b, true)
-    } else {
-        add(a, b, false)
-    };
-    cpu.registers.set(opcode & 7, sum.value);
-    cpu.set_nzcv(sum);
-    cpu.advance_thumb();
-    Step::Instruction
+    process::<OPERATION>(cpu, opcode & 7, cpu.low_register(opcode, 3), b)
 }
-
-const MOVE: u8 = 0;
-const COMPARE: u8 = 1;
-const ADD: u8 = 2;
-const SUBTRACT: u8 = 3;
 
 /// Format 3: MOV, CMP, ADD, SUB with an 8-bit constant.
 fn constant<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
     let register = (opcode >> 8) & 7;
-    let (a, b) = (cpu.registers.get(register), opcode & 0xFF);
-    cpu.advance_thumb();
-    if OPERATION == MOVE {
-        cpu.set_nz(b);
-        cpu.registers.set(register, b);
-        return Step::Instruction;
-    }
-    let sum = if OPERATION == ADD {
-        add(a, b, false)
-    } else {
-        add(a, !b, true)
-    };
-    cpu.set_nzcv(sum);
-    if OPERATION != COMPARE {
-        cpu.registers.set(register, sum.value);
-    }
-    Step::Instruction
+    process::<OPERATION>(cpu, register, cpu.registers.get(register), opcode & 0xFF)
 }
 
-const AND: u8 = 0;
-const EOR: u8 = 1;
-const TST: u8 = 2;
-const ORR: u8 = 3;
-const BIC: u8 = 4;
-const MVN: u8 = 5;
-
-/// Format 4: operations that leave C and V alone.
-fn logical<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
+/// Format 4: operations on two registers. NEG is RSB from zero.
+fn two_registers<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
     let (a, b) = (cpu.low_register(opcode, 0), cpu.low_register(opcode, 3));
-    let value = match OPERATION {
-        AND | TST => a & b,
-        EOR => a ^ b,
-        ORR => a | b,
-        BIC => a & !b,
-        _ => !b,
-    };
-    cpu.set_nz(value);
-    if OPERATION != TST {
-        cpu.registers.set(opcode & 7, value);
-    }
-    cpu.advance_thumb();
-    Step::Instruction
-}
-
-const ADC: u8 = 0;
-const SBC: u8 = 1;
-const NEG: u8 = 2;
-const CMP: u8 = 3;
-const CMN: u8 = 4;
-
-/// Format 4: operations of the adder.
-fn arithmetic<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, _bus: &mut B, opcode: u32) -> Step {
-    let (a, b) = (cpu.low_register(opcode, 0), cpu.low_register(opcode, 3));
-    let sum = match OPERATION {
-        ADC => add(a, b, cpu.carry()),
-        SBC => add(a, !b, cpu.carry()),
-        NEG => add(0, !b, true),
-        CMP => add(a, !b, true),
-        _ => add(a, b, false),
-    };
-    cpu.set_nzcv(sum);
-    if matches!(OPERATION, ADC | SBC | NEG) {
-        cpu.registers.set(opcode & 7, sum.value);
-    }
-    cpu.advance_thumb();
-    Step::Instruction
+    let (a, b) = if OPERATION == RSB { (b, 0) } else { (a, b) };
+    process::<OPERATION>(cpu, opcode & 7, a, b)
 }
 
 /// Format 4: shifts by a register, S + I.
@@ -286,7 +233,7 @@ fn high_register<B: Bus, const OPERATION: u8>(cpu: &mut Cpu, bus: &mut B, opcode
     cpu.advance_thumb();
     match OPERATION {
         ADD => cpu.write_result(bus, destination, a.wrapping_add(b)),
-        MOVE => cpu.write_result(bus, destination, b),
+        MOV => cpu.write_result(bus, destination, b),
         _ => {
             cpu.set_nzcv(add(a, !b, true));
             Step::Instruction

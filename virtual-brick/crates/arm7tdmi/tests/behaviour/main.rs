@@ -13,7 +13,6 @@ mod arm_data;
 mod arm_transfers;
 mod bus_order;
 mod cycles_on_silicon;
-mod cycles_table;
 mod every_opcode;
 mod exceptions;
 mod interrupts;

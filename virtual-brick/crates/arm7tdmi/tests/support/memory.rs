@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! A memory of 64 KB that answers in one cycle, for programs of the tests and measurements.
+//! A memory of 64 KB that answers in one cycle, for programs of the tests.
 
 use arm7tdmi::{Abort, Bus, Cycle, Width};
 

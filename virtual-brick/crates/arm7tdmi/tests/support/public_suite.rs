@@ -377,12 +377,4 @@ impl Bus for SuiteBus<'_> {
     fn internal(&mut self, count: u32) {
         self.cycle += count;
     }
-
-    fn irq(&self) -> bool {
-        false
-    }
-
-    fn fiq(&self) -> bool {
-        false
-    }
 }

@@ -254,17 +254,17 @@ impl Write {
 }
 
 /// The synthetic memory of the vectors: each word is a hash of its address.
-struct VectorBus {
+pub struct VectorBus {
     opcode: u32,
     base: u32,
     /// Fetches that fill the pipeline and do not belong to the instruction.
     fills_left: u32,
-    counts: Counts,
+    pub counts: Counts,
     writes: Vec<Write>,
 }
 
 impl VectorBus {
-    fn new(opcode: u32, base: u32) -> Self {
+    pub fn new(opcode: u32, base: u32) -> Self {
         Self {
             opcode,
             base,
@@ -335,13 +335,5 @@ impl Bus for VectorBus {
 
     fn internal(&mut self, count: u32) {
         self.counts.internal += count;
-    }
-
-    fn irq(&self) -> bool {
-        false
-    }
-
-    fn fiq(&self) -> bool {
-        false
     }
 }

@@ -137,23 +137,17 @@ fn skip_unless<B: BlockBus, const CONDITION: u8>(
     run_next(run, rest);
 }
 
-macro_rules! by_condition {
-    ($condition:expr, $handler:ident, [$($number:literal)*]) => {
-        match $condition {
-            $($number => $handler::<B, $number>,)*
-            _ => $handler::<B, 15>,
-        }
-    };
-}
-
 /// The handler of a conditional branch.
-pub(in crate::blocks) const fn conditional_branch_handler<B: BlockBus>(
-    condition: u32,
-) -> Handler<B> {
-    by_condition!(condition, conditional_branch_operation, [0 1 2 3 4 5 6 7 8 9 10 11 12 13])
+pub(in crate::blocks) fn conditional_branch_handler<B: BlockBus>(condition: u32) -> Handler<B> {
+    let of_condition: [Handler<B>; 16] = instances!(
+        conditional_branch_operation::<B, [0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15]>
+    );
+    of_condition[condition as usize & 15]
 }
 
 /// The handler that stands before a conditional operation.
-pub(in crate::blocks) const fn skip_unless_handler<B: BlockBus>(condition: u32) -> Handler<B> {
-    by_condition!(condition, skip_unless, [0 1 2 3 4 5 6 7 8 9 10 11 12 13])
+pub(in crate::blocks) fn skip_unless_handler<B: BlockBus>(condition: u32) -> Handler<B> {
+    let of_condition: [Handler<B>; 16] =
+        instances!(skip_unless::<B, [0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15]>);
+    of_condition[condition as usize & 15]
 }

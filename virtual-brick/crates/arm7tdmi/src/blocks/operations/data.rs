@@ -186,7 +186,7 @@ fn process<
     }
 }
 
-const fn with_flags<B: BlockBus, const OPERATION: u8, const KIND: u8>(flags: bool) -> Handler<B> {
+fn with_flags<B: BlockBus, const OPERATION: u8, const KIND: u8>(flags: bool) -> Handler<B> {
     if flags {
         data::<B, OPERATION, KIND, true>
     } else {
@@ -194,108 +194,74 @@ const fn with_flags<B: BlockBus, const OPERATION: u8, const KIND: u8>(flags: boo
     }
 }
 
-const fn with_kind<B: BlockBus, const OPERATION: u8>(kind: u8, flags: bool) -> Handler<B> {
-    match kind {
-        CONSTANT => with_flags::<B, OPERATION, CONSTANT>(flags),
-        CONSTANT_CARRY => with_flags::<B, OPERATION, CONSTANT_CARRY>(flags),
-        REGISTER => with_flags::<B, OPERATION, REGISTER>(flags),
-        LEFT => with_flags::<B, OPERATION, LEFT>(flags),
-        RIGHT => with_flags::<B, OPERATION, RIGHT>(flags),
-        RIGHT_ARITHMETIC => with_flags::<B, OPERATION, RIGHT_ARITHMETIC>(flags),
-        ANY_SHIFT => with_flags::<B, OPERATION, ANY_SHIFT>(flags),
-        _ => with_flags::<B, OPERATION, BY_REGISTER>(flags),
-    }
+fn with_kind<B: BlockBus, const OPERATION: u8>(kind: u8, flags: bool) -> Handler<B> {
+    let of_kind: [fn(bool) -> Handler<B>; 8] =
+        instances!(with_flags::<B, OPERATION, [0 1 2 3 4 5 6 7]>);
+    of_kind[usize::from(kind & 7)](flags)
 }
 
 /// The handler of a data processing operation.
-pub(in crate::blocks) const fn data_handler<B: BlockBus>(
+pub(in crate::blocks) fn data_handler<B: BlockBus>(
     operation: AluOperation,
     kind: u8,
     flags: bool,
 ) -> Handler<B> {
-    match operation {
-        AluOperation::And => with_kind::<B, 0>(kind, flags),
-        AluOperation::Eor => with_kind::<B, 1>(kind, flags),
-        AluOperation::Sub => with_kind::<B, 2>(kind, flags),
-        AluOperation::Rsb => with_kind::<B, 3>(kind, flags),
-        AluOperation::Add => with_kind::<B, 4>(kind, flags),
-        AluOperation::Adc => with_kind::<B, 5>(kind, flags),
-        AluOperation::Sbc => with_kind::<B, 6>(kind, flags),
-        AluOperation::Rsc => with_kind::<B, 7>(kind, flags),
-        AluOperation::Tst => with_kind::<B, 8>(kind, flags),
-        AluOperation::Teq => with_kind::<B, 9>(kind, flags),
-        AluOperation::Cmp => with_kind::<B, 10>(kind, flags),
-        AluOperation::Cmn => with_kind::<B, 11>(kind, flags),
-        AluOperation::Orr => with_kind::<B, 12>(kind, flags),
-        AluOperation::Mov => with_kind::<B, 13>(kind, flags),
-        AluOperation::Bic => with_kind::<B, 14>(kind, flags),
-        AluOperation::Mvn => with_kind::<B, 15>(kind, flags),
-    }
+    let of_operation: [fn(u8, bool) -> Handler<B>; 16] =
+        instances!(with_kind::<B, [0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15]>);
+    of_operation[operation as usize](kind, flags)
 }
 
-const fn if_of_kind<B: BlockBus, const OPERATION: u8>(kind: u8) -> Option<Handler<B>> {
-    Some(match kind {
+fn conditional_with_kind<B: BlockBus, const OPERATION: u8>(kind: u8) -> Option<Handler<B>> {
+    let handler: Handler<B> = match kind {
         CONSTANT => data_if::<B, OPERATION, CONSTANT>,
         REGISTER => data_if::<B, OPERATION, REGISTER>,
         LEFT => data_if::<B, OPERATION, LEFT>,
         RIGHT => data_if::<B, OPERATION, RIGHT>,
         RIGHT_ARITHMETIC => data_if::<B, OPERATION, RIGHT_ARITHMETIC>,
         _ => return None,
-    })
+    };
+    Some(handler)
 }
 
 /// The handler of the usual conditional operations that set no flags.
-pub(in crate::blocks) const fn data_if_handler<B: BlockBus>(
+pub(in crate::blocks) fn data_if_handler<B: BlockBus>(
     operation: AluOperation,
     kind: u8,
 ) -> Option<Handler<B>> {
-    match operation {
-        AluOperation::And => if_of_kind::<B, 0>(kind),
-        AluOperation::Eor => if_of_kind::<B, 1>(kind),
-        AluOperation::Sub => if_of_kind::<B, 2>(kind),
-        AluOperation::Rsb => if_of_kind::<B, 3>(kind),
-        AluOperation::Add => if_of_kind::<B, 4>(kind),
-        AluOperation::Orr => if_of_kind::<B, 12>(kind),
-        AluOperation::Mov => if_of_kind::<B, 13>(kind),
-        AluOperation::Bic => if_of_kind::<B, 14>(kind),
-        AluOperation::Mvn => if_of_kind::<B, 15>(kind),
-        _ => None,
-    }
+    let reads_carry = matches!(
+        operation,
+        AluOperation::Adc | AluOperation::Sbc | AluOperation::Rsc
+    );
+    let of_operation: [fn(u8) -> Option<Handler<B>>; 16] =
+        instances!(conditional_with_kind::<B, [0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15]>);
+    let handler = of_operation[operation as usize];
+    (!reads_carry && !operation.compares())
+        .then(|| handler(kind))
+        .flatten()
 }
 
-const fn branch_of<B: BlockBus, const OPERATION: u8, const KIND: u8>(
+fn with_condition<B: BlockBus, const OPERATION: u8, const KIND: u8>(
     condition: u32,
 ) -> Option<Handler<B>> {
-    Some(match condition {
-        0x0 => data_and_branch::<B, OPERATION, KIND, 0x0>,
-        0x1 => data_and_branch::<B, OPERATION, KIND, 0x1>,
-        0x2 => data_and_branch::<B, OPERATION, KIND, 0x2>,
-        0x3 => data_and_branch::<B, OPERATION, KIND, 0x3>,
-        0x4 => data_and_branch::<B, OPERATION, KIND, 0x4>,
-        0x5 => data_and_branch::<B, OPERATION, KIND, 0x5>,
-        0x8 => data_and_branch::<B, OPERATION, KIND, 0x8>,
-        0x9 => data_and_branch::<B, OPERATION, KIND, 0x9>,
-        0xA => data_and_branch::<B, OPERATION, KIND, 0xA>,
-        0xB => data_and_branch::<B, OPERATION, KIND, 0xB>,
-        0xC => data_and_branch::<B, OPERATION, KIND, 0xC>,
-        0xD => data_and_branch::<B, OPERATION, KIND, 0xD>,
-        _ => return None,
-    })
+    let of_condition: [Handler<B>; 14] = instances!(
+        data_and_branch::<B, OPERATION, KIND, [0 1 2 3 4 5 6 7 8 9 10 11 12 13]>
+    );
+    of_condition.get(condition as usize).copied()
 }
 
 /// The handler of a usual comparison together with the conditional branch behind it.
-pub(in crate::blocks) const fn data_and_branch_handler<B: BlockBus>(
+pub(in crate::blocks) fn data_and_branch_handler<B: BlockBus>(
     operation: AluOperation,
     kind: u8,
     condition: u32,
 ) -> Option<Handler<B>> {
     match (operation, kind) {
-        (AluOperation::Sub, CONSTANT) => branch_of::<B, 0x2, CONSTANT>(condition),
-        (AluOperation::Sub, REGISTER) => branch_of::<B, 0x2, REGISTER>(condition),
-        (AluOperation::Add, CONSTANT) => branch_of::<B, 0x4, CONSTANT>(condition),
-        (AluOperation::Tst, CONSTANT) => branch_of::<B, 0x8, CONSTANT>(condition),
-        (AluOperation::Cmp, CONSTANT) => branch_of::<B, 0xA, CONSTANT>(condition),
-        (AluOperation::Cmp, REGISTER) => branch_of::<B, 0xA, REGISTER>(condition),
+        (AluOperation::Sub, CONSTANT) => with_condition::<B, 0x2, CONSTANT>(condition),
+        (AluOperation::Sub, REGISTER) => with_condition::<B, 0x2, REGISTER>(condition),
+        (AluOperation::Add, CONSTANT) => with_condition::<B, 0x4, CONSTANT>(condition),
+        (AluOperation::Tst, CONSTANT) => with_condition::<B, 0x8, CONSTANT>(condition),
+        (AluOperation::Cmp, CONSTANT) => with_condition::<B, 0xA, CONSTANT>(condition),
+        (AluOperation::Cmp, REGISTER) => with_condition::<B, 0xA, REGISTER>(condition),
         _ => None,
     }
 }

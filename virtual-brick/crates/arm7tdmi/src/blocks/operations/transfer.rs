@@ -118,54 +118,31 @@ fn load_branch<B: BlockBus, const ADDRESSING: u8>(
 }
 
 /// The handler of a load to r15.
-pub(in crate::blocks) const fn load_branch_handler<B: BlockBus>(addressing: u8) -> Handler<B> {
-    match addressing {
-        FIXED => load_branch::<B, FIXED>,
-        OFFSET => load_branch::<B, OFFSET>,
-        INDEXED => load_branch::<B, INDEXED>,
-        RELATIVE => load_branch::<B, RELATIVE>,
-        _ => load_branch::<B, GENERAL>,
-    }
+pub(in crate::blocks) fn load_branch_handler<B: BlockBus>(addressing: u8) -> Handler<B> {
+    let of_addressing: [Handler<B>; 5] = instances!(load_branch::<B, [0 1 2 3 4]>);
+    of_addressing[usize::from(addressing)]
 }
 
-const fn load_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
-    match addressing {
-        RELATIVE => load::<B, ITEM, RELATIVE>,
-        FIXED => load::<B, ITEM, FIXED>,
-        OFFSET => load::<B, ITEM, OFFSET>,
-        INDEXED => load::<B, ITEM, INDEXED>,
-        _ => load::<B, ITEM, GENERAL>,
-    }
+fn load_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
+    let of_addressing: [Handler<B>; 5] = instances!(load::<B, ITEM, [0 1 2 3 4]>);
+    of_addressing[usize::from(addressing)]
 }
 
-const fn store_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
-    match addressing {
-        RELATIVE => store::<B, ITEM, RELATIVE>,
-        FIXED => store::<B, ITEM, FIXED>,
-        OFFSET => store::<B, ITEM, OFFSET>,
-        INDEXED => store::<B, ITEM, INDEXED>,
-        _ => store::<B, ITEM, GENERAL>,
-    }
+fn store_item<B: BlockBus, const ITEM: u8>(addressing: u8) -> Handler<B> {
+    let of_addressing: [Handler<B>; 5] = instances!(store::<B, ITEM, [0 1 2 3 4]>);
+    of_addressing[usize::from(addressing)]
 }
 
 /// The handler of a single load.
-pub(in crate::blocks) const fn load_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
-    match item {
-        WORD => load_item::<B, WORD>(addressing),
-        BYTE => load_item::<B, BYTE>(addressing),
-        HALFWORD => load_item::<B, HALFWORD>(addressing),
-        SIGNED_BYTE => load_item::<B, SIGNED_BYTE>(addressing),
-        _ => load_item::<B, SIGNED_HALFWORD>(addressing),
-    }
+pub(in crate::blocks) fn load_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
+    let of_item: [fn(u8) -> Handler<B>; 5] = instances!(load_item::<B, [0 1 2 3 4]>);
+    of_item[usize::from(item)](addressing)
 }
 
-/// The handler of a single store.
-pub(in crate::blocks) const fn store_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
-    match item {
-        WORD => store_item::<B, WORD>(addressing),
-        BYTE => store_item::<B, BYTE>(addressing),
-        _ => store_item::<B, HALFWORD>(addressing),
-    }
+/// The handler of a single store; the signed items are those of loads only.
+pub(in crate::blocks) fn store_handler<B: BlockBus>(item: u8, addressing: u8) -> Handler<B> {
+    let of_item: [fn(u8) -> Handler<B>; 3] = instances!(store_item::<B, [0 1 2]>);
+    of_item[usize::from(item)](addressing)
 }
 
 /// First address of a multiple transfer and the moved base.

@@ -119,14 +119,6 @@ impl Bus for Machine {
     fn internal(&mut self, count: u32) {
         self.now += u64::from(count);
     }
-
-    fn irq(&self) -> bool {
-        false
-    }
-
-    fn fiq(&self) -> bool {
-        false
-    }
 }
 
 impl BlockBus for Machine {
