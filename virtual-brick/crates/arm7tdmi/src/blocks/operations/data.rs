@@ -232,7 +232,7 @@ pub(in crate::blocks) fn data_if_handler<B: BlockBus>(
         operation,
         AluOperation::Adc | AluOperation::Sbc | AluOperation::Rsc
     );
-    let of_operation: [fn(u8) -> Option<Handler<B>>; 16] =
+    let of_operation: [fn(u8) -> _; 16] =
         instances!(conditional_with_kind::<B, [0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15]>);
     let handler = of_operation[operation as usize];
     (!reads_carry && !operation.compares())
