@@ -20,15 +20,15 @@ help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 .PHONY: setup
-setup: ## Install what is missing and build what every command needs
+setup: ## Install missing packages and build everything that the commands need
 	@tools/setup
 
 .PHONY: native
-native: ## The same, with JIT code in the virtual brick: busy programs run twice as fast
+native: ## Set-up with JIT code in the virtual brick: busy programs run twice as fast
 	@tools/setup native
 
 .PHONY: develop
-develop: ## The same as setup, and what tests, style checks and benchmarks need
+develop: ## Set-up with the tools for tests, style checks and benchmarks
 	@tools/setup develop
 
 .PHONY: complete
@@ -36,11 +36,11 @@ complete:
 	@tools/setup develop native
 
 .PHONY: page
-page: ## Build the page of `ravenbrick view` anew, after a change of it (needs Node.js and rustup)
+page: ## Build the page of `ravenbrick view` after a change (needs Node.js and rustup)
 	@tools/page
 
 .PHONY: demo
-demo: setup ## The paper's vehicle, from motor constants to turning wheels: out/vehicle/report.html
+demo: setup ## Design, build and run the paper's vehicle; writes out/vehicle/report.html
 	@.venv/bin/ravenbrick demo examples/vehicle
 
 .PHONY: test
@@ -62,7 +62,7 @@ test-rust: ## Tests of the virtual brick's crates
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
 .PHONY: test-python
-test-python: ## Tests of run-time, drivers, control, tools and the whole drive
+test-python: ## Tests of run-time, drivers, control, tools and examples
 	@.venv/bin/ravenbrick build examples/vehicle
 	@$(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests runtime/tests \
 		drivers/tests examples verification
@@ -72,15 +72,15 @@ test-page: ## Tests of the page: units in Node.js, the shipped page in headless 
 	@tools/page test
 
 .PHONY: conformance
-conformance: complete ## Full campaigns against outside truth; writes verification/results.{json,md}
+conformance: complete ## Full verification campaigns; writes verification/results.{json,md}
 	@$(PYTHON) -m verification.run
 
 .PHONY: bench
-bench: complete ## Ratios measured side by side; writes verification/benchmarks/results.{json,md}
+bench: complete ## Benchmarks, compared with other programs; writes verification/benchmarks/results.{json,md}
 	@$(PYTHON) -m verification.run --benchmarks
 
 .PHONY: docs
-docs: setup ## The documentation site and the lab sheets as PDF: docs/_build
+docs: setup ## Build the documentation site and the lab sheets as PDF in docs/_build
 	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements/docs.txt
 	@$(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
 	@$(PYTHON) -m tools.docs.site_links docs/_build/html
@@ -88,9 +88,9 @@ docs: setup ## The documentation site and the lab sheets as PDF: docs/_build
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
 
 .PHONY: dist
-dist: complete ## One wheel that works without this tree: build/dist/ravenbrick-….whl
+dist: complete ## Build one wheel that works without this tree: build/dist/ravenbrick-….whl
 	@$(PYTHON) -m tools.dist
 
 .PHONY: clean
-clean: ## Remove everything that was built (keeps .venv)
+clean: ## Remove all built files (keeps .venv)
 	rm -rf build out docs/_build virtual-brick/target web/generated web/node_modules

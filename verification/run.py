@@ -83,11 +83,13 @@ def list_text(suites: list[Suite]) -> str:
 def main(arguments: list[str] | None = None) -> int:
     """Run, write results and tables; returns the exit code."""
     parser = argparse.ArgumentParser(prog="python -m verification.run", description=__doc__)
-    parser.add_argument("--benchmarks", action="store_true", help="measurements in place of suites")
     parser.add_argument(
-        "--only", nargs="+", default=[], metavar="WORD", help="areas, or parts of suites' names"
+        "--benchmarks", action="store_true", help="run benchmarks instead of suites"
     )
-    parser.add_argument("--list", action="store_true", help="list of the suites, nothing is run")
+    parser.add_argument(
+        "--only", nargs="+", default=[], metavar="WORD", help="areas, or parts of suite names"
+    )
+    parser.add_argument("--list", action="store_true", help="list the suites without running them")
     parser.add_argument("--json", action="store_true", help="result as JSON on standard output")
     options = parser.parse_args(arguments)
     table, run = (BENCHMARKS, measure) if options.benchmarks else (SUITES, run_suite)

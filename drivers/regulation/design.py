@@ -109,7 +109,7 @@ def generate(result: Design, folder: Path) -> None:
 def main() -> None:
     """Design, generate, and print the figures."""
     parser = argparse.ArgumentParser(description="Design the regulated motors.")
-    parser.add_argument("--generated", type=Path, default=GENERATED, help="for the Ada")
+    parser.add_argument("--generated", type=Path, default=GENERATED, help="folder for the Ada")
     arguments = parser.parse_args()
     result = design()
     generate(result, arguments.generated)

@@ -116,7 +116,7 @@ def main() -> None:
     """Design, generate, and print the figures."""
     parser = argparse.ArgumentParser(description="Design the balancing controller.")
     parser.add_argument("--results", type=Path, help="JSON file for figures and step responses")
-    parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="for the C")
+    parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="C folder")
     arguments = parser.parse_args()
     gain = gains().round(5)
     code = generate_c(controller(gain))

@@ -115,7 +115,7 @@ def main() -> None:
     """Design, generate, and print the figures."""
     parser = argparse.ArgumentParser(description="Design the line follower's steering.")
     parser.add_argument("--results", type=Path, help="JSON file for figures and step responses")
-    parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="for the C")
+    parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="C folder")
     arguments = parser.parse_args()
     speed = WHEEL_RADIUS * NXT_MOTOR.gain * CRUISE_VOLTAGE
     gain = round(proportional_gain(speed), 4)

@@ -61,7 +61,7 @@ def main() -> None:
     """Design, generate, and print the figures."""
     parser = argparse.ArgumentParser(description="Design the speed and position controllers.")
     parser.add_argument("--results", type=Path, help="JSON file for figures and step responses")
-    parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="for the C")
+    parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="C folder")
     arguments = parser.parse_args()
     result = design()
     code = generate_c(result.controller)

@@ -131,8 +131,8 @@ def find(names: list[str]) -> list[Path]:
 
 def main() -> int:
     """Run sheets; 1 when one fails."""
-    parser = argparse.ArgumentParser(description="Execute lab sheets.")
-    parser.add_argument("sheets", nargs="*", help="01, 02, ...")
+    parser = argparse.ArgumentParser(description="Execute lab sheets and compare their output.")
+    parser.add_argument("sheets", nargs="*", help="numbers of the sheets: 01, 02, ...")
     parser.add_argument("--show", action="store_true", help="print all output")
     arguments = parser.parse_args()
     failed = 0

@@ -212,7 +212,7 @@ def suite(kind: str) -> Counts:
 def main(arguments: list[str]) -> int:
     """Run the campaign; 1 when a test failed, 2 when the suite is not there."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("tests", nargs="*", help="beginnings of names; all tests when absent")
+    parser.add_argument("tests", nargs="*", help="prefixes of test names (default: all tests)")
     parser.add_argument("--workers", type=int, default=WORKERS)
     parser.add_argument("--json", action="store_true", help="print the outcomes as JSON")
     options = parser.parse_args(arguments)

@@ -315,7 +315,7 @@ def main() -> int:
     parser.add_argument("names", nargs="*", choices=[*EXAMPLES, []])
     parser.add_argument("--hunt", type=int, default=40)
     parser.add_argument("--hours", type=float, default=0.0)
-    parser.add_argument("--page", action="store_true", help="only write the page again")
+    parser.add_argument("--page", action="store_true", help="only rewrite the page")
     chosen = parser.parse_args()
     options = [f"--hunt={chosen.hunt}"] if chosen.hunt else []
     options += [f"--hours={chosen.hours}"] if chosen.hours else []

@@ -245,7 +245,7 @@ def main() -> int:
     """Print the counts as JSON; 1 when a bound differs or a run exceeds one."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sets", type=int, default=10_000)
-    parser.add_argument("--simso", type=int, default=0, help="sets simulated with SimSo too")
+    parser.add_argument("--simso", type=int, default=0, help="sets also simulated with SimSo")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.simso and not installed("simso"):

@@ -433,7 +433,7 @@ def campaign_parser(description: str | None) -> argparse.ArgumentParser:
     parser.add_argument("--code", choices=("arm", "thumb"), default="arm")
     parser.add_argument("--level", default="O1")
     parser.add_argument("--table", type=Path, help="file for the table")
-    parser.add_argument("--seconds", type=float, help="longest time for one program")
+    parser.add_argument("--seconds", type=float, help="time limit for each program")
     return parser
 
 
