@@ -58,13 +58,13 @@ def test_a_full_stack_is_reported_with_the_name_of_its_task(brick: Callable[...,
         "",
         "Storage_Error: s",
         "tack overflow",
-        "task digger",
+        "task recursive",
         "priority 12",
         "",
         "",
     ]
-    (digger,) = (thread for thread in device.device.threads() if thread.name == "digger")
-    assert digger.stack_used <= digger.stack_size - 100
+    (recursive,) = (thread for thread in device.device.threads() if thread.name == "recursive")
+    assert recursive.stack_used <= recursive.stack_size - 100
 
 
 def test_a_ceiling_violation_is_reported_with_task_and_object(brick: Callable[..., Brick]) -> None:

@@ -5,15 +5,16 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import virtual_brick
 
-from verification.support.bricks.driver_programs import PROGRAMS, ROOT, build_run_time
 from verification.support.bricks.observe import Brick, bench
+from verification.support.bricks.programs import gprbuild
+
+TESTS = Path(__file__).resolve().parent
 
 SENSORS = {"2": {"kind": "analogue"}}
 DRIVEN = {"A": (0, True), "B": (60, True), "C": (40, True)}
@@ -77,12 +78,12 @@ def test_a_hanging_bus_is_reset_until_it_is_free(
 
 def test_period_and_priority_are_the_programs_choice(tmp_path: Path) -> None:
     """With 10 ms in place of 2 ms, at a low priority, inputs come within 40 ms."""
-    build_run_time()
-    command = ["gprbuild", "-q", "-j2", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"]
-    command += ["-P", str(PROGRAMS / "test.gpr"), "-XTEST=link", f"-XRAVENBRICK_BUILD={tmp_path}"]
-    command += [f"-XDRIVERS_CONFIGURATION={PROGRAMS / 'slow_link'}"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    gprbuild(
+        TESTS / "test.gpr",
+        TEST="link",
+        RAVENBRICK_BUILD=tmp_path,
+        DRIVERS_CONFIGURATION=TESTS / "slow_link",
+    )
     elf = (tmp_path / "drivers" / "tests" / "link" / "ram" / "link.elf").read_bytes()
     device = Brick(virtual_brick.VirtualBrick(json.dumps(bench() | {"sensors": SENSORS}), elf))
     device.set(10, "sensor.2.raw", 300)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +18,7 @@ import virtual_brick
 
 from tools.docs.lcd_picture import lcd_svg
 from verification.support.bricks.observe import Brick, bench
+from verification.support.bricks.programs import gprbuild
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -145,13 +145,7 @@ EXAMPLES = {
 
 def build(name: str) -> bytes:
     """The example's image for RAM."""
-    config = f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"
-    command = ["gprbuild", "-q", "-j2", config, "-P", str(HERE / "device.gpr")]
-    done = subprocess.run(
-        [*command, f"-XDEVICE={name}"], capture_output=True, text=True, check=False
-    )
-    if done.returncode != 0:
-        raise SystemExit(f"{name}: {done.stdout}{done.stderr}")
+    gprbuild(HERE / "device.gpr", DEVICE=name)
     return (BUILD / "devices" / name / "ram" / f"{name}.elf").read_bytes()
 
 

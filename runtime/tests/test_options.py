@@ -75,8 +75,8 @@ class TestStackChecking:
         result = run("stack_overflow", code=code, options=("-XSTACK_CHECK=yes",))
         assert result.stop.reason == "halted"
         assert result.failure() == ("Storage_Error: stack overflow", 0)
-        (digger,) = (thread for thread in result.brick.threads() if thread.base_priority == 12)
-        assert digger.stack_used <= digger.stack_size - 100
+        (recursive,) = (thread for thread in result.brick.threads() if thread.base_priority == 12)
+        assert recursive.stack_used <= recursive.stack_size - 100
         assert 8 <= result.brick.read_int("depth", "u32") <= 40
 
 

@@ -24,7 +24,8 @@ from verification.benchmarks.driver_costs import (
     table,
     telemetry_memory,
 )
-from verification.support.bricks.driver_programs import ROOT, image_of
+from verification.support.bricks.driver_programs import image_of
+from verification.support.bricks.programs import ROOT
 
 CYCLES_PER_MS = 48_055
 SHORT = CYCLES_PER_MS // 50

@@ -12,7 +12,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,7 @@ import pytest
 import virtual_brick
 
 from verification.support.bricks.observe import Brick, bench
+from verification.support.bricks.programs import gprbuild
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -105,12 +105,13 @@ def image(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Program], bytes
 
     def build(program: Program) -> bytes:
         objects = tmp_path_factory.mktemp(program.main)
-        options = {"SOURCES": sources(program), "MAIN": program.main, "OBJECTS": objects}
-        command = ["gprbuild", "-q", "-j2", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}"]
-        command += ["-P", str(HERE / "course.gpr"), f"-XCODE={program.code}"]
-        command += [f"-X{name}={value}" for name, value in options.items()]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stdout + done.stderr
+        gprbuild(
+            HERE / "course.gpr",
+            CODE=program.code,
+            SOURCES=sources(program),
+            MAIN=program.main,
+            OBJECTS=objects,
+        )
         return (objects / f"{program.main}.elf").read_bytes()
 
     return build

@@ -4,19 +4,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-
 import pytest
 
-from examples.devices.pictures import EXAMPLES, GUIDE, HERE, PICTURES, ROOT, guide, picture, run
-
-
-@pytest.fixture(scope="module", autouse=True)
-def run_time() -> None:
-    """The run-time, built once; RAVENBRICK_RTS names another one, taken as it is."""
-    if "RAVENBRICK_RTS" not in os.environ:
-        subprocess.run(["make", "--silent", "-C", ROOT / "runtime"], check=True)
+from examples.devices.pictures import EXAMPLES, GUIDE, HERE, PICTURES, guide, picture, run
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import os
 import shutil
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -23,6 +21,8 @@ from ravenbrick.codegen import (
     generate_c,
     random_vectors,
 )
+
+from verification.support.bricks.programs import gprbuild
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
@@ -60,14 +60,8 @@ def run_check(
         f"pragma Warnings (Off);\n{units}package Controller_Parts is\nend Controller_Parts;\n"
     )
     (folder / "functional_check.c").write_text(check_program(vectors))
-    subprocess.run(["make", "-s", "-C", str(ROOT / "runtime")], check=True)
-    subprocess.run(
-        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
-         "-P", str(HERE / "controller_check" / "controller_check.gpr"),
-         f"-XBUILD={folder}", f"-XCODE={code}", "-XIMAGE=ram", *options],
-        check=True,
-        env=os.environ | {"LC_ALL": "C"},
-    )  # fmt: skip
+    project = HERE / "controller_check" / "controller_check.gpr"
+    gprbuild(project, *options, BUILD=folder, CODE=code, IMAGE="ram")
     elf = (folder / "controller_check.elf").read_bytes()
     brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf)
     brick.run_until(LIMIT_CYCLES)

@@ -21,6 +21,8 @@ import numpy as np
 import virtual_brick
 from ravenbrick.clock import MASTER_CLOCK
 
+from verification.support.bricks.programs import gprbuild
+
 __all__ = ["LONGEST_MASKED_CYCLES", "FigureRow", "figures", "image_of"]
 
 HERE = Path(__file__).resolve().parent
@@ -110,13 +112,15 @@ def image_of(program: str, image: str, code: str) -> Path:
     )
     folder = products / "benchmarks" / code
     elf = folder / program / image / f"{program}.elf"
-    subprocess.run(
-        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
-         "-P", str(HERE / "benchmarks.gpr"), f"-XPROGRAM={program}", f"-XIMAGE={image}",
-         f"-XCODE={code}", f"-XBUILD={folder}", f"--create-map-file={elf.with_suffix('.map')}"],
-        check=True,
-        env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(library)},
-    )  # fmt: skip
+    gprbuild(
+        HERE / "benchmarks.gpr",
+        f"--create-map-file={elf.with_suffix('.map')}",
+        run_time=library,
+        PROGRAM=program,
+        IMAGE=image,
+        CODE=code,
+        BUILD=folder,
+    )
     return elf
 
 

@@ -15,6 +15,8 @@ import numpy as np
 import virtual_brick
 from ravenbrick.clock import MASTER_CLOCK
 
+from verification.support.bricks.programs import ROOT, gprbuild
+
 __all__ = [
     "BENCH",
     "CYCLES_PER_MS",
@@ -31,7 +33,6 @@ __all__ = [
     "make_runtime",
 ]
 
-ROOT = Path(__file__).resolve().parents[3]
 TESTS = ROOT / "runtime" / "tests"
 PROGRAMS = TESTS / "programs"
 PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
@@ -52,8 +53,6 @@ MAKE_VARIABLES = {
     "timed": ("EXECUTION_TIME=yes",),
     "contracts": ("CONTRACTS=yes",),
 }
-CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
-
 CYCLES_PER_SECOND = float(MASTER_CLOCK.hertz)
 CYCLES_PER_MS = 48_055
 UNITS_PER_SECOND = 21_024_000
@@ -96,14 +95,16 @@ def build(
     make_runtime(runtime)
     folder = BUILD / f"{code}-on-{runtime}"
     elf = folder / name / image / f"{name}.elf"
-    subprocess.run(
-        ["gprbuild", "-q", f"--config={CONFIGURATION}", "-P", str(TESTS / "test.gpr"),
-         f"-XTEST={name}", f"-XIMAGE={image}", f"-XCODE={code}", f"-XBUILD={folder}",
-         *options, f"--create-map-file={elf.with_suffix('.map')}"],
-        check=True,
-        cwd=TESTS,
-        env=os.environ | {"LC_ALL": "C", "RAVENBRICK_RTS": str(RUNTIMES[runtime])},
-    )  # fmt: skip
+    gprbuild(
+        TESTS / "test.gpr",
+        *options,
+        f"--create-map-file={elf.with_suffix('.map')}",
+        run_time=RUNTIMES[runtime],
+        TEST=name,
+        IMAGE=image,
+        CODE=code,
+        BUILD=folder,
+    )
     return elf
 
 

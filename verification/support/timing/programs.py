@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,6 +17,8 @@ from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.started import elaborated
 from ravenbrick.trace.recording import Recording
+
+from verification.support.bricks.programs import gprbuild
 
 __all__ = ["Subject", "analysed", "built", "subject"]
 
@@ -44,16 +44,13 @@ class Subject:
 def built(folder: str, program: str) -> ElfImage:
     """A program of a folder here, with the Ravenscar run-time."""
     build = ROOT / "build" / "verification" / folder
-    subprocess.run(
-        ["gprbuild", "-q", f"--config={ROOT / 'tools' / 'ravenbrick.cgpr'}",
-         "-P", str(HERE / "programs.gpr"), f"-XFOLDER={folder}", f"-XMAIN={program}",
-         f"-XBUILD={build}"],
-        check=True,
-        env=os.environ | {
-            "LC_ALL": "C",
-            "RAVENBRICK_RTS": str(ROOT / "build" / "runtime" / "ravenscar"),
-        },
-    )  # fmt: skip
+    gprbuild(
+        HERE / "programs.gpr",
+        run_time=ROOT / "build" / "runtime" / "ravenscar",
+        FOLDER=folder,
+        MAIN=program,
+        BUILD=build,
+    )
     return read_image(build / f"{program}.elf")
 
 

@@ -5,10 +5,10 @@
 
 with NXT.Display;
 
-with Digging;
-pragma Unreferenced (Digging);
+with Recursion;
+pragma Unreferenced (Recursion);
 
 procedure Stack_Overflow is
 begin
-   NXT.Display.Put ("Digging");
+   NXT.Display.Put ("Recursion");
 end Stack_Overflow;

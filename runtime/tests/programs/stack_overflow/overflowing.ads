@@ -8,8 +8,8 @@ package Overflowing is
    Depth : Natural := 0
      with Volatile, Export, Convention => C, External_Name => "depth";
 
-   task Digger with Priority => 12, Storage_Size => 1024 is
-      pragma Task_Name ("digger");
-   end Digger;
+   task Recursive_Task with Priority => 12, Storage_Size => 1024 is
+      pragma Task_Name ("recursive");
+   end Recursive_Task;
 
 end Overflowing;

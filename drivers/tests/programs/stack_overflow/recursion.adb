@@ -3,33 +3,33 @@
 
 with Ada.Real_Time; use Ada.Real_Time;
 
-package body Digging is
+package body Recursion is
 
    Depth : Natural := 0 with Volatile;
 
    type Words is array (1 .. 12) of Integer with Volatile_Components;
 
-   function Dig (Deeper : Natural) return Integer with No_Inline;
+   function Recurse (Deeper : Natural) return Integer with No_Inline;
 
-   function Dig (Deeper : Natural) return Integer is
+   function Recurse (Deeper : Natural) return Integer is
       Local : Words := (others => Deeper);
    begin
       if Deeper > 0 then
-         Local (1) := Dig (Deeper - 1) + 1;
+         Local (1) := Recurse (Deeper - 1) + 1;
       end if;
       return Local (1) + Local (12);
-   end Dig;
+   end Recurse;
 
-   task body Digger is
+   task body Recursive_Task is
       Next : Time := Time_Of (0, Milliseconds (100));
    begin
       loop
          delay until Next;
          Next := Next + Milliseconds (1);
-         if Dig (Depth) >= 0 then
+         if Recurse (Depth) >= 0 then
             Depth := Depth + 1;
          end if;
       end loop;
-   end Digger;
+   end Recursive_Task;
 
-end Digging;
+end Recursion;
