@@ -3,7 +3,7 @@
 /** Jobs on the page against the bounds that `ravenbrick analyse` proved. */
 import type { Page } from "playwright-core";
 import { describe, expect } from "vitest";
-import { ends, passes, picture, test } from "./harness";
+import { waitForEnd, waitUntil, screenshot, test } from "./harness";
 
 interface Session {
   tasks: { bound_cycles: number | null }[];
@@ -21,12 +21,12 @@ describe("response times", () => {
     const { page } = await open(drive);
     await page.selectOption('[aria-label="Width of the schedule"]', "10");
     await page.click("#run");
-    await passes(page, 4);
+    await waitUntil(page, 4);
     await page.click("#run");
-    await picture(page, "8-bounds");
+    await screenshot(page, "8-bounds");
     await page.selectOption("#speed", "Infinity");
     await page.click("#run");
-    await ends(page, "ended (power off)");
+    await waitForEnd(page, "ended (power off)");
     for (const { name, response_bound_cycles, observed } of bounds) {
       const { missed, cells } = await row(page, name);
       const [, , , , misses, bound, share] = cells;
@@ -50,11 +50,11 @@ describe("response times", () => {
     });
     await page.selectOption("#speed", "5");
     await page.click("#run");
-    await passes(page, 3);
+    await waitUntil(page, 3);
     await page.click("#run");
     const { missed, cells } = await row(page, "control_task");
     expect([missed, cells[4]]).toEqual([true, "0"]);
     expect(Number.parseFloat(cells[6] ?? "")).toBeGreaterThan(100);
-    await picture(page, "9-beyond-bounds");
+    await screenshot(page, "9-beyond-bounds");
   });
 });

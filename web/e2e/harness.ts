@@ -69,7 +69,7 @@ type Open = (
   prepare?: (page: Page) => Promise<unknown>,
 ) => Promise<Opened>;
 
-async function opened(browser: Browser, options: BrowserContextOptions): Promise<Opened> {
+async function openPage(browser: Browser, options: BrowserContextOptions): Promise<Opened> {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   context.setDefaultTimeout(TIMEOUT_MS);
   const requests: string[] = [];
@@ -126,7 +126,7 @@ export const test = base.extend<Fixtures>({
   ],
   bounds: [
     async ({}, use) => {
-      await built(VEHICLE);
+      await build(VEHICLE);
       const analysed = await ravenbrick("analyse", VEHICLE, "--scenario", "drive");
       await use(analysed["tasks"] as AnalysedTask[]);
     },
@@ -134,11 +134,11 @@ export const test = base.extend<Fixtures>({
   ],
   // The server shows the bounds that the analysis leaves.
   drive: [async ({ bounds: _known, view }, use) => use(await view(VEHICLE, "drive")), forAllTests],
-  free: [async ({ view }, use) => use(await view(await built(VEHICLE))), forAllTests],
+  free: [async ({ view }, use) => use(await view(await build(VEHICLE))), forAllTests],
   open: async ({ browser }, use) => {
     const all: Opened[] = [];
     await use(async (address, options = {}, prepare = () => Promise.resolve()) => {
-      const one = await opened(browser, options);
+      const one = await openPage(browser, options);
       all.push(one);
       await prepare(one.page);
       await one.page.goto(address);
@@ -151,60 +151,46 @@ export const test = base.extend<Fixtures>({
 });
 
 /** Build a project; its folder. */
-export async function built(project: string): Promise<string> {
+export async function build(project: string): Promise<string> {
   await ravenbrick("build", project);
   return project;
 }
 
-/** Wait until the line of status begins with these words. */
-export async function says(page: Page, words: string): Promise<void> {
-  await page.waitForFunction(
-    (begin) => document.querySelector("#status")?.textContent?.startsWith(begin),
-    words,
-    { timeout: TIMEOUT_MS },
-  );
+/** Wait until an element contains these words. */
+export async function waitForText(page: Page, selector: string, words: string | RegExp) {
+  await page.locator(selector, { hasText: words }).waitFor({ state: "attached" });
 }
 
 /** Wait until the run is at its beginning again. */
-export async function begins(page: Page): Promise<void> {
-  await page.waitForFunction(() =>
-    document.querySelector("#time")?.textContent?.startsWith("0.000000 s"),
-  );
-}
+export const waitForReset = (page: Page) => waitForText(page, "#time", /^0\.000000 s/);
 
 /** Wait until the program has ended in this way. */
-export async function ends(page: Page, how: string): Promise<void> {
-  await page.waitForFunction(
-    (words) => document.querySelector("#program")?.textContent?.includes(words),
-    how,
-    { timeout: TIMEOUT_MS },
-  );
-}
+export const waitForEnd = (page: Page, how: string) => waitForText(page, "#program", how);
 
 /** A picture of the page for a person to look at. */
-export async function picture(page: Page, name: string, fullPage = true): Promise<void> {
+export async function screenshot(page: Page, name: string, fullPage = true): Promise<void> {
   await page.evaluate(() => scrollTo(0, 0));
   await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage });
 }
 
 /** What a button of the page downloads. */
-export async function downloaded(
+export async function download(
   page: Page,
   button: string,
 ): Promise<{ path: string; text: string }> {
-  const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
-  const path = join(PICTURES, download.suggestedFilename());
-  await download.saveAs(path);
+  const [file] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+  const path = join(PICTURES, file.suggestedFilename());
+  await file.saveAs(path);
   return { path, text: readFileSync(path, "utf-8") };
 }
 
 /** Virtual time shown by the page, in seconds. */
-export async function shownTime(page: Page): Promise<number> {
+export async function virtualTime(page: Page): Promise<number> {
   return Number.parseFloat((await page.textContent("#time")) ?? "");
 }
 
 /** Wait until the page's virtual time has passed an instant. */
-export async function passes(page: Page, seconds: number): Promise<void> {
+export async function waitUntil(page: Page, seconds: number): Promise<void> {
   await page.waitForFunction(
     (end) => Number.parseFloat(document.querySelector("#time")?.textContent ?? "0") >= end,
     seconds,
@@ -213,12 +199,12 @@ export async function passes(page: Page, seconds: number): Promise<void> {
 }
 
 /** Wait until so much virtual time has passed from now on: as long as the program would see it. */
-export async function lasts(page: Page, seconds: number): Promise<void> {
-  await passes(page, (await shownTime(page)) + seconds);
+export async function waitFor(page: Page, seconds: number): Promise<void> {
+  await waitUntil(page, (await virtualTime(page)) + seconds);
 }
 
 /** Virtual seconds per second of the page's own clock, from one picture to one this much later. */
-export async function rateOver(page: Page, seconds: number): Promise<number> {
+export async function measureRate(page: Page, seconds: number): Promise<number> {
   return page.evaluate(async (wanted) => {
     const shown = () => Number.parseFloat(document.querySelector("#time")?.textContent ?? "");
     const until = async (done: () => boolean) => {
@@ -233,12 +219,12 @@ export async function rateOver(page: Page, seconds: number): Promise<number> {
 }
 
 /** Wait until the service worker answers the page: it keeps what it hands over. */
-export async function kept(page: Page): Promise<void> {
+export async function waitForServiceWorker(page: Page): Promise<void> {
   await page.waitForFunction(() => navigator.serviceWorker.controller !== null);
 }
 
 /** Share of pixels of a canvas that are not transparent, or dark on the display. */
-export async function inked(page: Page, selector: string): Promise<number> {
+export async function darkShare(page: Page, selector: string): Promise<number> {
   return page.$eval(selector, (element) => {
     const canvas = element as HTMLCanvasElement;
     const context = canvas.getContext("2d");

@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { describe, expect } from "vitest";
-import { begins, passes, picture, test } from "./harness";
+import { waitForReset, waitUntil, screenshot, test } from "./harness";
 
 /** Elements that are not wholly inside the window. */
 const outside = (page: Page, selectors: string[]) =>
@@ -32,13 +32,13 @@ describe("the layout", () => {
       const { page } = await open(drive, { viewport: { width, height } });
       await page.selectOption("#speed", "5");
       await page.click("#run");
-      await passes(page, 3);
+      await waitUntil(page, 3);
       await page.click("#run");
       const drivePart = ["#run", "#save-run", "#keys", "#face", "#hand", "#floor"];
       const instruments = ["#scope", "#scope-plot", "#source", "#timeline", "#timeline-view"];
       expect(await outside(page, [...drivePart, ...instruments])).toEqual([]);
       expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBe(width);
-      if (height === 1080) await picture(page, "11-wide");
+      if (height === 1080) await screenshot(page, "11-wide");
     });
   }
 
@@ -75,11 +75,11 @@ describe("the keyboard", () => {
     const { page } = await open(drive);
     await page.selectOption("#speed", "2");
     await page.keyboard.press("Space");
-    await passes(page, 0.1);
+    await waitUntil(page, 0.1);
     const clicked = ["#reset", "#sound", '[data-input="battery.voltage"]', "#keys summary"];
     for (const [turn, control] of clicked.entries()) {
       await page.click(control);
-      await begins(page);
+      await waitForReset(page);
       await page.keyboard.press("a");
       expect(await joystick(page)).toBe(String(5 * (turn + 1)));
     }
@@ -90,10 +90,10 @@ describe("the keyboard", () => {
     // Space runs after a click; on a button that was reached by Tab, it is the button's.
     await page.click("#keys summary");
     await page.keyboard.press("Space");
-    await passes(page, 0.1);
+    await waitUntil(page, 0.1);
     await page.focus("#reset");
     await page.keyboard.press("Space");
-    await begins(page);
+    await waitForReset(page);
     await page.fill("#channel", "");
     await page.focus("#channel");
     await page.keyboard.type("sat");

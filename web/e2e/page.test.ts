@@ -4,19 +4,19 @@ import { statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { describe, expect } from "vitest";
 import {
-  begins,
-  downloaded,
-  ends,
-  inked,
-  kept,
-  lasts,
-  passes,
-  picture,
-  rateOver,
+  waitForReset,
+  download,
+  waitForEnd,
+  darkShare,
+  waitForServiceWorker,
+  waitFor,
+  waitUntil,
+  screenshot,
+  measureRate,
   ravenbrick,
   ROOT,
-  says,
-  shownTime,
+  waitForText,
+  virtualTime,
   test,
   VEHICLE,
 } from "./harness";
@@ -40,18 +40,18 @@ describe("sample: the drive in the tab", () => {
   test("has the digest of the native run and replays on it", async ({ open, drive }) => {
     const native = await ravenbrick("run", VEHICLE, "drive");
     const { page, requests } = await open(drive);
-    await picture(page, "1-ready");
+    await screenshot(page, "1-ready");
     await page.selectOption("#speed", "2");
     await page.click("#run");
-    await passes(page, 3);
-    await picture(page, "2-driving");
+    await waitUntil(page, 3);
+    await screenshot(page, "2-driving");
     await page.selectOption("#speed", "Infinity");
-    expect(await inked(page, "#lcd")).toBeGreaterThan(0.02);
-    expect(await inked(page, "#floor-view")).toBeGreaterThan(0.001);
-    expect(await inked(page, "#timeline-view")).toBeGreaterThan(0.005);
-    await ends(page, "ended (power off)");
-    await picture(page, "3-ended");
-    const saved = await downloaded(page, "#save-run");
+    expect(await darkShare(page, "#lcd")).toBeGreaterThan(0.02);
+    expect(await darkShare(page, "#floor-view")).toBeGreaterThan(0.001);
+    expect(await darkShare(page, "#timeline-view")).toBeGreaterThan(0.005);
+    await waitForEnd(page, "ended (power off)");
+    await screenshot(page, "3-ended");
+    const saved = await download(page, "#save-run");
     expect((JSON.parse(saved.text) as { digest: string }).digest).toBe(native["trace_digest"]);
     const replay = ["run", VEHICLE, "drive", "--replay", saved.path];
     expect((await ravenbrick(...replay))["same_as_replayed"]).toBe(true);
@@ -65,23 +65,23 @@ describe("steering by hand", () => {
     const { page, context } = await open(free);
     await page.selectOption("#speed", "5");
     await page.keyboard.press("Space");
-    await passes(page, 1);
+    await waitUntil(page, 1);
     await page.keyboard.down("t");
-    await lasts(page, 0.3);
+    await waitFor(page, 0.3);
     await page.keyboard.up("t");
-    await lasts(page, 2.7);
+    await waitFor(page, 2.7);
     for (let turn = 0; turn < 4; turn += 1) await page.keyboard.press("a");
-    await lasts(page, 3);
+    await waitFor(page, 3);
     await page.keyboard.press("s");
     await page.keyboard.press("Space");
     const pose = (await page.textContent("#pose")) ?? "";
     expect(Math.abs(Number(/(-?\d+)°/.exec(pose)?.[1]))).toBeGreaterThan(5);
-    await picture(page, "4-by-hand");
+    await screenshot(page, "4-by-hand");
 
-    const saved = await downloaded(page, "#save-run");
+    const saved = await download(page, "#save-run");
     const { digest, until_ms } = JSON.parse(saved.text) as Saved;
-    expect(Math.ceil((await shownTime(page)) * 1000)).toBe(until_ms);
-    const inputs = await downloaded(page, "#save-inputs");
+    expect(Math.ceil((await virtualTime(page)) * 1000)).toBe(until_ms);
+    const inputs = await download(page, "#save-inputs");
     expect(inputs.text).toMatch(/^at_cycles,motor\.A\.hand_angle,touch\.1\n/);
     const idle = emptyScenario(until_ms);
     const again = await ravenbrick("run", VEHICLE, idle, "--replay", saved.path);
@@ -94,48 +94,15 @@ describe("steering by hand", () => {
     const link = page.url();
     const other = await context.newPage();
     await other.goto(link);
-    await other.waitForFunction(() =>
-      /same run again|ANOTHER/.test(document.querySelector(".readings")?.textContent ?? ""),
-    { timeout: 300_000 });
+    await other.waitForFunction(
+      () => /same run again|ANOTHER/.test(document.querySelector(".readings")?.textContent ?? ""),
+      { timeout: 300_000 },
+    );
     const same = `The same run again: trace digest ${digest}`;
     expect(await other.textContent("#status")).toBe(same);
     await page.click("#reset");
     await page.setInputFiles("#open", saved.path);
-    await says(page, same);
-  });
-
-  test("takes a gamepad, and what it did is a stimulus", async ({ open, free }) => {
-    const { page } = await open(free, {}, async (made) => {
-      await made.addInitScript(() => {
-        const pad = { axes: [0], buttons: [{ pressed: false }] };
-        Object.assign(globalThis, { pad });
-        Object.defineProperty(navigator, "getGamepads", { value: () => [pad] });
-      });
-    });
-    const hold = (axis: number, pressed: boolean) =>
-      page.evaluate(
-        ([stick, button]) => {
-          const { pad } = globalThis as unknown as { pad: { axes: number[]; buttons: object[] } };
-          pad.axes[0] = stick;
-          pad.buttons[0] = { pressed: button };
-        },
-        [axis, pressed] as const,
-      );
-    await page.selectOption("#speed", "2");
-    await page.click("#run");
-    await passes(page, 0.5);
-    await hold(0, true);
-    await lasts(page, 0.2);
-    await hold(0, false);
-    await lasts(page, 1.3);
-    await hold(-0.5, false);
-    await lasts(page, 0.5);
-    await page.click("#run");
-    const { text, path } = await downloaded(page, "#save-inputs");
-    expect(text).toMatch(/^at_cycles,motor\.A\.hand_angle,touch\.1\n(\d+,.*\n){3}$/);
-    const saved = JSON.parse((await downloaded(page, "#save-run")).text) as Saved;
-    const fed = ["run", VEHICLE, emptyScenario(saved.until_ms), "--stimulus", path];
-    expect((await ravenbrick(...fed))["trace_digest"]).toBe(saved.digest);
+    await waitForText(page, "#status", same);
   });
 
   test("plugs, presses and breaks things", async ({ open, free }) => {
@@ -146,15 +113,15 @@ describe("steering by hand", () => {
     await page.check('[data-input="fault.twi_stuck"]');
     await page.uncheck('[data-input="sensor.1.plugged"]');
     await page.fill('[data-input="battery.voltage"]', "6.58");
-    await passes(page, 2);
+    await waitUntil(page, 2);
     expect(await page.textContent("#battery-voltage")).toBe("6.58 V");
     await page.hover('[aria-label^="Orange"]');
     await page.mouse.down();
     expect(await page.getAttribute('[aria-label^="Orange"]', "aria-pressed")).toBe("true");
-    await picture(page, "5-faults");
+    await screenshot(page, "5-faults");
     await page.mouse.up();
     await page.click("#reset");
-    await begins(page);
+    await waitForReset(page);
   });
 });
 
@@ -162,14 +129,14 @@ describe("time", () => {
   test("keeps to real time; steps by instruction, line and job", async ({ open, drive }) => {
     const { page } = await open(drive);
     await page.click("#run");
-    await passes(page, 0.2);
+    await waitUntil(page, 0.2);
     // A machine with other work is slower, but what is late is not made up for. A picture may be
     // a second late.
-    const rate = await rateOver(page, 5);
+    const rate = await measureRate(page, 5);
     expect(rate).toBeLessThan(1.5);
     await page.selectOption("#speed", "0.1");
-    await lasts(page, 0.02);
-    const slow = await rateOver(page, 0.5);
+    await waitFor(page, 0.02);
+    const slow = await measureRate(page, 0.5);
     expect(slow).toBeLessThan(0.15);
     expect(rate).toBeGreaterThan(2 * slow);
     await page.click("#run");
@@ -195,7 +162,7 @@ describe("time", () => {
     await page.keyboard.press("Enter");
     await page.selectOption('[aria-label="Width of the schedule"]', "10");
     await page.click("#step-j");
-    await picture(page, "6-stepped");
+    await screenshot(page, "6-stepped");
     expect(await page.textContent('[aria-label="Shown channels"]')).toContain("control_left");
     await page.fill("#channel", "symbol:nonsense");
     await page.keyboard.press("Enter");
@@ -218,10 +185,10 @@ describe("small and off-line", () => {
     });
     await page.selectOption("#speed", "20");
     await page.click("#run");
-    await passes(page, 3);
+    await waitUntil(page, 3);
     const width = await page.evaluate(() => document.documentElement.scrollWidth);
     expect(width).toBeLessThanOrEqual(phone.width);
-    await picture(page, "7-phone-dark", false);
+    await screenshot(page, "7-phone-dark", false);
   });
 
   test("works without its server once it was loaded", async ({ open, drive }) => {
@@ -230,12 +197,12 @@ describe("small and off-line", () => {
     // The second visit goes through the service worker and fills its cache.
     await page.reload();
     await page.waitForFunction(() => document.title.includes("–"));
-    await kept(page);
+    await waitForServiceWorker(page);
     await context.setOffline(true);
     await page.reload();
     await page.waitForFunction(() => document.title.includes("–"));
     await page.click("#run");
-    await passes(page, 0.2);
+    await waitUntil(page, 0.2);
   });
 
   test("is small and paints soon", async ({ open, drive }) => {

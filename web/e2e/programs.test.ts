@@ -7,7 +7,16 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { promisify } from "node:util";
 import { describe, expect } from "vitest";
-import { begins, built, ends, inked, passes, picture, ravenbrick, test } from "./harness";
+import {
+  waitForReset,
+  build,
+  waitForEnd,
+  darkShare,
+  waitUntil,
+  screenshot,
+  ravenbrick,
+  test,
+} from "./harness";
 import { ROOT, VEHICLE } from "./harness";
 
 const LINE = "examples/line-follower";
@@ -21,7 +30,7 @@ describe("sound", () => {
     const { page } = await open(await view(VEHICLE, "--elf", image));
     await page.check("#sound");
     await page.click("#run");
-    await passes(page, 1.5);
+    await waitUntil(page, 1.5);
     const played = await page.getAttribute("label[data-played]", "data-played");
     expect(Number(played)).toBeGreaterThan(1000);
   });
@@ -29,13 +38,13 @@ describe("sound", () => {
 
 describe("the floor", () => {
   test("shows what the light sensor sees below the robot", async ({ open, view }) => {
-    const { page } = await open(await view(await built(LINE), "lap"));
-    const black = await inked(page, "#floor-view");
+    const { page } = await open(await view(await build(LINE), "lap"));
+    const black = await darkShare(page, "#floor-view");
     expect(black).toBeGreaterThan(0.01);
     await page.selectOption("#speed", "Infinity");
     await page.click("#run");
-    await passes(page, 8);
-    await picture(page, "10-line");
+    await waitUntil(page, 8);
+    await screenshot(page, "10-line");
   });
 });
 
@@ -51,14 +60,14 @@ describe("a program that fails", () => {
     const line = raising.slice(0, raising.indexOf("raise Constraint")).split("\n").length;
     const { page } = await open(await view(project, "press"));
     await page.click("#run");
-    await ends(page, `tasks.adb:${line}`);
+    await waitForEnd(page, `tasks.adb:${line}`);
     expect(await page.textContent("#source-place")).toBe(`tasks.adb:${line}`);
     const here = await page.textContent("#source-text [aria-current]");
     expect(here?.trim()).toBe("raise Constraint_Error;");
     expect(await page.getAttribute("#program", "class")).toBe("failed");
-    await picture(page, "12-failed");
+    await screenshot(page, "12-failed");
     await page.click("#reset");
-    await begins(page);
+    await waitForReset(page);
     expect(await page.textContent("#program")).toBe("");
     rmSync(project, { recursive: true });
   });

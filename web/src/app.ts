@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** The page: views, toolbar and keys around the worker. */
-import { Toolbar } from "./controls";
+import { Toolbar, type ToolbarActions } from "./controls";
 import { el } from "./dom";
-import { Keys } from "./keys";
-import type { Command, Frame, Ready, Report, Saved, StepBy } from "./protocol";
+import { Keyboard, type KeyActions } from "./keys";
+import type { Command, Frame, Ready, Report, StepBy } from "./protocol";
 import { decodeLink, decodeRun, encodeLink, encodeRun, type StoredRun } from "./run_file";
 import { PLAIN_SESSION, stimulusCsv, type Session } from "./session";
 import { Face } from "./view/face";
 import { Floor } from "./view/floor";
-import { Hand } from "./view/hand";
+import { ManualInputs } from "./view/manual_inputs";
 import { Motors } from "./view/motors";
 import { Ports } from "./view/ports";
 import { Scope } from "./view/scope";
@@ -24,13 +24,14 @@ export interface Link {
   send(command: Command): void;
 }
 
-export class App implements Actions {
+export class App implements Actions, ToolbarActions, KeyActions {
   readonly toolbar: Toolbar;
   readonly scopeView = new Scope(this);
   readonly timeline = new Timeline();
   private readonly source = new Source();
   private readonly floor = new Floor();
   private readonly motors = new Motors(this);
+  private readonly manual = new ManualInputs(this);
   private readonly sound = new Sound();
   private readonly views: View[];
   private readonly columns: [HTMLElement, HTMLElement];
@@ -39,28 +40,17 @@ export class App implements Actions {
   /** The image beside the page, which its sources belong to. */
   private served: Uint8Array | null = null;
   private sources: Sources = {};
-  private frames: Frame | null = null;
+  private lastFrame: Frame | null = null;
   private factor = 1;
-  private saveAs: "file" | "link" | "inputs" = "file";
+  private saveFormat: "file" | "link" | "inputs" = "file";
 
   constructor(
     private readonly page: HTMLElement,
     private readonly link: Link,
     options: { signal?: AbortSignal } = {},
   ) {
-    this.toolbar = new Toolbar(
-      {
-        toggle: () => this.toggle(),
-        reset: () => this.send({ kind: "reset" }),
-        step: (by) => this.step(by),
-        speed: (factor) => this.setSpeed(factor),
-        save: (as) => this.save(as),
-        open: (file) => void this.open(file),
-      },
-      this.sound.element,
-    );
-    const hand = new Hand(this);
-    const drive = [new Face(this), hand, this.floor];
+    this.toolbar = new Toolbar(this, this.sound.element);
+    const drive = [new Face(this), this.manual, this.floor];
     const instruments = [this.scopeView, this.source, this.timeline];
     const hardware = [this.motors, new Ports(this), new Surroundings(this)];
     this.views = [...drive, ...instruments, ...hardware];
@@ -71,14 +61,7 @@ export class App implements Actions {
     const main = el("main", {}, first, column("instruments", instruments), last);
     this.page.replaceChildren(this.toolbar.element, main);
     addEventListener("resize", () => this.redraw(), options);
-    new Keys(
-      {
-        input: (name, value) => this.input(name, value),
-        joystick: (key, down) => hand.joystick.key(key, down),
-        command: (key) => this.command(key),
-      },
-      options,
-    );
+    new Keyboard(this, options);
   }
 
   /** Load what belongs to the page's address: the link's run, else the project beside the page. */
@@ -87,25 +70,25 @@ export class App implements Actions {
       const stored = await decodeLink(fragment);
       if (stored) return this.replay(stored);
     } catch (error) {
-      return this.toolbar.refuse(`This link: ${(error as Error).message}`);
+      return this.toolbar.showError(`This link: ${(error as Error).message}`);
     }
     const session = await fetched("./session.json").catch(() => null);
     if (!session?.ok) {
-      return this.toolbar.say("Open a program (.elf) or a saved run (.json) to begin.");
+      return this.toolbar.showStatus("Open a program (.elf) or a saved run (.json) to begin.");
     }
     const image = await fetched("./image.elf");
     if (!image.ok) {
-      return this.toolbar.refuse("There is a session.json but no image.elf beside it.");
+      return this.toolbar.showError("There is a session.json but no image.elf beside it.");
     }
     this.served = new Uint8Array(await image.arrayBuffer());
     this.load((await session.json()) as Session, this.served);
     const sources = await fetched("./sources.json").catch(() => null);
     this.sources = sources?.ok ? ((await sources.json()) as Sources) : {};
-    this.provideSources();
+    this.updateSources();
   }
 
   /** An image from elsewhere has other lines. */
-  private provideSources(): void {
+  private updateSources(): void {
     const [elf, served] = [this.elf, this.served];
     const same = elf?.length === served?.length && elf?.every((byte, at) => byte === served?.[at]);
     this.source.provide(same ? this.sources : {});
@@ -113,7 +96,7 @@ export class App implements Actions {
 
   /** Send what somebody did: an error of what was done before is over. */
   private send(command: Command): void {
-    this.toolbar.refuse("");
+    this.toolbar.showError("");
     this.link.send(command);
   }
 
@@ -125,7 +108,7 @@ export class App implements Actions {
   replay({ run, elf }: StoredRun): void {
     this.elf = elf;
     this.send({ kind: "replay", run, elf });
-    this.setSpeed(Infinity);
+    this.speed(Infinity);
     this.toolbar.setSpeed(Infinity);
     this.send({ kind: "run" });
   }
@@ -141,34 +124,34 @@ export class App implements Actions {
         return void this.saved(report);
       case "replayed":
         if (report.expected === report.found) {
-          return this.toolbar.say(`The same run again: trace digest ${report.found}`);
+          return this.toolbar.showStatus(`The same run again: trace digest ${report.found}`);
         }
-        return this.toolbar.refuse(
+        return this.toolbar.showError(
           `ANOTHER run: trace digest ${report.found}, saved was ${report.expected}`,
         );
       case "failure":
-        if (report.of === "scope") this.scopeView.refused();
-        return this.toolbar.refuse(report.message);
+        if (report.of === "scope") this.scopeView.undo();
+        return this.toolbar.showError(report.message);
       case "started":
     }
   }
 
   private ready(ready: Ready): void {
     this.session = ready.session;
-    this.frames = null;
+    this.lastFrame = null;
     const { project, scenario } = ready.session;
     document.title = `${project} – Ravenbrick`;
-    this.toolbar.say(scenario ? `${project}, scenario ${scenario}` : project);
+    this.toolbar.showStatus(scenario ? `${project}, scenario ${scenario}` : project);
     for (const view of this.views) view.ready(ready);
     // A robot that stays where it is has motors to look at instead of a path.
     const [drive, hardware] = this.columns;
     if (this.floor.element.hidden) drive.append(this.motors.element);
     else hardware.prepend(this.motors.element);
-    this.provideSources();
+    this.updateSources();
   }
 
   private frame(frame: Frame): void {
-    this.frames = frame;
+    this.lastFrame = frame;
     for (const view of this.views) view.frame(frame);
     this.toolbar.setThreads(this.timeline.names);
     this.toolbar.frame(frame);
@@ -177,8 +160,8 @@ export class App implements Actions {
 
   /** Draw the last frame again, in another size. */
   private redraw(): void {
-    if (!this.frames) return;
-    const frame = { ...this.frames, events: new Uint8Array(), scope: new Float64Array() };
+    if (!this.lastFrame) return;
+    const frame = { ...this.lastFrame, events: new Uint8Array(), scope: new Float64Array() };
     for (const view of this.views) view.frame(frame);
   }
 
@@ -198,66 +181,76 @@ export class App implements Actions {
     this.load({ ...this.session, configuration, inputs }, this.elf);
   }
 
-  private toggle(): void {
-    const { stop, running } = this.frames ?? { stop: null, running: false };
-    if (stop && stop.reason !== "reached") this.send({ kind: "reset" });
+  joystick(key: string, down: boolean): boolean {
+    return this.manual.joystick.key(key, down);
+  }
+
+  reset(): void {
+    this.send({ kind: "reset" });
+  }
+
+  toggle(): void {
+    const { stop, running } = this.lastFrame ?? { stop: null, running: false };
+    if (stop && stop.reason !== "reached") this.reset();
     this.send({ kind: running ? "pause" : "run" });
   }
 
-  private step(by: StepBy): void {
+  step(by: StepBy): void {
     const thread = by === "job" ? this.timeline.threadOf(this.toolbar.thread.value) : -1;
     this.send({ kind: "step", by, thread });
   }
 
-  private setSpeed(factor: number): void {
+  speed(factor: number): void {
     this.factor = factor;
     this.send({ kind: "speed", factor });
   }
 
-  private save(as: "file" | "link" | "inputs"): void {
-    this.saveAs = as;
+  save(as: "file" | "link" | "inputs"): void {
+    this.saveFormat = as;
     this.send({ kind: "pause" });
     this.send({ kind: "save" });
   }
 
-  private async saved({ run, elf }: Saved): Promise<void> {
+  private async saved({ run, elf }: StoredRun): Promise<void> {
     const name = `${run.project}${run.scenario ? `-${run.scenario}` : ""}`;
-    if (this.saveAs === "file") {
+    if (this.saveFormat === "file") {
       download(`${name}.run.json`, "application/json", encodeRun({ run, elf }));
-    } else if (this.saveAs === "inputs") {
+    } else if (this.saveFormat === "inputs") {
       download(`${name}.csv`, "text/csv", stimulusCsv(run.inputs));
     } else {
       const link = location.href.split("#")[0] + (await encodeLink({ run, elf }));
       history.replaceState(null, "", link);
       await navigator.clipboard?.writeText(link).catch(() => undefined);
       const kilobytes = (link.length / 1024).toFixed(0);
-      this.toolbar.say(`The address of this page is the link now (${kilobytes} KB), also copied.`);
+      this.toolbar.showStatus(
+        `The address of this page is the link now (${kilobytes} KB), also copied.`,
+      );
     }
   }
 
-  private async open(file: File): Promise<void> {
+  async open(file: File): Promise<void> {
     try {
       if (file.name.endsWith(".json")) return this.replay(decodeRun(await file.text()));
       const elf = new Uint8Array(await file.arrayBuffer());
       const same = this.elf !== null;
       this.load(same ? this.session : PLAIN_SESSION, elf);
     } catch (error) {
-      this.toolbar.refuse(`${file.name}: ${(error as Error).message}`);
+      this.toolbar.showError(`${file.name}: ${(error as Error).message}`);
     }
   }
 
-  private command(key: string): boolean {
-    const acts: Record<string, () => void> = {
+  command(key: string): boolean {
+    const actions: Record<string, () => void> = {
       " ": () => this.toggle(),
       ".": () => this.step("instruction"),
       ",": () => this.step("line"),
       j: () => this.step("job"),
-      r: () => this.send({ kind: "reset" }),
+      r: () => this.reset(),
       "+": () => this.toolbar.shift(1),
       "-": () => this.toolbar.shift(-1),
     };
-    acts[key]?.();
-    return key in acts;
+    actions[key]?.();
+    return key in actions;
   }
 }
 

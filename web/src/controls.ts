@@ -6,13 +6,14 @@ import { el } from "./dom";
 import { keyHelp } from "./keys";
 import type { Frame, StepBy } from "./protocol";
 
-export interface Controls {
+/** What the toolbar asks for. */
+export interface ToolbarActions {
   toggle(): void;
   reset(): void;
   step(by: StepBy): void;
   speed(factor: number): void;
   save(as: "file" | "link" | "inputs"): void;
-  open(file: File): void;
+  open(file: File): Promise<void>;
 }
 
 const SPEEDS: [string, number][] = [
@@ -28,7 +29,7 @@ const SPEEDS: [string, number][] = [
 
 export class Toolbar {
   readonly element: HTMLElement;
-  readonly thread = el("select", { "aria-label": "Whose job to step" });
+  readonly thread = el("select", { "aria-label": "Task whose jobs are stepped" });
   private readonly runButton: HTMLButtonElement;
   private readonly time = el("output", { id: "time", "aria-label": "Virtual time" }, "0.000 s");
   private readonly rate = el("output", { id: "rate", "aria-label": "Times real speed" });
@@ -41,24 +42,24 @@ export class Toolbar {
   private names = "";
 
   constructor(
-    private readonly controls: Controls,
+    private readonly actions: ToolbarActions,
     extra: HTMLElement,
   ) {
     const button = (label: string, title: string, act: () => void, id: string) =>
       el("button", { type: "button", title, id, click: act }, label);
-    this.runButton = button("Run", "Run or pause (space)", () => controls.toggle(), "run");
+    this.runButton = button("Run", "Run or pause (space)", () => actions.toggle(), "run");
     const steps = [
-      button("Instruction", "One instruction (.)", () => controls.step("instruction"), "step-i"),
-      button("Line", "To another source line (,)", () => controls.step("line"), "step-l"),
-      button("Job", "To the end of a job (j)", () => controls.step("job"), "step-j"),
+      button("Instruction", "One instruction (.)", () => actions.step("instruction"), "step-i"),
+      button("Line", "To another source line (,)", () => actions.step("line"), "step-l"),
+      button("Job", "To the end of a job (j)", () => actions.step("job"), "step-j"),
     ];
     const options = SPEEDS.map(([label, factor]) =>
       el("option", { value: factor, selected: factor === 1 }, label),
     );
     this.speeds = el("select", { id: "speed", "aria-label": "Speed" }, ...options);
-    this.speeds.addEventListener("change", () => controls.speed(Number(this.speeds.value)));
-    const reset = button("Reset", "Begin again (r)", () => controls.reset(), "reset");
-    const more = button("More", "Steps, sound, files", () => this.unfold(more), "more");
+    this.speeds.addEventListener("change", () => actions.speed(Number(this.speeds.value)));
+    const reset = button("Reset", "Begin again (r)", () => actions.reset(), "reset");
+    const more = button("More", "Steps, sound, files", () => this.toggleMore(more), "more");
     more.setAttribute("aria-expanded", "false");
     const group = (...children: (Node | string)[]) => el("span", { class: "group" }, ...children);
     this.element = el(
@@ -81,7 +82,7 @@ export class Toolbar {
   }
 
   /** On a small screen, all but the most important controls are folded. */
-  private unfold(more: HTMLElement): void {
+  private toggleMore(more: HTMLElement): void {
     const open = this.element.classList.toggle("unfolded");
     more.setAttribute("aria-expanded", String(open));
   }
@@ -89,7 +90,7 @@ export class Toolbar {
   private files(
     button: (label: string, title: string, act: () => void, id: string) => HTMLButtonElement,
   ): HTMLElement {
-    const { save, open } = this.controls;
+    const { actions } = this;
     const input = el("input", {
       type: "file",
       id: "open",
@@ -97,7 +98,7 @@ export class Toolbar {
       tabindex: -1,
       "aria-label": "Program or saved run",
       change: () => {
-        if (input.files?.[0]) open(input.files[0]);
+        if (input.files?.[0]) void actions.open(input.files[0]);
         input.value = "";
       },
     });
@@ -106,19 +107,29 @@ export class Toolbar {
       { class: "group" },
       input,
       button("Open …", "A program (.elf) or a saved run (.json)", () => input.click(), "open-file"),
-      button("Save run", "Program, inputs and seed as a file", () => save("file"), "save-run"),
-      button("Link", "The run as a link, in the clipboard", () => save("link"), "save-link"),
-      button("Inputs", "Inputs as a stimulus (.csv)", () => save("inputs"), "save-inputs"),
+      button(
+        "Save run",
+        "Program, inputs and seed as a file",
+        () => actions.save("file"),
+        "save-run",
+      ),
+      button(
+        "Link",
+        "The run as a link, in the clipboard",
+        () => actions.save("link"),
+        "save-link",
+      ),
+      button("Inputs", "Inputs as a stimulus (.csv)", () => actions.save("inputs"), "save-inputs"),
     );
   }
 
-  frame({ cycles, running, achieved, stop, place }: Frame): void {
+  frame({ cycles, running, realTimeRatio, stop, place }: Frame): void {
     const ended = stop !== null && stop.reason !== "reached";
     this.runButton.textContent = running ? "Pause" : ended ? "Run again" : "Run";
     this.time.value = running
       ? `${seconds(cycles).toFixed(3)} s`
       : `${seconds(cycles).toFixed(6)} s, cycle ${cycles}`;
-    this.rate.value = achieved > 0 ? `${achieved.toPrecision(3)} × real time` : "";
+    this.rate.value = realTimeRatio > 0 ? `${realTimeRatio.toPrecision(3)} × real time` : "";
     const how = ended ? `Program ended (${stop.reason.replace("_", " ")}): ${stop.message}` : "";
     set(this.program, how);
     this.program.classList.toggle("failed", ended && stop.reason !== "power_off");
@@ -151,16 +162,16 @@ export class Toolbar {
     const next = SPEEDS[at + by];
     if (!next) return;
     this.setSpeed(next[1]);
-    this.controls.speed(next[1]);
+    this.actions.speed(next[1]);
   }
 
   /** The program, or news about it. */
-  say(text: string): void {
+  showStatus(text: string): void {
     set(this.status, text);
   }
 
   /** What the page could not do; the next action takes it away. */
-  refuse(text: string): void {
+  showError(text: string): void {
     set(this.problem, text);
   }
 }

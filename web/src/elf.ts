@@ -22,8 +22,7 @@ export function withoutDebugInformation(elf: Uint8Array): Uint8Array {
   if (size !== SECTION_HEADER_BYTES || table + size * count > copy.length || names >= count) {
     return copy;
   }
-  const field = (section: number, at: number) =>
-    view.getUint32(table + section * size + at, true);
+  const field = (section: number, at: number) => view.getUint32(table + section * size + at, true);
   const strings = field(names, 16);
   for (let section = 0; section < count; section += 1) {
     const start = strings + field(section, 0);

@@ -34,7 +34,7 @@ const OWN_KEYS: [string, string[]][] = [
   ["button, summary, select", [" ", "Enter"]],
 ];
 
-const TEXT = "input:not([type]), input[type='text'], textarea, [contenteditable]";
+const TEXT_FIELDS = "input:not([type]), input[type='text'], textarea, [contenteditable]";
 
 /** The list of keys, folded. */
 export function keyHelp(): HTMLElement {
@@ -49,8 +49,8 @@ export function keyHelp(): HTMLElement {
   return el("details", { id: "keys" }, el("summary", {}, "Keys"), list);
 }
 
-export class Keys {
-  /** Keys that are down and what they hold: they are let go wherever the keyboard is then. */
+export class Keyboard {
+  /** What the keys hold that are down: each callback releases one, wherever the focus is then. */
   private readonly held = new Map<string, () => void>();
   private byPointer = false;
 
@@ -62,34 +62,38 @@ export class Keys {
       name: Name,
       act: (event: DocumentEventMap[Name]) => void,
     ) => document.addEventListener(name, act, { ...options, capture: name === "pointerdown" });
-    on("keydown", (event) => this.down(event));
-    on("keyup", (event) => this.up(event.key));
+    on("keydown", (event) => this.handleDown(event));
+    on("keyup", (event) => this.release(event.key));
     on("pointerdown", () => (this.byPointer = true));
-    on("change", ({ target }) => this.giveBack(target, "select, input"));
-    on("click", ({ target }) => this.giveBack(target, "button, summary"));
-    addEventListener("blur", () => [...this.held.keys()].forEach((key) => this.up(key)), options);
+    on("change", ({ target }) => this.releaseFocus(target, "select, input"));
+    on("click", ({ target }) => this.releaseFocus(target, "button, summary"));
+    addEventListener(
+      "blur",
+      () => [...this.held.keys()].forEach((key) => this.release(key)),
+      options,
+    );
   }
 
   /** A control that was used by pointer does not keep the keyboard. */
-  private giveBack(target: EventTarget | null, controls: string): void {
+  private releaseFocus(target: EventTarget | null, controls: string): void {
     const control = target instanceof Element ? target.closest<HTMLElement>(controls) : null;
     if (this.byPointer && control === document.activeElement) control?.blur();
   }
 
-  private down(event: KeyboardEvent): void {
+  private handleDown(event: KeyboardEvent): void {
     this.byPointer = false;
     const { key } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     const target = event.target instanceof HTMLElement ? event.target : document.body;
-    if (target.matches(TEXT)) {
+    if (target.matches(TEXT_FIELDS)) {
       if (key === "Escape") target.blur();
       return;
     }
     if (OWN_KEYS.some(([controls, keys]) => keys.includes(key) && target.matches(controls))) return;
-    if (this.drive(key, event.repeat)) event.preventDefault();
+    if (this.press(key, event.repeat)) event.preventDefault();
   }
 
-  private drive(key: string, repeat: boolean): boolean {
+  private press(key: string, repeat: boolean): boolean {
     const button = BUTTON_KEYS[key];
     const letter = key.toLowerCase();
     if (repeat && (button || key === " " || letter === "t")) return true;
@@ -103,7 +107,7 @@ export class Keys {
     return true;
   }
 
-  private up(key: string): void {
+  private release(key: string): void {
     const letter = key.toLowerCase();
     this.held.get(letter)?.();
     this.held.delete(letter);

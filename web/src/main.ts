@@ -25,7 +25,9 @@ worker.addEventListener("message", ({ data }: MessageEvent<Report>) => {
   app.receive(data);
 });
 worker.addEventListener("error", (event) => {
-  app.toolbar.refuse(`The brick cannot run in this browser: ${event.message || "no WebAssembly"}`);
+  app.toolbar.showError(
+    `The brick cannot run in this browser: ${event.message || "no WebAssembly"}`,
+  );
 });
 
 await app.begin(location.hash, (address) => fetch(address));

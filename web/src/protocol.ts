@@ -67,7 +67,7 @@ export interface Frame {
   cycles: number;
   running: boolean;
   /** Virtual seconds per second, over the last half second; 0 while paused. */
-  achieved: number;
+  realTimeRatio: number;
   stop: Stop | null;
   lcd: Uint8Array | null;
   signals: Record<string, number | null>;
@@ -79,29 +79,13 @@ export interface Frame {
   inputs: TimedInput[];
 }
 
-export interface Saved {
-  kind: "saved";
-  run: Run;
-  elf: Uint8Array;
-}
-
-/** A replayed run reached its end. */
-export interface Replayed {
-  kind: "replayed";
-  expected: string;
-  found: string;
-}
-
-/** A command was refused. */
-export interface Failure {
-  kind: "failure";
-  of: Command["kind"];
-  message: string;
-}
-
-/** The worker is there. */
-export interface Started {
-  kind: "started";
-}
-
-export type Report = Started | Ready | Frame | Saved | Replayed | Failure;
+export type Report =
+  /** The worker is there. */
+  | { kind: "started" }
+  | Ready
+  | Frame
+  | { kind: "saved"; run: Run; elf: Uint8Array }
+  /** A replayed run reached its end; trace digests. */
+  | { kind: "replayed"; expected: string; found: string }
+  /** A command was refused. */
+  | { kind: "failure"; of: Command["kind"]; message: string };

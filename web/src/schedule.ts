@@ -3,8 +3,8 @@
 /** The schedule that the events of a run tell: who executed when, jobs and their response times. */
 import { IDLE, Kind, unpack, type TraceEvent } from "./events";
 
-/** A piece of execution; instants in cycles. */
-export interface Piece {
+/** An interval of execution; instants in cycles. */
+export interface Interval {
   from: number;
   to: number;
 }
@@ -15,7 +15,7 @@ export interface Job {
   completion: number | null;
   missed: boolean;
   /** Its response time is above the bound: then bound or program is not that of this run. */
-  beyond: boolean;
+  aboveBound: boolean;
 }
 
 /** What the jobs of a task are held against; times in cycles. */
@@ -26,41 +26,48 @@ export interface Limits {
   cyclic: boolean;
 }
 
-/** Figures of a task over the whole run. */
-export interface Figures {
+/** Statistics of a task over the whole run. */
+export interface Statistics {
   jobs: number;
   worst: number;
   last: number;
   misses: number;
   /** The longest response time of the jobs that a bound concerns, and how many are above it. */
-  bounded: number;
-  beyond: number;
+  worstBounded: number;
+  aboveBound: number;
 }
 
-const KEPT = 20_000;
+const HISTORY_MAX = 20_000;
 
 /** A lane of the timeline. */
 export class Lane {
-  readonly pieces: Piece[] = [];
+  readonly intervals: Interval[] = [];
   readonly jobs: Job[] = [];
-  readonly figures: Figures = { jobs: 0, worst: 0, last: 0, misses: 0, bounded: 0, beyond: 0 };
+  readonly statistics: Statistics = {
+    jobs: 0,
+    worst: 0,
+    last: 0,
+    misses: 0,
+    worstBounded: 0,
+    aboveBound: 0,
+  };
   limits: Limits = { deadline: null, bound: null, cyclic: false };
   busy = 0;
   /** Release of the second job: the first one of a cyclic task only waits for it. */
   begin: number | null = null;
   private first: number | null = null;
 
-  addPiece(from: number, to: number): void {
+  addInterval(from: number, to: number): void {
     this.busy += to - from;
-    this.pieces.push({ from, to });
-    if (this.pieces.length > 2 * KEPT) this.pieces.splice(0, KEPT);
+    this.intervals.push({ from, to });
+    if (this.intervals.length > 2 * HISTORY_MAX) this.intervals.splice(0, HISTORY_MAX);
   }
 
   released(release: number): void {
     if (this.first === null) this.first = release;
     else this.begin ??= release;
-    this.jobs.push({ release, completion: null, missed: false, beyond: false });
-    if (this.jobs.length > 2 * KEPT) this.jobs.splice(0, KEPT);
+    this.jobs.push({ release, completion: null, missed: false, aboveBound: false });
+    if (this.jobs.length > 2 * HISTORY_MAX) this.jobs.splice(0, HISTORY_MAX);
   }
 
   /** A job ends; `begin` is when all tasks have started, null before. */
@@ -70,31 +77,31 @@ export class Lane {
     const { deadline, bound } = this.limits;
     const late = deadline !== null && response > deadline;
     if (bound !== null && begin !== null && release >= begin && release !== this.first) {
-      this.figures.bounded = Math.max(this.figures.bounded, response);
+      this.statistics.worstBounded = Math.max(this.statistics.worstBounded, response);
       if (response > bound) {
-        this.figures.beyond += 1;
-        if (job) job.beyond = true;
+        this.statistics.aboveBound += 1;
+        if (job) job.aboveBound = true;
       }
     }
     if (job) {
       // A miss that was seen while the job was still under way is counted already.
-      if (late && !job.missed) this.figures.misses += 1;
+      if (late && !job.missed) this.statistics.misses += 1;
       job.completion = at;
       job.missed ||= late;
     }
-    this.figures.jobs += 1;
-    this.figures.last = response;
-    this.figures.worst = Math.max(this.figures.worst, response);
+    this.statistics.jobs += 1;
+    this.statistics.last = response;
+    this.statistics.worst = Math.max(this.statistics.worst, response);
   }
 
   /** Jobs under way whose deadline has passed are misses too. */
-  notice(now: number): void {
+  checkDeadline(now: number): void {
     const job = this.jobs.at(-1);
     const { deadline } = this.limits;
     if (!job || job.completion !== null || job.missed || deadline === null) return;
     if (now - job.release > deadline) {
       job.missed = true;
-      this.figures.misses += 1;
+      this.statistics.misses += 1;
     }
   }
 }
@@ -105,7 +112,7 @@ export class Schedule {
   readonly interrupts = new Map<number, Lane>();
   now = 0;
   private running: { subject: number; since: number } | null = null;
-  private nested: { source: number; since: number }[] = [];
+  private handlers: { source: number; since: number }[] = [];
 
   /** `cyclicTasks` is how many there will be: not all are there from the beginning. */
   constructor(private readonly cyclicTasks = 0) {}
@@ -127,18 +134,18 @@ export class Schedule {
   }
 
   add(packed: Uint8Array, now: number): void {
-    for (const event of unpack(packed)) this.take(event);
+    for (const event of unpack(packed)) this.process(event);
     this.now = now;
-    for (const lane of this.threads.values()) lane.notice(now);
+    for (const lane of this.threads.values()) lane.checkDeadline(now);
   }
 
-  /** The piece under way of a lane, up to the present. */
-  open(lane: Lane): Piece | null {
+  /** The interval under way of a lane, up to the present. */
+  current(lane: Lane): Interval | null {
     const running = this.running;
-    if (running && this.threads.get(running.subject) === lane && this.nested.length === 0) {
+    if (running && this.threads.get(running.subject) === lane && this.handlers.length === 0) {
       return { from: running.since, to: this.now };
     }
-    const top = this.nested.at(-1);
+    const top = this.handlers.at(-1);
     if (top && this.interrupts.get(top.source) === lane) return { from: top.since, to: this.now };
     return null;
   }
@@ -161,15 +168,15 @@ export class Schedule {
   private closeRunning(at: number): void {
     if (!this.running) return;
     if (at > this.running.since) {
-      this.lane(this.running.subject).addPiece(this.running.since, at);
+      this.lane(this.running.subject).addInterval(this.running.since, at);
     }
     this.running.since = at;
   }
 
-  private take({ at, kind, subject, value }: TraceEvent): void {
+  private process({ at, kind, subject, value }: TraceEvent): void {
     switch (kind) {
       case Kind.thread_running:
-        if (this.nested.length === 0) this.closeRunning(at);
+        if (this.handlers.length === 0) this.closeRunning(at);
         this.running = subject === IDLE ? null : { subject, since: at };
         break;
       case Kind.release:
@@ -188,16 +195,16 @@ export class Schedule {
   }
 
   private enter(at: number, source: number): void {
-    const top = this.nested.at(-1);
-    if (top) this.interrupt(top.source).addPiece(top.since, at);
+    const top = this.handlers.at(-1);
+    if (top) this.interrupt(top.source).addInterval(top.since, at);
     else this.closeRunning(at);
-    this.nested.push({ source, since: at });
+    this.handlers.push({ source, since: at });
   }
 
   private leave(at: number): void {
-    const left = this.nested.pop();
-    if (left) this.interrupt(left.source).addPiece(left.since, at);
-    const top = this.nested.at(-1);
+    const left = this.handlers.pop();
+    if (left) this.interrupt(left.source).addInterval(left.since, at);
+    const top = this.handlers.at(-1);
     if (top) top.since = at;
     else if (this.running) this.running.since = at;
   }

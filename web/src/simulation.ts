@@ -11,14 +11,14 @@ const PIECE_MS = 1;
 const RATE_WINDOW_MS = 500;
 const SCOPE_PERIOD_MS = 1;
 /** Before anybody sets them; the same inputs have no effect in a stimulus file. */
-const START: Record<string, number> = { touch: 0, button: 0, motor: 0 };
+const INITIAL_VALUES: Record<string, number> = { touch: 0, button: 0, motor: 0 };
 
 export class Simulation {
   private core!: Core;
   private session!: Session;
   private elf!: Uint8Array;
   /** Inputs of the scenario or of a replayed run, scheduled at the beginning. */
-  private given: TimedInput[] = [];
+  private scheduled: TimedInput[] = [];
   private applied: TimedInput[] = [];
   private stop: Stop | null = null;
   private lcd: Uint8Array | null = null;
@@ -27,24 +27,24 @@ export class Simulation {
   private scope = { channels: [] as string[], period_ms: SCOPE_PERIOD_MS };
   private lag = 0;
   private rate = { wall: 0, cycles: 0, value: 0 };
-  private goal: Run | null = null;
+  private replay: Run | null = null;
   running = false;
   /** Virtual seconds per second; infinite for as fast as possible. */
   factor = 1;
 
-  constructor(private readonly create: CoreClass) {}
+  constructor(private readonly coreClass: CoreClass) {}
 
   /** Begin a run; throws the core's sentence when the image or configuration is refused. */
-  load(session: Session, elf: Uint8Array, goal: Run | null = null): Ready {
-    const core = new this.create(JSON.stringify(session.configuration), elf);
+  load(session: Session, elf: Uint8Array, replay: Run | null = null): Ready {
+    const core = new this.coreClass(JSON.stringify(session.configuration), elf);
     for (const probe of session.probes) core.add_probe(probe.symbol, probe.kind ?? "");
     for (const input of session.inputs) {
       core.schedule_input(input.at_cycles, input.name, input.value);
     }
     if (this.core) this.core.free();
     this.core = core;
-    [this.session, this.elf, this.goal] = [session, elf, goal];
-    this.given = [...session.inputs].sort((a, b) => a.at_cycles - b.at_cycles);
+    [this.session, this.elf, this.replay] = [session, elf, replay];
+    this.scheduled = [...session.inputs].sort((a, b) => a.at_cycles - b.at_cycles);
     this.applied = [];
     [this.stop, this.lcd, this.running] = [null, null, false];
     [this.eventsSeen, this.soundSeen, this.lag] = [0, 0, 0];
@@ -60,7 +60,7 @@ export class Simulation {
 
   /** The same run from its beginning, without what was set by hand. */
   reset(): Ready {
-    return this.load(this.session, this.elf, this.goal);
+    return this.load(this.session, this.elf, this.replay);
   }
 
   get ended(): boolean {
@@ -72,8 +72,8 @@ export class Simulation {
   }
 
   /** A replayed run ends where it was saved. */
-  get atGoal(): boolean {
-    return this.goal !== null && this.cycles >= this.goal.until_cycles;
+  get replayEnded(): boolean {
+    return this.replay !== null && this.cycles >= this.replay.until_cycles;
   }
 
   digest(): string {
@@ -82,8 +82,8 @@ export class Simulation {
 
   /** Set an input now; one that changes nothing is none. Throws when it is refused. */
   input(name: string, value: number): void {
-    const before = this.inputsSoFar().findLast((input) => input.name === name)?.value;
-    if (value === (before ?? START[name.split(".")[0] ?? ""])) return;
+    const before = this.pastInputs().findLast((input) => input.name === name)?.value;
+    if (value === (before ?? INITIAL_VALUES[name.split(".")[0] ?? ""])) return;
     const at_cycles = this.core.cycles();
     this.core.schedule_input(at_cycles, name, value);
     this.applied.push({ at_cycles, name, value });
@@ -101,7 +101,7 @@ export class Simulation {
 
   /** Run to a cycle. */
   runTo(cycles: number): void {
-    const end = this.goal ? Math.min(cycles, this.goal.until_cycles) : cycles;
+    const end = this.replay ? Math.min(cycles, this.replay.until_cycles) : cycles;
     if (this.ended || end <= this.cycles) return;
     this.stop = JSON.parse(this.core.run_until(end)) as Stop;
   }
@@ -112,17 +112,17 @@ export class Simulation {
     const start = this.cycles;
     const wanted = elapsed_ms * this.factor * (CLOCK_HZ / 1000) + this.lag;
     const target = Number.isFinite(wanted) ? start + wanted : Infinity;
-    while (this.cycles < target && !this.ended && !this.atGoal) {
+    while (this.cycles < target && !this.ended && !this.replayEnded) {
       this.runTo(Math.min(this.cycles + cyclesOfMs(PIECE_MS), Math.ceil(target)));
       if (wall() - began > budget_ms) break;
     }
     // What a slow machine could not do is given up: the run gets slower than asked for.
     const late = target - this.cycles;
     this.lag = late < cyclesOfMs(PIECE_MS) && Number.isFinite(late) ? late : 0;
-    if (this.ended || this.atGoal) this.running = false;
+    if (this.ended || this.replayEnded) this.running = false;
   }
 
-  private achieved(wall: number): number {
+  private realTimeRatio(wall: number): number {
     const { cycles } = this;
     if (!this.running || cycles < this.rate.cycles || wall - this.rate.wall > 4 * RATE_WINDOW_MS) {
       this.rate = { wall, cycles, value: 0 };
@@ -141,16 +141,16 @@ export class Simulation {
       kind: "frame",
       cycles: this.cycles,
       running: this.running,
-      achieved: this.achieved(wall),
+      realTimeRatio: this.realTimeRatio(wall),
       stop: this.stop,
-      lcd: this.newPicture(),
+      lcd: this.changedPicture(),
       signals: JSON.parse(this.core.signals()) as Frame["signals"],
       events,
       scope: this.core.take_scope(),
       sound: this.newSound(),
       threads: JSON.parse(this.core.threads()) as Thread[],
       place: this.running ? null : (JSON.parse(this.core.place()) as Place),
-      inputs: this.inputsSoFar(),
+      inputs: this.pastInputs(),
     };
   }
 
@@ -159,17 +159,17 @@ export class Simulation {
     const until_ms = msAtOrAfter(this.cycles);
     const until_cycles = cyclesOfMs(until_ms);
     this.runTo(until_cycles);
-    const inputs = this.inputsSoFar();
+    const inputs = this.pastInputs();
     const run = { ...this.session, inputs, until_ms, until_cycles, digest: this.digest() };
     return { run, elf: this.elf };
   }
 
-  private inputsSoFar(): TimedInput[] {
-    const due = this.given.filter((input) => input.at_cycles <= this.cycles);
+  private pastInputs(): TimedInput[] {
+    const due = this.scheduled.filter((input) => input.at_cycles <= this.cycles);
     return [...due, ...this.applied].sort((a, b) => a.at_cycles - b.at_cycles);
   }
 
-  private newPicture(): Uint8Array | null {
+  private changedPicture(): Uint8Array | null {
     const lcd = this.core.lcd();
     if (this.lcd?.every((pixel, at) => pixel === lcd[at])) return null;
     this.lcd = lcd;
@@ -177,7 +177,7 @@ export class Simulation {
   }
 
   private newSound(): Int16Array {
-    const sample = this.create.sound_sample_cycles();
+    const sample = this.coreClass.sound_sample_cycles();
     const whole = Math.floor(this.cycles / sample);
     if (whole <= this.soundSeen) return new Int16Array();
     const samples = this.core.sound(this.soundSeen * sample);

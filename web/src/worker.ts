@@ -8,15 +8,15 @@ import { Simulation } from "./simulation";
 const TICK_MS = 16;
 const BUDGET_MS = 13;
 /** A frame that the page has not answered after this time is taken for lost. */
-const PATIENCE_MS = 2000;
+const FRAME_TIMEOUT_MS = 2000;
 
 const simulation = new Simulation(VirtualBrick);
 let loaded = false;
-let last = performance.now();
-let announced = false;
-let replayed: string | null = null;
+let lastTick = performance.now();
+let compared = false;
+let expectedDigest: string | null = null;
 /** When the frame was sent that the page has not shown yet: a slow page gets fewer of them. */
-let unseen: number | null = null;
+let frameSentAt: number | null = null;
 
 function send(report: Report): void {
   const transfer: Transferable[] = [];
@@ -25,37 +25,37 @@ function send(report: Report): void {
 }
 
 function frame(): void {
-  unseen = performance.now();
-  send(simulation.frame(unseen));
+  frameSentAt = performance.now();
+  send(simulation.frame(frameSentAt));
 }
 
 /** A replayed run that has come to its end is compared with the one that was saved. */
-function compare(): void {
-  if (!simulation.atGoal || announced || !replayed) return;
-  announced = true;
-  send({ kind: "replayed", expected: replayed, found: simulation.digest() });
+function compareDigests(): void {
+  if (!simulation.replayEnded || compared || !expectedDigest) return;
+  compared = true;
+  send({ kind: "replayed", expected: expectedDigest, found: simulation.digest() });
 }
 
-function obey(command: Command): void {
+function apply(command: Command): void {
   switch (command.kind) {
     case "load":
-      replayed = null;
+      expectedDigest = null;
       send(simulation.load(command.session, command.elf));
       loaded = true;
       break;
     case "replay":
-      replayed = command.run.digest;
-      announced = false;
+      expectedDigest = command.run.digest;
+      compared = false;
       send(simulation.load(command.run, command.elf, command.run));
       loaded = true;
       break;
     case "reset":
-      announced = false;
+      compared = false;
       send(simulation.reset());
       break;
     case "run":
-      simulation.running = !simulation.ended && !simulation.atGoal;
-      last = performance.now();
+      simulation.running = !simulation.ended && !simulation.replayEnded;
+      lastTick = performance.now();
       break;
     case "pause":
       simulation.running = false;
@@ -81,14 +81,14 @@ function obey(command: Command): void {
 self.addEventListener("message", (message: MessageEvent<Command>) => {
   const command = message.data;
   if (command.kind === "shown") {
-    unseen = null;
+    frameSentAt = null;
     return;
   }
   try {
     if (!loaded && command.kind !== "load" && command.kind !== "replay") return;
-    obey(command);
+    apply(command);
     frame();
-    compare();
+    compareDigests();
   } catch (error) {
     const text = error instanceof Error ? error.message : String(error);
     send({ kind: "failure", of: command.kind, message: text });
@@ -98,12 +98,12 @@ self.addEventListener("message", (message: MessageEvent<Command>) => {
 function tick(): void {
   const now = performance.now();
   if (simulation.running) {
-    simulation.advance(Math.min(now - last, 250), BUDGET_MS, () => performance.now());
-    const free = unseen === null || now - unseen > PATIENCE_MS;
-    if (free || !simulation.running) frame();
-    compare();
+    simulation.advance(Math.min(now - lastTick, 250), BUDGET_MS, () => performance.now());
+    const pageIsReady = frameSentAt === null || now - frameSentAt > FRAME_TIMEOUT_MS;
+    if (pageIsReady || !simulation.running) frame();
+    compareDigests();
   }
-  last = now;
+  lastTick = now;
   setTimeout(tick, Math.max(0, TICK_MS - (performance.now() - now)));
 }
 

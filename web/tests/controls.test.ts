@@ -231,7 +231,7 @@ describe("running", () => {
 
   it("steps the jobs of the chosen task", () => {
     app.receive(FRAME);
-    const choice = get<HTMLSelectElement>('[aria-label="Whose job to step"]');
+    const choice = get<HTMLSelectElement>('[aria-label="Task whose jobs are stepped"]');
     choice.value = "control_task";
     get("#step-j").click();
     expect(sent.at(-1)).toEqual({ kind: "step", by: "job", thread: 0 });

@@ -57,7 +57,7 @@ export const FRAME: Frame = {
   kind: "frame",
   cycles: 48_054_858,
   running: false,
-  achieved: 0,
+  realTimeRatio: 0,
   stop: null,
   lcd: null,
   signals: { "motor.B.angle": Math.PI, "motor.B.angular_velocity": 2, "battery.voltage": 7.9 },

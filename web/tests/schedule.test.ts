@@ -14,8 +14,8 @@ describe("the schedule", () => {
     const schedule = new Schedule();
     const events = pack([10, threadRunning, 0], [30, threadRunning, 1], [45, threadRunning, IDLE]);
     schedule.add(events, 50);
-    expect(schedule.threads.get(0)?.pieces).toEqual([{ from: 10, to: 30 }]);
-    expect(schedule.threads.get(1)?.pieces).toEqual([{ from: 30, to: 45 }]);
+    expect(schedule.threads.get(0)?.intervals).toEqual([{ from: 10, to: 30 }]);
+    expect(schedule.threads.get(1)?.intervals).toEqual([{ from: 30, to: 45 }]);
   });
 
   it("takes handlers out of the execution of the thread they interrupt", () => {
@@ -32,12 +32,12 @@ describe("the schedule", () => {
       30,
     );
     const thread = schedule.threads.get(0);
-    expect(thread?.pieces).toEqual([
+    expect(thread?.intervals).toEqual([
       { from: 0, to: 10 },
       { from: 20, to: 30 },
     ]);
     expect(thread?.busy).toBe(20);
-    expect(schedule.interrupts.get(9)?.pieces).toEqual([
+    expect(schedule.interrupts.get(9)?.intervals).toEqual([
       { from: 10, to: 12 },
       { from: 15, to: 20 },
     ]);
@@ -47,21 +47,21 @@ describe("the schedule", () => {
   it("measures a response time from the nominal release", () => {
     const schedule = new Schedule();
     schedule.add(pack([105, release, 0, 100], [180, completion, 0, 100]), 200);
-    const figures = schedule.threads.get(0)?.figures;
-    expect(figures).toMatchObject({ jobs: 1, worst: 80, last: 80, misses: 0 });
+    const statistics = schedule.threads.get(0)?.statistics;
+    expect(statistics).toMatchObject({ jobs: 1, worst: 80, last: 80, misses: 0 });
   });
 
   it("counts a missed deadline once, seen under way or at the completion", () => {
     const schedule = new Schedule();
     schedule.setLimits(0, { deadline: 50, bound: null, cyclic: true });
     schedule.add(pack([100, release, 0, 100]), 149);
-    expect(schedule.threads.get(0)?.figures.misses).toBe(0);
+    expect(schedule.threads.get(0)?.statistics.misses).toBe(0);
     schedule.add(pack(), 160);
-    expect(schedule.threads.get(0)?.figures.misses).toBe(1);
+    expect(schedule.threads.get(0)?.statistics.misses).toBe(1);
     schedule.add(pack([170, completion, 0, 100]), 170);
-    expect(schedule.threads.get(0)?.figures.misses).toBe(1);
+    expect(schedule.threads.get(0)?.statistics.misses).toBe(1);
     schedule.add(pack([200, release, 0, 200], [260, completion, 0, 200]), 300);
-    expect(schedule.threads.get(0)?.figures.misses).toBe(2);
+    expect(schedule.threads.get(0)?.statistics.misses).toBe(2);
   });
 
   it("holds jobs against their bound once all cyclic tasks have begun", () => {
@@ -74,19 +74,19 @@ describe("the schedule", () => {
     schedule.add(pack([300, release, 1, 300], [300, release, 0, 300]), 310);
     schedule.add(pack([330, completion, 0, 300]), 340);
     const lane = schedule.threads.get(0);
-    expect(lane?.figures).toMatchObject({ jobs: 3, worst: 80, bounded: 30, beyond: 0 });
+    expect(lane?.statistics).toMatchObject({ jobs: 3, worst: 80, worstBounded: 30, aboveBound: 0 });
     schedule.add(pack([400, release, 0, 400], [431, completion, 0, 400]), 440);
-    expect(lane?.figures).toMatchObject({ bounded: 31, beyond: 1 });
-    expect(lane?.jobs.at(-1)?.beyond).toBe(true);
+    expect(lane?.statistics).toMatchObject({ worstBounded: 31, aboveBound: 1 });
+    expect(lane?.jobs.at(-1)?.aboveBound).toBe(true);
   });
 
-  it("shows the piece under way up to the present", () => {
+  it("shows the interval under way up to the present", () => {
     const schedule = new Schedule();
     schedule.add(pack([10, threadRunning, 0]), 25);
     const lane = schedule.threads.get(0);
     expect(lane).toBeUndefined();
     schedule.add(pack([26, release, 0, 26]), 40);
     const known = schedule.threads.get(0);
-    expect(known && schedule.open(known)).toEqual({ from: 10, to: 40 });
+    expect(known && schedule.current(known)).toEqual({ from: 10, to: 40 });
   });
 });

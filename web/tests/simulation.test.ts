@@ -7,7 +7,7 @@ import { PLAIN_SESSION } from "../src/session";
 import { Simulation } from "../src/simulation";
 
 /** A core that only counts, to see how it is driven. */
-class Counter {
+class CountingCore {
   static sound_sample_cycles = () => 1000;
   now = 0;
   scheduled: [number, string, number][] = [];
@@ -31,8 +31,8 @@ class Counter {
 }
 
 function begin(inputs = PLAIN_SESSION.inputs) {
-  const cores: Counter[] = [];
-  class Made extends Counter {
+  const cores: CountingCore[] = [];
+  class Made extends CountingCore {
     constructor() {
       super();
       cores.push(this);
@@ -40,11 +40,11 @@ function begin(inputs = PLAIN_SESSION.inputs) {
   }
   const simulation = new Simulation(Made as unknown as CoreClass);
   simulation.load({ ...PLAIN_SESSION, inputs }, new Uint8Array());
-  return { simulation, core: cores[0] as Counter };
+  return { simulation, core: cores[0] as CountingCore };
 }
 
 /** A wall clock that gains `step` with each look. */
-function wall(step: number): () => number {
+function steppingClock(step: number): () => number {
   let now = 0;
   return () => (now += step);
 }
@@ -54,7 +54,7 @@ describe("the pace", () => {
     const { simulation, core } = begin();
     simulation.factor = 0.5;
     simulation.running = true;
-    for (let tick = 0; tick < 100; tick += 1) simulation.advance(20, 13, wall(0));
+    for (let tick = 0; tick < 100; tick += 1) simulation.advance(20, 13, steppingClock(0));
     expect(core.now).toBeGreaterThan(cyclesOfMs(1000) - cyclesOfMs(1));
     expect(core.now).toBeLessThan(cyclesOfMs(1000) + cyclesOfMs(1));
   });
@@ -62,10 +62,10 @@ describe("the pace", () => {
   it("gives up what a slow machine cannot do instead of piling it up", () => {
     const { simulation, core } = begin();
     simulation.running = true;
-    simulation.advance(100, 13, wall(5));
+    simulation.advance(100, 13, steppingClock(5));
     const reached = core.now;
     expect(reached).toBeLessThan(cyclesOfMs(10));
-    simulation.advance(1, 13, wall(0));
+    simulation.advance(1, 13, steppingClock(0));
     expect(core.now).toBeLessThan(reached + cyclesOfMs(3));
   });
 
@@ -73,7 +73,7 @@ describe("the pace", () => {
     const { simulation, core } = begin();
     simulation.factor = Infinity;
     simulation.running = true;
-    simulation.advance(16, 13, wall(1));
+    simulation.advance(16, 13, steppingClock(1));
     expect(core.limits.length).toBe(14);
   });
 });
@@ -128,8 +128,8 @@ describe("a saved run", () => {
     simulation.load(run, elf, run);
     simulation.factor = Infinity;
     simulation.running = true;
-    simulation.advance(16, 1e9, wall(0));
+    simulation.advance(16, 1e9, steppingClock(0));
     expect(simulation.cycles).toBe(run.until_cycles);
-    expect([simulation.running, simulation.atGoal]).toEqual([false, true]);
+    expect([simulation.running, simulation.replayEnded]).toEqual([false, true]);
   });
 });

@@ -57,13 +57,13 @@ function toggle(input: InputDescription, label: string, set: (value: number) => 
 }
 
 /** A power of ten that divides the range into 200 to 2000 steps. */
-function fineStep({ lowest, highest }: InputDescription): number {
+function sliderStep({ lowest, highest }: InputDescription): number {
   return Number((10 ** Math.floor(Math.log10((highest - lowest) / 200))).toPrecision(1));
 }
 
 /** A slider with its value beside it. */
 function slider(input: InputDescription, label: string, set: (value: number) => void) {
-  const step = input.whole ? 1 : fineStep(input);
+  const step = input.whole ? 1 : sliderStep(input);
   const shown = el("output", {});
   const show = (value: number) => {
     shown.value = `${input.whole ? value : value.toPrecision(3)} ${input.unit}`;

@@ -15,7 +15,7 @@ const DEAD_ZONE = 0.1;
 export class Joystick implements View {
   readonly element: HTMLElement;
   private name: string | null = null;
-  private planned: TimedInput[] = [];
+  private scheduled: TimedInput[] = [];
   private touch: string | null = null;
   private readonly shown = el("output", {}, "0°");
   private readonly range = el("input", {
@@ -38,15 +38,15 @@ export class Joystick implements View {
     this.name = inputs.find((i) => i.name.endsWith(".hand_angle"))?.name ?? null;
     this.touch = inputs.find((i) => i.name.startsWith("touch."))?.name ?? null;
     this.element.hidden = this.name === null;
-    this.planned = session.inputs.filter((input) => input.name === this.name);
-    this.planned.sort((a, b) => a.at_cycles - b.at_cycles);
+    this.scheduled = session.inputs.filter((input) => input.name === this.name);
+    this.scheduled.sort((a, b) => a.at_cycles - b.at_cycles);
     this.show(0);
   }
 
   /** The slider follows what the scenario or the saved run does. */
   frame({ cycles }: Frame): void {
-    while (this.planned[0] && this.planned[0].at_cycles <= cycles) {
-      this.show((this.planned.shift()?.value ?? 0) * DEGREES);
+    while (this.scheduled[0] && this.scheduled[0].at_cycles <= cycles) {
+      this.show((this.scheduled.shift()?.value ?? 0) * DEGREES);
     }
     this.poll();
   }

@@ -67,14 +67,14 @@ export class Scope implements View {
     this.choose(this.channels);
   }
 
-  /** Show one more channel; what the core refuses is taken out again by `refused`. */
+  /** Show one more channel; what the core refuses is taken out again by `undo`. */
   show(channel: string): void {
     const full = channel.includes(":") ? channel : `symbol:${channel}`;
     if (channel && !this.channels.includes(full)) this.choose([...this.channels, full]);
   }
 
   /** The core refused the last choice: it goes on with the one before, and so does the plot. */
-  refused(): void {
+  undo(): void {
     const [channels, columns] = this.accepted;
     // Another image may refuse what was shown before.
     if (channels.join() === this.channels.join()) return this.choose(channels.slice(0, -1));
@@ -175,7 +175,10 @@ export class Scope implements View {
     const changed = size.width !== this.plot.width || size.height !== this.plot.height;
     if (changed) this.plot.setSize(size);
     const from = Math.max(0, end - Number(this.window.value));
-    const first = Math.max(0, times.findIndex((time) => time !== null && time >= from));
+    const first = Math.max(
+      0,
+      times.findIndex((time) => time !== null && time >= from),
+    );
     const shown = this.columns.map((column) => column.slice(first));
     this.plot.setData(shown as uPlot.AlignedData);
   }

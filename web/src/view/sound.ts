@@ -14,7 +14,7 @@ export class Sound {
   private next = 0;
 
   constructor() {
-    const change = () => this.turn(box.checked);
+    const change = () => this.switchTo(box.checked);
     const box = el("input", { type: "checkbox", id: "sound", change });
     this.element = el("label", { class: "switch" }, box, "sound");
   }
@@ -38,7 +38,7 @@ export class Sound {
     }
   }
 
-  private turn(on: boolean): void {
+  private switchTo(on: boolean): void {
     void this.context?.close();
     this.context = on ? new AudioContext() : null;
     this.next = 0;

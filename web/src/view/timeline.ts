@@ -5,7 +5,7 @@ import { CLOCK_HZ } from "../clock";
 import { colour, el, panel, surface } from "../dom";
 import { sourceName } from "../events";
 import type { Frame, Ready, Thread } from "../protocol";
-import { Schedule, type Job, type Lane, type Piece } from "../schedule";
+import { Schedule, type Job, type Lane, type Interval } from "../schedule";
 import type { Task } from "../session";
 import type { View } from "./view";
 
@@ -147,12 +147,14 @@ export class Timeline implements View {
     context.beginPath();
     context.rect(LABEL_WIDTH, top, 1e5, LANE_HEIGHT);
     context.clip();
-    const open = this.schedule.open(row.lane);
-    const pieces = open ? [...recent(row.lane.pieces, from), open] : recent(row.lane.pieces, from);
+    const open = this.schedule.current(row.lane);
+    const intervals = open
+      ? [...recent(row.lane.intervals, from), open]
+      : recent(row.lane.intervals, from);
     context.fillStyle = colour(row.interrupt ? "interrupt" : "accent");
-    for (const piece of pieces) {
-      const left = place(piece.from);
-      context.fillRect(left, top + 10, Math.max(0.75, place(piece.to) - left), base - top - 10);
+    for (const interval of intervals) {
+      const left = place(interval.from);
+      context.fillRect(left, top + 10, Math.max(0.75, place(interval.to) - left), base - top - 10);
     }
     for (const job of row.lane.jobs.slice(-500)) this.job(context, row.lane, job, top, place);
     context.restore();
@@ -170,8 +172,8 @@ export class Timeline implements View {
     const end = job.completion ?? this.schedule.now;
     const left = place(job.release);
     if (Math.max(place(end), place(job.release + (limits.deadline ?? 0))) < LABEL_WIDTH) return;
-    context.strokeStyle = colour(job.missed ? "missed" : job.beyond ? "bound" : "job");
-    context.lineWidth = job.missed || job.beyond ? 2 : 1;
+    context.strokeStyle = colour(job.missed ? "missed" : job.aboveBound ? "bound" : "job");
+    context.lineWidth = job.missed || job.aboveBound ? 2 : 1;
     context.strokeRect(left, top + 8, Math.max(1, place(end) - left), base - top - 8);
     arrow(context, left, base, high);
     if (limits.deadline !== null) arrow(context, place(job.release + limits.deadline), high, base);
@@ -210,7 +212,7 @@ export class Timeline implements View {
     const known = this.rows();
     const tasksFirst = [false, true].flatMap((kind) => known.filter((r) => r.interrupt === kind));
     const rows = tasksFirst.map(({ label, lane, task, interrupt }) => {
-      const { jobs, last, worst, misses, bounded, beyond } = lane.figures;
+      const { jobs, last, worst, misses, worstBounded, aboveBound } = lane.statistics;
       const { bound } = lane.limits;
       const cells = interrupt
         ? ["", "", "", "", "", "", ""]
@@ -221,12 +223,14 @@ export class Timeline implements View {
             task?.deadline_us == null ? "–" : `${task.deadline_us} µs`,
             String(misses),
             bound === null ? "–" : microseconds(bound),
-            bound === null || bounded === 0 ? "–" : `${((100 * bounded) / bound).toFixed(1)} %`,
+            bound === null || worstBounded === 0
+              ? "–"
+              : `${((100 * worstBounded) / bound).toFixed(1)} %`,
           ];
       const share = `${((100 * lane.busy) / now).toFixed(1)} %`;
       return el(
         "tr",
-        { class: misses > 0 || beyond > 0 ? "missed" : "", "data-task": label },
+        { class: misses > 0 || aboveBound > 0 ? "missed" : "", "data-task": label },
         el("th", { scope: "row" }, label),
         ...[...cells, share].map((text) => el("td", {}, text)),
       );
@@ -246,9 +250,9 @@ function arrow(context: CanvasRenderingContext2D, x: number, from: number, to: n
   context.stroke();
 }
 
-/** The pieces that end after an instant; they are sorted. */
-function recent(pieces: readonly Piece[], from: number): Piece[] {
-  let first = pieces.length;
-  while (first > 0 && (pieces[first - 1]?.to ?? 0) >= from) first -= 1;
-  return pieces.slice(first);
+/** The intervals that end after an instant; they are sorted. */
+function recent(intervals: readonly Interval[], from: number): Interval[] {
+  let first = intervals.length;
+  while (first > 0 && (intervals[first - 1]?.to ?? 0) >= from) first -= 1;
+  return intervals.slice(first);
 }

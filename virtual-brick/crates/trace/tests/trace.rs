@@ -294,5 +294,8 @@ fn kinds_have_the_names_and_numbers_that_host_and_page_read() {
         .map(|kind| format!("  \"{}\": {}", kind.name(), kind.number()))
         .collect();
     let events = format!("\"events\": {{\n{}\n }}", lines.join(",\n"));
-    assert!(catalogue.contains(&events), "not in catalogue/trace.json:\n{events}");
+    assert!(
+        catalogue.contains(&events),
+        "not in catalogue/trace.json:\n{events}"
+    );
 }

@@ -15,13 +15,13 @@ function label(name: string): string {
 }
 
 /** The range that a hand reaches, of all that the input takes. */
-function byHand(input: InputDescription): InputDescription {
+function reachableRange(input: InputDescription): InputDescription {
   if (input.name.startsWith("distance.")) return { ...input, highest: 2.6 };
   if (input.name.startsWith("gyro.")) return { ...input, lowest: -10, highest: 10 };
   return input;
 }
 
-export class Hand implements View {
+export class ManualInputs implements View {
   readonly element: HTMLElement;
   readonly joystick: Joystick;
   private readonly sensors = el("div", { class: "controls" });
@@ -34,9 +34,9 @@ export class Hand implements View {
 
   ready(ready: Ready): void {
     this.joystick.ready(ready);
-    const felt = ready.inputs.filter((i) => SENSOR.test(i.name) && !i.name.endsWith(".plugged"));
-    this.sensors.replaceChildren(...felt.map((input) => this.control(input)));
-    this.element.hidden = felt.length === 0 && this.joystick.element.hidden;
+    const sensed = ready.inputs.filter((i) => SENSOR.test(i.name) && !i.name.endsWith(".plugged"));
+    this.sensors.replaceChildren(...sensed.map((input) => this.control(input)));
+    this.element.hidden = sensed.length === 0 && this.joystick.element.hidden;
   }
 
   frame(frame: Frame): void {
@@ -50,6 +50,6 @@ export class Hand implements View {
       const title = `Press touch sensor ${input.name.split(".")[1]}`;
       return holdButton(title, attributes, (down) => set(down ? 1 : 0));
     }
-    return inputControl(byHand(input), label(input.name), set);
+    return inputControl(reachableRange(input), label(input.name), set);
   }
 }
