@@ -76,7 +76,7 @@ conformance: complete ## Full verification campaigns; writes verification/result
 	@$(PYTHON) -m verification.run
 
 .PHONY: bench
-bench: complete ## Benchmarks, compared with other programs; writes verification/benchmarks/results.{json,md}
+bench: complete ## Benchmarks with peers; writes verification/benchmarks/results.{json,md}
 	@$(PYTHON) -m verification.run --benchmarks
 
 .PHONY: docs
