@@ -15,6 +15,7 @@ from pathlib import Path
 __all__ = ["brick_digest", "source_digests"]
 
 BRICK = (
+    "catalogue/sensors.json",
     "host/src/ravenbrick/__init__.py",
     "virtual-brick/Cargo.toml",
     "virtual-brick/Cargo.lock",

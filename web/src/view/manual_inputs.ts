@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** Controls of the drive: the joystick, and what the sensors feel. */
+import { sensorInput } from "../catalogue";
 import { el, panel } from "../dom";
 import type { Frame, InputDescription, Ready } from "../protocol";
 import { holdButton, inputControl } from "./control";
 import { Joystick } from "./joystick";
 import type { Actions, View } from "./view";
-
-const SENSOR = /^(touch|light|sound|distance|color|gyro|sensor)\.(\d)/;
 
 function label(name: string): string {
   const [kind, port, quantity] = name.split(".");
@@ -16,9 +15,8 @@ function label(name: string): string {
 
 /** The range that a hand reaches, of all that the input takes. */
 function reachableRange(input: InputDescription): InputDescription {
-  if (input.name.startsWith("distance.")) return { ...input, highest: 2.6 };
-  if (input.name.startsWith("gyro.")) return { ...input, lowest: -10, highest: 10 };
-  return input;
+  const [lowest, highest] = sensorInput(input.name)?.by_hand ?? [];
+  return { ...input, lowest: lowest ?? input.lowest, highest: highest ?? input.highest };
 }
 
 export class ManualInputs implements View {
@@ -34,7 +32,7 @@ export class ManualInputs implements View {
 
   ready(ready: Ready): void {
     this.joystick.ready(ready);
-    const sensed = ready.inputs.filter((i) => SENSOR.test(i.name) && !i.name.endsWith(".plugged"));
+    const sensed = ready.inputs.filter((input) => sensorInput(input.name));
     this.sensors.replaceChildren(...sensed.map((input) => this.control(input)));
     this.element.hidden = sensed.length === 0 && this.joystick.element.hidden;
   }

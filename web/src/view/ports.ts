@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** Four sensor ports: the sensor at each, and its cable. */
+import { SENSOR_KINDS } from "../catalogue";
 import { el, panel } from "../dom";
 import type { InputDescription, Ready } from "../protocol";
 import { inputControl } from "./control";
 import type { Actions, View } from "./view";
 
-const KINDS = ["nothing", "touch", "light", "sound", "ultrasonic", "color", "gyro", "analogue"];
+const KINDS = ["nothing", ...SENSOR_KINDS];
 const PORTS = ["1", "2", "3", "4"];
 
 export class Ports implements View {

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ravenbrick.catalogue import sensor_kinds
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.trace.recording import EventKind
@@ -27,16 +28,14 @@ _BUS = "nxt__i2c_ports__start_transaction"
 _OTHERS = ("nxt__avr__inputs", "nxt__avr__button", "nxt__avr__raw_battery")
 WATCHED = (_READ, _RAW, _BUS, *_OTHERS)
 
-_DRIVERS = {
-    "nxt__touch_sensors__": "touch",
-    "nxt__light_sensors__": "light",
-    "nxt__sound_sensors__": "sound",
-    "nxt__color_sensors__": "color",
-    "nxt__ultrasonic_sensors__": "ultrasonic",
-}
 _COMMANDS = "nxt__direct_commands__"
 _DUTY = 0xFF
 _PORTS = "1234"
+
+
+def _driver(kind: str) -> str:
+    """What the symbols of a kind of sensor's package begin with."""
+    return f"nxt__{kind}_sensors__"
 
 
 @dataclass(frozen=True)
@@ -58,8 +57,8 @@ class DriverCall:
     @property
     def device(self) -> str | None:
         """The kind of sensor that the driver is for; None when no driver reads the port."""
-        found = (d for c in self.callers for p, d in _DRIVERS.items() if c.startswith(p))
-        return next(found, None)
+        kinds = [k for k in sensor_kinds() for c in self.callers if c.startswith(_driver(k))]
+        return next(iter(kinds), None)
 
     @property
     def at(self) -> str:

@@ -9,7 +9,7 @@ use plant::{BodyParameters, MotorPort, RobotParameters};
 
 use crate::battery::VOLTAGE_LIMITS;
 use crate::buttons::Button;
-use crate::sensors::{Quantity, Sensor, SensorInput};
+use crate::sensors::{Sensor, SensorInput};
 
 /// An input of this brick.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,8 @@ pub struct InputDescription {
 /// What an input acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    Sensor(usize, Quantity),
+    /// Port and key of the input.
+    Sensor(usize, &'static str),
     Plugged(usize),
     Short(usize, usize),
     Button(Button),
@@ -142,16 +143,13 @@ pub fn inputs(sensors: [&Sensor; 4], robot: &RobotParameters) -> Vec<InputDescri
 /// The quantities at a sensor, its plug and shorts of its digital lines.
 fn sensor_inputs(index: usize, sensor: &Sensor) -> Vec<InputDescription> {
     let port = index + 1;
-    let quantity = |&(quantity, (before, after), range, whole, unit): &SensorInput| {
-        let (lowest, highest) = range;
-        InputDescription {
-            name: format!("{before}{port}{after}"),
-            lowest,
-            highest,
-            whole,
-            unit,
-            target: Target::Sensor(index, quantity),
-        }
+    let quantity = |input: &'static SensorInput| InputDescription {
+        name: input.name(port),
+        lowest: input.range.0,
+        highest: input.range.1,
+        whole: input.whole,
+        unit: &input.unit,
+        target: Target::Sensor(index, &input.key),
     };
     let mut inputs: Vec<_> = sensor.inputs().iter().map(quantity).collect();
     if !inputs.is_empty() {

@@ -41,11 +41,12 @@ pub use bluetooth::{
 pub use board::NxtBoard;
 pub use boot_monitor::BootMonitor;
 pub use buttons::Button;
-pub use configuration::{BoardConfiguration, GyroAxis, SensorConfiguration, SensorPorts};
+pub use configuration::{BoardConfiguration, SensorPorts};
 pub use coprocessor::{MotorCommand, SensorSupply};
 pub use display::{Display, Picture, COLUMNS, ROWS};
 pub use event::{BoardEvent, BoardEventKind, BoardFault, PowerOffReason};
 pub use inputs::{InputDescription, InputError};
 pub use rs485::Rs485Line;
+pub use sensors::{Sensor, SensorInput};
 pub use sound::SAMPLE_CYCLES as SOUND_SAMPLE_CYCLES;
 pub use usb::{UsbCompletion, UsbError, UsbHost, UsbRequest, UsbTransfer};

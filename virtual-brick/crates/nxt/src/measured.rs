@@ -4,27 +4,27 @@
 
 use std::sync::Arc;
 
-use plant::{Mount, Robot, RobotParameters, Surroundings};
+use plant::{Robot, RobotParameters, Surroundings};
 
-use crate::configuration::{GyroAxis, SensorConfiguration, SensorPorts};
+use crate::configuration::SensorPorts;
 use crate::ports::Ports;
-use crate::sensors::Quantity;
+use crate::sensors::{GyroAxis, Measurement, Sensor, SensorInput};
 
 /// Distance in m that stands for no wall.
 const FAR: f64 = 100.0;
 
-/// What a sensor port measures.
+/// A sensor that measures, at the port of this index, and the input that it replaces.
 #[derive(Clone, Debug)]
-enum Source {
-    Floor { mount: Mount, spot: f64 },
-    Wall(Mount),
-    Gyro(GyroAxis),
+struct Source {
+    index: usize,
+    input: &'static SensorInput,
+    measurement: Measurement,
 }
 
 /// All sensors on the robot.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    sources: Vec<(usize, Source)>,
+    sources: Vec<Source>,
     surroundings: Arc<Surroundings>,
 }
 
@@ -34,7 +34,7 @@ impl Measured {
             .all()
             .into_iter()
             .enumerate()
-            .filter_map(|(index, sensor)| Some((index, source(sensor?)?)))
+            .filter_map(|(index, sensor)| source(index, sensor?))
             .collect();
         Self {
             sources,
@@ -44,9 +44,9 @@ impl Measured {
 
     /// Gives each sensor what it measures of `robot` now; false when there is none.
     pub fn update(&self, robot: &Robot, ports: &mut Ports) -> bool {
-        for (index, source) in &self.sources {
-            if let Some((quantity, value)) = self.value(source, robot) {
-                ports.set_quantity(*index, quantity, value);
+        for source in &self.sources {
+            if let Some(value) = self.value(&source.measurement, robot) {
+                ports.set_quantity(source.index, &source.input.key, value);
             }
         }
         !self.sources.is_empty()
@@ -54,47 +54,36 @@ impl Measured {
 
     /// Names of what the sensors measure, in the order of [`Self::sample`].
     pub fn names(&self) -> impl Iterator<Item = String> + '_ {
-        self.sources.iter().map(|(index, source)| {
-            let port = index + 1;
-            match source {
-                Source::Floor { .. } => format!("light.{port}.reflectance"),
-                Source::Wall(_) => format!("distance.{port}"),
-                Source::Gyro(_) => format!("gyro.{port}.rate"),
-            }
-        })
+        let name = |source: &Source| source.input.signal(source.index + 1);
+        self.sources.iter().map(name)
     }
 
     /// What each sensor measures of `robot`; 0 where there is nothing to measure.
     pub fn sample<'a>(&'a self, robot: &'a Robot) -> impl Iterator<Item = f64> + 'a {
         self.sources
             .iter()
-            .map(|(_, source)| self.value(source, robot).map_or(0.0, |(_, value)| value))
+            .map(|source| self.value(&source.measurement, robot).unwrap_or(0.0))
     }
 
-    fn value(&self, source: &Source, robot: &Robot) -> Option<(Quantity, f64)> {
-        match source {
-            Source::Floor { mount, spot } => {
-                let share = self.surroundings.reflectance(robot.pose()?, mount, *spot)?;
-                Some((Quantity::Reflectance, share))
+    fn value(&self, measurement: &Measurement, robot: &Robot) -> Option<f64> {
+        match measurement {
+            Measurement::Floor { mount, spot } => {
+                self.surroundings.reflectance(robot.pose()?, mount, *spot)
             }
-            Source::Wall(mount) => {
+            Measurement::Wall(mount) => {
                 let distance = self.surroundings.distance(robot.pose()?, mount)?;
-                Some((Quantity::Distance, libm::fmin(distance, FAR)))
+                Some(libm::fmin(distance, FAR))
             }
-            Source::Gyro(GyroAxis::Pitch) => Some((Quantity::Rate, robot.pitch()?.1)),
-            Source::Gyro(GyroAxis::Yaw) => Some((Quantity::Rate, robot.yaw_rate())),
+            Measurement::Rotation(GyroAxis::Pitch) => Some(robot.pitch()?.1),
+            Measurement::Rotation(GyroAxis::Yaw) => Some(robot.yaw_rate()),
         }
     }
 }
 
-fn source(sensor: &SensorConfiguration) -> Option<Source> {
-    match sensor {
-        SensorConfiguration::Light { mount, spot } => Some(Source::Floor {
-            mount: (*mount)?,
-            spot: *spot,
-        }),
-        SensorConfiguration::Ultrasonic { mount } => Some(Source::Wall((*mount)?)),
-        SensorConfiguration::Gyro { axis, .. } => Some(Source::Gyro((*axis)?)),
-        _ => None,
-    }
+fn source(index: usize, sensor: &Sensor) -> Option<Source> {
+    Some(Source {
+        index,
+        input: sensor.inputs().iter().find(|input| input.measured)?,
+        measurement: sensor.measurement()?,
+    })
 }

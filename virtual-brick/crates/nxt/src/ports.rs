@@ -9,7 +9,7 @@ use at91sam7s::board::{Cycles, PinOutputs};
 
 use crate::configuration::SensorPorts;
 use crate::coprocessor::SensorSupply;
-use crate::sensors::{Lines, Quantity, Sensor, OPEN};
+use crate::sensors::{Lines, Nothing, Sensor, OPEN};
 use crate::time::NEVER;
 
 /// Pins of the two digital lines of each port.
@@ -80,8 +80,8 @@ pub struct Ports {
 
 impl Ports {
     pub fn new(configuration: &SensorPorts) -> Self {
-        let port = |sensor| Port {
-            sensor: Sensor::new(sensor),
+        let port = |sensor: Option<&Sensor>| Port {
+            sensor: sensor.cloned().unwrap_or(Sensor::Nothing(Nothing)),
             plugged: true,
             shorted: [false; 2],
             lines: Lines::default(),
@@ -173,13 +173,13 @@ impl Ports {
     }
 
     /// A quantity given from outside, which the lines follow at once.
-    pub fn set_input(&mut self, index: usize, quantity: Quantity, value: f64) {
-        self.set_quantity(index, quantity, value);
+    pub fn set_input(&mut self, index: usize, key: &str, value: f64) {
+        self.set_quantity(index, key, value);
         self.refresh_low();
     }
 
-    pub fn set_quantity(&mut self, index: usize, quantity: Quantity, value: f64) {
-        self.ports[index].sensor.set(quantity, value);
+    pub fn set_quantity(&mut self, index: usize, key: &str, value: f64) {
+        self.ports[index].sensor.set(key, value);
     }
 
     /// Pulls the sensor's cable out or puts it in.

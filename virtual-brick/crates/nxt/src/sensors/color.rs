@@ -11,13 +11,14 @@
 //! sensor holds the clock low as long as the brick does not drive it.
 
 use at91sam7s::board::Cycles;
+use serde::Deserialize;
 
-use super::Lines;
+use super::{Device, Lines};
 use crate::time::{microseconds, milliseconds};
 
 /// Count of the co-processor's converter: the sensor grounds that line (chosen; LEGO's firmware
 /// takes more than 50 for no sensor).
-pub const PRESENT: u16 = 12;
+const PRESENT: u16 = 12;
 
 /// Shortest low clock that is a reset (chosen; LEGO's firmware gives 100 ms).
 const RESET: Cycles = milliseconds(80);
@@ -92,18 +93,26 @@ enum State {
     },
 }
 
-/// The sensor and the surface in front of it.
-#[derive(Clone, Debug)]
+/// The sensor and the surface in front of it: black and in darkness at the start.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ColorSensor {
     /// Light from elsewhere: 0 is darkness, 1 the strongest that the sensor tells apart.
-    pub ambient: f64,
+    #[serde(skip)]
+    ambient: f64,
     /// Share of the red, green and blue light that the surface throws back, 0 to 1 each.
-    pub reflectance: [f64; 3],
+    #[serde(skip)]
+    reflectance: [f64; 3],
     /// The check sum that it sends is wrong.
-    pub spoilt: bool,
+    #[serde(skip)]
+    spoilt: bool,
+    #[serde(skip)]
     state: State,
+    #[serde(skip)]
     clock: bool,
+    #[serde(skip)]
     edge_at: Cycles,
+    #[serde(skip)]
     calibration: [u8; CALIBRATION_BYTES],
 }
 
@@ -121,15 +130,31 @@ impl Default for ColorSensor {
     }
 }
 
-impl ColorSensor {
-    /// The cable is put in or pulled out: the sensor starts anew.
-    pub fn restart(&mut self, now: Cycles) {
+impl Device for ColorSensor {
+    fn set(&mut self, key: &str, value: f64) -> bool {
+        match key {
+            "ambient" => self.ambient = value,
+            "red" => self.reflectance[0] = value,
+            "green" => self.reflectance[1] = value,
+            "blue" => self.reflectance[2] = value,
+            "wrong_sum" => self.spoilt = value != 0.0,
+            _ => return false,
+        }
+        true
+    }
+
+    fn raw(&self, _lines: Lines) -> u16 {
+        PRESENT
+    }
+
+    /// The sensor starts anew.
+    fn set_plugged(&mut self, now: Cycles) {
         (self.state, self.clock, self.edge_at) = (State::Waiting, false, now);
     }
 
     /// It holds the clock low while it measures, and sends zeros of its calibration. The last bit
     /// outlasts the clock's fall, as the others do: LEGO's firmware takes bits after it.
-    pub const fn pulls_low(&self) -> [bool; 2] {
+    fn pulls_low(&self) -> [bool; 2] {
         match self.state {
             State::Waiting | State::Mode { .. } => [false, false],
             State::Calibration { put, .. } => [true, put > 0 && !self.calibration_bit(put - 1)],
@@ -137,14 +162,8 @@ impl ColorSensor {
         }
     }
 
-    const fn calibration_bit(&self, number: u16) -> bool {
-        let bit = self.calibration[number as usize / 8] >> (number % 8) & 1 != 0;
-        let last = number + 1 == CALIBRATION_BITS;
-        bit != (last && self.spoilt)
-    }
-
     /// Counts of the chip's converter on the data line while it carries a voltage.
-    pub fn analogue(&self, now: Cycles) -> Option<u16> {
+    fn analogue(&self, now: Cycles) -> Option<u16> {
         let State::Measuring {
             lamp,
             before,
@@ -158,20 +177,7 @@ impl ColorSensor {
         Some(self.count(lit))
     }
 
-    fn count(&self, lamp: Lamp) -> u16 {
-        let blank = libm::round(DARK + self.ambient * AMBIENT);
-        let place = match lamp {
-            Lamp::Off => return blank as u16,
-            Lamp::Red => 0,
-            Lamp::Green => 1,
-            Lamp::Blue => 2,
-        };
-        let added = LAMPS[place] * SENSITIVITIES[range(blank)] * self.reflectance[place];
-        libm::round(blank + added).min(1023.0) as u16
-    }
-
-    /// The brick drives the lines in another way.
-    pub fn lines_changed(&mut self, now: Cycles, lines: Lines) {
+    fn lines_changed(&mut self, now: Cycles, lines: Lines) {
         let clock = lines.drives_high(0);
         if clock == self.clock {
             return;
@@ -184,6 +190,26 @@ impl ColorSensor {
         } else {
             self.clock_fell(now, length, lines.is_high(1));
         }
+    }
+}
+
+impl ColorSensor {
+    const fn calibration_bit(&self, number: u16) -> bool {
+        let bit = self.calibration[number as usize / 8] >> (number % 8) & 1 != 0;
+        let last = number + 1 == CALIBRATION_BITS;
+        bit != (last && self.spoilt)
+    }
+
+    fn count(&self, lamp: Lamp) -> u16 {
+        let blank = libm::round(DARK + self.ambient * AMBIENT);
+        let place = match lamp {
+            Lamp::Off => return blank as u16,
+            Lamp::Red => 0,
+            Lamp::Green => 1,
+            Lamp::Blue => 2,
+        };
+        let added = LAMPS[place] * SENSITIVITIES[range(blank)] * self.reflectance[place];
+        libm::round(blank + added).min(1023.0) as u16
     }
 
     fn clock_rose(&mut self, now: Cycles, low_for: Cycles, data_high: bool) {

@@ -37,7 +37,7 @@ enum State {
 }
 
 /// The slave's side of the lines.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Slave {
     /// Address byte of a write.
     address: u8,

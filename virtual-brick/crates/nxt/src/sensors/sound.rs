@@ -6,7 +6,9 @@
 //! The output is proportional to the sound pressure: LEGO's user guide gives 90 dB as 100 % and
 //! normal conversation, 60 to 80 dB, as 5 to 30 %. It follows the level at once.
 
-use crate::sensors::OPEN;
+use serde::Deserialize;
+
+use super::{Device, Lines, OPEN};
 
 /// Counts in silence and at full scale: LEGO's firmware scales 4.98 V to 0.65 V of the 5 V range
 /// to 0 to 100 %. More sound gives a lower voltage.
@@ -15,13 +17,16 @@ const LOUD: f64 = 133.0;
 /// Level of full scale in dB.
 const FULL_SCALE: f64 = 90.0;
 
-/// The sensor and what it hears.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The sensor and what it hears: silence at the start.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct SoundSensor {
     /// Sound pressure level in dB.
-    pub level: f64,
+    #[serde(skip)]
+    level: f64,
     /// Frequency of the sound in Hz.
-    pub frequency: f64,
+    #[serde(skip)]
+    frequency: f64,
 }
 
 impl Default for SoundSensor {
@@ -33,11 +38,19 @@ impl Default for SoundSensor {
     }
 }
 
-impl SoundSensor {
-    /// Count of the converter. With neither line high the amplifier is off; with both the plain
-    /// path prevails (chosen).
-    pub fn raw(self, plain: bool, weighted: bool) -> u16 {
-        let heard = match (plain, weighted) {
+impl Device for SoundSensor {
+    fn set(&mut self, key: &str, value: f64) -> bool {
+        match key {
+            "level" => self.level = value,
+            "frequency" => self.frequency = value,
+            _ => return false,
+        }
+        true
+    }
+
+    /// With neither line high the amplifier is off; with both the plain path prevails (chosen).
+    fn raw(&self, lines: Lines) -> u16 {
+        let heard = match (lines.drives_high(0), lines.drives_high(1)) {
             (false, false) => return OPEN,
             (true, _) => self.level,
             (false, true) => self.level + a_weighting(self.frequency),

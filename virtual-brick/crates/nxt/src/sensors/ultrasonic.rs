@@ -5,9 +5,11 @@
 //! Registers and modes as in the NXT Hardware Developer Kit, appendix of the ultrasonic sensor.
 
 use at91sam7s::board::Cycles;
+use plant::{Mount, ParameterError};
+use serde::Deserialize;
 
 use super::slave::{Registers, Slave};
-use super::Lines;
+use super::{check_mount, Device, Lines, Measurement};
 use crate::time::{milliseconds, NEVER};
 
 /// Address byte of a write.
@@ -42,17 +44,23 @@ impl Mode {
     }
 }
 
-/// The sensor and the wall in front of it.
-#[derive(Clone, Debug)]
+/// The sensor and the wall in front of it: nothing in its range at the start.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct UltrasonicSensor {
+    /// Where it looks at the walls; an input gives the distance when absent.
+    mount: Option<Mount>,
     /// Distance in m of what throws the echo back.
-    pub distance: f64,
+    #[serde(skip)]
+    distance: f64,
+    #[serde(skip)]
     slave: Slave,
+    #[serde(skip)]
     program: Program,
 }
 
 /// What the sensor's processor knows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Program {
     /// It answers from here on.
     awake_at: Cycles,
@@ -67,6 +75,7 @@ struct Program {
 impl Default for UltrasonicSensor {
     fn default() -> Self {
         Self {
+            mount: None,
             distance: 100.0,
             slave: Slave::new(ADDRESS),
             program: Program::asleep(),
@@ -74,16 +83,29 @@ impl Default for UltrasonicSensor {
     }
 }
 
-impl UltrasonicSensor {
-    pub const fn pulls_data_low(&self) -> bool {
-        self.slave.pulls_data_low()
+impl Device for UltrasonicSensor {
+    fn check(&self, field: &str) -> Result<(), ParameterError> {
+        check_mount(self.mount.as_ref(), field)
     }
 
-    pub fn next_event(&self) -> Cycles {
+    fn measurement(&self) -> Option<Measurement> {
+        self.mount.map(Measurement::Wall)
+    }
+
+    fn set(&mut self, key: &str, value: f64) -> bool {
+        self.distance = value;
+        key == "distance"
+    }
+
+    fn pulls_low(&self) -> [bool; 2] {
+        [false, self.slave.pulls_data_low()]
+    }
+
+    fn next_event(&self) -> Cycles {
         self.program.measured_at
     }
 
-    pub fn set_supply(&mut self, now: Cycles, on: bool) {
+    fn set_supply(&mut self, now: Cycles, on: bool) {
         let was_on = self.program.awake_at != NEVER;
         if on && !was_on {
             self.program = Program::started(now + START_UP);
@@ -94,14 +116,14 @@ impl UltrasonicSensor {
     }
 
     /// Without supply, and while it starts, it does not see the lines.
-    pub fn lines_changed(&mut self, now: Cycles, lines: Lines) {
+    fn lines_changed(&mut self, now: Cycles, lines: Lines) {
         if now >= self.program.awake_at {
             let (clock, data) = (lines.is_high(0), lines.is_high(1));
             self.slave.levels(now, clock, data, &mut self.program);
         }
     }
 
-    pub fn advance(&mut self, now: Cycles) {
+    fn advance(&mut self, now: Cycles) {
         if now >= self.program.measured_at {
             self.program.measured(self.distance);
         }
