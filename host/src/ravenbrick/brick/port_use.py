@@ -57,8 +57,8 @@ class DriverCall:
     @property
     def device(self) -> str | None:
         """The kind of sensor that the driver is for; None when no driver reads the port."""
-        kinds = [k for k in sensor_kinds() for c in self.callers if c.startswith(_driver(k))]
-        return next(iter(kinds), None)
+        found = (k for c in self.callers for k in sensor_kinds() if c.startswith(_driver(k)))
+        return next(found, None)
 
     @property
     def at(self) -> str:

@@ -246,7 +246,7 @@ fn brake_mode_shorts_the_winding_and_float_mode_opens_it() {
 #[test]
 fn low_duty_gives_more_torque_in_brake_mode_than_in_float_mode() {
     let locked = r#""coulomb_friction": 0.0, "inductance": 0.0047"#;
-    let motor = common::MOTOR.replace(r#""inertia""#, &format!(r#"{locked}, "inertia""#));
+    let motor = common::motor().replace(r#""inertia""#, &format!(r#"{locked}, "inertia""#));
     let motor = motor.replace("}}", r#"}, "held_by_hand": true, "hand_rate": 1}"#);
     let robot = format!(r#"{{"motors": {{"B": {motor}, "C": {motor}}}}}"#);
     let mut rig = Rig::running(SENSORS, &robot);

@@ -6,7 +6,8 @@
 mod common;
 
 use at91sam7s::board::Board;
-use common::{milliseconds, three_motors, Rig, MOTOR};
+use common::catalogue::nxt;
+use common::{milliseconds, motor, three_motors, Rig};
 use nxt::BoardEventKind;
 
 /// (tacho, direction) of the motors A to C.
@@ -50,7 +51,10 @@ fn degrees(rig: &Rig, letter: &str) -> f64 {
 
 /// A motor of twice the speed, so that 2,000 degrees per second are reached.
 fn fast_motors() -> String {
-    let motor = MOTOR.replace("0.46839", "0.2").replace("0.31739", "0.2");
+    let constants = [nxt("electric_constant"), nxt("torque_constant")];
+    let motor = constants.iter().fold(motor(), |text, constant| {
+        text.replace(&constant.to_string(), "0.2")
+    });
     format!(r#"{{"motors": {{"A": {motor}, "B": {motor}, "C": {motor}}}}}"#)
 }
 
@@ -130,7 +134,7 @@ fn edges_at_steady_speed_are_evenly_spaced_to_the_cycle() {
 
 #[test]
 fn an_unplugged_motor_leaves_its_pins_undriven() {
-    let rig = Rig::running(BOARD, &format!(r#"{{"motors": {{"B": {MOTOR}}}}}"#));
+    let rig = Rig::running(BOARD, &format!(r#"{{"motors": {{"B": {}}}}}"#, motor()));
     let driven = rig.board.pin_levels().driven;
     assert_eq!(driven >> 26 & 1, 1);
     assert_eq!(driven >> 9 & 1, 1);
@@ -223,11 +227,12 @@ fn a_clone_goes_on_exactly_as_the_original() {
 
 #[test]
 fn signals_have_the_names_of_what_is_plugged_in() {
-    let motor = MOTOR.replace(r#""inertia""#, r#""backlash": 0.05, "inertia""#);
+    let plain = motor();
+    let motor = plain.replace(r#""inertia""#, r#""backlash": 0.05, "inertia""#);
     let body = r#"{"kind": "differential_drive", "left": "B", "right": "C",
         "wheel_radius": 0.028, "track": 0.115, "mass": 0.6, "yaw_inertia": 0.003,
         "castor_friction": 0.05, "rolling_resistance": 0.05}"#;
-    let robot = format!(r#"{{"motors": {{"B": {MOTOR}, "C": {motor}}}, "body": {body}}}"#);
+    let robot = format!(r#"{{"motors": {{"B": {plain}, "C": {motor}}}, "body": {body}}}"#);
     let mut rig = Rig::running(BOARD, &robot);
     let per_motor = [
         "angle",

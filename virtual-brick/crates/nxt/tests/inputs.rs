@@ -6,7 +6,7 @@
 mod common;
 
 use at91sam7s::board::Board;
-use common::{milliseconds, Rig, MOTOR};
+use common::{milliseconds, motor, Rig};
 use nxt::{BoardConfiguration, InputError, NxtBoard};
 use plant::RobotParameters;
 
@@ -120,8 +120,9 @@ fn an_analogue_sensor_reads_what_it_is_given() {
 
 #[test]
 fn an_unknown_input_lists_those_that_exist() {
-    let held = MOTOR.replace("}}", r#"}, "held_by_hand": true, "hand_rate": 4}"#);
-    let robot = format!(r#"{{"motors": {{"A": {held}, "B": {MOTOR}}}}}"#);
+    let motor = motor();
+    let held = motor.replace("}}", r#"}, "held_by_hand": true, "hand_rate": 4}"#);
+    let robot = format!(r#"{{"motors": {{"A": {held}, "B": {motor}}}}}"#);
     let mut rig = Rig::running(SENSORS, &robot);
     let error = rig.board.set_input(0, "touch.2", 1.0).unwrap_err();
     let InputError::UnknownName { valid, .. } = &error else {
@@ -183,8 +184,9 @@ fn values_out_of_range_are_rejected_with_the_range() {
 
 #[test]
 fn the_hand_turns_the_joystick_and_the_load_holds_a_motor_back() {
-    let held = MOTOR.replace("}}", r#"}, "held_by_hand": true, "hand_rate": 4}"#);
-    let robot = format!(r#"{{"motors": {{"A": {held}, "B": {MOTOR}}}}}"#);
+    let motor = motor();
+    let held = motor.replace("}}", r#"}, "held_by_hand": true, "hand_rate": 4}"#);
+    let robot = format!(r#"{{"motors": {{"A": {held}, "B": {motor}}}}}"#);
     let mut rig = Rig::running(r#"{"battery": {"voltage": 8.0}}"#, &robot);
     rig.set("motor.A.hand_angle", 0.5);
     rig.set("motor.B.load_torque", 0.1);

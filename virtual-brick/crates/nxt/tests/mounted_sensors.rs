@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{milliseconds, Rig, MOTOR};
+use common::{milliseconds, motor, Rig};
 
 const BALANCER: &str = r#""kind": "balancer", "left": "B", "right": "C", "wheel_radius": 0.04,
     "wheel_mass": 0.03, "wheel_inertia": 0.000024, "track": 0.14, "mass": 0.6,
@@ -21,7 +21,8 @@ const AROUND: &str = r#"{"floor": {"pixel": 0.1, "corner": [0.1, -0.5], "width":
     "walls": [{"from": [1, -1], "to": [1, 1]}]}"#;
 
 fn robot(body: &str, around: &str) -> String {
-    let motors = format!(r#"{{"B": {MOTOR}, "C": {MOTOR}}}"#);
+    let motor = motor();
+    let motors = format!(r#"{{"B": {motor}, "C": {motor}}}"#);
     format!(r#"{{"motors": {motors}, "body": {{{body}}}, "surroundings": {around}}}"#)
 }
 

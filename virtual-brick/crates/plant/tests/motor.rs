@@ -5,6 +5,7 @@
 
 mod common;
 
+use common::catalogue::{damping, nxt};
 use common::{angle, bench, current, fast, near, robot, run, slow, velocity, DT, SET_A, TABLE_1};
 use plant::{MotorDrive, MotorPort};
 
@@ -27,7 +28,7 @@ fn steady(set: &str, supply: f64, load: f64) -> (f64, f64) {
 
 #[test]
 fn step_response_of_table_1_has_the_gain_and_time_constant_of_the_paper() {
-    let mut robot = bench(TABLE_1, "");
+    let mut robot = bench(&TABLE_1, "");
     let mut rise = None;
     for step in 1..=10_000 {
         robot.step(DT, &[MotorDrive::Coast, slow(1.0), MotorDrive::Coast], 1.0);
@@ -41,9 +42,14 @@ fn step_response_of_table_1_has_the_gain_and_time_constant_of_the_paper() {
 
 #[test]
 fn the_step_response_follows_the_exact_exponential() {
-    let (k, r, ke, b, j) = (0.31739, 6.8562, 0.46839, 0.0011278, 0.000842);
+    let (k, r, ke) = (
+        nxt("torque_constant"),
+        nxt("resistance"),
+        nxt("electric_constant"),
+    );
+    let (b, j) = (nxt("viscous_friction"), nxt("inertia"));
     let (gain, tau) = (k / (b * r + k * ke), r * j / (b * r + k * ke));
-    let mut robot = bench(TABLE_1, "");
+    let mut robot = bench(&TABLE_1, "");
     for step in 1..=3_000 {
         robot.step(DT, &[MotorDrive::Coast, slow(0.5), MotorDrive::Coast], 8.0);
         let time = f64::from(step) * DT;
@@ -142,15 +148,15 @@ fn a_brake_stops_sooner_than_coasting() {
 
 #[test]
 fn slow_decay_scales_the_speed_and_fast_decay_the_torque() {
-    let mut half_slow = bench(TABLE_1, "");
+    let mut half_slow = bench(&TABLE_1, "");
     run(&mut half_slow, 1.0, slow(0.5), MotorDrive::Coast, 8.0);
     near(velocity(&half_slow, B), 0.5 * 8.0 * 2.029, 0.001);
-    let mut half_fast = bench(TABLE_1, "");
+    let mut half_fast = bench(&TABLE_1, "");
     run(&mut half_fast, 2.0, fast(0.5), MotorDrive::Coast, 8.0);
     assert!(velocity(&half_fast, B) > 0.9 * 8.0 * 2.029);
-    let mut locked = held(TABLE_1);
+    let mut locked = held(&TABLE_1);
     run(&mut locked, 0.1, fast(0.5), MotorDrive::Coast, 8.0);
-    near(current(&locked, B), 0.5 * 8.0 / 6.8562, 1e-9);
+    near(current(&locked, B), 0.5 * 8.0 / nxt("resistance"), 1e-9);
 }
 
 #[test]
@@ -194,7 +200,7 @@ fn inductance_delays_the_current_by_its_time_constant() {
 
 #[test]
 fn within_the_backlash_the_load_stays_while_the_gear_train_turns() {
-    let mut robot = bench(TABLE_1, r#", "backlash": 0.07"#);
+    let mut robot = bench(&TABLE_1, r#", "backlash": 0.07"#);
     run(&mut robot, 0.015, slow(0.5), MotorDrive::Coast, 8.0);
     let motor = robot.motor(B).unwrap();
     assert!((0.015..0.035).contains(&motor.angle()), "{}", motor.angle());
@@ -209,18 +215,14 @@ fn within_the_backlash_the_load_stays_while_the_gear_train_turns() {
 
 #[test]
 fn a_load_against_the_backlash_stays_pressed_to_one_side() {
-    let mut robot = bench(TABLE_1, r#", "backlash": 0.07"#);
+    let mut robot = bench(&TABLE_1, r#", "backlash": 0.07"#);
     robot.motor_mut(B).unwrap().set_load_torque(0.05);
     for _ in 0..5_000 {
         robot.step(DT, &[MotorDrive::Brake; 3], 8.0);
     }
     let motor = robot.motor(B).unwrap();
     near(motor.angle() - motor.load_angle(), 0.035, 1e-9);
-    near(
-        motor.angular_velocity(),
-        -0.05 / (0.0011278 + 0.31739 * 0.46839 / 6.8562),
-        0.01,
-    );
+    near(motor.angular_velocity(), -0.05 / damping(), 0.01);
 }
 
 #[test]
@@ -241,7 +243,7 @@ fn coasting_never_gains_energy() {
 
 #[test]
 fn a_hand_turns_the_shaft_at_its_rate_and_stops_exactly_at_the_angle() {
-    let mut robot = held(TABLE_1);
+    let mut robot = held(&TABLE_1);
     robot.motor_mut(B).unwrap().set_hand_angle(-1.0);
     run(&mut robot, 0.1, MotorDrive::Coast, MotorDrive::Coast, 8.0);
     near(angle(&robot, B), -0.4, 0.001);
@@ -254,11 +256,11 @@ fn a_hand_turns_the_shaft_at_its_rate_and_stops_exactly_at_the_angle() {
 #[test]
 fn the_supply_gives_the_power_that_the_motor_uses() {
     for drive in [slow(0.6), fast(0.6)] {
-        let mut robot = bench(TABLE_1, "");
+        let mut robot = bench(&TABLE_1, "");
         robot.motor_mut(B).unwrap().set_load_torque(0.1);
         run(&mut robot, 2.0, drive, MotorDrive::Coast, 8.0);
         let (amperes, speed) = (current(&robot, B), velocity(&robot, B));
-        let useful = amperes * 0.46839 * speed;
+        let useful = amperes * nxt("electric_constant") * speed;
         let taken = 8.0 * robot.supply_current();
         assert!(
             taken > useful && useful > 0.0,

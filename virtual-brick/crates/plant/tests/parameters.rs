@@ -5,6 +5,7 @@
 
 mod common;
 
+use common::catalogue::nxt;
 use common::{parameters, TABLE_1, VEHICLE};
 use plant::{Robot, RobotParameters};
 
@@ -18,7 +19,7 @@ fn with_motor(motor: &str) -> String {
 
 #[test]
 fn a_number_out_of_range_is_named_with_field_value_and_range() {
-    let motor = TABLE_1.replace("6.8562", "-1");
+    let motor = TABLE_1.replace(&nxt("resistance").to_string(), "-1");
     assert_eq!(
         error(&with_motor(&format!(r#"{{"parameters": {motor}}}"#))),
         "motors.B.parameters.resistance = -1: expected a number from 0.1 to 100 (ohm)"
@@ -41,7 +42,8 @@ fn static_friction_below_coulomb_friction_is_rejected() {
 #[test]
 fn a_hand_without_a_rate_is_rejected() {
     let message = error(&with_motor(&format!(
-        r#"{{"parameters": {TABLE_1}, "held_by_hand": true}}"#
+        r#"{{"parameters": {}, "held_by_hand": true}}"#,
+        *TABLE_1
     )));
     assert!(
         message.starts_with("motors.B.hand_rate = (absent)"),
@@ -51,7 +53,7 @@ fn a_hand_without_a_rate_is_rejected() {
 
 #[test]
 fn a_wheel_without_a_motor_is_rejected() {
-    let motors = format!(r#"{{"B": {{"parameters": {TABLE_1}}}}}"#);
+    let motors = format!(r#"{{"B": {{"parameters": {}}}}}"#, *TABLE_1);
     let message = error(&format!(r#"{{"motors": {motors}, "body": {VEHICLE}}}"#));
     assert!(
         message.starts_with("body.right = C: expected a port"),
@@ -61,7 +63,7 @@ fn a_wheel_without_a_motor_is_rejected() {
 
 #[test]
 fn both_wheels_on_one_motor_are_rejected() {
-    let motors = format!(r#"{{"B": {{"parameters": {TABLE_1}}}}}"#);
+    let motors = format!(r#"{{"B": {{"parameters": {}}}}}"#, *TABLE_1);
     let body = VEHICLE.replace(r#""right": "C""#, r#""right": "B""#);
     let message = error(&format!(r#"{{"motors": {motors}, "body": {body}}}"#));
     assert_eq!(
@@ -75,7 +77,7 @@ fn unknown_fields_are_rejected_at_every_level() {
     for json in [
         r#"{"wheels": 4}"#.to_owned(),
         r#"{"motors": {"D": null}}"#.to_owned(),
-        with_motor(&format!(r#"{{"parameters": {TABLE_1}, "colour": 1}}"#)),
+        with_motor(&format!(r#"{{"parameters": {}, "colour": 1}}"#, *TABLE_1)),
         with_motor(r#"{"parameters": {"resistance": 1.0, "mood": 2}}"#),
         r#"{"body": {"kind": "bench", "legs": 4}}"#.to_owned(),
         format!(

@@ -5,6 +5,7 @@
 
 mod common;
 
+use common::catalogue::{damping, nxt};
 use common::{angle, near, run, slow, vehicle, velocity, DT};
 use plant::{MotorDrive, MotorPort};
 
@@ -25,7 +26,8 @@ fn steady_speed_balances_motor_torque_and_floor_friction() {
     let mut robot = vehicle("");
     run(&mut robot, 3.0, slow(0.7), slow(0.7), 8.0);
     let torque = (0.05 + 0.05) * 0.028 / 2.0;
-    let wanted = (0.31739 / 6.8562 * 5.6 - torque) / (0.0011278 + 0.31739 * 0.46839 / 6.8562);
+    let stall = nxt("torque_constant") / nxt("resistance") * 5.6;
+    let wanted = (stall - torque) / damping();
     near(velocity(&robot, MotorPort::B), wanted, 1e-6);
 }
 
@@ -61,7 +63,7 @@ fn opposite_duty_cycles_turn_on_the_spot() {
 
 #[test]
 fn the_mass_of_the_vehicle_slows_the_motors_down() {
-    let mut free = common::bench(common::TABLE_1, "");
+    let mut free = common::bench(&common::TABLE_1, "");
     let mut loaded = vehicle("");
     run(&mut free, 0.037, slow(0.5), MotorDrive::Coast, 8.0);
     run(&mut loaded, 0.037, slow(0.5), slow(0.5), 8.0);

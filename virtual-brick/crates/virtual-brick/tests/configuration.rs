@@ -3,11 +3,13 @@
 //! Reading configurations: defaults, and errors that name the field.
 #![allow(clippy::unwrap_used)]
 
+mod support;
+
 use nxt::{BatteryKind, SensorPorts};
 use plant::{BodyParameters, MotorPort};
+use support::catalogue::nxt as constant;
+use support::VEHICLE;
 use virtual_brick::Configuration;
-
-const VEHICLE: &str = include_str!("support/vehicle.json");
 
 fn problem(json: &str) -> (String, String) {
     let error = Configuration::from_json(json).unwrap_err();
@@ -17,7 +19,7 @@ fn problem(json: &str) -> (String, String) {
 
 #[test]
 fn a_whole_vehicle_is_read() {
-    let configuration = Configuration::from_json(VEHICLE).unwrap();
+    let configuration = Configuration::from_json(&VEHICLE).unwrap();
     assert_eq!(configuration.seed, 1);
     assert_eq!(configuration.board.battery.kind, BatteryKind::LiIon);
     let motors = &configuration.robot.motors;
@@ -45,18 +47,16 @@ fn what_is_absent_is_not_plugged_in() {
 
 #[test]
 fn errors_name_the_path_of_the_field() {
+    let inertia = format!(r#""inertia": {}"#, constant("inertia"));
+    let resistance = format!(r#""resistance": {}, "#, constant("resistance"));
     for (from, to, path) in [
         (
-            r#""inertia": 0.000842"#,
+            &*inertia,
             r#""inertia": "big""#,
             "motors.A.parameters.inertia",
         ),
-        (
-            r#""inertia": 0.000842"#,
-            r#""inertia": 0.0"#,
-            "motors.A.parameters.inertia",
-        ),
-        (r#""resistance": 6.8562, "#, "", "motors.A.parameters"),
+        (&inertia, r#""inertia": 0.0"#, "motors.A.parameters.inertia"),
+        (&resistance, "", "motors.A.parameters"),
         (
             r#""hand_rate": 4.0"#,
             r#""hand_rat": 4.0"#,
@@ -71,7 +71,7 @@ fn errors_name_the_path_of_the_field() {
         (r#""voltage": 8.0"#, r#""voltage": -3.0"#, "battery.voltage"),
     ] {
         let json = VEHICLE.replacen(from, to, 1);
-        assert_ne!(json, VEHICLE, "{from}");
+        assert_ne!(json, *VEHICLE, "{from}");
         assert_eq!(problem(&json).0, path, "{to}");
     }
 }

@@ -3,6 +3,9 @@
 //! A board and the chip's side of its lines.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "../../../plant/tests/common/catalogue.rs"]
+pub mod catalogue;
+
 use at91sam7s::board::{Board, Cycles, PinOutputs};
 use nxt::{BoardConfiguration, BoardEvent, BoardEventKind, NxtBoard};
 use plant::RobotParameters;
@@ -11,11 +14,13 @@ pub const HANDSHAKE: &[u8] = b"\xCCLet's samba nxt arm in arm, (c)LEGO System A/
 /// Nine bit times at 400 kHz.
 pub const BYTE_CYCLES: Cycles = 1_081;
 
-pub const MOTOR: &str = r#"{"parameters": {"resistance": 6.8562, "torque_constant": 0.31739,
-    "electric_constant": 0.46839, "viscous_friction": 0.0011278, "inertia": 0.000842}}"#;
+pub fn motor() -> String {
+    format!(r#"{{"parameters": {}}}"#, *catalogue::TABLE_1)
+}
 
 pub fn three_motors() -> String {
-    format!(r#"{{"motors": {{"A": {MOTOR}, "B": {MOTOR}, "C": {MOTOR}}}}}"#)
+    let motor = motor();
+    format!(r#"{{"motors": {{"A": {motor}, "B": {motor}, "C": {motor}}}}}"#)
 }
 
 pub const fn milliseconds(count: u64) -> Cycles {

@@ -3,16 +3,14 @@
 //! Robots for the tests.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used)]
 
+pub mod catalogue;
 pub mod points;
 
+pub use catalogue::TABLE_1;
 use plant::{Decay, MotorDrive, MotorParameters, MotorPort, Robot, RobotParameters};
 
 /// Step in s: 4,800 cycles of the brick's clock.
 pub const DT: f64 = 4800.0 * 7.0 / 336_384_000.0;
-
-/// Table 1 of Bradley et al. (2012), as JSON.
-pub const TABLE_1: &str = r#"{"resistance": 6.8562, "torque_constant": 0.31739,
-    "electric_constant": 0.46839, "viscous_friction": 0.0011278, "inertia": 0.000842}"#;
 
 /// The set identified for the MinSeg robot (MATLAB parameter file, header "NXT parameters").
 pub const SET_A: &str = r#"{"resistance": 5.262773292, "torque_constant": 0.3233728703,

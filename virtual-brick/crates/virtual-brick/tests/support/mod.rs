@@ -5,19 +5,24 @@
 
 pub mod arm;
 pub mod cases;
+#[path = "../../../plant/tests/common/catalogue.rs"]
+pub mod catalogue;
 #[path = "../../../image/tests/support/elf.rs"]
 pub mod elf;
 pub mod random;
+
+use std::sync::LazyLock;
 
 use arm::Program;
 use elf::ElfBuilder;
 use virtual_brick::{Configuration, VirtualBrick};
 
 pub const RAM: u32 = 0x0020_2000;
-pub const VEHICLE: &str = include_str!("vehicle.json");
+pub static VEHICLE: LazyLock<String> =
+    LazyLock::new(|| include_str!("vehicle.json").replace(r#""nxt""#, &catalogue::TABLE_1));
 
 pub fn vehicle() -> Configuration {
-    Configuration::from_json(VEHICLE).unwrap()
+    Configuration::from_json(&VEHICLE).unwrap()
 }
 
 /// An image in RAM whose code symbol `start` is the program.
