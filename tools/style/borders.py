@@ -20,7 +20,7 @@ def _order(file: Path, title: str, borders: Borders) -> Iterator[Complaint]:
     earlier: set[str] = set()
     for part, allowed in borders.items():
         for name in sorted(set(allowed) - earlier):
-            yield file, 1, f"[{title}] {part}: '{name}' is no part before it"
+            yield file, 1, f"[{title}] {part}: '{name}' is not an earlier part"
         earlier.add(part)
 
 

@@ -60,7 +60,7 @@ def test_a_border_that_makes_a_circle_is_refused(tree: Path) -> None:
     file = tree / "tools" / "style" / "borders.toml"
     file.write_text(BORDERS.replace("model = []", 'model = ["brick"]'))
     assert list(border_complaints(tree)) == [
-        (file, 1, "[rooms] model: 'brick' is no part before it")
+        (file, 1, "[rooms] model: 'brick' is not an earlier part")
     ]
 
 

@@ -123,7 +123,7 @@ def test_the_sandbox_ends_what_takes_too_much(
 
 WRONG = [
     ("builds = true", "builds = true\nmemory_at_most = 5", "expected exactly one of"),
-    ('expect = "deadlines met"', 'expect = "all is well"', "is no expectation"),
+    ('expect = "deadlines met"', 'expect = "all is well"', "is not an expectation"),
     ('scenario = "press"\nexpect = "dead', 'expect = "dead', "needs a 'scenario'"),
     ('scenario = "press"', 'scenario = "pres"', "correct the name"),
     ('name = "lab-01"', 'nome = "lab-01"', "did you mean 'name'"),

@@ -165,13 +165,13 @@ def test_an_lcd_without_letters_is_unreachable() -> None:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("the robot is fast", "is no expectation; the forms are: <signal>"),
+        ("the robot is fast", "is not an expectation; the forms are: <signal>"),
         ("body.x between 3 and 2 m", "nothing lies between 3 and 2"),
         ("body.x at least 2 rad/s", "is in m, not rad/s; write the bound in m"),
         ("body.x at least 2 m from 3 s to 3 s", "is empty; name the earlier time first"),
         ("deadlines met at 3 s", "is of the whole run; leave the time out"),
         ('no fault saying "x"', "leave 'saying' out"),
-        ('lcd shows ""', "is no expectation"),
+        ('lcd shows ""', "is not an expectation"),
     ],
 )
 def test_a_sentence_that_makes_no_sense_says_why(text: str, problem: str) -> None:

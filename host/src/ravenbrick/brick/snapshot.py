@@ -176,20 +176,20 @@ class Snapshot:
 def _whole(value: Any, most: int) -> int:
     """A whole number from 0 to `most`; raises ValueError."""
     if type(value) is not int or not 0 <= value <= most:
-        raise ValueError(f"{str(value)[:20]} is no whole number from 0 to {most}")
+        raise ValueError(f"{str(value)[:20]} is not a whole number from 0 to {most}")
     return value
 
 
 def _list(value: Any) -> list[Any]:
     if not isinstance(value, list):
-        raise ValueError(f"{str(value)[:20]} is no list")
+        raise ValueError(f"{str(value)[:20]} is not a list")
     return value
 
 
 def _text(value: Any) -> str:
     """Text that has an encoding; raises ValueError."""
     if not isinstance(value, str):
-        raise ValueError(f"{str(value)[:20]} is no text")
+        raise ValueError(f"{str(value)[:20]} is not a text")
     value.encode()
     return value
 

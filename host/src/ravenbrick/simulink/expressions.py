@@ -105,7 +105,7 @@ def _tokens(text: str) -> Iterator[_Token]:
         tight = place < len(text) and not text[place].isspace()
         own = match.group()
         if own == "'" and (spaced or not (before.isalnum() or before in ")]}'_.")):
-            raise ValueError(f"text in quotes in '{text.strip()}' is no number")
+            raise ValueError(f"text in quotes in '{text.strip()}' is not a number")
         yield _Token(kind, own, spaced, tight)
         spaced, before = False, own[-1]
 

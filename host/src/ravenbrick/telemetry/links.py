@@ -174,7 +174,7 @@ def check_address(text: str) -> None:
     path = Path(text)
     if text == "usb" or text.startswith(("usb:", "/dev/")) or path.is_char_device():
         return
-    kind = "a folder" if path.is_dir() else "a file" if path.exists() else "no device"
+    kind = "a folder" if path.is_dir() else "a file" if path.exists() else "not a device"
     raise UsageError(
         f"'{text}' is {kind}: expected tcp:PORT, tcp:HOST:PORT, usb, usb:SERIAL, a serial device "
         "such as /dev/rfcomm0, or a record that ends in .rbt"
