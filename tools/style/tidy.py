@@ -18,6 +18,7 @@ from functools import cache
 from pathlib import Path
 
 from tools.style.borders import border_complaints
+from tools.style.constants import second_copies
 
 ROOT = Path(__file__).resolve().parents[2]
 WORDS = Path(__file__).resolve().with_name("words.toml")
@@ -181,6 +182,8 @@ def complaints() -> Iterator[Complaint]:
         yield from blobs(path)
         if path.suffix in SOURCE | COLUMN_FREE or is_source(path):
             yield from banned_words(path, path.read_text().split("\n"))
+        if is_source(path) or path.suffix == ".toml":
+            yield from second_copies(path, path.read_text().split("\n"))
         if is_source(path):
             lines = path.read_text().split("\n")
             for rule in LINE_RULES:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tools.style.borders import border_complaints
+from tools.style.constants import second_copies
 from tools.style.tidy import ROOT, banned_words
 
 BORDERS = """
@@ -89,3 +90,19 @@ def test_commit_messages_have_a_short_subject_and_a_body(
     file.write_text(message)
     program = ROOT / "tools" / "style" / "commit_message"
     assert subprocess.run([program, file], capture_output=True).returncode == code
+
+
+@pytest.mark.parametrize(
+    ("line", "refused"),
+    [
+        ("resistance = 6.8562", True),
+        ("k = 317.39e-3", True),
+        ("inertia: 0.0010368,", True),
+        ("cycles = 68562", False),
+        ("x = 16.8562", False),
+        ("gain = 0.317", False),
+    ],
+)
+def test_a_constant_of_the_catalogue_is_refused_elsewhere(line: str, refused: bool) -> None:
+    """In whatever unit it is written; whole numbers and short ones are met by chance."""
+    assert bool(list(second_copies(Path("robot.toml"), ["", line]))) == refused

@@ -5,7 +5,7 @@ import sensors from "../../catalogue/sensors.json";
 
 interface SensorInput {
   name: string;
-  by_hand?: number[];
+  manual_range?: number[];
 }
 
 /** What can be plugged into a sensor port. */

@@ -18,12 +18,14 @@ from verification.support.bricks.nxt_sockets import UsbSocket
 
 from ravenbrick.brick.fmu_body import CoSimulation, FmuBody
 from ravenbrick.brick.links.peers import UsbComputer
+from ravenbrick.catalogue import part_values
 from ravenbrick.cli.app import app
 from ravenbrick.errors import RunFaultError, UsageError
 
 SOURCES = Path(__file__).parent / "fmu"
 BENCH = Path(__file__).resolve().parents[3] / "examples" / "motor-bench"
 MENU_MS = 6_000
+MOTOR = [f"-D{name.upper()}={value!r}" for name, value in part_values("motors", "nxt").items()]
 # Where a unit of each version keeps its library.
 FOLDERS = {2: "linux64", 3: "x86_64-linux"}
 Build = Callable[..., Path]
@@ -36,7 +38,7 @@ def build(tmp_path: Path) -> Build:
 
     def built(version: int, *options: str) -> Path:
         library = tmp_path / f"flywheel{version}.so"
-        command = ["gcc", "-O1", "-fPIC", "-shared", "-Wall", "-Werror", *options]
+        command = ["gcc", "-O1", "-fPIC", "-shared", "-Wall", "-Werror", *MOTOR, *options]
         source = SOURCES / f"fmi{version}.c"
         subprocess.run([*command, "-o", str(library), str(source)], check=True)
         unit = tmp_path / f"flywheel{version}.fmu"

@@ -15,7 +15,7 @@ function label(name: string): string {
 
 /** The range that a hand reaches, of all that the input takes. */
 function reachableRange(input: InputDescription): InputDescription {
-  const [lowest, highest] = sensorInput(input.name)?.by_hand ?? [];
+  const [lowest, highest] = sensorInput(input.name)?.manual_range ?? [];
   return { ...input, lowest: lowest ?? input.lowest, highest: highest ?? input.highest };
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors
    SPDX-License-Identifier: Apache-2.0 */
 /* The mechanics of both test units: an NXT motor at its output shaft, with a flywheel of
-   FLYWHEEL kg m^2. SI units. */
+   FLYWHEEL kg m^2. SI units; the motor's constants are macros of the command line. */
 
 #ifndef FLYWHEEL
 #define FLYWHEEL 0.004
@@ -15,10 +15,8 @@ struct state {
 
 static inline void advance(struct state *state, double step)
 {
-    const double resistance = 6.8562, torque_constant = 0.31739, electric_constant = 0.46839;
-    const double friction = 0.0011278, inertia = 0.000842 + FLYWHEEL;
-    double current = (state->voltage - electric_constant * state->speed) / resistance;
-    double torque = torque_constant * current - friction * state->speed;
-    state->speed += step * torque / inertia;
+    double current = (state->voltage - ELECTRIC_CONSTANT * state->speed) / RESISTANCE;
+    double torque = TORQUE_CONSTANT * current - VISCOUS_FRICTION * state->speed;
+    state->speed += step * torque / (INERTIA + FLYWHEEL);
     state->angle += step * state->speed;
 }

@@ -5,11 +5,9 @@
 
 mod common;
 
+use common::catalogue::NXTWAY_BODY;
 use common::{milliseconds, motor, Rig};
 
-const BALANCER: &str = r#""kind": "balancer", "left": "B", "right": "C", "wheel_radius": 0.04,
-    "wheel_mass": 0.03, "wheel_inertia": 0.000024, "track": 0.14, "mass": 0.6,
-    "centre_height": 0.072, "pitch_inertia": 0.0010368, "yaw_inertia": 0.00106"#;
 const VEHICLE: &str = r#""kind": "differential_drive", "left": "B", "right": "C",
     "wheel_radius": 0.028, "track": 0.115, "mass": 0.6, "yaw_inertia": 0.003,
     "castor_friction": 0, "rolling_resistance": 0"#;
@@ -45,7 +43,7 @@ fn a_gyro_counts_degrees_per_second_about_its_rest_value() {
 #[test]
 fn a_gyro_on_a_falling_body_measures_its_pitch_rate() {
     let sensors = r#"{"sensors": {"4": {"kind": "gyro", "axis": "pitch"}}}"#;
-    let body = format!(r#"{BALANCER}, "start_pitch": 0.1"#);
+    let body = format!(r#"{}, "start_pitch": 0.1"#, *NXTWAY_BODY);
     let mut rig = Rig::running(sensors, &robot(&body, "{}"));
     assert_eq!(raw(&mut rig, 4), 600);
     rig.set("body.held", 0.0);
@@ -57,7 +55,7 @@ fn a_gyro_on_a_falling_body_measures_its_pitch_rate() {
 
 #[test]
 fn a_push_tips_a_body_that_stands() {
-    let mut rig = Rig::running("{}", &robot(BALANCER, "{}"));
+    let mut rig = Rig::running("{}", &robot(&NXTWAY_BODY, "{}"));
     rig.set("body.held", 0.0);
     rig.set("body.push", -1.0);
     rig.run(milliseconds(50));

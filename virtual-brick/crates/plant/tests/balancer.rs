@@ -5,20 +5,15 @@
 
 mod common;
 
+use common::catalogue::{NXTWAY_BODY, NXTWAY_MOTOR};
 use common::{near, robot, run, slow, velocity, DT};
 use plant::{MotorDrive, MotorPort, Robot};
 
-/// NXTway-GS (Yamamoto 2008); motor constants of Watanabe, its rotor inertia 1e-5.
-const SET_B: &str = r#"{"resistance": 6.69, "torque_constant": 0.317,
-    "electric_constant": 0.468, "viscous_friction": 0.0022, "inertia": 0.00001}"#;
-
 fn balancer(motor: &str, extra: &str) -> Robot {
-    // R 0.04, m 0.03, M 0.6, L 0.072: Jw = mR^2/2, Jpsi = ML^2/3, Jphi = M(W^2 + D^2)/12.
+    let motors = format!(r#"{{"B": {{"parameters": {motor}}}, "C": {{"parameters": {motor}}}}}"#);
     robot(&format!(
-        r#"{{"motors": {{"B": {{"parameters": {motor}}}, "C": {{"parameters": {motor}}}}},
-        "body": {{"kind": "balancer", "left": "B", "right": "C", "wheel_radius": 0.04,
-        "wheel_mass": 0.03, "wheel_inertia": 0.000024, "track": 0.14, "mass": 0.6,
-        "centre_height": 0.072, "pitch_inertia": 0.0010368, "yaw_inertia": 0.00106{extra}}}}}"#
+        r#"{{"motors": {motors}, "body": {{{}{extra}}}}}"#,
+        *NXTWAY_BODY
     ))
 }
 
@@ -28,7 +23,7 @@ fn pitch(robot: &Robot) -> f64 {
 
 #[test]
 fn let_go_with_shorted_windings_it_falls_with_the_published_unstable_pole() {
-    let mut robot = balancer(SET_B, r#", "start_pitch": 1e-6"#);
+    let mut robot = balancer(&NXTWAY_MOTOR, r#", "start_pitch": 1e-6"#);
     robot.set_held(false);
     run(&mut robot, 0.6, MotorDrive::Brake, MotorDrive::Brake, 8.0);
     let early = pitch(&robot);
@@ -38,7 +33,7 @@ fn let_go_with_shorted_windings_it_falls_with_the_published_unstable_pole() {
 
 #[test]
 fn a_hand_holds_it_where_it_is_until_it_lets_go() {
-    let mut robot = balancer(SET_B, r#", "start_pitch": 0.1"#);
+    let mut robot = balancer(&NXTWAY_MOTOR, r#", "start_pitch": 0.1"#);
     run(&mut robot, 1.0, MotorDrive::Coast, MotorDrive::Coast, 8.0);
     assert_eq!(robot.pitch().unwrap(), (0.1, 0.0));
     robot.set_held(false);
@@ -48,7 +43,10 @@ fn a_hand_holds_it_where_it_is_until_it_lets_go() {
 
 #[test]
 fn fallen_it_lies_on_the_floor_at_its_last_pitch() {
-    let mut robot = balancer(SET_B, r#", "start_pitch": -0.05, "fallen_pitch": 1.2"#);
+    let mut robot = balancer(
+        &NXTWAY_MOTOR,
+        r#", "start_pitch": -0.05, "fallen_pitch": 1.2"#,
+    );
     robot.set_held(false);
     run(&mut robot, 5.0, MotorDrive::Brake, MotorDrive::Brake, 8.0);
     near(pitch(&robot), -1.2, 1e-9);
@@ -76,10 +74,10 @@ fn falling_without_friction_keeps_the_energy() {
 
 #[test]
 fn equal_wheels_never_turn_it_and_opposite_ones_turn_it_on_the_spot() {
-    let mut robot = balancer(SET_B, "");
+    let mut robot = balancer(&NXTWAY_MOTOR, "");
     run(&mut robot, 0.5, slow(0.3), slow(0.3), 8.0);
     assert_eq!(robot.pose().unwrap().heading, 0.0);
-    let mut robot = balancer(SET_B, "");
+    let mut robot = balancer(&NXTWAY_MOTOR, "");
     run(&mut robot, 0.5, slow(-0.3), slow(0.3), 8.0);
     let pose = robot.pose().unwrap();
     assert!(pose.heading > 0.5 && pose.x.hypot(pose.y) < 1e-9);
@@ -93,7 +91,7 @@ fn equal_wheels_never_turn_it_and_opposite_ones_turn_it_on_the_spot() {
 /// The published state feedback, every 4 ms, from exact states.
 #[test]
 fn the_published_gains_keep_it_up_when_it_is_pushed() {
-    let mut robot = balancer(SET_B, r#", "start_pitch": 0.03"#);
+    let mut robot = balancer(&NXTWAY_MOTOR, r#", "start_pitch": 0.03"#);
     robot.set_held(false);
     let (mut duty, mut integral) = (0.0, 0.0);
     let mut farthest: f64 = 0.0;
