@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 from ravenbrick.control import DiscretePi, pi_by_lambda
-from ravenbrick.control.encoder_run import SampleTiming
-from ravenbrick.control.estimator_menu import (
+from ravenbrick.control.estimation.encoder_run import SampleTiming
+from ravenbrick.control.estimation.estimator_menu import (
     EstimatorRow,
     compare_speed_estimators,
     plot_speed_estimators,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.control.identification import fit_motor
+from ravenbrick.control.estimation.identification import fit_motor
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario

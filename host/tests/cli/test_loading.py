@@ -126,7 +126,7 @@ def test_c_is_generated_without_loading_a_library_of_pictures_or_control(
     program = f"""
 import runpy, sys
 sys.argv = ["design.py", "--generated", {str(tmp_path)!r}]
-import ravenbrick.control.design as simulations
+import ravenbrick.control.design.design as simulations
 simulations.encoder_run = lambda *_, **__: sys.exit(print(*{NAMES}))
 runpy.run_path("design.py", run_name="__main__")
 """

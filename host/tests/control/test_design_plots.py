@@ -28,8 +28,8 @@ from ravenbrick.control import (
     root_locus_figure,
     write_figure,
 )
-from ravenbrick.control.encoder_run import SampleTiming
-from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
+from ravenbrick.control.design.schedule_effect import schedule_effect, schedule_figure, timing_row
+from ravenbrick.control.estimation.encoder_run import SampleTiming
 from ravenbrick.model import IntegrationMethod, SpeedLoop
 
 LOOP = SpeedLoop(2.029, 0.037, 116.0)

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ravenbrick.catalogue import part_values
-from ravenbrick.control.identification import (
+from ravenbrick.control.estimation.identification import (
     MotorData,
     fit_motor,
     simulate_counts,

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from ravenbrick.control import pi_by_lambda, pi_diagram
-from ravenbrick.control.encoder_run import SampleTiming, encoder_run
-from ravenbrick.control.estimator_menu import (
+from ravenbrick.control.estimation.encoder_run import SampleTiming, encoder_run
+from ravenbrick.control.estimation.estimator_menu import (
     compare_speed_estimators,
     plot_speed_estimators,
     standard_menu,
 )
-from ravenbrick.control.speed_estimators import (
+from ravenbrick.control.estimation.speed_estimators import (
     EdgeTimes,
     FilteredDifference,
     Measurement,

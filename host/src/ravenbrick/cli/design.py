@@ -73,8 +73,12 @@ def _with_schedule(
     workspace: Workspace, reporter: Reporter, path: Path, task: str, motor: str
 ) -> dict[str, Any]:
     """The designed loop with the instants of a recorded run."""
-    from ravenbrick.control.design_plots import DesignedLoop  # slow to load
-    from ravenbrick.control.schedule_effect import schedule_effect, schedule_figure, timing_row
+    from ravenbrick.control.design.design_plots import DesignedLoop  # slow to load
+    from ravenbrick.control.design.schedule_effect import (
+        schedule_effect,
+        schedule_figure,
+        timing_row,
+    )
     from ravenbrick.trace.sample_timing import sample_timing
 
     path = workspace.named_recording(path)
@@ -131,8 +135,12 @@ def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
 
 def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
     """The pictures that the design's loop allows, and the figures in them."""
-    from ravenbrick.control.design_plots import DesignedLoop, read_system  # slow to load
-    from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
+    from ravenbrick.control.analysis.frequency_plots import (
+        bode_figure,
+        nyquist_figure,
+        root_locus_figure,
+    )
+    from ravenbrick.control.design.design_plots import DesignedLoop, read_system  # slow to load
 
     content = _loop_of(workspace)
     folder = workspace.results / "design"
@@ -180,7 +188,7 @@ def _counted(step: Step) -> Any:
 def _written(
     figures: dict[str, Any], folder: Path, workspace: Workspace, reporter: Reporter
 ) -> list[str]:
-    from ravenbrick.control.design_plots import write_figure  # slow to load
+    from ravenbrick.control.design.design_plots import write_figure  # slow to load
 
     paths = [folder / f"{name}.svg" for name in figures]
     for path, figure in zip(paths, figures.values(), strict=True):

@@ -15,7 +15,7 @@ from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.build import ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, run_scenario
-from ravenbrick.control.identification import (
+from ravenbrick.control.estimation.identification import (
     IdentifiedMotor,
     MotorData,
     Validation,

@@ -18,8 +18,8 @@ from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.program import Slot
 
 if TYPE_CHECKING:
-    from ravenbrick.control.limit_cycles import LimitCycleSearch
-    from ravenbrick.control.rounding_error import ClosedLoopBound, PlantInLoop
+    from ravenbrick.control.rounding.limit_cycles import LimitCycleSearch
+    from ravenbrick.control.rounding.rounding_error import ClosedLoopBound, PlantInLoop
 
 __all__ = ["FixedPointProof", "generate_fixed_c", "prove"]
 
@@ -171,8 +171,8 @@ def prove(
     The ranges were proved when the formats were chosen. With `limit_cycles` oscillations are
     looked for besides, in the loop if there is a plant.
     """
-    from ravenbrick.control.limit_cycles import search_limit_cycles  # slow to load
-    from ravenbrick.control.rounding_error import closed_loop_bound, one_step_errors
+    from ravenbrick.control.rounding.limit_cycles import search_limit_cycles  # slow to load
+    from ravenbrick.control.rounding.rounding_error import closed_loop_bound, one_step_errors
 
     loop = None if plant is None else closed_loop_bound(fixed, plant)
     found = search_limit_cycles(fixed, plant) if limit_cycles else None

@@ -4,36 +4,59 @@
 
 from __future__ import annotations
 
-from ravenbrick.control.controller import pi_diagram
-from ravenbrick.control.design import Design, EstimatorComparison, finish_design
-from ravenbrick.control.design_plots import DesignedLoop, Robustness, write_figure
-from ravenbrick.control.discretisation import (
-    Discretisation,
-    DiscretisationMethod,
-    compare_discretisations,
-    discretise,
+from ravenbrick.control.analysis.frequency_plots import (
+    bode_figure,
+    nyquist_figure,
+    root_locus_figure,
 )
-from ravenbrick.control.encoder_run import (
+from ravenbrick.control.analysis.metrics import Margins, StepMetrics, margins, step_metrics
+from ravenbrick.control.analysis.robustness import (
+    Extreme,
+    MonteCarlo,
+    Tolerance,
+    monte_carlo,
+    worst_case,
+)
+from ravenbrick.control.analysis.sampled import SampledLoop, StepResponse
+from ravenbrick.control.design.design import Design, EstimatorComparison, finish_design
+from ravenbrick.control.design.design_plots import DesignedLoop, Robustness, write_figure
+from ravenbrick.control.design.family import FamilyMember, gain_family
+from ravenbrick.control.design.responses import write_loop_results
+from ravenbrick.control.estimation.encoder_run import (
     EncoderRun,
     RunMeasures,
     SampleTiming,
     encoder_run,
     measure_runs,
 )
-from ravenbrick.control.estimator import LoopSpecification, pi_with_estimator
-from ravenbrick.control.estimator_menu import (
+from ravenbrick.control.estimation.estimator import LoopSpecification, pi_with_estimator
+from ravenbrick.control.estimation.estimator_menu import (
     EstimatorRow,
     compare_speed_estimators,
     plot_speed_estimators,
     standard_menu,
 )
-from ravenbrick.control.family import FamilyMember, gain_family
-from ravenbrick.control.frequency_plots import bode_figure, nyquist_figure, root_locus_figure
-from ravenbrick.control.limit_cycles import LimitCycle, LimitCycleSearch, search_limit_cycles
-from ravenbrick.control.metrics import Margins, StepMetrics, margins, step_metrics
-from ravenbrick.control.peak_gain import peak_gain
-from ravenbrick.control.pid_tuning import PidGains, pid_by_margin, pid_by_poles
-from ravenbrick.control.regulator import (
+from ravenbrick.control.rounding.limit_cycles import (
+    LimitCycle,
+    LimitCycleSearch,
+    search_limit_cycles,
+)
+from ravenbrick.control.rounding.peak_gain import peak_gain
+from ravenbrick.control.rounding.rounding_error import (
+    ClosedLoopBound,
+    PlantInLoop,
+    closed_loop_bound,
+    one_step_errors,
+)
+from ravenbrick.control.synthesis.controller import pi_diagram
+from ravenbrick.control.synthesis.discretisation import (
+    Discretisation,
+    DiscretisationMethod,
+    compare_discretisations,
+    discretise,
+)
+from ravenbrick.control.synthesis.pid_tuning import PidGains, pid_by_margin, pid_by_poles
+from ravenbrick.control.synthesis.regulator import (
     Observer,
     StateFeedback,
     dlqr,
@@ -44,16 +67,7 @@ from ravenbrick.control.regulator import (
     observer_system,
     with_integrators,
 )
-from ravenbrick.control.responses import write_loop_results
-from ravenbrick.control.robustness import Extreme, MonteCarlo, Tolerance, monte_carlo, worst_case
-from ravenbrick.control.rounding_error import (
-    ClosedLoopBound,
-    PlantInLoop,
-    closed_loop_bound,
-    one_step_errors,
-)
-from ravenbrick.control.sampled import SampledLoop, StepResponse
-from ravenbrick.control.tuning import (
+from ravenbrick.control.synthesis.tuning import (
     DiscretePi,
     PiGains,
     pi_by_damping,

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from ravenbrick.model.balancer import NXTWAY_GS, TwoWheeledBalancer
-from ravenbrick.model.blocks import (
+from ravenbrick.model.blocks.basic import (
     Block,
     Constant,
     Conversion,
@@ -20,8 +20,7 @@ from ravenbrick.model.blocks import (
     Sum,
     UnitDelay,
 )
-from ravenbrick.model.diagram import Diagram, DiagramError
-from ravenbrick.model.dynamic_blocks import (
+from ravenbrick.model.blocks.dynamic import (
     ComplementaryFilter,
     Delay,
     DiscreteStateSpace,
@@ -30,20 +29,14 @@ from ravenbrick.model.dynamic_blocks import (
     state_space_block,
     transfer_function_block,
 )
-from ravenbrick.model.encoder import Encoder, SpeedWindow
-from ravenbrick.model.execution import Execution
-from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
-from ravenbrick.model.linear_system import LinearSystem
-from ravenbrick.model.linearisation import linear_system, linearise
-from ravenbrick.model.logic_blocks import (
+from ravenbrick.model.blocks.logic import (
     CustomFunction,
     MachineState,
     StateMachine,
     Transition,
     ZeroOrderHold,
 )
-from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
-from ravenbrick.model.nonlinear_blocks import (
+from ravenbrick.model.blocks.nonlinear import (
     Backlash,
     DeadZone,
     LookupTable,
@@ -52,9 +45,7 @@ from ravenbrick.model.nonlinear_blocks import (
     Relay,
     Switch,
 )
-from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
-from ravenbrick.model.program import DataType, Program
-from ravenbrick.model.relational_blocks import (
+from ravenbrick.model.blocks.relational import (
     Abs,
     LogicalOperator,
     Merge,
@@ -64,8 +55,17 @@ from ravenbrick.model.relational_blocks import (
     RoundingFunction,
     Sign,
 )
-from ravenbrick.model.source_blocks import Pulse, Ramp, Sine, Step
-from ravenbrick.model.trigonometry import ArcTangent, SquareRoot, Trigonometry
+from ravenbrick.model.blocks.sources import Pulse, Ramp, Sine, Step
+from ravenbrick.model.blocks.trigonometry import ArcTangent, SquareRoot, Trigonometry
+from ravenbrick.model.diagram import Diagram, DiagramError
+from ravenbrick.model.encoder import Encoder, SpeedWindow
+from ravenbrick.model.execution import Execution
+from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
+from ravenbrick.model.linear_system import LinearSystem
+from ravenbrick.model.linearisation import linear_system, linearise
+from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
+from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
+from ravenbrick.model.program import DataType, Program
 
 __all__ = [
     "NXTWAY_GS",

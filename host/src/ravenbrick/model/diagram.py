@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import TypeVar
 
 from ravenbrick.errors import DesignError
-from ravenbrick.model.blocks import Block, Inport, Outport, Parameter, parameter_slot
+from ravenbrick.model.blocks.basic import Block, Inport, Outport, Parameter, parameter_slot
 from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.program import (
     Binary,

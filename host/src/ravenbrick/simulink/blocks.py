@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ravenbrick.control.discretisation import DiscretisationMethod, discretise
+from ravenbrick.control.synthesis.discretisation import DiscretisationMethod, discretise
 from ravenbrick.model import (
     Abs,
     Backlash,

@@ -39,8 +39,8 @@ def read_loop(design_file: Path) -> Loop | None:
         content = json.loads(design_file.read_text("utf-8"))
         if "open_loop" not in content.get("loop", {}):
             return None
-        from ravenbrick.control.design_plots import read_system
-        from ravenbrick.control.metrics import crossovers
+        from ravenbrick.control.analysis.metrics import crossovers
+        from ravenbrick.control.design.design_plots import read_system
 
         system = read_system(content["loop"]["open_loop"])
         found = crossovers(system) if system.isdtime(strict=True) else ()

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ravenbrick.control.identification import MotorData
+from ravenbrick.control.estimation.identification import MotorData
 from ravenbrick.errors import UsageError
 from ravenbrick.trace.recording import EventKind, Recording
 

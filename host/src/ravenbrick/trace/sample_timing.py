@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ravenbrick.control.encoder_run import SampleTiming
+from ravenbrick.control.estimation.encoder_run import SampleTiming
 from ravenbrick.errors import UsageError
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ravenbrick.control.peak_gain import peak_gain
+from ravenbrick.control.rounding.peak_gain import peak_gain
 from ravenbrick.errors import DesignError
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.lazy import control

@@ -8,8 +8,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ravenbrick.control.sampled import SampledLoop
-from ravenbrick.control.tuning import DiscretePi, pi_direct
+from ravenbrick.control.analysis.sampled import SampledLoop
+from ravenbrick.control.synthesis.tuning import DiscretePi, pi_direct
 from ravenbrick.errors import DesignError
 from ravenbrick.model import IntegrationMethod, SpeedLoop
 from ravenbrick.model.lazy import optimize

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ravenbrick.control.flow import FlowMatrix, Segment, largest_value, settling_time
+from ravenbrick.control.analysis.flow import FlowMatrix, Segment, largest_value, settling_time
 from ravenbrick.errors import DesignError
 from ravenbrick.model import LinearSystem
 from ravenbrick.model.lazy import control, optimize

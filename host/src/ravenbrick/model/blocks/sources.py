@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ravenbrick.model.blocks import Block, Value
+from ravenbrick.model.blocks.basic import Block, Value
+from ravenbrick.model.blocks.trigonometry import sine_of_turns
 from ravenbrick.model.program import (
     Binary,
     Comparison,
@@ -17,7 +18,6 @@ from ravenbrick.model.program import (
     Select,
     Slot,
 )
-from ravenbrick.model.trigonometry import sine_of_turns
 
 __all__ = ["Pulse", "Ramp", "Sine", "Step"]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ravenbrick.atomic_write import atomic_write
-from ravenbrick.control.design_plots import written_system
+from ravenbrick.control.design.design_plots import written_system
 from ravenbrick.model.lazy import control
 
 __all__ = ["write_loop_results"]

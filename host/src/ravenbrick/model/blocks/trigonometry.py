@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ravenbrick.model.blocks import Block
+from ravenbrick.model.blocks.basic import Block
 from ravenbrick.model.program import (
     Binary,
     Call,

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from ravenbrick.control.tuning import DiscretePi
+from ravenbrick.control.synthesis.tuning import DiscretePi
 from ravenbrick.model import (
     Diagram,
     DiscreteIntegrator,

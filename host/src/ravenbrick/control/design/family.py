@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ravenbrick.control.estimator import LoopSpecification, pi_with_estimator
-from ravenbrick.control.metrics import step_metrics
-from ravenbrick.control.sampled import SampledLoop
-from ravenbrick.control.tuning import PiGains, pi_by_damping, pi_by_lambda, pi_direct
+from ravenbrick.control.analysis.metrics import step_metrics
+from ravenbrick.control.analysis.sampled import SampledLoop
+from ravenbrick.control.estimation.estimator import LoopSpecification, pi_with_estimator
+from ravenbrick.control.synthesis.tuning import PiGains, pi_by_damping, pi_by_lambda, pi_direct
 from ravenbrick.model import IntegrationMethod, SpeedLoop
 
 __all__ = ["DAMPINGS", "FamilyMember", "gain_family"]

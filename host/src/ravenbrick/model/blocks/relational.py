@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ravenbrick.model.blocks import Block
+from ravenbrick.model.blocks.basic import Block
 from ravenbrick.model.program import (
     Binary,
     Call,

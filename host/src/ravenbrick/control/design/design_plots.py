@@ -11,18 +11,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ravenbrick.control.discretisation import DiscretisationMethod, discretise
-from ravenbrick.control.estimator import LoopSpecification
-from ravenbrick.control.family import FamilyMember, gain_family
-from ravenbrick.control.frequency_plots import (
+from ravenbrick.control.analysis.frequency_plots import (
     bode_figure,
     new_figure,
     nyquist_figure,
     root_locus_figure,
 )
-from ravenbrick.control.robustness import Extreme, MonteCarlo, Tolerance, monte_carlo, worst_case
-from ravenbrick.control.sampled import SampledLoop
-from ravenbrick.control.tuning import PiGains
+from ravenbrick.control.analysis.robustness import (
+    Extreme,
+    MonteCarlo,
+    Tolerance,
+    monte_carlo,
+    worst_case,
+)
+from ravenbrick.control.analysis.sampled import SampledLoop
+from ravenbrick.control.design.family import FamilyMember, gain_family
+from ravenbrick.control.estimation.estimator import LoopSpecification
+from ravenbrick.control.synthesis.discretisation import DiscretisationMethod, discretise
+from ravenbrick.control.synthesis.tuning import PiGains
 from ravenbrick.errors import DesignError
 from ravenbrick.model import LinearSystem, SpeedLoop
 from ravenbrick.model.lazy import control

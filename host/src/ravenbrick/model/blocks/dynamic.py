@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ravenbrick.model.blocks import (
+from ravenbrick.model.blocks.basic import (
     Block,
     DiscreteTransferFunction,
     Parameter,

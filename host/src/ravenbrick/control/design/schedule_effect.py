@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ravenbrick.control.controller import pi_diagram
-from ravenbrick.control.design_plots import DesignedLoop
-from ravenbrick.control.encoder_run import (
+from ravenbrick.control.design.design_plots import DesignedLoop
+from ravenbrick.control.estimation.encoder_run import (
     EncoderRun,
     RunMeasures,
     SampleTiming,
     encoder_run,
     measure_runs,
 )
-from ravenbrick.control.tuning import DiscretePi
+from ravenbrick.control.synthesis.controller import pi_diagram
+from ravenbrick.control.synthesis.tuning import DiscretePi
 from ravenbrick.model import IntegrationMethod
 from ravenbrick.model.lazy import control
 

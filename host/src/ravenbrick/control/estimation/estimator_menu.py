@@ -10,15 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ravenbrick.control.controller import pi_diagram
-from ravenbrick.control.encoder_run import (
+from ravenbrick.control.estimation.encoder_run import (
     EncoderRun,
     RunMeasures,
     SampleTiming,
     encoder_run,
     measure_runs,
 )
-from ravenbrick.control.speed_estimators import (
+from ravenbrick.control.estimation.speed_estimators import (
     EdgeTimes,
     FilteredDifference,
     MotorObserver,
@@ -26,7 +25,8 @@ from ravenbrick.control.speed_estimators import (
     TrackingLoop,
     WindowEstimator,
 )
-from ravenbrick.control.tuning import DiscretePi
+from ravenbrick.control.synthesis.controller import pi_diagram
+from ravenbrick.control.synthesis.tuning import DiscretePi
 from ravenbrick.model import Encoder, SpeedLoop
 
 __all__ = ["EstimatorRow", "compare_speed_estimators", "plot_speed_estimators", "standard_menu"]

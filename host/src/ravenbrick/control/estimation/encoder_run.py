@@ -11,9 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ravenbrick.control.flow import Array
-from ravenbrick.control.metrics import SETTLING_BAND
-from ravenbrick.control.speed_estimators import Measurement, SpeedEstimator, WindowEstimator
+from ravenbrick.control.analysis.flow import Array
+from ravenbrick.control.analysis.metrics import SETTLING_BAND
+from ravenbrick.control.estimation.speed_estimators import (
+    Measurement,
+    SpeedEstimator,
+    WindowEstimator,
+)
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, Encoder, Execution, SpeedLoop
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ravenbrick.control.rounding_error import PlantInLoop
+from ravenbrick.control.rounding.rounding_error import PlantInLoop
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Execution
 from ravenbrick.model.fixed_point import FixedPoint

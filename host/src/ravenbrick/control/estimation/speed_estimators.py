@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ravenbrick.control.regulator import kalman
+from ravenbrick.control.synthesis.regulator import kalman
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Encoder, SpeedLoop, SpeedWindow
 from ravenbrick.model.lazy import control

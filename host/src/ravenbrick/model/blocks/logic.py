@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from ravenbrick.model.blocks import Block, Value
+from ravenbrick.model.blocks.basic import Block, Value
 from ravenbrick.model.program import (
     Binary,
     Call,

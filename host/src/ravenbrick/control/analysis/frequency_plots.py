@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ravenbrick.control.flow import Array
-from ravenbrick.control.metrics import Margins, margins
+from ravenbrick.control.analysis.flow import Array
+from ravenbrick.control.analysis.metrics import Margins, margins
 from ravenbrick.model.lazy import control, optimize
 
 if TYPE_CHECKING:

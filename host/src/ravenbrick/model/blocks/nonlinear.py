@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ravenbrick.model.blocks import Block, Value, number
+from ravenbrick.model.blocks.basic import Block, Value, number
 from ravenbrick.model.program import (
     Binary,
     Comparison,

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ravenbrick.control.metrics import SETTLING_BAND, step_metrics
+from ravenbrick.control.analysis.metrics import SETTLING_BAND, step_metrics
 from ravenbrick.errors import DesignError
 from ravenbrick.model import IntegrationMethod, LinearSystem, SpeedLoop
 from ravenbrick.model.lazy import control, optimize

@@ -10,8 +10,14 @@ from functools import cached_property
 
 import numpy as np
 
-from ravenbrick.control.flow import Array, FlowMatrix, Segment, largest_value, settling_time
-from ravenbrick.control.metrics import SETTLING_BAND, Margins, StepMetrics, margins
+from ravenbrick.control.analysis.flow import (
+    Array,
+    FlowMatrix,
+    Segment,
+    largest_value,
+    settling_time,
+)
+from ravenbrick.control.analysis.metrics import SETTLING_BAND, Margins, StepMetrics, margins
 from ravenbrick.errors import DesignError
 from ravenbrick.model import LinearSystem, SpeedLoop
 from ravenbrick.model.lazy import control

@@ -14,13 +14,18 @@ from typing import Any
 import numpy as np
 
 from ravenbrick.atomic_write import atomic_write
-from ravenbrick.control.controller import pi_diagram
-from ravenbrick.control.design_plots import DesignedLoop
-from ravenbrick.control.encoder_run import EncoderRun, RunMeasures, encoder_run, measure_runs
-from ravenbrick.control.estimator import LoopSpecification
-from ravenbrick.control.metrics import Margins, StepMetrics, step_metrics
-from ravenbrick.control.sampled import SampledLoop, StepResponse
-from ravenbrick.control.tuning import DiscretePi, PiGains
+from ravenbrick.control.analysis.metrics import Margins, StepMetrics, step_metrics
+from ravenbrick.control.analysis.sampled import SampledLoop, StepResponse
+from ravenbrick.control.design.design_plots import DesignedLoop
+from ravenbrick.control.estimation.encoder_run import (
+    EncoderRun,
+    RunMeasures,
+    encoder_run,
+    measure_runs,
+)
+from ravenbrick.control.estimation.estimator import LoopSpecification
+from ravenbrick.control.synthesis.controller import pi_diagram
+from ravenbrick.control.synthesis.tuning import DiscretePi, PiGains
 from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linear_system
 from ravenbrick.model.lazy import linalg
 
