@@ -8,7 +8,7 @@ import control
 import numpy as np
 import pytest
 
-from ravenbrick.control.rounding import peak_gain
+from ravenbrick.control import peak_gain
 from ravenbrick.errors import DesignError
 
 
