@@ -35,10 +35,10 @@ LOOPBACK = "127.0.0.1"
 PATIENCE = "set remotetimeout 60\n"
 # GDB keeps registers across a reset that it does not know of.
 RESET = "define reset\nmonitor reset\nmaintenance flush register-cache\nend\n"
-RESET += "document reset\nBegin the run again.\nend\n"
+RESET += "document reset\nRestart the run.\nend\n"
 PROGRAM = "define program\nmonitor program $arg0\nfile $arg0\n"
 PROGRAM += "maintenance flush register-cache\nend\n"
-PROGRAM += "document program\nBegin again with the program of an ELF file.\nend\n"
+PROGRAM += "document program\nRestart with the program of an ELF file.\nend\n"
 
 
 def gdb_command(program: str, elf: Path, port: int, script: Path | None = None) -> list[str]:

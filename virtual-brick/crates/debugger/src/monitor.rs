@@ -21,22 +21,22 @@ const EVENTS_SHOWN: usize = 20;
 
 const HELP: &str = "\
 help                this text
-time                the present, in cycles and seconds, and how far back the record goes
-why                 why the run cannot go on
-inputs              what can be set from outside
-set NAME VALUE      set an input now; what came after the present is forgotten
+time                current time in cycles and seconds, and extent of the record
+why                 reason why the run cannot continue
+inputs              inputs that can be set
+set NAME VALUE      set an input now; the record after the current time is discarded
 lcd                 the display
-signals [PART]      last samples of the physical quantities whose name contains PART
-plant               motors, vehicle and battery at this very cycle
-peripherals [PART]  registers of the peripherals whose name contains PART, without side effects
-trace [COUNT]       the last events of the record, 20 when no count is given
+signals [PART]      last samples of the physical quantities whose names contain PART
+plant               motors, vehicle and battery at the current cycle
+peripherals [PART]  registers of the peripherals whose names contain PART, without side effects
+trace [COUNT]       the last events of the record (default: 20)
 threads             tasks with state, priority and stack
 registers           registers of all modes
-digest              digest of the record up to the present
-semihosting on|off  the program's calls of its debugger are served (on), or go to its own handler
-steps task|processor  a step is one of the selected task (interrupts pass), or of the processor
-program FILE        begin again with this ELF file; say 'file FILE' to GDB before
-reset               back to the beginning; say 'maintenance flush register-cache' afterwards
+digest              digest of the record up to the current time
+semihosting on|off  handle semihosting calls (on), or leave them to the program's handler (off)
+steps task|processor  steps of the selected task (default), or of the processor
+program FILE        restart with this ELF file; give GDB 'file FILE' first
+reset               return to the beginning; give GDB 'maintenance flush register-cache' afterwards
 ";
 
 /// The answer to a command line.
