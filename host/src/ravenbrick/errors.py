@@ -51,12 +51,12 @@ class ExitCode(IntEnum):
     TOOL_MISSING = 4, "A tool or module is missing; 'ravenbrick doctor' says how to install it."
     BUILD_FAILED = 5, "The compiler, binder or linker reported an error."
     BAD_IMAGE = 6, "The image is missing, truncated, not for the brick, or too large."
-    RUN_FAULT = 7, "The program failed on the brick: an exception, a fault or a stack overflow."
+    RUN_FAULT = 7, "The program failed on the brick with an exception, a fault or a stack overflow."
     CRITERIA_NOT_MET = 8, "The run finished, but a pass criterion of the scenario is not met."
-    SCENARIO_UNREACHABLE = 9, "The scenario cannot happen: file missing, or an instant never comes."
-    DESIGN_FAILED = 10, "design.py failed or left no design behind."
-    CONNECTION_FAILED = 11, "No real brick could be reached, or the transfer to it broke off."
-    NO_TIMING_BOUND = 12, "A time has no bound; the fact that is missing is named."
+    SCENARIO_UNREACHABLE = 9, "The scenario cannot run: a file is missing, or an instant is never reached."
+    DESIGN_FAILED = 10, "design.py failed or wrote no design."
+    CONNECTION_FAILED = 11, "No real brick was found, or the transfer to it failed."
+    NO_TIMING_BOUND = 12, "A time has no bound; the missing flow fact is named."
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
 
