@@ -53,7 +53,7 @@ class ExitCode(IntEnum):
     BAD_IMAGE = 6, "The image is missing, truncated, not for the brick, or too large."
     RUN_FAULT = 7, "The program failed on the brick with an exception, a fault or a stack overflow."
     CRITERIA_NOT_MET = 8, "The run finished, but a pass criterion of the scenario is not met."
-    SCENARIO_UNREACHABLE = 9, "The scenario cannot run: a file is missing, or an instant is never reached."
+    SCENARIO_UNREACHABLE = 9, "The scenario cannot run: a file or an instant is missing."
     DESIGN_FAILED = 10, "design.py failed or wrote no design."
     CONNECTION_FAILED = 11, "No real brick was found, or the transfer to it failed."
     NO_TIMING_BOUND = 12, "A time has no bound; the missing flow fact is named."
