@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 
 from ravenbrick.brick.configuration import brick_configuration
-from ravenbrick.catalogue import part_values, parts
+from ravenbrick.catalogue import SensorKind, part_values, parts, sensor_kinds
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import Robot, read_robot
@@ -247,19 +247,24 @@ def test_the_brick_takes_every_kind_of_battery(project: Path, edit: Edit, kind: 
         module.VirtualBrick(configuration, b"no image")
 
 
-def test_a_color_sensor_is_set_by_the_scenario(project: Path, edit: Edit) -> None:
-    """Its inputs are those that the virtual brick has."""
+@pytest.mark.parametrize("kind", sensor_kinds().values(), ids=lambda kind: kind.name)
+def test_a_sensor_of_the_catalogue_is_known_everywhere(
+    project: Path, edit: Edit, kind: SensorKind
+) -> None:
+    """Its fields are in the schema, its inputs in scenarios, and the virtual brick has it."""
     module = pytest.importorskip("virtual_brick")
-    edit("robot.toml", SENSORS, '[ports.1]\ndevice = "color"')
+    assert set(kind.fields) <= set(schema("robot")["$defs"]["sensor_port"]["properties"])
+    edit("robot.toml", SENSORS, f'[ports.1]\ndevice = "{kind.name}"')
     robot = read_robot(project)
     check = input_check(robot)
-    names = ["color.1", "color.1.red", "color.1.green", "color.1.blue"]
-    assert [check(name) for name in names] == [None] * len(names)
-    assert "no color sensor on sensor port 2" in str(check("color.2.red"))
+    for one in kind.inputs:
+        assert check(one.name.replace("{port}", "1")) is None
+        problem = str(check(one.name.replace("{port}", "2")))
+        assert f"no {kind.name} sensor on sensor port 2" in problem
     path = project / "scenarios" / "step.toml"
     path.write_text(path.read_text().split("[[inputs]]")[0])
     scenario = read_scenario(scenario_path(project, "step"), robot)
     configuration = brick_configuration(robot, scenario, MASTER_CLOCK)
-    assert configuration["sensors"]["1"] == {"kind": "color"}
+    assert configuration["sensors"]["1"] == {"kind": kind.name}
     with pytest.raises(module.ImageError):
         module.VirtualBrick(json.dumps(configuration), b"")

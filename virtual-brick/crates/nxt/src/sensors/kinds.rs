@@ -66,6 +66,9 @@ mod tests {
     #[test]
     fn every_sensor_of_the_catalogue_takes_each_of_its_inputs() {
         let kinds: BTreeMap<String, Kind> = serde_json::from_str(CATALOGUE).unwrap();
+        for kind in Sensor::KINDS {
+            assert!(kinds.contains_key(*kind), "{kind} is not in the catalogue");
+        }
         for (kind, entry) in kinds {
             let text = format!(r#"{{"kind": "{kind}"}}"#);
             let mut sensor: Sensor = serde_json::from_str(&text).unwrap();

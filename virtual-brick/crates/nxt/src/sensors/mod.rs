@@ -139,6 +139,9 @@ macro_rules! sensors {
         }
 
         impl Sensor {
+            #[cfg(test)]
+            pub const KINDS: &'static [&'static str] = &[$($kind,)*];
+
             /// The inputs that the catalogue gives its kind.
             #[must_use]
             pub fn inputs(&self) -> &'static [SensorInput] {
