@@ -28,31 +28,9 @@ __all__ = [
     "write_timing_report",
 ]
 
-REPORT_HEAD = (
-    "task",
-    "deadline (us)",
-    "job at most",
-    "bound",
-    "observed",
-    "bound/observed",
-    "stack bound",
-    "stack seen",
-    "Storage_Size",
-)
 SHORT_HEAD = ("task", "deadline", "job", "bound", "seen", "ratio", "stack", "seen", "size")
 INTERRUPT_HEAD = ("interrupt", "handler", "priority", "at most, all in all", "handler alone")
 EVENT_HEAD = ("timing event's handler", "at most, all in all", "done after its time")
-OBSERVED_HEAD = (
-    "task",
-    "",
-    "own",
-    "interference",
-    "interrupts",
-    "blocking",
-    "overheads",
-    "release jitter",
-    "response",
-)
 
 
 def _text(value: Any) -> str:
@@ -62,8 +40,7 @@ def _text(value: Any) -> str:
 
 
 def short_rows(result: dict[str, Any]) -> list[list[str]]:
-    """The columns of `SHORT_HEAD` and `REPORT_HEAD`: a row for each task, those of its modes below;
-    cycles."""
+    """The columns of `SHORT_HEAD`: a row for each task, those of its modes below; cycles."""
     rows = []
     for task in result["tasks"]:
         seen = task["observed"] or {}
@@ -115,7 +92,7 @@ def _observed_rows(result: dict[str, Any]) -> list[list[str]]:
         largest = [seen["execution_cycles"], *(seen[key] for key in seen_keys)]
         largest += ["", "", seen["response_cycles"]]
         rows.append([task["name"], "bound", *(_text(value) for value in bounds)])
-        rows.append(["", "largest seen", *(_text(value) for value in largest)])
+        rows.append(["", "largest observed", *(_text(value) for value in largest)])
     return rows
 
 
@@ -134,10 +111,8 @@ def write_timing_report(
         title=f"{name}: timing",
         result=result,
         notes=(*advice(result), *notes),
-        response_head=REPORT_HEAD,
         responses=short_rows(result),
         figures=[(text, data_uri(png_bytes(figure), "image/png")) for text, figure in figures],
-        term_head=OBSERVED_HEAD,
         terms=_observed_rows(result),
         differences=why_apart(result),
         interrupt_head=INTERRUPT_HEAD,
