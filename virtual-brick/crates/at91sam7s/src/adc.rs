@@ -8,11 +8,18 @@
 //! reset, and before each one in sleep mode.
 //! The converter runs whether or not its clock bit in the PMC is set (section 36.4.1).
 
-use crate::board::Cycles;
-use crate::fault::{Access, FaultKind};
-use crate::NEVER;
+use crate::clock::{Cycles, NEVER};
+use crate::fault::{no_register, not_modelled, Access};
+use crate::registers::{number_in_row, registers};
+
+registers! {
+    ADC_CR = 0x00, ADC_MR = 0x04, ADC_CHER = 0x10, ADC_CHDR = 0x14, ADC_CHSR = 0x18,
+    ADC_SR = 0x1C, ADC_LCDR = 0x20, ADC_IER = 0x24, ADC_IDR = 0x28, ADC_IMR = 0x2C,
+    ADC_CDR0 = 0x30, ADC_CDR7 = 0x4C,
+}
 
 const NAME: &str = "ADC";
+pub(crate) const IDENTIFIER: u8 = 4;
 const TRGEN: u32 = 1 << 0;
 const TRGSEL: u32 = 7 << 1;
 const LOWRES: u32 = 1 << 4;
@@ -130,36 +137,31 @@ impl Adc {
 
     pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
-            0x00 | 0x10 | 0x14 | 0x24 | 0x28 => 0,
-            0x04 => self.mode,
-            0x18 => self.channels,
-            0x1C => {
+            ADC_CR | ADC_CHER | ADC_CHDR | ADC_IER | ADC_IDR => 0,
+            ADC_MR => self.mode,
+            ADC_CHSR => self.channels,
+            ADC_SR => {
                 let value = self.status | IDLE_TRANSFER;
                 self.status &= !(GOVRE | 0xFF00);
                 value
             }
-            0x20 => {
+            ADC_LCDR => {
                 self.status &= !DRDY;
                 self.last
             }
-            0x2C => self.mask,
-            0x30..=0x4C if offset % 4 == 0 => {
-                let channel = (offset - 0x30) / 4;
+            ADC_IMR => self.mask,
+            ADC_CDR0..=ADC_CDR7 => {
+                let channel = number_in_row(offset, ADC_CDR0);
                 self.status &= !(1 << channel);
-                self.data[channel as usize]
+                self.data[channel]
             }
-            _ => {
-                return Err(FaultKind::RegisterNotModelled {
-                    peripheral: NAME,
-                    offset,
-                })
-            }
+            _ => return no_register(NAME, offset),
         })
     }
 
     pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
         match offset {
-            0x00 => {
+            ADC_CR => {
                 if value & 1 != 0 {
                     *self = Self::new();
                 }
@@ -167,27 +169,19 @@ impl Adc {
                     self.trigger(now);
                 }
             }
-            0x04 => {
+            ADC_MR => {
                 if value & TRGEN != 0 && value & TRGSEL > 2 << 1 {
-                    return Err(FaultKind::FeatureNotModelled {
-                        peripheral: NAME,
-                        feature: "a hardware trigger other than TIOA0 to TIOA2",
-                    });
+                    return not_modelled(NAME, "a hardware trigger other than TIOA0 to TIOA2");
                 }
                 self.mode = value & 0x0F1F_FF3F;
             }
-            0x10 => self.channels |= value & 0xFF,
-            0x14 => self.channels &= !value,
-            0x24 => self.mask |= value & 0x000F_FFFF,
-            0x28 => self.mask &= !value,
-            0x18 | 0x1C | 0x20 | 0x2C => {}
-            0x30..=0x4C if offset % 4 == 0 => {}
-            _ => {
-                return Err(FaultKind::RegisterNotModelled {
-                    peripheral: NAME,
-                    offset,
-                })
-            }
+            ADC_CHER => self.channels |= value & 0xFF,
+            ADC_CHDR => self.channels &= !value,
+            ADC_IER => self.mask |= value & 0x000F_FFFF,
+            ADC_IDR => self.mask &= !value,
+            ADC_CHSR | ADC_SR | ADC_LCDR | ADC_IMR => {}
+            ADC_CDR0..=ADC_CDR7 => {}
+            _ => return no_register(NAME, offset),
         }
         Ok(())
     }

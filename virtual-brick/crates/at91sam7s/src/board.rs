@@ -9,8 +9,7 @@
 
 use std::fmt;
 
-/// Master clock cycles since power-on.
-pub type Cycles = u64;
+pub use crate::clock::Cycles;
 
 /// Levels that the board puts on the 32 pins of port A.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -217,7 +216,7 @@ pub trait Board {
     /// Bring the board to `now`; its pins may change. `now` never passes `next_event` unserved.
     fn advance(&mut self, now: Cycles);
     /// Something may have come on a serial line or the USB since the chip took what there was.
-    fn brings(&mut self, _now: Cycles) -> bool {
+    fn has_received(&mut self, _now: Cycles) -> bool {
         true
     }
     /// The chip's supply is on; false ends the run as a power-off.

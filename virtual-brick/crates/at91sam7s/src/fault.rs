@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! What the model cannot do, said aloud: the first fault ends a run.
+//! Accesses that the model cannot carry out: the first fault ends a run.
 
 use std::fmt;
 
-use crate::board::Cycles;
+use crate::clock::Cycles;
 
 /// Why an access cannot be carried out faithfully.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,3 +104,35 @@ impl std::error::Error for Fault {}
 
 /// Result of a register access inside a peripheral.
 pub(crate) type Access<T> = Result<T, FaultKind>;
+
+/// The register at `offset` is not modelled or does not exist.
+pub(crate) fn no_register<T>(peripheral: &'static str, offset: u32) -> Access<T> {
+    Err(FaultKind::RegisterNotModelled { peripheral, offset })
+}
+
+/// The written value asks for a feature that is not modelled.
+pub(crate) fn not_modelled<T>(peripheral: &'static str, feature: &'static str) -> Access<T> {
+    Err(FaultKind::FeatureNotModelled {
+        peripheral,
+        feature,
+    })
+}
+
+/// The peripheral was started without its clock.
+pub(crate) fn clock_disabled<T>(peripheral: &'static str, identifier: u8) -> Access<T> {
+    Err(FaultKind::ClockDisabled {
+        peripheral,
+        identifier,
+    })
+}
+
+/// A transfer of the data controller that cannot be carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TransferFault {
+    /// Why.
+    pub(crate) kind: FaultKind,
+    /// Pointer of the data controller.
+    pub(crate) pointer: u32,
+    /// The value of a transfer to memory.
+    pub(crate) written: Option<u32>,
+}

@@ -6,7 +6,7 @@
 //! (embedded flash controller) and 23.7.2 (interrupt latencies). Values that neither document
 //! fixes are the fields that differ between the optimistic and the pessimistic profile.
 
-use crate::board::Cycles;
+use crate::clock::Cycles;
 
 /// Cost of one flash access as a function of the wait states in `MC_FMR`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -507,7 +507,7 @@ impl Board for NxtBoard {
         self.advance_to(now);
     }
 
-    fn brings(&mut self, now: Cycles) -> bool {
+    fn has_received(&mut self, now: Cycles) -> bool {
         self.may_bring(now)
     }
 

@@ -37,7 +37,7 @@ fn comes_back(cpu: &Cpu, chip: &Machine) -> bool {
     let mut ahead = cpu.clone();
     let mut bus = Frozen {
         chip,
-        left: chip.memory_is_written_besides(),
+        left: chip.data_controller_writes(),
     };
     for _ in 0..STEPS_MOST {
         ahead.step(&mut bus);

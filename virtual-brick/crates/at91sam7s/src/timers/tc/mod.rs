@@ -1,0 +1,550 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Timer counter channel and block (AT91SAM7S datasheet, 6175M, chapter 33).
+//!
+//! Phase rule: the five clocks MCK/2 to MCK/1024 are free-running dividers of the master clock
+//! that started together at cycle 0, so a channel with divider d counts at multiples of d (plus
+//! d/2 when CLKI inverts the clock). A trigger takes effect at the first such edge after it.
+//! A compare happens when the counter steps onto the register's value. With automatic trigger
+//! the counter goes to 0 in place of RC, so the period is RC clocks.
+
+use std::ops::Range;
+
+use crate::clock::{Cycles, NEVER};
+use crate::fault::{clock_disabled, no_register, not_modelled, Access};
+use crate::pins::pio::PeripheralLines;
+use crate::registers::registers;
+
+mod capture;
+mod waveform;
+
+registers! {
+    TC_CCR = 0x00, TC_CMR = 0x04, TC_CV = 0x10, TC_RA = 0x14, TC_RB = 0x18, TC_RC = 0x1C,
+    TC_SR = 0x20, TC_IER = 0x24, TC_IDR = 0x28, TC_IMR = 0x2C, TC_BCR = 0xC0, TC_BMR = 0xC4,
+}
+
+/// Bytes of a channel's registers, and the last one of all channels.
+const CHANNEL_BYTES: u32 = 0x40;
+const CHANNELS_LAST: u32 = 3 * CHANNEL_BYTES - 1;
+const NAMES: [&str; 3] = ["TC0", "TC1", "TC2"];
+
+const COVFS: u32 = 1 << 0;
+const LOVRS: u32 = 1 << 1;
+const CPAS: u32 = 1 << 2;
+const CPBS: u32 = 1 << 3;
+const CPCS: u32 = 1 << 4;
+const LDRAS: u32 = 1 << 5;
+const LDRBS: u32 = 1 << 6;
+const ETRGS: u32 = 1 << 7;
+
+const CLKI: u32 = 1 << 3;
+const BURST: u32 = 3 << 4;
+/// Stop on RC compare (waveform) or RB load (capture).
+const STOP: u32 = 1 << 6;
+/// Disable on RC compare (waveform) or RB load (capture).
+const DISABLE: u32 = 1 << 7;
+const CPCTRG: u32 = 1 << 14;
+const WAVE: u32 = 1 << 15;
+const TOP: u32 = 0xFFFF;
+
+/// Input line of a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Line {
+    A,
+    B,
+}
+
+/// One of the three 16-bit counters.
+#[derive(Clone, Debug)]
+pub(crate) struct Channel {
+    number: u8,
+    clocked: bool,
+    mode: u32,
+    ra: u32,
+    rb: u32,
+    rc: u32,
+    status: u32,
+    mask: u32,
+    enabled: bool,
+    started: bool,
+    /// Counter value, reached at the clock edge `edge`.
+    value: u32,
+    edge: Cycles,
+    up: bool,
+    trigger_at: Cycles,
+    trigger_is_external: bool,
+    line_a: bool,
+    line_b: bool,
+    output_a: bool,
+    output_b: bool,
+    ra_loaded: bool,
+    unread_a: bool,
+    unread_b: bool,
+}
+
+impl Channel {
+    fn new(number: u8) -> Self {
+        Self {
+            number,
+            clocked: false,
+            mode: 0,
+            ra: 0,
+            rb: 0,
+            rc: 0,
+            status: 0,
+            mask: 0,
+            enabled: false,
+            started: false,
+            value: 0,
+            edge: 0,
+            up: true,
+            trigger_at: NEVER,
+            trigger_is_external: false,
+            line_a: false,
+            line_b: false,
+            output_a: false,
+            output_b: false,
+            ra_loaded: false,
+            unread_a: false,
+            unread_b: false,
+        }
+    }
+
+    fn name(&self) -> &'static str {
+        NAMES[usize::from(self.number)]
+    }
+
+    fn divider(&self) -> Cycles {
+        match self.mode & 7 {
+            0 => 2,
+            1 => 8,
+            2 => 32,
+            3 => 128,
+            _ => 1024,
+        }
+    }
+
+    fn phase(&self) -> Cycles {
+        if self.mode & CLKI != 0 {
+            self.divider() / 2
+        } else {
+            0
+        }
+    }
+
+    /// Last clock edge at or before `now` (before the first edge: the virtual edge at 0).
+    fn edge_before(&self, now: Cycles) -> Cycles {
+        now.saturating_sub(self.phase()) / self.divider() * self.divider() + self.phase()
+    }
+
+    /// First clock edge after `now`.
+    fn edge_after(&self, now: Cycles) -> Cycles {
+        if now < self.phase() {
+            self.phase()
+        } else {
+            self.edge_before(now) + self.divider()
+        }
+    }
+
+    fn running(&self) -> bool {
+        self.clocked && self.enabled && self.started
+    }
+
+    fn is_waveform(&self) -> bool {
+        self.mode & WAVE != 0
+    }
+
+    fn counts_up_and_down(&self) -> bool {
+        self.is_waveform() && self.mode & 1 << 13 != 0
+    }
+
+    /// RC compare ends the period.
+    fn rc_is_limit(&self) -> bool {
+        self.mode & CPCTRG != 0
+    }
+
+    /// Highest value in the up-and-down modes.
+    fn peak(&self) -> u32 {
+        if self.rc_is_limit() {
+            self.rc
+        } else {
+            TOP
+        }
+    }
+
+    fn value_at(&self, now: Cycles) -> u32 {
+        if !self.running() || now < self.edge {
+            return self.value;
+        }
+        let steps = ((now - self.edge) / self.divider()) as u32;
+        if self.up {
+            self.value.wrapping_add(steps) & TOP
+        } else {
+            self.value.wrapping_sub(steps) & TOP
+        }
+    }
+
+    /// Steps until the counter next does something worth an event.
+    fn steps_to_event(&self) -> u32 {
+        if !self.up {
+            let below = |target: u32| {
+                if target < self.value {
+                    self.value - target
+                } else {
+                    TOP
+                }
+            };
+            let compares = below(self.ra).min(below(self.rb)).min(below(self.rc));
+            return compares.min(self.value).max(1);
+        }
+        let above = |target: u32| {
+            if target > self.value {
+                target - self.value
+            } else {
+                TOP + 1 - self.value
+            }
+        };
+        let compares = above(self.ra).min(above(self.rb)).min(above(self.rc));
+        if self.counts_up_and_down() {
+            compares.min(above(self.peak()))
+        } else {
+            compares
+        }
+    }
+
+    /// When this channel wants to be served.
+    pub(crate) fn next_event(&self) -> Cycles {
+        let trigger = if self.clocked { self.trigger_at } else { NEVER };
+        if self.running() {
+            trigger.min(self.edge + Cycles::from(self.steps_to_event()) * self.divider())
+        } else {
+            trigger
+        }
+    }
+
+    /// Bring the channel to `now`: triggers and compares in the order of time.
+    pub(crate) fn advance(&mut self, now: Cycles) {
+        loop {
+            let at = self.next_event();
+            if at > now {
+                return;
+            }
+            if self.trigger_at == at {
+                self.take_trigger(at);
+            } else {
+                self.step_onto_event(at);
+            }
+        }
+    }
+
+    fn step_onto_event(&mut self, at: Cycles) {
+        let steps = self.steps_to_event();
+        let next = if self.up {
+            self.value + steps
+        } else {
+            self.value.wrapping_sub(steps)
+        };
+        if next > TOP {
+            self.status |= COVFS;
+        }
+        self.value = next & TOP;
+        self.edge = at;
+        self.compare(self.value);
+        if self.counts_up_and_down() {
+            if self.up && self.value == self.peak() {
+                self.up = false;
+            } else if self.value == 0 {
+                self.up = true;
+            }
+        }
+    }
+
+    /// The counter stepped onto `value`.
+    fn compare(&mut self, value: u32) {
+        let at_rc = value == self.rc;
+        if self.is_waveform() {
+            if value == self.ra {
+                self.status |= CPAS;
+            }
+            if value == self.rb {
+                self.status |= CPBS;
+            }
+            self.apply_compare_effects(value == self.ra, value == self.rb, at_rc);
+        }
+        if !at_rc {
+            return;
+        }
+        self.status |= CPCS;
+        if self.rc_is_limit() && !self.counts_up_and_down() {
+            self.value = 0;
+            self.ra_loaded = false;
+        }
+        if self.is_waveform() {
+            self.stop_or_disable();
+        }
+    }
+
+    fn stop_or_disable(&mut self) {
+        if self.mode & STOP != 0 {
+            self.started = false;
+        }
+        if self.mode & DISABLE != 0 {
+            self.enabled = false;
+        }
+    }
+
+    fn take_trigger(&mut self, at: Cycles) {
+        let was_running = self.running();
+        self.trigger_at = NEVER;
+        if self.counts_up_and_down() && was_running {
+            self.value = self.value_at(at);
+            self.up = !self.up;
+        } else {
+            self.value = 0;
+            self.up = true;
+        }
+        self.edge = at;
+        self.started = true;
+        self.ra_loaded = false;
+        if self.is_waveform() {
+            self.apply_trigger_effects(self.trigger_is_external);
+        }
+    }
+
+    /// A trigger arrived; the counter follows at the next clock edge.
+    fn trigger(&mut self, now: Cycles, external: bool) {
+        if self.enabled {
+            self.trigger_at = self.edge_after(now);
+            self.trigger_is_external = external;
+        }
+    }
+
+    /// Freeze the value, change something about the clock, count on from the same value.
+    fn rebase(&mut self, now: Cycles, change: impl FnOnce(&mut Self)) {
+        self.value = self.value_at(now);
+        change(self);
+        self.edge = self.edge_before(now);
+        if self.trigger_at != NEVER {
+            self.trigger_at = self.edge_after(now);
+        }
+    }
+
+    /// The power management controller switched the channel's clock.
+    pub(crate) fn set_clocked(&mut self, now: Cycles, on: bool) {
+        if self.clocked != on {
+            self.advance(now);
+            self.rebase(now, |channel| channel.clocked = on);
+        }
+    }
+
+    pub(crate) fn interrupt(&self) -> bool {
+        self.status & self.mask != 0
+    }
+
+    /// The pins of this channel changed.
+    pub(crate) fn set_pins(&mut self, pins: u32, now: Cycles) {
+        let (pin_a, pin_b) = PINS[usize::from(self.number)];
+        self.set_line(Line::A, pins >> pin_a & 1 != 0, now);
+        self.set_line(Line::B, pins >> pin_b & 1 != 0, now);
+    }
+
+    fn set_line(&mut self, line: Line, level: bool, now: Cycles) {
+        self.advance(now);
+        let slot = match line {
+            Line::A => &mut self.line_a,
+            Line::B => &mut self.line_b,
+        };
+        if *slot == level {
+            return;
+        }
+        *slot = level;
+        if self.is_waveform() {
+            self.waveform_edge(line, level, now);
+        } else {
+            self.capture_edge(line, level, now);
+        }
+    }
+
+    /// Lines driven as outputs: (TIOA, TIOB), each present when it is an output.
+    fn output_lines(&self) -> (Option<bool>, Option<bool>) {
+        if !self.is_waveform() {
+            return (None, None);
+        }
+        let b_is_output = self.mode >> 10 & 3 != 0;
+        (Some(self.output_a), b_is_output.then_some(self.output_b))
+    }
+
+    fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
+        self.advance(now);
+        Ok(match offset {
+            TC_CCR | TC_IER | TC_IDR => 0,
+            TC_CMR => self.mode,
+            TC_CV => self.value_at(now),
+            TC_RA => {
+                self.unread_a = false;
+                self.ra
+            }
+            TC_RB => {
+                self.unread_b = false;
+                self.rb
+            }
+            TC_RC => self.rc,
+            TC_SR => self.read_status(),
+            TC_IMR => self.mask,
+            _ => return no_register(self.name(), offset),
+        })
+    }
+
+    fn read_status(&mut self) -> u32 {
+        let (out_a, out_b) = self.output_lines();
+        let value = self.status
+            | u32::from(self.enabled) << 16
+            | u32::from(out_a.unwrap_or(self.line_a)) << 17
+            | u32::from(out_b.unwrap_or(self.line_b)) << 18;
+        self.status = 0;
+        self.unread_a = false;
+        self.unread_b = false;
+        value
+    }
+
+    fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+        self.advance(now);
+        match offset {
+            TC_CCR => return self.control(value, now),
+            TC_CMR => return self.set_mode(value, now),
+            TC_RA if self.is_waveform() => self.set_compare(now, |c| c.ra = value & TOP),
+            TC_RB if self.is_waveform() => self.set_compare(now, |c| c.rb = value & TOP),
+            TC_RC => self.set_compare(now, |c| c.rc = value & TOP),
+            TC_IER => self.mask |= value & 0xFF,
+            TC_IDR => self.mask &= !value,
+            TC_CV | TC_RA | TC_RB | TC_SR | TC_IMR => {}
+            _ => return no_register(self.name(), offset),
+        }
+        Ok(())
+    }
+
+    /// A new compare value counts from the present counter value on.
+    fn set_compare(&mut self, now: Cycles, change: impl FnOnce(&mut Self)) {
+        self.rebase(now, change);
+    }
+
+    fn control(&mut self, value: u32, now: Cycles) -> Access<()> {
+        let enable = value & 1 << 0 != 0;
+        let disable = value & 1 << 1 != 0;
+        if enable && !disable && !self.clocked {
+            return clock_disabled(self.name(), IDENTIFIERS[usize::from(self.number)]);
+        }
+        if (enable && !self.enabled) || disable {
+            self.rebase(now, |channel| channel.enabled = !disable);
+        }
+        if disable {
+            self.trigger_at = NEVER;
+        }
+        if value & 1 << 2 != 0 {
+            self.trigger(now, false);
+        }
+        Ok(())
+    }
+
+    fn set_mode(&mut self, value: u32, now: Cycles) -> Access<()> {
+        if value & 7 > 4 {
+            return not_modelled(
+                NAMES[usize::from(self.number)],
+                "counting an external clock (TCCLKS XC0 to XC2)",
+            );
+        }
+        if value & BURST != 0 {
+            return not_modelled(
+                NAMES[usize::from(self.number)],
+                "gating the clock by a burst signal",
+            );
+        }
+        if value & WAVE != 0 && value >> 10 & 3 != 0 && value >> 8 & 3 != 0 {
+            return not_modelled(
+                NAMES[usize::from(self.number)],
+                "an external event on XC0 to XC2",
+            );
+        }
+        self.rebase(now, |channel| channel.mode = value);
+        Ok(())
+    }
+}
+
+/// Clock and interrupt source of each channel.
+pub(crate) const IDENTIFIERS: [u8; 3] = [12, 13, 14];
+/// Pins that carry TIOA and TIOB of the three channels (peripheral B).
+pub(crate) const PINS: [(u32, u32); 3] = [(0, 1), (15, 16), (26, 27)];
+
+/// Numbers of the channels whose registers are at `offset`: one, or for a block register all.
+pub(crate) fn channels_at(offset: u32) -> Range<usize> {
+    if offset > CHANNELS_LAST {
+        return 0..3;
+    }
+    let number = (offset / CHANNEL_BYTES) as usize;
+    number..number + 1
+}
+
+/// The three channels and the block registers.
+#[derive(Clone, Debug)]
+pub(crate) struct TimerBlock {
+    pub(crate) channels: [Channel; 3],
+    block_mode: u32,
+}
+
+impl TimerBlock {
+    pub(crate) fn new() -> Self {
+        Self {
+            channels: [Channel::new(0), Channel::new(1), Channel::new(2)],
+            block_mode: 0,
+        }
+    }
+
+    /// Levels that the channels drive.
+    pub(crate) fn lines(&self) -> PeripheralLines {
+        let mut lines = PeripheralLines::default();
+        for (channel, (pin_a, pin_b)) in self.channels.iter().zip(PINS) {
+            let (out_a, out_b) = channel.output_lines();
+            for (pin, level) in [(pin_a, out_a), (pin_b, out_b)] {
+                if let Some(level) = level {
+                    lines.driven |= 1 << pin;
+                    lines.level |= u32::from(level) << pin;
+                }
+            }
+        }
+        lines
+    }
+
+    pub(crate) fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
+        match offset {
+            TC_CCR..=CHANNELS_LAST => {
+                self.channels[(offset / CHANNEL_BYTES) as usize].read(offset % CHANNEL_BYTES, now)
+            }
+            TC_BCR => Ok(0),
+            TC_BMR => Ok(self.block_mode),
+            _ => no_register("TC", offset),
+        }
+    }
+
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+        match offset {
+            TC_CCR..=CHANNELS_LAST => {
+                return self.channels[(offset / CHANNEL_BYTES) as usize].write(
+                    offset % CHANNEL_BYTES,
+                    value,
+                    now,
+                )
+            }
+            TC_BCR => {
+                if value & 1 != 0 {
+                    for channel in &mut self.channels {
+                        channel.advance(now);
+                        channel.trigger(now, false);
+                    }
+                }
+            }
+            TC_BMR => self.block_mode = value & 0x3F,
+            _ => return no_register("TC", offset),
+        }
+        Ok(())
+    }
+}
