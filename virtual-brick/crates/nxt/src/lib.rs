@@ -11,10 +11,10 @@
 //! as a [`BoardFault`].
 
 mod battery;
-mod bench;
 mod bluetooth;
 mod board;
 mod boot_monitor;
+mod bus_log;
 mod buttons;
 mod configuration;
 mod coprocessor;
@@ -22,10 +22,11 @@ mod display;
 mod encoder;
 mod event;
 mod inputs;
-mod measured;
+mod mounted_sensors;
 mod physics;
 mod ports;
 mod rs485;
+mod scripts;
 mod sensors;
 mod signals;
 mod sound;
@@ -33,13 +34,13 @@ mod time;
 mod usb;
 
 pub use battery::{BatteryConfiguration, BatteryKind};
-pub use bench::{BusEvent, ModuleTurn, TwiTurn};
 pub use bluetooth::{
     AirMessage, AirSignal, Bluetooth, BluetoothAddress, BluetoothConfiguration, BluetoothDevice,
     BluetoothText, ChipLines, KnownDevice,
 };
 pub use board::NxtBoard;
 pub use boot_monitor::BootMonitor;
+pub use bus_log::BusEvent;
 pub use buttons::Button;
 pub use configuration::{BoardConfiguration, SensorPorts};
 pub use coprocessor::{MotorCommand, SensorSupply};
@@ -47,6 +48,7 @@ pub use display::{Display, Picture, COLUMNS, ROWS};
 pub use event::{BoardEvent, BoardEventKind, BoardFault, PowerOffReason};
 pub use inputs::{InputDescription, InputError};
 pub use rs485::Rs485Line;
+pub use scripts::{ModuleTurn, TwiTurn};
 pub use sensors::{Sensor, SensorInput};
 pub use sound::SAMPLE_CYCLES as SOUND_SAMPLE_CYCLES;
 pub use usb::{UsbCompletion, UsbError, UsbHost, UsbRequest, UsbTransfer};

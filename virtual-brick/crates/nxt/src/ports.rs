@@ -156,20 +156,21 @@ impl Ports {
         }
     }
 
-    /// The co-processor's switches of the 9 V; true when one was turned.
-    pub fn set_supplies(&mut self, now: Cycles, supplies: [SensorSupply; 4]) -> bool {
-        let mut turned = false;
+    /// The 9 V supplies in force.
+    pub fn supplies(&self) -> [SensorSupply; 4] {
+        let [one, two, three, four] = &self.ports;
+        [one.supply, two.supply, three.supply, four.supply]
+    }
+
+    /// The co-processor's switches of the 9 V.
+    pub fn set_supplies(&mut self, now: Cycles, supplies: [SensorSupply; 4]) {
         for (port, supply) in self.ports.iter_mut().zip(supplies) {
             if port.supply != supply {
                 port.supply = supply;
                 port.supply_changed(now);
-                turned = true;
             }
         }
-        if turned {
-            self.refresh_low();
-        }
-        turned
+        self.refresh_low();
     }
 
     /// A quantity given from outside, which the lines follow at once.

@@ -44,7 +44,7 @@ impl NxtBoard {
         if robot.pitch().is_some() {
             names.extend(["body.pitch", "body.pitch_rate"].map(str::to_owned));
         }
-        names.extend(self.measured().names());
+        names.extend(self.mounted_sensors().names());
         names.push("battery.voltage".to_owned());
         names
     }
@@ -84,7 +84,7 @@ impl NxtBoard {
             values.push(between(from.0, to.0));
             values.push(between(from.1, to.1));
         }
-        values.extend(self.measured().sample(behind));
+        values.extend(self.mounted_sensors().sample(behind));
         values.push(self.battery_voltage());
     }
 

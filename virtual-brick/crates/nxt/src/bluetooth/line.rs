@@ -76,6 +76,11 @@ impl Line {
         self.shifting = next.map(|byte| (byte, now + CHARACTER_CYCLES));
     }
 
+    /// A character has reached the chip.
+    pub const fn has_arrived(&self) -> bool {
+        self.arrived.is_some()
+    }
+
     /// The character that has reached the chip.
     pub fn take_arrived(&mut self) -> Option<Character> {
         self.arrived.take().map(|byte| Character {

@@ -340,6 +340,11 @@ impl Bluetooth {
         self.line.advance(now, self.lines.ready, carries);
     }
 
+    /// A character has reached the chip.
+    pub const fn has_character(&self) -> bool {
+        self.line.has_arrived()
+    }
+
     /// The character that has reached the chip.
     pub fn take_character(&mut self) -> Option<Character> {
         self.line.take_arrived()

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Sensors that sit on the robot and measure what the plant and its surroundings do.
+//! Sensors mounted on the robot, which measure what the plant and its surroundings do.
 
 use std::sync::Arc;
 
@@ -21,14 +21,14 @@ struct Source {
     measurement: Measurement,
 }
 
-/// All sensors on the robot.
+/// All mounted sensors.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub struct MountedSensors {
     sources: Vec<Source>,
     surroundings: Arc<Surroundings>,
 }
 
-impl Measured {
+impl MountedSensors {
     pub fn new(ports: &SensorPorts, robot: &RobotParameters) -> Self {
         let sources = ports
             .all()
@@ -42,14 +42,17 @@ impl Measured {
         }
     }
 
-    /// Gives each sensor what it measures of `robot` now; false when there is none.
-    pub fn update(&self, robot: &Robot, ports: &mut Ports) -> bool {
+    pub fn is_empty(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    /// Gives each sensor what it measures of `robot` now.
+    pub fn update(&self, robot: &Robot, ports: &mut Ports) {
         for source in &self.sources {
             if let Some(value) = self.value(&source.measurement, robot) {
                 ports.set_quantity(source.index, &source.input.key, value);
             }
         }
-        !self.sources.is_empty()
     }
 
     /// Names of what the sensors measure, in the order of [`Self::sample`].
