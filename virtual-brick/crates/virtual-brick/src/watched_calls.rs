@@ -59,7 +59,7 @@ impl VirtualBrick {
             .iter()
             .filter_map(|name| self.image.symbols().get(name));
         self.call_watch.functions = found.map(|symbol| symbol.address).collect();
-        self.chip.single_step_at(&self.call_watch.functions);
+        self.chip.observe_arrivals_at(&self.call_watch.functions);
     }
 
     /// The calls so far, in the order of the functions' addresses.

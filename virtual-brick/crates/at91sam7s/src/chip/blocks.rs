@@ -3,7 +3,7 @@
 //! The chip as the bus of decoded blocks: code in SRAM and flash, plain accesses to them.
 
 use arm7tdmi::bus::Width;
-use arm7tdmi::{BlockBus, BusAccess, CodePlace, RamView, PlainRead, PlainWords};
+use arm7tdmi::{BlockBus, BusAccess, CodePlace, PlainRead, PlainWords, RamView};
 
 use crate::board::{Board, Cycles};
 use crate::chip::bus::PERIPHERALS;

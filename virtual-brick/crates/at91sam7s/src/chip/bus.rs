@@ -3,7 +3,8 @@
 //! The chip as the core's bus: address regions, their costs, aborts.
 //!
 //! Peripherals are above 0xF000_0000. Everything between them and the memories is undefined and
-//! aborts, as do misaligned data accesses (AT91SAM7S datasheet, 6175M, chapter 18). An access takes effect at the end of its cycles.
+//! aborts, as do misaligned data accesses (AT91SAM7S datasheet, 6175M, chapter 18). An access takes
+//! effect at the end of its cycles.
 
 use arm7tdmi::bus::{Abort, Bus, Cycle, Width};
 

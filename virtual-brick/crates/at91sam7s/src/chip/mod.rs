@@ -36,7 +36,7 @@ pub struct Chip<B: Board> {
     /// The board is served now because it may have been changed from outside.
     board_changed: bool,
     /// Code at which no block of instructions begins.
-    single_stepped: Vec<u32>,
+    observed_arrivals: Vec<u32>,
     /// The processor clock is stopped.
     stopped: bool,
     /// The brown-out detector holds the chip in reset.
@@ -59,7 +59,7 @@ impl<B: Board> Chip<B> {
             pins: Pins::new(),
             board,
             board_changed: false,
-            single_stepped: Vec::new(),
+            observed_arrivals: Vec::new(),
             stopped: false,
             held: false,
             supply_low: false,
@@ -220,8 +220,8 @@ impl<B: Board> Chip<B> {
     }
 
     /// Let each arrival at these addresses of code, if by a branch, be a step of its own.
-    pub fn single_step_at(&mut self, addresses: &[u32]) {
-        self.single_stepped = addresses.to_vec();
+    pub fn observe_arrivals_at(&mut self, addresses: &[u32]) {
+        self.observed_arrivals = addresses.to_vec();
     }
 
     /// Record every processor write to the SRAM word at `address`.

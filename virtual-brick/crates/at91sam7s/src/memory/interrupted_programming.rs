@@ -3,9 +3,8 @@
 //! A flash page whose programming was interrupted.
 //!
 //! The first half of the time erases, the second half programs (chosen; without erasing all of it
-//! programs). When it is interrupted, some
-//! cells have been reached, the later the more; a generator seeded with the cycle and the page
-//! chooses them, so that a run stays a function of its inputs.
+//! programs). When it is interrupted, some cells have been reached, the later the more; a generator
+//! seeded with the cycle and the page chooses them, so that a run stays a function of its inputs.
 
 use crate::clock::Cycles;
 
