@@ -119,10 +119,10 @@ class VirtualBrick:
         self.cycles = cycles
         return Stop("reached", cycles, "")
 
-    def watch_calls(self, functions: list[str]) -> None:
+    def trace_calls(self, functions: list[str]) -> None:
         """Nothing is called."""
 
-    def watched_calls(self) -> list[object]:
+    def traced_calls(self) -> list[object]:
         return []
 
     def raised_at(self) -> None:

@@ -253,9 +253,9 @@ class VirtualBrick:
         """The threads; a thread's position is the subject of its events."""
     def raised_at(self) -> tuple[str, int, int] | None:
         """Source file, line and column where the program failed; None where nothing tells."""
-    def watch_calls(self, functions: list[str]) -> None:
+    def trace_calls(self, functions: list[str]) -> None:
         """Note the calls of these functions from now on, by their symbols; the run is the same."""
-    def watched_calls(
+    def traced_calls(
         self,
     ) -> list[tuple[str, int, list[str], str | None, tuple[int, int]]]:
         """Of each function, first argument and place: callers (symbols, innermost first), source

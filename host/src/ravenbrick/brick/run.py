@@ -137,7 +137,7 @@ class VirtualTarget:
             brick = self._assemble(robot, scenario, image, fields=fields)
             inputs = self._schedule(brick, scenario)
             self._probe(brick, robot, image)
-            brick.watch_calls(list(WATCHED))
+            brick.trace_calls(list(WATCHED))
         pins = expected_pins(scenario.expectations)
         if pins and (options.start or options.save):
             raise UsageError("a snapshot holds no record of pins; leave out what expects them")

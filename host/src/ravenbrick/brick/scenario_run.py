@@ -201,7 +201,7 @@ class ScenarioRun:
         )
 
     def _warnings(self, events: NDArray[np.void]) -> tuple[str, ...]:
-        calls = [DriverCall(*call) for call in self._brick.watched_calls()]
+        calls = [DriverCall(*call) for call in self._brick.traced_calls()]
         return port_warnings(self._robot, calls, events, self._brick.link_up_cycles)
 
     def _record_display(self) -> None:

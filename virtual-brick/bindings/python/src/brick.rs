@@ -12,10 +12,10 @@ use virtual_brick_facade::{BrickError, Configuration, Image, ScalarKind, CLOCK_H
 
 use crate::debugging::Service;
 use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
-use crate::outside::{self, Completion, Message};
+use crate::transports::{self, Completion, Message};
 use crate::values::{Stop, Thread};
 
-/// Python's signals (Ctrl-C) are looked at this often: a tenth of a virtual second.
+/// Python's signals (Ctrl-C) are polled this often: a tenth of a virtual second.
 const SIGNAL_CHECK_CYCLES: u64 = 4_805_486;
 
 /// Default of what carries bytes.
@@ -110,13 +110,14 @@ impl VirtualBrick {
         name: &str,
         pin: Option<&str>,
     ) -> PyResult<()> {
-        let message = outside::message(at_cycles, peer, kind, data, name, pin)?;
+        let message = transports::message_from_python(at_cycles, peer, kind, data, name, pin)?;
         self.0.bluetooth_send(message).map_err(raise::<InputError>)
     }
 
     fn bluetooth_sent<'py>(&mut self, py: Python<'py>) -> Vec<Message<'py>> {
         let sent = self.0.bluetooth_sent().into_iter();
-        sent.map(|message| outside::told(py, message)).collect()
+        sent.map(|message| transports::message_to_python(py, message))
+            .collect()
     }
 
     #[getter]
@@ -139,16 +140,18 @@ impl VirtualBrick {
         length: usize,
     ) -> PyResult<()> {
         let times = (at_cycles, number, timeout_cycles);
-        let transfer = outside::transfer(times, kind, endpoint, data, length)?;
+        let transfer = transports::transfer(times, kind, endpoint, data, length)?;
         self.0.usb_transfer(transfer).map_err(raise::<InputError>)
     }
 
     fn usb_completed<'py>(&mut self, py: Python<'py>) -> Vec<Completion<'py>> {
         let completed = self.0.usb_completed().into_iter();
-        completed.map(|one| outside::completed(py, one)).collect()
+        completed
+            .map(|one| transports::completion_to_python(py, one))
+            .collect()
     }
 
-    #[pyo3(signature = (at_cycles, data, bit_cycles=outside::RS485_BIT_CYCLES))]
+    #[pyo3(signature = (at_cycles, data, bit_cycles=transports::RS485_BIT_CYCLES))]
     fn rs485_send(&mut self, at_cycles: u64, data: &[u8], bit_cycles: u64) -> PyResult<()> {
         self.0
             .rs485_send(at_cycles, data, bit_cycles)
@@ -185,7 +188,7 @@ impl VirtualBrick {
 
     fn script_twi(&mut self, turns: Vec<(usize, Vec<u8>, u64)>) {
         self.0
-            .script_twi(turns.into_iter().map(outside::twi_turn).collect());
+            .script_twi(turns.into_iter().map(transports::twi_turn).collect());
     }
 
     fn script_converter(&mut self, channel: u8, counts: Vec<u16>) -> PyResult<()> {
@@ -201,7 +204,7 @@ impl VirtualBrick {
 
     fn script_module(&mut self, turns: Vec<(usize, u64, Vec<u8>)>) {
         self.0
-            .script_module(turns.into_iter().map(outside::module_turn).collect());
+            .script_module(turns.into_iter().map(transports::module_turn).collect());
     }
 
     fn run_until(&mut self, py: Python<'_>, cycles: u64) -> PyResult<Stop> {
@@ -345,12 +348,12 @@ impl VirtualBrick {
         self.0.raised_at()
     }
 
-    fn watch_calls(&mut self, functions: Vec<String>) {
-        self.0.watch_calls(&functions);
+    fn trace_calls(&mut self, functions: Vec<String>) {
+        self.0.trace_calls(&functions);
     }
 
-    fn watched_calls(&self) -> Vec<(String, u32, Vec<String>, Option<String>, (u64, u64))> {
-        let calls = self.0.watched_calls().into_iter();
+    fn traced_calls(&self) -> Vec<(String, u32, Vec<String>, Option<String>, (u64, u64))> {
+        let calls = self.0.traced_calls().into_iter();
         calls
             .map(|call| {
                 (

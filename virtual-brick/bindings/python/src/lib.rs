@@ -6,8 +6,8 @@ mod brick;
 mod chip_memory_map;
 mod debugging;
 mod errors;
-mod outside;
 mod timing;
+mod transports;
 mod values;
 
 use pyo3::prelude::*;

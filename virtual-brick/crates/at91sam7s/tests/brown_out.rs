@@ -68,7 +68,7 @@ fn the_detector_holds_the_chip_in_reset_until_the_supply_is_back() {
 }
 
 #[test]
-fn without_its_reset_the_detector_only_tells() {
+fn without_its_reset_the_detector_only_sets_its_flag() {
     let mut chip = running_chip();
     set_supply(&mut chip, true);
     assert_eq!(read(&mut chip, RSTC_SR) & 2, 0, "it is off");
@@ -122,7 +122,7 @@ fn a_finished_page_stays_and_a_low_supply_programs_nothing() {
 }
 
 #[test]
-fn a_lost_supply_tears_the_page_too() {
+fn a_lost_supply_interrupts_programming_too() {
     let mut chip = running_chip();
     program(&mut chip, 0);
     begin(&mut chip, 0);

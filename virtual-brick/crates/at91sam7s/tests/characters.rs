@@ -344,7 +344,7 @@ fn a_character_for_a_receiver_that_is_off_is_lost() {
 }
 
 #[test]
-fn resets_of_what_only_iso_7816_has_do_nothing_and_multidrop_is_a_fault() {
+fn resets_of_iso_7816_features_do_nothing_and_multidrop_is_a_fault() {
     let mut chip = serial_chip(USART1, 0);
     write(&mut chip, USART1 + CR, 1 << 13 | 1 << 14);
     assert!(chip.fault().is_none());

@@ -141,7 +141,7 @@ fn third_fetch(loss: CodeBufferLoss, between: impl FnOnce(&mut TestChip)) -> u64
 }
 
 #[test]
-fn what_empties_the_code_buffer_is_a_parameter() {
+fn the_loss_of_the_code_buffer_is_a_parameter() {
     use CodeBufferLoss::{Branch, FlashData, Gap};
     for loss in [Branch, FlashData, Gap] {
         assert_eq!(third_fetch(loss, |_| {}), 1);

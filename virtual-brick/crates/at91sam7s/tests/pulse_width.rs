@@ -106,7 +106,7 @@ fn a_linear_divider_clocks_a_channel() {
 }
 
 #[test]
-fn a_disabled_channel_stands_still_and_starts_again_from_nought() {
+fn a_disabled_channel_stands_still_and_starts_again_from_zero() {
     let (mut chip, start) = counting_chip(0);
     run_to(&mut chip, start + 1000);
     write(&mut chip, DIS, 1);

@@ -207,7 +207,7 @@ fn every_other_word_of_a_modelled_slot_is_a_typed_fault() {
 }
 
 #[test]
-fn what_is_not_modelled_says_its_name_and_address() {
+fn an_unmodelled_register_is_reported_by_name_and_address() {
     let mut chip = running_chip();
     assert!(try_write(&mut chip, 0xFFFD_4000, Width::Word, 1).is_err());
     let text = chip.fault().unwrap().to_string();

@@ -131,7 +131,7 @@ fn a_pin_taken_back_mutes_the_line() {
 }
 
 #[test]
-fn what_the_transmitter_does_not_have_is_a_fault() {
+fn an_unsupported_transmitter_feature_is_a_fault() {
     for (register, value, feature) in [
         (CR, 1, "reception"),
         (TCMR, 1, "a transmit clock from RK or TK"),

@@ -389,7 +389,7 @@ fn the_real_time_timer_counts_periods_of_its_divider_and_interrupts_at_each() {
 }
 
 #[test]
-fn the_real_time_timers_alarm_interrupts_and_a_restart_begins_at_nought() {
+fn the_real_time_timers_alarm_interrupts_and_a_restart_begins_at_zero() {
     let mut chip = running_chip();
     write(&mut chip, RTT + 4, 4);
     write(&mut chip, RTT, 1 << 18 | 1 << 16 | 0x10);

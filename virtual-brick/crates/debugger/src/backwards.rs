@@ -1,32 +1,32 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The way back: the last place before the present that is wanted, found by running again the
+//! The run backwards: the last place before the present that is wanted, found by running again the
 //! stretches between checkpoints, from the latest to the first.
 
 use arm7tdmi::Step;
 use virtual_brick::{Access, StepObserver, StopReason, VirtualBrick};
 
 use crate::stops::Stops;
-use crate::tasks::Who;
+use crate::tasks::Context;
 use crate::timeline::Timeline;
 use crate::watches::{WatchState, Watched};
 
-/// Checkpoints that running again leaves in one stretch, so that the next way back is short.
+/// Checkpoints that running again leaves in one stretch, so that the next run backwards is short.
 const CHECKPOINTS_PER_STRETCH: u64 = 16;
 const DISTANCE_CYCLES_MIN: u64 = 1 << 13;
 
-/// What is looked for.
+/// Goal of a search backwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub(crate) enum SearchGoal {
     /// The last instruction of a task.
-    StepOf(Who),
+    StepOf(Context),
     /// The last step of any kind.
     AnyStep,
     /// A breakpoint or watchpoint.
     Stop,
 }
 
-/// Why the way back ends.
+/// Why the run backwards ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Arrival {
     StepDone,
@@ -37,7 +37,7 @@ pub(crate) enum Arrival {
 /// A search under way.
 #[derive(Clone, Debug)]
 pub(crate) struct Search {
-    wanted: Wanted,
+    wanted: SearchGoal,
     /// Where the stretch begins that is run again, and where it ends.
     begin: u64,
     end: u64,
@@ -53,7 +53,7 @@ struct Scan<'a> {
     watch: &'a mut WatchState,
     began_at: u64,
     pc: u32,
-    who: Who,
+    who: Context,
 }
 
 impl StepObserver for Scan<'_> {
@@ -62,12 +62,12 @@ impl StepObserver for Scan<'_> {
     fn before_step(&mut self, brick: &VirtualBrick) -> bool {
         self.began_at = brick.cycles();
         self.pc = brick.processor().next_instruction_address();
-        if matches!(self.search.wanted, Wanted::StepOf(_)) {
-            self.who = Who::now(brick);
+        if matches!(self.search.wanted, SearchGoal::StepOf(_)) {
+            self.who = Context::now(brick);
         }
         // While the processor slept, the data controller may have written.
         self.search
-            .met(self.watch.hit(brick), self.began_at, self.began_at);
+            .watch_hit(self.watch.hit(brick), self.began_at, self.began_at);
         false
     }
 
@@ -78,9 +78,9 @@ impl StepObserver for Scan<'_> {
     fn after_step(&mut self, brick: &VirtualBrick, step: Step) -> bool {
         let instruction = step == Step::Instruction;
         let own = match self.search.wanted {
-            Wanted::StepOf(who) => instruction && who == self.who,
-            Wanted::AnyStep => true,
-            Wanted::Stop => false,
+            SearchGoal::StepOf(who) => instruction && who == self.who,
+            SearchGoal::AnyStep => true,
+            SearchGoal::Stop => false,
         };
         if own {
             self.search.found = Some((self.began_at, Arrival::StepDone));
@@ -88,14 +88,14 @@ impl StepObserver for Scan<'_> {
             self.search.found = Some((self.began_at, Arrival::Breakpoint));
         }
         self.search
-            .met(self.watch.hit(brick), self.began_at, brick.cycles());
+            .watch_hit(self.watch.hit(brick), self.began_at, brick.cycles());
         false
     }
 }
 
 impl Search {
     /// Begin at the present; none when the present is the beginning.
-    pub(crate) fn new(wanted: Wanted, timeline: &mut Timeline) -> Option<Self> {
+    pub(crate) fn new(wanted: SearchGoal, timeline: &mut Timeline) -> Option<Self> {
         let end = timeline.now();
         let begin = timeline.checkpoint_before(end)?;
         timeline.go_to(begin);
@@ -110,8 +110,8 @@ impl Search {
 
     /// A watchpoint was hit by the step between two instants. GDB goes back over it itself,
     /// unless it is told of a signal.
-    fn met(&mut self, hit: Option<Watched>, began_at: u64, ended_at: u64) {
-        if let Some(watched) = hit.filter(|_| self.wanted == Wanted::Stop) {
+    fn watch_hit(&mut self, hit: Option<Watched>, began_at: u64, ended_at: u64) {
+        if let Some(watched) = hit.filter(|_| self.wanted == SearchGoal::Stop) {
             let at = if watched.needs_signal() {
                 began_at
             } else {
@@ -138,13 +138,13 @@ impl Search {
             watch: &mut watch,
             began_at: timeline.now(),
             pc: 0,
-            who: Who::Processor,
+            who: Context::Processor,
             search: self,
         };
         let distance = distance.max(DISTANCE_CYCLES_MIN);
         let stop = timeline.run_with_checkpoints(limit, distance, &mut scan);
         let now = timeline.now();
-        self.met(watch.hit(timeline.brick()), now, now);
+        self.watch_hit(watch.hit(timeline.brick()), now, now);
         let ended = stop.is_some_and(|stop| stop.reason != StopReason::Reached);
         if now < self.end && !ended {
             self.watch = Some(watch);

@@ -9,12 +9,12 @@ pub(crate) const CHECKPOINTS_MAX: usize = 160;
 
 /// A checkpoint and how many interventions the run had seen.
 #[derive(Clone, Debug)]
-pub(crate) struct Kept {
+pub(crate) struct SavedCheckpoint {
     pub checkpoint: Checkpoint,
     pub interventions: usize,
 }
 
-impl Kept {
+impl SavedCheckpoint {
     pub(crate) fn cycles(&self) -> u64 {
         self.checkpoint.cycles()
     }
@@ -23,21 +23,21 @@ impl Kept {
 /// Checkpoints in the order of time; the first one is never given up.
 #[derive(Clone, Debug)]
 pub(crate) struct Checkpoints {
-    kept: Vec<Kept>,
+    kept: Vec<SavedCheckpoint>,
 }
 
 impl Checkpoints {
-    pub(crate) fn new(first: Kept) -> Self {
+    pub(crate) fn new(first: SavedCheckpoint) -> Self {
         Self { kept: vec![first] }
     }
 
     /// The last checkpoint at or before an instant, the first one when there is none.
-    pub(crate) fn at_or_before(&self, cycles: u64) -> &Kept {
+    pub(crate) fn at_or_before(&self, cycles: u64) -> &SavedCheckpoint {
         let after = self.kept.partition_point(|kept| kept.cycles() <= cycles);
         &self.kept[after.saturating_sub(1)]
     }
 
-    pub(crate) fn first(&self) -> &Kept {
+    pub(crate) fn first(&self) -> &SavedCheckpoint {
         &self.kept[0]
     }
 
@@ -47,7 +47,7 @@ impl Checkpoints {
 
     /// Keep a checkpoint; when there are too many, the one goes whose loss leaves the smallest
     /// gap in relation to its age, seen from `present_cycles`.
-    pub(crate) fn add(&mut self, kept: Kept, present_cycles: u64) {
+    pub(crate) fn add(&mut self, kept: SavedCheckpoint, present_cycles: u64) {
         let cycles = kept.cycles();
         let position = self.kept.partition_point(|other| other.cycles() < cycles);
         if self
@@ -59,11 +59,11 @@ impl Checkpoints {
         }
         self.kept.insert(position, kept);
         if self.kept.len() > CHECKPOINTS_MAX {
-            self.thin(present_cycles);
+            self.drop_least_useful(present_cycles);
         }
     }
 
-    fn thin(&mut self, present_cycles: u64) {
+    fn drop_least_useful(&mut self, present_cycles: u64) {
         let loss = |at: usize| {
             let gap = self.kept[at + 1].cycles() - self.kept[at - 1].cycles();
             let age = present_cycles.abs_diff(self.kept[at].cycles()) + 1;

@@ -14,10 +14,10 @@ use gdbstub::target::ext::base::reverse_exec::{
 };
 use virtual_brick::{Stop, StopReason};
 
-use crate::backwards::{Arrival, Search, Wanted};
+use crate::backwards::{Arrival, Search, SearchGoal};
 use crate::stops::{Forward, Outcome, Progress, StepWanted};
 use crate::target::DebugTarget;
-use crate::tasks::Who;
+use crate::tasks::Context;
 use crate::watches::{WatchState, Watched};
 
 /// Between two looks at the connection.
@@ -70,7 +70,7 @@ impl DebugTarget {
     }
 
     fn forward(&mut self, mut job: ForwardJob) -> Option<Reason> {
-        // After a way back, what was said is said again.
+        // After a run backwards, output is repeated.
         self.told = self.told.min(self.timeline.brick().console_bytes());
         let limit = self.timeline.now().saturating_add(SLICE_CYCLES);
         let brick = self.timeline.brick();
@@ -90,7 +90,7 @@ impl DebugTarget {
         let outcome = observer.outcome;
         match (outcome, stop) {
             (Some(outcome), _) => Some(self.ended(outcome, job.tid)),
-            (None, Some(stop)) if stop.reason != StopReason::Reached => Some(self.over(&stop)),
+            (None, Some(stop)) if stop.reason != StopReason::Reached => Some(self.run_ended(&stop)),
             _ => {
                 self.job = Job::Forward(job);
                 None
@@ -151,7 +151,7 @@ impl DebugTarget {
 
     fn executing(&self) -> Tid {
         let brick = self.timeline.brick();
-        Who::now(brick).tid(brick)
+        Context::now(brick).tid(brick)
     }
 
     fn step_done(&self) -> Reason {
@@ -178,7 +178,7 @@ impl DebugTarget {
     }
 
     /// The run cannot go on. The brick is still there, so that its past can be looked at.
-    fn over(&mut self, stop: &Stop) -> Reason {
+    fn run_ended(&mut self, stop: &Stop) -> Reason {
         self.signal(match stop.reason {
             StopReason::PowerOff => Signal::SIGPWR,
             StopReason::Fault => Signal::SIGSEGV,
@@ -189,8 +189,8 @@ impl DebugTarget {
 
     fn want_step(&mut self, tid: Tid, range: Option<(u32, u32)>) {
         let at_watch = std::mem::take(&mut self.at_watch);
-        let who = Who::of(tid, self.timeline.brick());
-        let task = self.steps_of_task && !at_watch && who != Who::Processor;
+        let who = Context::of(tid, self.timeline.brick());
+        let task = self.steps_of_task && !at_watch && who != Context::Processor;
         self.job = Job::Forward(ForwardJob {
             step: Some(StepWanted {
                 whose: task.then_some(who),
@@ -201,7 +201,7 @@ impl DebugTarget {
         });
     }
 
-    fn go_back(&mut self, wanted: Wanted) {
+    fn go_back(&mut self, wanted: SearchGoal) {
         self.job = match Search::new(wanted, &mut self.timeline) {
             Some(search) => Job::Back(search),
             None => Job::AtBeginning,
@@ -284,13 +284,13 @@ impl MultiThreadSchedulerLocking for DebugTarget {
 impl ReverseStep<Tid> for DebugTarget {
     /// GDB may name a thread of an earlier stop: the one of the last stop is meant.
     fn reverse_step(&mut self, _tid: Tid) -> Result<(), Self::Error> {
-        let who = Who::of(self.stopped, self.timeline.brick());
+        let who = Context::of(self.stopped, self.timeline.brick());
         let at_watch = std::mem::take(&mut self.at_watch);
-        let any = at_watch || !self.steps_of_task || who == Who::Processor;
+        let any = at_watch || !self.steps_of_task || who == Context::Processor;
         self.go_back(if any {
-            Wanted::AnyStep
+            SearchGoal::AnyStep
         } else {
-            Wanted::StepOf(who)
+            SearchGoal::StepOf(who)
         });
         Ok(())
     }
@@ -299,7 +299,7 @@ impl ReverseStep<Tid> for DebugTarget {
 impl ReverseCont<Tid> for DebugTarget {
     fn reverse_cont(&mut self) -> Result<(), Self::Error> {
         self.at_watch = false;
-        self.go_back(Wanted::Stop);
+        self.go_back(SearchGoal::Stop);
         Ok(())
     }
 }

@@ -11,7 +11,7 @@ use gdbstub::target::{TargetError, TargetResult};
 
 use crate::execution::Job;
 use crate::target::DebugTarget;
-use crate::tasks::Who;
+use crate::tasks::Context;
 use crate::timeline::{Change, Timeline};
 
 const FLASH: u32 = 0x0010_0000;
@@ -75,7 +75,7 @@ pub(crate) fn program(target: &mut DebugTarget, path: &str) -> Result<(), String
     let brick = target.timeline.brick().with_program(&content);
     let mut brick = brick.map_err(|error| format!("{path}: {error}"))?;
     brick.set_semihosting(true);
-    target.stopped = Who::now(&brick).tid(&brick);
+    target.stopped = Context::now(&brick).tid(&brick);
     target.timeline = Timeline::new(brick);
     target.job = Job::Nothing;
     Ok(())

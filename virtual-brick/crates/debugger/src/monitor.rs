@@ -256,6 +256,6 @@ fn reset(target: &mut DebugTarget) -> String {
     target.timeline.reset();
     target.job = Job::Nothing;
     let brick = target.timeline.brick();
-    target.stopped = tasks::Who::now(brick).tid(brick);
+    target.stopped = tasks::Context::now(brick).tid(brick);
     time(target)
 }

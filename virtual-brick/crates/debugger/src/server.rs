@@ -113,10 +113,10 @@ where
     }
 }
 
-/// Let GDB show what the program said: packets `O` with hexadecimal digits, which may come at any
+/// Let GDB show the output of the program: packets `O` with hexadecimal digits, which may come at any
 /// time while the program runs (GDB manual, "Stop Reply Packets").
-fn tell<C: Connection>(said: &[u8], connection: &mut C) -> Result<(), C::Error> {
-    for piece in said.chunks(CONSOLE_PIECE_BYTES) {
+fn send_console_output<C: Connection>(output: &[u8], connection: &mut C) -> Result<(), C::Error> {
+    for piece in output.chunks(CONSOLE_PIECE_BYTES) {
         let digits = piece.iter().flat_map(|byte| {
             let digit = |value: u8| b"0123456789abcdef"[usize::from(value & 15)];
             [digit(byte >> 4), digit(*byte)]
@@ -152,7 +152,8 @@ impl<C: ConnectionExt> BlockingEventLoop for EventLoop<C> {
                 return Ok(Event::IncomingData(byte));
             }
             let reason = target.advance();
-            tell(&target.take_console(), conn).map_err(WaitForStopReasonError::Connection)?;
+            send_console_output(&target.take_console(), conn)
+                .map_err(WaitForStopReasonError::Connection)?;
             if let Some(reason) = reason {
                 return Ok(Event::TargetStopped(reason));
             }

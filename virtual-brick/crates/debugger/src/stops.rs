@@ -8,7 +8,7 @@
 use arm7tdmi::Step;
 use virtual_brick::{Access, StepObserver, VirtualBrick};
 
-use crate::tasks::Who;
+use crate::tasks::Context;
 use crate::watches::{Watch, WatchState, Watched};
 
 /// What the user wants to stop at.
@@ -58,7 +58,7 @@ impl Stops {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepWanted {
     /// Whose; none for whatever the processor does next.
-    pub whose: Option<Who>,
+    pub whose: Option<Context>,
     /// Go on while the program counter stays between these addresses, the first included.
     pub range: Option<(u32, u32)>,
 }
@@ -117,7 +117,7 @@ impl<'a> Forward<'a> {
         let Some(step) = self.step else {
             return self.stops.breaks_at(pc).then_some(Outcome::Breakpoint);
         };
-        self.progress.own = step.whose.is_none_or(|who| who == Who::now(brick));
+        self.progress.own = step.whose.is_none_or(|who| who == Context::now(brick));
         if !self.progress.own {
             if self.stops.breaks_at(pc) {
                 return Some(Outcome::Breakpoint);

@@ -23,12 +23,14 @@ use gdbstub_arch::arm::ArmBreakpointKind;
 use virtual_brick::VirtualBrick;
 
 use crate::arch::{Brick, BrickRegister, BrickRegisters, MEMORY_MAP};
-use crate::execution::Job;
-use crate::monitor;
 use crate::stops::Stops;
-use crate::tasks::{self, Who};
+use crate::tasks::{self, Context};
 use crate::timeline::{Change, Timeline};
 use crate::watches::Watch;
+
+// Parts of the protocol that extend `DebugTarget`, so each knows the other.
+use crate::execution::Job;
+use crate::monitor;
 
 /// Longest range that may be watched.
 const WATCH_BYTES_MAX: u32 = 4096;
@@ -60,7 +62,7 @@ impl DebugTarget {
     #[must_use]
     pub fn new(mut brick: VirtualBrick) -> Self {
         brick.set_semihosting(true);
-        let stopped = Who::now(&brick).tid(&brick);
+        let stopped = Context::now(&brick).tid(&brick);
         Self {
             timeline: Timeline::new(brick),
             stops: Stops::default(),
@@ -85,7 +87,7 @@ impl DebugTarget {
     pub fn run_to(&mut self, cycles: u64) {
         self.timeline.go_to(cycles);
         let brick = self.timeline.brick();
-        self.stopped = Who::now(brick).tid(brick);
+        self.stopped = Context::now(brick).tid(brick);
     }
 
     /// A new session begins: breakpoints of the last one are gone.
@@ -101,7 +103,7 @@ impl DebugTarget {
         monitor::answer(self, line)
     }
 
-    /// What the program has said since GDB was last told, nothing on the way back; and what the
+    /// Output of the program since the last call, none on the run backwards; and what the
     /// server has to say.
     pub(crate) fn take_console(&mut self) -> Vec<u8> {
         let mut text = Vec::new();
@@ -130,7 +132,7 @@ impl DebugTarget {
 
     fn executes(&self, tid: Tid) -> bool {
         let brick = self.timeline.brick();
-        Who::of(tid, brick) == Who::now(brick)
+        Context::of(tid, brick) == Context::now(brick)
     }
 
     pub(crate) fn change(&mut self, change: Change) -> TargetResult<(), Self> {

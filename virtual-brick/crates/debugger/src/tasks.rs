@@ -32,17 +32,17 @@ const INTERRUPT_RECORD_BYTES: u32 = 8;
 /// A task that waits goes on in System mode with interrupts masked.
 const WAITING_STATUS: u32 = psr::I | psr::F | Mode::System.bits();
 
-/// Who executes.
+/// What executes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Who {
+pub(crate) enum Context {
     /// No task: start-up, an interrupt handler, or idle.
     Processor,
     /// The task with the control block at this address.
     Task(u32),
 }
 
-impl Who {
-    /// Who executes now.
+impl Context {
+    /// What executes now.
     pub(crate) fn now(brick: &VirtualBrick) -> Self {
         let in_task = matches!(brick.processor().mode(), Some(Mode::System | Mode::User));
         match brick.running_thread() {
@@ -62,7 +62,7 @@ impl Who {
         }
     }
 
-    /// Who has this thread number; the processor when no task has it.
+    /// The task with this thread number, else the processor.
     pub(crate) fn of(tid: Tid, brick: &VirtualBrick) -> Self {
         task(tid, brick).map_or(Self::Processor, |thread| Self::Task(thread.address))
     }
@@ -79,7 +79,7 @@ fn task(tid: Tid, brick: &VirtualBrick) -> Option<Thread> {
 
 /// Thread numbers, who executes first; the processor only when it executes outside all tasks.
 pub(crate) fn list(brick: &VirtualBrick) -> Vec<Tid> {
-    let now = Who::now(brick).tid(brick);
+    let now = Context::now(brick).tid(brick);
     let tasks = brick.threads();
     let living = tasks.iter().enumerate();
     let others = living
@@ -101,7 +101,7 @@ pub(crate) fn describe(tid: Tid, brick: &VirtualBrick) -> String {
     };
     let state = match thread.state {
         0 => "not started",
-        1 if Who::now(brick) == Who::Task(thread.address) => "running",
+        1 if Context::now(brick) == Context::Task(thread.address) => "running",
         1 if brick.running_thread() == Some(thread.address) => "interrupted",
         1 => "ready",
         2 => "delayed",
@@ -126,11 +126,11 @@ fn processor_state(brick: &VirtualBrick) -> &'static str {
 
 /// Registers of a thread; none where they are not known.
 pub(crate) fn registers(tid: Tid, brick: &VirtualBrick) -> BrickRegisters {
-    let core = match Who::of(tid, brick) {
-        who if who == Who::now(brick) => live(brick),
-        Who::Processor => [None; CPSR + 1],
-        Who::Task(block) if brick.running_thread() == Some(block) => interrupted(brick),
-        Who::Task(block) => waiting(brick, block).unwrap_or([None; CPSR + 1]),
+    let core = match Context::of(tid, brick) {
+        who if who == Context::now(brick) => current_registers(brick),
+        Context::Processor => [None; CPSR + 1],
+        Context::Task(block) if brick.running_thread() == Some(block) => interrupted(brick),
+        Context::Task(block) => waiting(brick, block).unwrap_or([None; CPSR + 1]),
     };
     BrickRegisters {
         core,
@@ -138,7 +138,7 @@ pub(crate) fn registers(tid: Tid, brick: &VirtualBrick) -> BrickRegisters {
     }
 }
 
-fn live(brick: &VirtualBrick) -> [Option<u32>; CPSR + 1] {
+fn current_registers(brick: &VirtualBrick) -> [Option<u32>; CPSR + 1] {
     let cpu = brick.processor();
     let mut core = [Some(cpu.cpsr()); CPSR + 1];
     for (slot, value) in core.iter_mut().zip(cpu.registers()) {

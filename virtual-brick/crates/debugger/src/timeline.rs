@@ -10,7 +10,7 @@ use arm7tdmi::Step;
 use virtual_brick::{Access, MemoryError, StepObserver, Stop, StopReason, VirtualBrick};
 
 use crate::arch::{Banked, BrickRegister, BANKED, CPSR, PC};
-use crate::checkpoints::{Checkpoints, Kept};
+use crate::checkpoints::{Checkpoints, SavedCheckpoint};
 
 /// Distance of checkpoints while the run goes where it never was.
 const INTERVAL_CYCLES: u64 = 1 << 21;
@@ -47,10 +47,10 @@ pub(crate) struct Timeline {
     made: usize,
 }
 
-/// Looks at nothing.
-struct Blind;
+/// Observes nothing.
+struct NoObserver;
 
-impl StepObserver for Blind {
+impl StepObserver for NoObserver {
     const SEES_ACCESSES: bool = false;
 
     fn before_step(&mut self, _brick: &VirtualBrick) -> bool {
@@ -67,7 +67,7 @@ impl StepObserver for Blind {
 impl Timeline {
     /// The present becomes the beginning of what can be gone back to.
     pub(crate) fn new(mut brick: VirtualBrick) -> Self {
-        let first = Kept {
+        let first = SavedCheckpoint {
             checkpoint: brick.checkpoint(),
             interventions: 0,
         };
@@ -140,7 +140,7 @@ impl Timeline {
 
     fn keep(&mut self, limit: u64) {
         let present = if limit == u64::MAX { self.now() } else { limit };
-        let kept = Kept {
+        let kept = SavedCheckpoint {
             checkpoint: self.brick.checkpoint(),
             interventions: self.made,
         };
@@ -168,7 +168,7 @@ impl Timeline {
                 self.made = kept.interventions;
             }
         }
-        self.run(cycles, &mut Blind);
+        self.run(cycles, &mut NoObserver);
     }
 
     /// Back to the beginning; what the user changed is forgotten.

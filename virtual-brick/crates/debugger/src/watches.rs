@@ -23,7 +23,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    fn concerned(&self, access: Access) -> bool {
+    fn matches(&self, access: Access) -> bool {
         let kind = match self.kind {
             WatchKind::Write => access.written.is_some(),
             WatchKind::Read => access.written.is_none(),
@@ -52,9 +52,9 @@ fn unaliased(address: u32) -> u32 {
     }
 }
 
-/// How watched bytes were met.
+/// How watched bytes were accessed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Meeting {
+enum HitKind {
     /// The processor accessed memory.
     Memory,
     /// The processor accessed a register of a peripheral.
@@ -67,20 +67,20 @@ enum Meeting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Watched {
     pub watch: Watch,
-    meeting: Meeting,
+    meeting: HitKind,
 }
 
 impl Watched {
     /// GDB would go on without a word if this were reported as a watchpoint.
     pub(crate) fn needs_signal(&self) -> bool {
-        self.watch.kind == WatchKind::Write && matches!(self.meeting, Meeting::Register(_))
+        self.watch.kind == WatchKind::Write && matches!(self.meeting, HitKind::Register(_))
     }
 
     /// What GDB does not show by itself.
     pub(crate) fn notice(&self) -> Option<String> {
         match self.meeting {
-            Meeting::Memory => None,
-            Meeting::Register(Access {
+            HitKind::Memory => None,
+            HitKind::Register(Access {
                 address,
                 width_bytes,
                 written: Some(value),
@@ -91,10 +91,10 @@ impl Watched {
                     "watched register: the program writes 0x{value:0digits$x} to 0x{address:08x}\n"
                 ))
             }
-            Meeting::Register(Access { address, .. }) => Some(format!(
+            HitKind::Register(Access { address, .. }) => Some(format!(
                 "watched register: the program reads 0x{address:08x}\n"
             )),
-            Meeting::Transfer => Some(
+            HitKind::Transfer => Some(
                 "watched memory: written by the peripheral data controller, not by the program\n"
                     .to_owned(),
             ),
@@ -123,7 +123,7 @@ impl WatchState {
 
     pub(crate) fn access(&mut self, access: Access) {
         let watches = &self.watches;
-        if watches.iter().any(|(watch, _)| watch.concerned(access)) {
+        if watches.iter().any(|(watch, _)| watch.matches(access)) {
             self.accesses.push(access);
         }
     }
@@ -144,15 +144,15 @@ impl WatchState {
         self.transfers = brick.memory_transfers();
         let mut hit = None;
         for (watch, value) in &mut self.watches {
-            let access = accesses.iter().find(|access| watch.concerned(**access));
+            let access = accesses.iter().find(|access| watch.matches(**access));
             let now = watch.memory(brick);
             let in_memory = now.is_some();
             let changed = std::mem::replace(value, now) != *value;
             let writes = watch.kind != WatchKind::Read;
             let meeting = match access {
-                Some(access) if !in_memory => Meeting::Register(*access),
-                Some(_) if changed || watch.kind != WatchKind::Write => Meeting::Memory,
-                None if changed && transferred && writes => Meeting::Transfer,
+                Some(access) if !in_memory => HitKind::Register(*access),
+                Some(_) if changed || watch.kind != WatchKind::Write => HitKind::Memory,
+                None if changed && transferred && writes => HitKind::Transfer,
                 _ => continue,
             };
             hit.get_or_insert(Watched {

@@ -36,7 +36,7 @@ fn said(replies: &[String]) -> usize {
 }
 
 #[test]
-fn what_the_program_says_comes_before_the_stop_and_again_after_a_way_back() {
+fn console_output_comes_before_the_stop_and_again_after_running_backwards() {
     let mut target = talking();
     let to_call = format!("Z0,{AFTER:x},4");
     // At a breakpoint, a client steps before it goes on.
@@ -59,7 +59,7 @@ fn a_step_over_a_call_is_one_step() {
 }
 
 #[test]
-fn calls_can_be_left_to_the_program() {
+fn software_interrupts_can_be_left_to_the_program() {
     let mut target = talking();
     assert!(target.monitor("semihosting off").contains("own handler"));
     let replies = talk(&mut target, &["vCont;c"]);

@@ -200,7 +200,7 @@ fn steps_backwards_pass_through_the_states_of_the_steps_forwards() {
 }
 
 #[test]
-fn the_way_back_ends_at_the_last_write_of_a_value() {
+fn running_backwards_ends_at_the_last_write_of_a_value() {
     let mut target = target();
     // Far enough for several checkpoints.
     target.run_to(10_000_000);
@@ -216,7 +216,7 @@ fn the_way_back_ends_at_the_last_write_of_a_value() {
 }
 
 #[test]
-fn the_way_back_ends_at_a_breakpoint_of_long_ago_or_at_the_beginning() {
+fn running_backwards_ends_at_a_breakpoint_of_long_ago_or_at_the_beginning() {
     let mut target = target();
     target.run_to(20_000_000);
     let replies = talk(
@@ -253,7 +253,7 @@ fn a_debugged_run_has_the_digest_of_a_free_run() {
 }
 
 #[test]
-fn what_the_user_changes_is_changed_again_after_the_way_back() {
+fn user_changes_are_repeated_after_running_backwards() {
     let mut target = target();
     target.run_to(5_000_000);
     talk(&mut target, &["P0=00000070"]);

@@ -168,7 +168,7 @@ fn transfer(sleeps: bool) -> Program {
 }
 
 #[test]
-fn what_the_data_controller_writes_stops_forwards_and_backwards() {
+fn writes_of_the_data_controller_stop_forwards_and_backwards() {
     for sleeps in [false, true] {
         let mut target = target(&transfer(sleeps));
         let forwards = ["Z2,208000,1", "vCont;c"];

@@ -4,7 +4,7 @@
 
 use gimli::{AttributeValue, DebuggingInformationEntry, Dwarf, Operation, Unit, UnitOffset};
 
-use crate::variables::ScalarKind;
+use crate::scalar::ScalarKind;
 use crate::{debug_information, Elf, Reader};
 
 type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;

@@ -32,7 +32,7 @@ const FNV_PRIME: u64 = 0x0000_0100_0000_01B3;
 
 /// A command whose value is the next byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Awaited {
+enum PendingValue {
     Contrast,
     /// Advanced program control: without effect on the picture.
     Advanced,
@@ -92,7 +92,7 @@ pub struct Display {
     version: u64,
     /// Column to which the end of the cursor-update mode returns.
     cursor: Option<usize>,
-    awaited: Option<Awaited>,
+    awaited: Option<PendingValue>,
     /// Last line that is driven, and the first and last of a part, if only a part is.
     line_end: u8,
     part: (u8, u8),
@@ -246,9 +246,9 @@ impl Display {
         match byte {
             0x00..=0x0F => self.column = self.column & 0xF0 | low,
             0x10..=0x1F => self.column = self.column & 0x0F | low << 4,
-            0x30 | 0x31 => self.awaited = Some(Awaited::Advanced),
+            0x30 | 0x31 => self.awaited = Some(PendingValue::Advanced),
             0x40..=0x7F => self.start_line = usize::from(byte & 0x3F),
-            0x81 => self.awaited = Some(Awaited::Contrast),
+            0x81 => self.awaited = Some(PendingValue::Contrast),
             0x84 | 0x85 => self.in_part = byte & 1 != 0,
             0x88..=0x8F => self.address_control = byte & 7,
             0xA4 | 0xA5 => self.all_on = byte & 1 != 0,
@@ -259,22 +259,22 @@ impl Display {
             0xE2 => self.reset(),
             0xEE => self.end_cursor_update(),
             0xEF => self.cursor = Some(self.column),
-            0xF1 => self.awaited = Some(Awaited::LineEnd),
-            0xF2 => self.awaited = Some(Awaited::PartStart),
-            0xF3 => self.awaited = Some(Awaited::PartEnd),
+            0xF1 => self.awaited = Some(PendingValue::LineEnd),
+            0xF2 => self.awaited = Some(PendingValue::PartStart),
+            0xF3 => self.awaited = Some(PendingValue::PartEnd),
             _ if is_electrical(byte) => {}
             _ => return Err(BoardFault::DisplayCommand { byte }),
         }
         Ok(())
     }
 
-    fn set(&mut self, awaited: Awaited, value: u8) {
+    fn set(&mut self, awaited: PendingValue, value: u8) {
         match awaited {
-            Awaited::Contrast => self.contrast = value,
-            Awaited::Advanced => {}
-            Awaited::LineEnd => self.line_end = value & 0x7F,
-            Awaited::PartStart => self.part.0 = value & 0x7F,
-            Awaited::PartEnd => self.part.1 = value & 0x7F,
+            PendingValue::Contrast => self.contrast = value,
+            PendingValue::Advanced => {}
+            PendingValue::LineEnd => self.line_end = value & 0x7F,
+            PendingValue::PartStart => self.part.0 = value & 0x7F,
+            PendingValue::PartEnd => self.part.1 = value & 0x7F,
         }
     }
 

@@ -40,7 +40,7 @@ pub enum Target {
     Held,
     Push,
     BatteryVoltage,
-    WrongSums,
+    CorruptChecksums,
     BusStuck,
     UsbCable,
 }
@@ -133,7 +133,10 @@ pub fn inputs(sensors: [&Sensor; 4], robot: &RobotParameters) -> Vec<InputDescri
     });
     inputs.push(InputDescription {
         highest: 65_535.0,
-        ..switch("fault.coprocessor_checksum".to_owned(), Target::WrongSums)
+        ..switch(
+            "fault.coprocessor_checksum".to_owned(),
+            Target::CorruptChecksums,
+        )
     });
     inputs.push(switch("fault.twi_stuck".to_owned(), Target::BusStuck));
     inputs.push(switch("usb.plugged".to_owned(), Target::UsbCable));

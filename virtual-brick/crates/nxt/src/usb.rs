@@ -191,7 +191,7 @@ impl Active {
             }
             UsbAnswer::Data(packet) => {
                 self.silent = 0;
-                self.given(packet)
+                self.packet_received(packet)
             }
         }
     }
@@ -230,7 +230,7 @@ impl Active {
     }
 
     /// The device gave a packet.
-    fn given(&mut self, packet: UsbPacket) -> Progress {
+    fn packet_received(&mut self, packet: UsbPacket) -> Progress {
         let bytes = packet.data();
         let (wanted, longest) = match &self.request {
             UsbRequest::In { length, .. } => (*length, UsbPacket::CAPACITY),

@@ -200,7 +200,7 @@ fn the_reset_indication_comes_after_reset_and_waits_for_the_chip() {
 }
 
 #[test]
-fn it_tells_address_name_version_and_settings() {
+fn it_reports_address_name_version_and_settings() {
     let mut program = Program::started(KNOWN);
     let address = vec![0x00, 0x16, 0x53, 0x0A, 0x0B, 0x0C, 0];
     assert_eq!(program.ask(0x27, &[]), [(0x28, address)]);
@@ -266,7 +266,7 @@ fn the_list_of_devices_is_kept_changed_and_dumped() {
 }
 
 #[test]
-fn an_inquiry_finds_who_is_in_range() {
+fn an_inquiry_finds_the_devices_in_range() {
     let mut program = Program::started("{}");
     program.hear(AirSignal::InRange(host()));
     program.command(0x00, &[10, 0, 2, 0, 0, 0, 0]);
@@ -318,7 +318,7 @@ fn an_unknown_device_needs_the_same_pin_code_on_both_sides() {
 }
 
 #[test]
-fn without_an_open_port_or_by_will_of_the_program_nobody_connects() {
+fn without_an_open_port_or_when_the_program_refuses_nobody_connects() {
     let mut program = Program::started(KNOWN);
     program.hear(page(None));
     assert_eq!(program.sent(), [AirSignal::Refuse]);
@@ -363,7 +363,7 @@ fn a_device_that_is_not_there_is_given_up_after_the_page_time_out() {
 }
 
 #[test]
-fn the_chip_leaves_the_stream_and_comes_back_without_loss() {
+fn the_chip_leaves_stream_mode_and_returns_without_loss() {
     let mut program = Program::streaming(KNOWN);
     program.lines(true, true, false);
     program.hear(AirSignal::Data(b"kept".to_vec()));
@@ -391,7 +391,7 @@ fn the_other_end_closes_and_the_stream_mode_ends() {
 }
 
 #[test]
-fn heartbeats_come_when_they_were_asked_for() {
+fn heartbeats_come_when_requested() {
     let mut program = Program::started("{}");
     program.command(0x0C, &[]);
     program.run(milliseconds(11_000));

@@ -178,7 +178,7 @@ fn without_a_long_low_clock_or_a_known_mode_it_does_not_answer() {
 }
 
 #[test]
-fn unplugged_it_lets_go_and_plugged_in_again_it_waits_for_a_reset() {
+fn unplugged_it_releases_its_lines_and_replugged_it_waits_for_a_reset() {
     let mut brick = Brick::new();
     brick.start(FULL);
     brick.rig.run(milliseconds(4));
@@ -197,7 +197,7 @@ fn unplugged_it_lets_go_and_plugged_in_again_it_waits_for_a_reset() {
 }
 
 #[test]
-fn a_spoilt_sum_is_one_bit_wrong() {
+fn a_corrupt_checksum_is_one_bit_wrong() {
     let mut brick = Brick::new();
     let right = brick.start(FULL);
     brick.rig.set("fault.2.checksum", 1.0);

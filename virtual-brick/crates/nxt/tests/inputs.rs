@@ -110,7 +110,7 @@ fn the_touch_sensor_reads_low_while_pressed_and_open_otherwise() {
 }
 
 #[test]
-fn an_analogue_sensor_reads_what_it_is_given() {
+fn an_analogue_sensor_reads_its_input() {
     let mut rig = Rig::running(SENSORS, "{}");
     assert_eq!(rig.words()[2], 1023);
     rig.set("sensor.3.raw", 417.0);

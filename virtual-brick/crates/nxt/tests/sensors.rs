@@ -168,7 +168,7 @@ impl Master {
 }
 
 #[test]
-fn the_ultrasonic_sensor_tells_what_it_is() {
+fn the_ultrasonic_sensor_identifies_itself() {
     let mut master = Master::new(true);
     assert_eq!(master.read(0x00, 8).unwrap(), b"V1.0\0\0\0\0");
     assert_eq!(master.read(0x08, 8).unwrap(), b"LEGO\0\0\0\0");
@@ -231,7 +231,7 @@ fn without_9_volts_or_unplugged_or_addressed_otherwise_nothing_answers() {
 }
 
 #[test]
-fn a_start_without_stop_and_a_stop_without_clock_are_not_heard() {
+fn a_start_without_stop_and_a_stop_without_clock_are_ignored() {
     let mut master = Master::new(true);
     master.start();
     assert!(master.write_byte(0x02) && master.write_byte(0x42));
@@ -261,7 +261,7 @@ fn a_short_holds_a_line_at_both_ends() {
 }
 
 #[test]
-fn as_many_frames_as_asked_for_have_a_wrong_sum() {
+fn as_many_frames_as_requested_have_a_wrong_checksum() {
     let mut rig = Rig::running(SENSORS, "{}");
     rig.set("fault.coprocessor_checksum", 2.0);
     let sum = |bytes: Vec<u8>| bytes.into_iter().fold(0_u8, u8::wrapping_add);

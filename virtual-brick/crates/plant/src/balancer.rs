@@ -9,9 +9,9 @@
 
 use serde::Deserialize;
 
-use crate::body::Pose;
 use crate::error::{within, ParameterError};
-use crate::parameters::{check_wheels, MotorPort, MotorPorts};
+use crate::motor_parameters::{check_wheels, MotorPort, MotorPorts};
+use crate::pose::Pose;
 use crate::solver::{Coupling, MassMatrix, Vector, PITCH};
 
 const STANDARD_GRAVITY: f64 = 9.81;

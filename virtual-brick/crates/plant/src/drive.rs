@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What the bridge does to the winding, and the winding's mean current in one step.
 
-use crate::parameters::MotorParameters;
+use crate::motor_parameters::MotorParameters;
 
 /// How the winding is left in the off phase of pulse-width modulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,21 +14,21 @@ mod drive;
 mod error;
 mod mechanism;
 mod motor;
+mod motor_parameters;
 mod parameters;
+mod pose;
 mod robot;
 mod solver;
 mod surroundings;
 mod thermal;
 
 pub use balancer::Balancer;
-pub use body::Pose;
 pub use drive::{Decay, MotorDrive};
 pub use error::{within, ParameterError};
 pub use motor::Motor;
-pub use parameters::{
-    BodyParameters, DifferentialDrive, MotorParameters, MotorPort, MotorPorts, PluggedMotor,
-    RobotParameters,
-};
+pub use motor_parameters::{MotorParameters, MotorPort, MotorPorts, PluggedMotor};
+pub use parameters::{BodyParameters, DifferentialDrive, RobotParameters};
+pub use pose::Pose;
 pub use robot::Robot;
 pub use surroundings::{Floor, Mount, Surroundings, Wall};
 pub use thermal::CutOut;

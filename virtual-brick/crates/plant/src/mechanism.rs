@@ -6,9 +6,9 @@ use crate::balancer::Pendulum;
 use crate::body::Vehicle;
 use crate::drive::{MotorDrive, StepCurrent};
 use crate::motor::Motor;
-use crate::parameters::MotorPort;
+use crate::motor_parameters::MotorPort;
 use crate::solver::{
-    solve, Answer, Constraint, Coupling, Direction, MassMatrix, Vector, MOTORS, PITCH,
+    solve, Constraint, Coupling, Direction, ImpulseResponse, MassMatrix, Vector, MOTORS, PITCH,
 };
 
 /// Angular velocity in rad/s below which a shaft held by friction is at rest.
@@ -33,27 +33,27 @@ pub(crate) enum Body {
     Pendulum(Pendulum),
 }
 
-/// What the mechanism's masses answer to impulses; worked out again only for another matrix, which
+/// Responses of the mechanism's masses to impulses; worked out again only for another matrix, which
 /// slow modulation and braking do not make.
 #[derive(Clone, Debug)]
-pub(crate) struct Answers<const N: usize> {
+pub(crate) struct ImpulseResponses<const N: usize> {
     /// Masses of a body that does not pitch: they stay.
     masses: Option<MassMatrix<N>>,
     matrix: MassMatrix<N>,
     inverse: MassMatrix<N>,
-    gears: [Answer<N>; MOTORS],
-    rolling: Option<Answer<N>>,
+    gears: [ImpulseResponse<N>; MOTORS],
+    rolling: Option<ImpulseResponse<N>>,
 }
 
 /// What one step has found out before the impulses.
 struct Step<'a, const N: usize> {
     dt: f64,
-    answers: &'a Answers<N>,
+    responses: &'a ImpulseResponses<N>,
     before: Vector<N>,
     free: Vector<N>,
 }
 
-impl<const N: usize> Answers<N> {
+impl<const N: usize> ImpulseResponses<N> {
     pub fn new(mechanism: &Mechanism) -> Self {
         let masses = mechanism.masses();
         let pitches = matches!(mechanism.body, Body::Pendulum(_));
@@ -63,22 +63,24 @@ impl<const N: usize> Answers<N> {
     fn to(matrix: MassMatrix<N>, of: &Mechanism, masses: Option<MassMatrix<N>>) -> Self {
         let inverse = matrix.inverse();
         let rolling = match &of.body {
-            Body::Vehicle(vehicle) => Some(Answer::new(&inverse, vehicle.rolling_direction())),
+            Body::Vehicle(vehicle) => {
+                Some(ImpulseResponse::new(&inverse, vehicle.rolling_direction()))
+            }
             _ => None,
         };
         Self {
             masses,
             matrix,
             inverse,
-            gears: [0, 1, 2].map(|k| Answer::new(&inverse, [(k, 1.0), (k, 0.0)])),
+            gears: [0, 1, 2].map(|k| ImpulseResponse::new(&inverse, [(k, 1.0), (k, 0.0)])),
             rolling,
         }
     }
 }
 
 impl<const N: usize> Step<'_, N> {
-    fn answer(&self, direction: Direction) -> Answer<N> {
-        Answer::new(&self.answers.inverse, direction)
+    fn answer(&self, direction: Direction) -> ImpulseResponse<N> {
+        ImpulseResponse::new(&self.responses.inverse, direction)
     }
 }
 
@@ -92,7 +94,7 @@ impl Mechanism {
     /// Advances by `dt` s with the bridges in the given states at `supply` V.
     pub fn step<const N: usize, const C: usize>(
         &mut self,
-        answers: &mut Answers<N>,
+        responses: &mut ImpulseResponses<N>,
         dt: f64,
         drives: &[MotorDrive; MOTORS],
         supply: f64,
@@ -105,7 +107,7 @@ impl Mechanism {
                 before[k] = motor.angular_velocity();
             }
         }
-        let velocity = self.new_velocities::<N, C>(answers, dt, &laws);
+        let velocity = self.new_velocities::<N, C>(responses, dt, &laws);
         let wheels = self.wheel_angles();
         for (k, motor) in self.motors.iter_mut().enumerate() {
             let Some(motor) = motor else {
@@ -173,11 +175,11 @@ impl Mechanism {
     /// load).
     fn new_velocities<const N: usize, const C: usize>(
         &self,
-        answers: &mut Answers<N>,
+        responses: &mut ImpulseResponses<N>,
         dt: f64,
         laws: &[StepCurrent; MOTORS],
     ) -> Vector<N> {
-        let mut matrix = answers.masses.unwrap_or_else(|| self.masses());
+        let mut matrix = responses.masses.unwrap_or_else(|| self.masses());
         let before = self.velocities();
         let mut right = matrix.multiply(&before);
         for (k, (motor, law)) in self.motors.iter().zip(laws).enumerate() {
@@ -199,13 +201,13 @@ impl Mechanism {
         if let Body::Pendulum(pendulum) = &self.body {
             pendulum.add_impulses(&before, dt, &mut right);
         }
-        if matrix != answers.matrix {
-            *answers = Answers::to(matrix, self, answers.masses);
+        if matrix != responses.matrix {
+            *responses = ImpulseResponses::to(matrix, self, responses.masses);
         }
-        let free = answers.inverse.multiply(&right);
+        let free = responses.inverse.multiply(&right);
         self.constrained::<N, C>(&Step {
             dt,
-            answers,
+            responses,
             before,
             free,
         })
@@ -261,7 +263,7 @@ impl Mechanism {
         } else {
             parameters.coulomb_friction
         };
-        (bound > 0.0).then(|| Constraint::friction(step.answers.gears[k], bound * step.dt))
+        (bound > 0.0).then(|| Constraint::friction(step.responses.gears[k], bound * step.dt))
     }
 
     #[inline(always)]
@@ -284,7 +286,7 @@ impl Mechanism {
         step: &Step<'_, N>,
         mut add: impl FnMut(Constraint<N>) -> usize,
     ) {
-        let (Body::Vehicle(vehicle), Some(rolling)) = (&self.body, step.answers.rolling) else {
+        let (Body::Vehicle(vehicle), Some(rolling)) = (&self.body, step.responses.rolling) else {
             return;
         };
         let parameters = vehicle.parameters();

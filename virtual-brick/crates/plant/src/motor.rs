@@ -3,7 +3,7 @@
 //! One motor: parameters and state.
 
 use crate::drive::{MotorDrive, StepCurrent, Winding};
-use crate::parameters::{MotorParameters, PluggedMotor};
+use crate::motor_parameters::{MotorParameters, PluggedMotor};
 use crate::thermal::Heat;
 
 /// Share of the motor's inertia that lies behind the play (hub and last wheel of the train).

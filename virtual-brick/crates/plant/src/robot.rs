@@ -3,12 +3,16 @@
 //! Motors and body together, as the rest of the brick sees them.
 
 use crate::balancer::Pendulum;
-use crate::body::{Pose, Vehicle};
+use crate::body::Vehicle;
 use crate::drive::MotorDrive;
 use crate::error::ParameterError;
-use crate::mechanism::{load_coordinate, Answers, Body, Mechanism, CONSTRAINTS, GEAR_CONSTRAINTS};
+use crate::mechanism::{
+    load_coordinate, Body, ImpulseResponses, Mechanism, CONSTRAINTS, GEAR_CONSTRAINTS,
+};
 use crate::motor::Motor;
-use crate::parameters::{BodyParameters, MotorPort, RobotParameters};
+use crate::motor_parameters::MotorPort;
+use crate::parameters::{BodyParameters, RobotParameters};
+use crate::pose::Pose;
 use crate::solver::{COORDINATES, MOTORS};
 
 /// Three motor ports and a body.
@@ -22,8 +26,8 @@ pub struct Robot {
 #[derive(Clone, Debug)]
 enum Solver {
     /// Without play and pitch: half the work.
-    Gears(Answers<MOTORS>),
-    All(Box<Answers<COORDINATES>>),
+    Gears(ImpulseResponses<MOTORS>),
+    All(Box<ImpulseResponses<COORDINATES>>),
 }
 
 impl PartialEq for Robot {
@@ -57,9 +61,9 @@ impl Robot {
 
     fn of(mechanism: Mechanism) -> Self {
         let solver = if mechanism.is_gears_only() {
-            Solver::Gears(Answers::new(&mechanism))
+            Solver::Gears(ImpulseResponses::new(&mechanism))
         } else {
-            Solver::All(Box::new(Answers::new(&mechanism)))
+            Solver::All(Box::new(ImpulseResponses::new(&mechanism)))
         };
         Self { mechanism, solver }
     }
@@ -172,11 +176,11 @@ impl Robot {
     pub fn step(&mut self, dt: f64, drives: &[MotorDrive; MOTORS], supply: f64) {
         let mechanism = &mut self.mechanism;
         match &mut self.solver {
-            Solver::Gears(answers) => {
-                mechanism.step::<MOTORS, GEAR_CONSTRAINTS>(answers, dt, drives, supply);
+            Solver::Gears(responses) => {
+                mechanism.step::<MOTORS, GEAR_CONSTRAINTS>(responses, dt, drives, supply);
             }
-            Solver::All(answers) => {
-                mechanism.step::<COORDINATES, CONSTRAINTS>(answers, dt, drives, supply);
+            Solver::All(responses) => {
+                mechanism.step::<COORDINATES, CONSTRAINTS>(responses, dt, drives, supply);
             }
         }
     }

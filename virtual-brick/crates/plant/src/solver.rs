@@ -140,13 +140,13 @@ fn inverse_of_three(diagonal: [f64; 3], off_diagonal: [f64; 3]) -> ([f64; 3], [f
 
 /// How the velocities answer to an impulse along a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Answer<const N: usize> {
+pub(crate) struct ImpulseResponse<const N: usize> {
     direction: Direction,
     response: Vector<N>,
     stiffness: f64,
 }
 
-impl<const N: usize> Answer<N> {
+impl<const N: usize> ImpulseResponse<N> {
     /// `inverse` is that of the mass matrix.
     #[inline(always)]
     pub fn new(inverse: &MassMatrix<N>, direction: Direction) -> Self {
@@ -165,7 +165,7 @@ impl<const N: usize> Answer<N> {
 /// Impulse along a direction that brings the velocity there to `target`, within bounds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint<const N: usize> {
-    answer: Answer<N>,
+    answer: ImpulseResponse<N>,
     target: f64,
     lowest: f64,
     highest: f64,
@@ -174,7 +174,7 @@ pub(crate) struct Constraint<const N: usize> {
 
 impl<const N: usize> Constraint<N> {
     #[inline(always)]
-    pub fn new(answer: Answer<N>, target: f64, (lowest, highest): (f64, f64)) -> Self {
+    pub fn new(answer: ImpulseResponse<N>, target: f64, (lowest, highest): (f64, f64)) -> Self {
         Self {
             answer,
             target,
@@ -186,7 +186,7 @@ impl<const N: usize> Constraint<N> {
 
     /// Friction of at most `bound` (N m s).
     #[inline(always)]
-    pub fn friction(answer: Answer<N>, bound: f64) -> Self {
+    pub fn friction(answer: ImpulseResponse<N>, bound: f64) -> Self {
         Self::new(answer, 0.0, (-bound, bound))
     }
 

@@ -4,8 +4,8 @@
 
 use serde::Deserialize;
 
-use crate::body::Pose;
 use crate::error::{within, ParameterError};
+use crate::pose::Pose;
 
 /// Half the angle in rad within which the ultrasonic sensor hears an echo (about 30 degrees in
 /// all: NXT Hardware Developer Kit, appendix of the ultrasonic sensor, gives no figure; chosen).

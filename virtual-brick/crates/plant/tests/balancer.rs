@@ -22,7 +22,7 @@ fn pitch(robot: &Robot) -> f64 {
 }
 
 #[test]
-fn let_go_with_shorted_windings_it_falls_with_the_published_unstable_pole() {
+fn released_with_shorted_windings_it_falls_with_the_published_unstable_pole() {
     let mut robot = balancer(&NXTWAY_MOTOR, r#", "start_pitch": 1e-6"#);
     robot.set_held(false);
     run(&mut robot, 0.6, MotorDrive::Brake, MotorDrive::Brake, 8.0);
@@ -32,7 +32,7 @@ fn let_go_with_shorted_windings_it_falls_with_the_published_unstable_pole() {
 }
 
 #[test]
-fn a_hand_holds_it_where_it_is_until_it_lets_go() {
+fn a_hand_holds_it_where_it_is_until_released() {
     let mut robot = balancer(&NXTWAY_MOTOR, r#", "start_pitch": 0.1"#);
     run(&mut robot, 1.0, MotorDrive::Coast, MotorDrive::Coast, 8.0);
     assert_eq!(robot.pitch().unwrap(), (0.1, 0.0));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The assembled brick: made from a configuration and an image, looked at from outside.
+//! The assembled brick: made from a configuration and an image and observed from outside.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,20 +11,22 @@ use trace::Trace;
 
 use crate::assembly::{self, Machine};
 use crate::configuration::{Configuration, ConfigurationError};
-use crate::endless::EndlessLoops;
+use crate::dead_ends::DeadEndDetector;
+use crate::endless_loops::EndlessLoops;
 use crate::engine::Engine;
-use crate::guard::Guard;
 use crate::inputs::{Input, InputError, InputSchedule};
 use crate::memory::{ChipMemory, MemoryError};
-use crate::monitor::Monitor;
 use crate::placement::{Placement, PlacementError};
 use crate::probes::Probe;
-use crate::recorder::Recorder;
-use crate::semihosting::Console;
-use crate::stacks::StackGuard;
 use crate::stop::Stop;
 use crate::threads::{Layout, Thread, ThreadObserver};
-use crate::watched_calls::CallWatch;
+
+// State of what these files add to the brick: they extend `VirtualBrick`, so each knows the other.
+use crate::boot_monitor::MonitorState;
+use crate::call_trace::CallTrace;
+use crate::recorder::Recorder;
+use crate::semihosting::Console;
+use crate::stacks::StackChecker;
 
 /// A brick with a program, its surroundings and the record of its run.
 ///
@@ -39,14 +41,14 @@ pub struct VirtualBrick {
     pub(crate) placement: Placement,
     pub(crate) recorder: Recorder,
     pub(crate) inputs: InputSchedule,
-    pub(crate) guard: Guard,
+    pub(crate) dead_ends: DeadEndDetector,
     pub(crate) endless_loops: EndlessLoops,
-    pub(crate) stacks: StackGuard,
-    pub(crate) call_watch: CallWatch,
+    pub(crate) stacks: StackChecker,
+    pub(crate) call_trace: CallTrace,
     pub(crate) ended: Option<Stop>,
     pub(crate) engine: Engine,
     pub(crate) blocks: Blocks<Machine>,
-    pub(crate) monitor: Option<Monitor>,
+    pub(crate) monitor: Option<MonitorState>,
     /// What the program says to its debugger; none while it has none.
     pub(crate) console: Option<Console>,
     threads_unobserved: Option<String>,
@@ -129,13 +131,13 @@ impl VirtualBrick {
             configuration: Arc::new(configuration.clone()),
             cpu,
             chip,
-            stacks: StackGuard::new(&image),
+            stacks: StackChecker::new(&image),
             image,
             placement,
             recorder,
             inputs: InputSchedule::default(),
-            call_watch: CallWatch::default(),
-            guard: Guard::default(),
+            call_trace: CallTrace::default(),
+            dead_ends: DeadEndDetector::default(),
             endless_loops: EndlessLoops::default(),
             ended: None,
             engine: configuration.engine,

@@ -5,7 +5,7 @@
 use nxt::{BusEvent, ModuleTurn, TwiTurn};
 
 use crate::brick::VirtualBrick;
-use crate::outside::OutsideError;
+use crate::transports::TransportError;
 
 impl VirtualBrick {
     /// Let bytes of another device reach the brick on the RS485 line, the first of which begins at
@@ -18,11 +18,11 @@ impl VirtualBrick {
         at_cycles: u64,
         bytes: &[u8],
         bit_cycles: u64,
-    ) -> Result<(), OutsideError> {
-        self.not_in_past(at_cycles)?;
+    ) -> Result<(), TransportError> {
+        self.check_not_past(at_cycles)?;
         let line = self.chip.board_mut().rs485_mut();
         let taken = line.schedule(at_cycles, bytes, bit_cycles);
-        let refused = OutsideError::TooMuch {
+        let refused = TransportError::TooMuch {
             place: "RS485 line",
         };
         taken.then_some(()).ok_or(refused)

@@ -4,8 +4,8 @@
 
 use arm7tdmi::Mode;
 
+use crate::backtrace::{self, Call};
 use crate::brick::VirtualBrick;
-use crate::calls::{self, Call};
 use crate::memory::ChipMemory;
 use crate::stop::{Stop, StopReason};
 use crate::threads::Memory;
@@ -40,8 +40,8 @@ impl Record {
     }
 }
 
-/// Who executes.
-enum Who {
+/// What executes.
+enum Context {
     Task(String),
     Handler(String),
 }
@@ -75,7 +75,7 @@ impl VirtualBrick {
     pub fn raised_at(&self) -> Option<(String, u32, u32)> {
         let record = self.failure_record()?;
         let told = !record.refused_instruction() && record.line != 0;
-        calls::innermost(&self.calls_of(&record))
+        backtrace::innermost(&self.calls_of(&record))
             .cloned()
             .or_else(|| told.then(|| (record.text.clone(), record.line, 0)))
     }
@@ -102,7 +102,7 @@ impl VirtualBrick {
 
     /// The run-time leaves the registers of the failing thread as they were.
     fn calls_of(&self, record: &Record) -> Vec<Call> {
-        if !matches!(self.who(record.current), Some(Who::Task(_))) {
+        if !matches!(self.context(record.current), Some(Context::Task(_))) {
             return if record.refused_instruction() {
                 let mut alone = [0; 16];
                 alone[PROGRAM_COUNTER] = record.line;
@@ -118,7 +118,7 @@ impl VirtualBrick {
         registers[PROGRAM_COUNTER] = if record.refused_instruction() {
             record.line
         } else {
-            calls::before_return(registers[LINK])
+            backtrace::before_return(registers[LINK])
         };
         self.calls_from(registers)
     }
@@ -126,29 +126,29 @@ impl VirtualBrick {
     /// The chain of calls that leads to these registers.
     pub(crate) fn calls_from(&self, registers: [u32; 16]) -> Vec<Call> {
         let memory = ChipMemory(&self.chip);
-        calls::chain(&self.image, registers, |address| memory.word(address))
+        backtrace::chain(&self.image, registers, |address| memory.word(address))
     }
 
-    fn who(&self, current: u32) -> Option<Who> {
+    fn context(&self, current: u32) -> Option<Context> {
         if let Some(name) = self.recorder.thread_name(current) {
-            return Some(Who::Task(name));
+            return Some(Context::Task(name));
         }
         // In front of what stands for a handler are its object and its code.
         let code = ChipMemory(&self.chip).word(current.wrapping_sub(4))?;
         let (symbol, distance) = self.image.symbols().nearest_code(code & !1)?;
-        (distance == 0).then(|| Who::Handler(symbol.to_owned()))
+        (distance == 0).then(|| Context::Handler(symbol.to_owned()))
     }
 
     fn in_whom(&self, current: u32, calls: &[Call]) -> String {
-        match self.who(current) {
-            Some(Who::Task(name)) if name == "environment" => {
-                format!(" in {}", calls::environment(calls))
+        match self.context(current) {
+            Some(Context::Task(name)) if name == "environment" => {
+                format!(" in {}", backtrace::environment(calls))
             }
-            Some(Who::Task(name)) => format!(" in task {name}"),
-            Some(Who::Handler(symbol)) if symbol == TIMING_EVENTS => {
+            Some(Context::Task(name)) => format!(" in task {name}"),
+            Some(Context::Handler(symbol)) if symbol == TIMING_EVENTS => {
                 " in the handler of a timing event".to_owned()
             }
-            Some(Who::Handler(symbol)) => format!(" in the interrupt handler {symbol}"),
+            Some(Context::Handler(symbol)) => format!(" in the interrupt handler {symbol}"),
             None => String::new(),
         }
     }
@@ -156,9 +156,9 @@ impl VirtualBrick {
     fn failure(&self, record: &Record) -> String {
         let calls = self.calls_of(record);
         let whom = self.in_whom(record.current, &calls);
-        let place = calls::place(&calls);
+        let place = backtrace::place(&calls);
         if record.refused_instruction() {
-            let place = place.unwrap_or_else(|| crate::guard::place(&self.image, record.line));
+            let place = place.unwrap_or_else(|| crate::dead_ends::place(&self.image, record.line));
             return format!("{} at {place}{whom}", self.refusal(record));
         }
         let own = (record.line != 0).then(|| format!("{}:{}", record.text, record.line));
@@ -208,10 +208,10 @@ impl VirtualBrick {
             return message.to_owned();
         }
         let mut registers = self.cpu.registers();
-        registers[PROGRAM_COUNTER] = calls::before_return(registers[PROGRAM_COUNTER]);
+        registers[PROGRAM_COUNTER] = backtrace::before_return(registers[PROGRAM_COUNTER]);
         let calls = self.calls_from(registers);
         let running = self.running_thread().unwrap_or(0);
-        match calls::place(&calls) {
+        match backtrace::place(&calls) {
             Some(place) => format!("{message}, at {place}{}", self.in_whom(running, &calls)),
             None => message.to_owned(),
         }

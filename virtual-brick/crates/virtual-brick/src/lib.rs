@@ -5,20 +5,20 @@
 
 mod access;
 mod assembly;
+mod backtrace;
+mod boot_monitor;
 mod brick;
 mod buses;
-mod calls;
+mod call_trace;
 mod checkpoint;
 mod configuration;
-mod endless;
+mod dead_ends;
+mod endless_loops;
 mod engine;
 mod failure;
-mod guard;
 mod inputs;
 mod memory;
-mod monitor;
 mod observe;
-mod outside;
 mod placement;
 mod probes;
 mod recorder;
@@ -27,11 +27,12 @@ mod semihosting;
 mod stacks;
 mod stop;
 mod threads;
-mod watched_calls;
+mod transports;
 
 pub use arm7tdmi::Step as CpuStep;
 pub use at91sam7s::LoggedPins;
 pub use brick::{BrickError, Snapshot, VirtualBrick};
+pub use call_trace::TracedCall;
 pub use checkpoint::{Checkpoint, NotPassed};
 pub use configuration::{Configuration, ConfigurationError, Timing};
 pub use engine::Engine;
@@ -42,12 +43,11 @@ pub use inputs::InputError;
 pub use memory::MemoryError;
 pub use nxt::SOUND_SAMPLE_CYCLES;
 pub use observe::{Access, StepObserver};
-pub use outside::OutsideError;
 pub use placement::PlacementError;
 pub use probes::Probe;
 pub use stop::{Stop, StopReason};
 pub use threads::Thread;
-pub use watched_calls::WatchedCall;
+pub use transports::TransportError;
 
 /// Frequency of the master clock in Hz as a fraction: numerator and denominator.
 pub const CLOCK_HZ: (u64, u64) = (

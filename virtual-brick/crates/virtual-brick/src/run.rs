@@ -91,7 +91,7 @@ impl VirtualBrick {
     }
 
     fn loops_for_ever(&self) -> Stop {
-        let here = crate::guard::place(&self.image, self.cpu.next_instruction_address());
+        let here = crate::dead_ends::place(&self.image, self.cpu.next_instruction_address());
         Stop {
             reason: StopReason::Halted,
             at_cycles: self.chip.now(),
@@ -127,15 +127,15 @@ impl VirtualBrick {
             }
             let before = self.cpu.next_instruction_address();
             let stack_pointer = self.cpu.register(13);
-            if self.call_watch.watches(before) {
-                self.note_call();
+            if self.call_trace.traces(before) {
+                self.record_call();
             }
             let step = self.step(observer);
             let step = self.semihost(step)?;
             self.after_step(before)?;
-            self.look_at_stacks_after_step(stack_pointer);
-            if self.guard.concerned(before, &self.cpu) {
-                self.look_for_dead_end(before, step)?;
+            self.check_stacks_after_step(stack_pointer);
+            if self.dead_ends.needs_check(before, &self.cpu) {
+                self.check_dead_end(before, step)?;
             }
             if observer.after_step(self, step) {
                 return Err(Break::Observer);
@@ -155,10 +155,10 @@ impl VirtualBrick {
             .cpu
             .run_blocks(&mut self.chip, blocks, end, WORTHWHILE_CYCLES);
         if run.ran {
-            self.guard.passed_over();
+            self.dead_ends.instructions_skipped();
         }
         if run.branched_to_itself {
-            self.guard.interruptible_loop();
+            self.dead_ends.interruptible_loop();
         }
         run.accessed
     }
@@ -173,7 +173,7 @@ impl VirtualBrick {
     }
 
     #[cold]
-    fn look_for_dead_end(&mut self, before: u32, step: Step) -> Result<(), Stop> {
+    fn check_dead_end(&mut self, before: u32, step: Step) -> Result<(), Stop> {
         let end = self
             .guard
             .check(before, step, &self.cpu, &self.chip, &self.image);
@@ -202,11 +202,11 @@ impl VirtualBrick {
     #[cold]
     fn attend(&mut self, instruction: u32) -> Result<(), Stop> {
         self.recorder.collect(&mut self.chip)?;
-        self.look_at_stacks();
+        self.check_stacks();
         let Some(fault) = self.chip.fault() else {
             return Ok(());
         };
-        let place = crate::guard::place(&self.image, instruction);
+        let place = crate::dead_ends::place(&self.image, instruction);
         let message = format!("{fault}; by the instruction at {place}");
         Err(Stop {
             reason: StopReason::Fault,

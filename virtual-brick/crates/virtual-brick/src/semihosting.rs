@@ -35,20 +35,20 @@ const APPLICATION_EXIT: u32 = 0x2_0026;
 /// Where a stack can begin: the end of the RAM.
 const RAM_END: u32 = 0x0021_0000;
 
-/// What a program has said to its debugger.
+/// Output of the program to its debugger.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Console {
     text: Vec<u8>,
-    /// Bytes said so far, those that are no longer kept included.
-    said: u64,
+    /// Bytes written so far, those that are no longer kept included.
+    bytes_written: u64,
     /// Read positions of opened feature files.
     files: Vec<Option<usize>>,
 }
 
 impl Console {
-    fn say(&mut self, bytes: &[u8]) {
+    fn write(&mut self, bytes: &[u8]) {
         self.text.extend_from_slice(bytes);
-        self.said += bytes.len() as u64;
+        self.bytes_written += bytes.len() as u64;
         if self.text.len() > 2 * TEXT_BYTES_MAX {
             self.text.drain(..self.text.len() - TEXT_BYTES_MAX);
         }
@@ -136,12 +136,12 @@ impl Call<'_> {
             }
             0x03 => {
                 let letter = self.bytes(self.parameter, 1)?;
-                self.console.say(&letter);
+                self.console.write(&letter);
                 0
             }
             0x04 => {
                 let text = self.string(self.parameter)?;
-                self.console.say(&text);
+                self.console.write(&text);
                 0
             }
             0x05 => self.write()?,
@@ -225,7 +225,7 @@ impl Call<'_> {
             return Some(length);
         }
         let text = self.bytes(from, length)?;
-        self.console.say(&text);
+        self.console.write(&text);
         Some(0)
     }
 
@@ -343,19 +343,26 @@ impl VirtualBrick {
         }
     }
 
-    /// Bytes that the program has said to its debugger so far.
+    /// Bytes that the program has written to its debugger so far.
     #[must_use]
     pub fn console_bytes(&self) -> u64 {
-        self.console.as_ref().map_or(0, |console| console.said)
+        self.console
+            .as_ref()
+            .map_or(0, |console| console.bytes_written)
     }
 
-    /// What the program said to its debugger after the first `from` bytes, as far as it is kept.
+    /// Output of the program to its debugger after the first `from` bytes, as far as it is kept.
     #[must_use]
     pub fn console_since(&self, from: u64) -> &[u8] {
-        let Some(Console { text, said, .. }) = &self.console else {
+        let Some(Console {
+            text,
+            bytes_written,
+            ..
+        }) = &self.console
+        else {
             return &[];
         };
-        let wanted = said.saturating_sub(from) as usize;
+        let wanted = bytes_written.saturating_sub(from) as usize;
         &text[text.len() - wanted.min(text.len())..]
     }
 }

@@ -5,8 +5,8 @@
 
 use arm7tdmi::{psr, Mode};
 
+use crate::backtrace::{self, Call};
 use crate::brick::VirtualBrick;
-use crate::calls::{self, Call};
 use crate::memory::ChipMemory;
 use crate::threads::Memory;
 use image::Image;
@@ -18,7 +18,7 @@ const NEAR_RAM: std::ops::Range<u32> = 0x0020_0000 - RAM_BYTES..0x0020_0000 + RA
 /// As in [`arm7tdmi::DataProcessing::takes_large_frame`].
 const LARGE_FRAME_BYTES: u32 = 128;
 /// Where nothing tells the calls, they are looked for so often.
-const LOOKS_MAX: u8 = 4;
+const BACKTRACES_MAX: u8 = 4;
 const MISSING: &str = "ravenbrick_stack_missing";
 
 /// Lowest address and size of a stack.
@@ -60,13 +60,13 @@ struct Overflow {
     owner: Owner,
     missing: u32,
     /// How often the calls were looked for.
-    looked: u8,
+    backtraces: u8,
     calls: Vec<Call>,
 }
 
 /// Whose stack the stack pointer is in, and which stacks have overflowed.
 #[derive(Clone, Debug)]
-pub(crate) struct StackGuard {
+pub(crate) struct StackChecker {
     handlers: Option<Stack>,
     following: bool,
     owner: Option<usize>,
@@ -77,7 +77,7 @@ pub(crate) struct StackGuard {
     overflows: Vec<Overflow>,
 }
 
-impl StackGuard {
+impl StackChecker {
     pub(crate) fn new(image: &Image) -> Self {
         Self {
             handlers: Stack::of_handlers(image),
@@ -130,7 +130,8 @@ impl VirtualBrick {
     ) -> Option<String> {
         let size = self.stack(owner)?.size;
         let least = if at_least { "at least " } else { "" };
-        let place = calls::place(calls).map_or_else(String::new, |place| format!(" at {place}"));
+        let place =
+            backtrace::place(calls).map_or_else(String::new, |place| format!(" at {place}"));
         let wanted = size + missing;
         let option = |name| format!("link with -Wl,--defsym=ravenbrick_{name}_stack_size=BYTES");
         let (who, advice) = match owner {
@@ -140,7 +141,7 @@ impl VirtualBrick {
             ),
             Owner::Thread(index) => match self.recorder.name_of(index) {
                 name if name == "environment" => (
-                    calls::environment(calls),
+                    backtrace::environment(calls),
                     format!("use a task, or {}", option("environment")),
                 ),
                 name => (
@@ -181,7 +182,7 @@ impl VirtualBrick {
 
     /// At an event. While threads are changed, in System mode with interrupts masked, the stack
     /// pointer may still be the other thread's.
-    pub(crate) fn look_at_stacks(&mut self) {
+    pub(crate) fn check_stacks(&mut self) {
         let alarm = self.recorder.take_stack_alarm();
         let changing = self.cpu.mode() == Some(Mode::System) && self.cpu.cpsr() & psr::I != 0;
         let running = self.recorder.running_index();
@@ -193,17 +194,17 @@ impl VirtualBrick {
         self.stacks.following = true;
         self.stacks.running = running;
         self.stacks.owner = running;
-        self.look_at_pointers();
+        self.check_pointers();
     }
 
     /// After a step of the reference engine, which makes all those that take a large frame; the
     /// stack pointer was `before`.
     #[inline(always)]
-    pub(crate) fn look_at_stacks_after_step(&mut self, before: u32) {
+    pub(crate) fn check_stacks_after_step(&mut self, before: u32) {
         if self.stacks.following {
             self.follow_stacks();
         } else if before.wrapping_sub(self.cpu.register(STACK_POINTER)) >= LARGE_FRAME_BYTES {
-            self.look_at_stacks();
+            self.check_stacks();
         }
     }
 
@@ -221,19 +222,19 @@ impl VirtualBrick {
                 self.stacks.owner = Some(index);
             }
         }
-        self.look_at_pointers();
+        self.check_pointers();
     }
 
-    fn look_at_pointers(&mut self) {
+    fn check_pointers(&mut self) {
         if let Some(index) = self.stacks.owner {
-            self.look_at(Owner::Thread(index));
+            self.check_stack(Owner::Thread(index));
         }
         if self.cpu.mode() == Some(Mode::Supervisor) {
-            self.look_at(Owner::Handlers);
+            self.check_stack(Owner::Handlers);
         }
     }
 
-    fn look_at(&mut self, owner: Owner) {
+    fn check_stack(&mut self, owner: Owner) {
         let stack = self.stack(owner);
         let missing = stack.map_or(0, |stack| stack.missing(self.pointer_of(owner)));
         if missing == 0 {
@@ -246,17 +247,17 @@ impl VirtualBrick {
             known.push(Overflow {
                 owner,
                 missing,
-                looked: 0,
+                backtraces: 0,
                 calls: Vec::new(),
             });
         }
         let overflow = &mut known[number];
         overflow.missing = overflow.missing.max(missing);
-        let look = overflow.calls.is_empty() && overflow.looked < LOOKS_MAX;
+        let look = overflow.calls.is_empty() && overflow.backtraces < BACKTRACES_MAX;
         if look && self.executes(owner) {
             let calls = self.calls_from(self.cpu.registers());
             let overflow = &mut self.stacks.overflows[number];
-            overflow.looked += 1;
+            overflow.backtraces += 1;
             overflow.calls = calls;
         }
     }

@@ -36,7 +36,7 @@ fn a_whole_vehicle_is_read() {
 }
 
 #[test]
-fn what_is_absent_is_not_plugged_in() {
+fn an_absent_device_is_not_plugged_in() {
     let json = r#"{"battery": {"kind": "aa", "voltage": 9.0}}"#;
     let configuration = Configuration::from_json(json).unwrap();
     assert_eq!(configuration.robot.motors.get(MotorPort::A), None);

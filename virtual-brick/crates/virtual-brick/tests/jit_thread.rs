@@ -153,7 +153,7 @@ fn a_block_that_never_leaves_the_engine_waits_for_its_code() {
 }
 
 #[test]
-fn snapshots_and_copies_start_without_code_and_run_alike() {
+fn snapshots_and_copies_start_without_jit_code_and_run_alike() {
     let _alone = alone();
     let elf = busy();
     let mut brick = brick(&elf, Engine::Fast);

@@ -134,7 +134,7 @@ fn an_exit_ends_the_run_with_its_code_and_another_reason_is_a_fault() {
 }
 
 #[test]
-fn what_is_not_there_is_answered_with_minus_one() {
+fn unsupported_operations_return_minus_one() {
     for operation in [0x0D, 0x0E, 0x0F, 0x12, 0x17, 0x99] {
         assert_eq!(word(&called(operation, BLOCK, &[], b""), RESULT), u32::MAX);
     }

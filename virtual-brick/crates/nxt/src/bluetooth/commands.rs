@@ -20,7 +20,7 @@ const BEST_QUALITY: u8 = 0xFF;
 const YES: u8 = 1;
 
 impl Bluetooth {
-    /// Carries a message out. One with too few arguments has no effect.
+    /// LineMode a message out. One with too few arguments has no effect.
     pub(super) fn command(&mut self, now: Cycles, message: &Message) -> Result<(), BoardFault> {
         let arguments = message.arguments.as_slice();
         let first = arguments.first().copied();
@@ -105,7 +105,7 @@ impl Bluetooth {
                 self.answer(now, code::OPERATING_MODE, &[self.store.operating_mode]);
             }
             code::FACTORY_SETTINGS => {
-                self.store.forget();
+                self.store.reset_to_factory();
                 self.answer(now, code::FACTORY_ACKNOWLEDGED, &[]);
             }
             other => return Err(not_modelled(other)),

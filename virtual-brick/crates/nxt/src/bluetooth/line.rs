@@ -17,7 +17,7 @@ const TOLERANCE_PERCENT: Cycles = 5;
 
 /// What the line may carry now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Carries {
+pub enum LineMode {
     Messages,
     Stream,
     Nothing,
@@ -60,7 +60,7 @@ impl Line {
     }
 
     /// Ends the character on the line if its time has come, and begins the next one.
-    pub fn advance(&mut self, now: Cycles, ready: bool, carries: Carries) {
+    pub fn advance(&mut self, now: Cycles, ready: bool, carries: LineMode) {
         if let Some((byte, _)) = self.shifting.filter(|(_, end)| *end <= now) {
             self.shifting = None;
             self.arrived = Some(byte);
@@ -69,9 +69,9 @@ impl Line {
             return;
         }
         let next = match carries {
-            Carries::Messages => self.messages.pop_front(),
-            Carries::Stream => self.stream.pop_front(),
-            Carries::Nothing => None,
+            LineMode::Messages => self.messages.pop_front(),
+            LineMode::Stream => self.stream.pop_front(),
+            LineMode::Nothing => None,
         };
         self.shifting = next.map(|byte| (byte, now + CHARACTER_CYCLES));
     }

@@ -9,6 +9,7 @@ use at91sam7s::board::Cycles;
 use super::code;
 use super::device::{address_bytes, AirMessage, AirSignal, BluetoothAddress, BluetoothDevice};
 use super::frame::Message;
+// Connections extend the module and use its time-outs, so each knows the other.
 use super::{Action, Bluetooth, BluetoothText, ANSWER_TIME_OUT, INBOX_LIMIT, PAGE_TIME_OUT};
 
 /// Handle of the connection that came in through the port.
@@ -27,7 +28,7 @@ struct Link {
 
 /// A connection in the making.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Making {
+enum PendingConnection {
     /// Our program's PIN code is awaited before we page.
     PinForPage(BluetoothAddress),
     /// The other device's answer is awaited.
@@ -42,7 +43,7 @@ enum Making {
 #[derive(Clone, Debug, Default)]
 pub struct Links {
     links: [Option<Link>; HANDLES],
-    making: Option<Making>,
+    pending: Option<PendingConnection>,
 }
 
 impl Links {
@@ -130,7 +131,7 @@ impl Links {
 
 impl Bluetooth {
     /// A message came through the air.
-    pub(super) fn heard(&mut self, now: Cycles, message: AirMessage) {
+    pub(super) fn receive(&mut self, now: Cycles, message: AirMessage) {
         let peer = message.peer;
         match message.signal {
             AirSignal::InRange(device) => {
@@ -141,7 +142,7 @@ impl Bluetooth {
             AirSignal::Page { device, pin } => self.paged(now, device, pin),
             AirSignal::Accept => self.page_answered(now, peer, true),
             AirSignal::Refuse => self.page_answered(now, peer, false),
-            AirSignal::Data(bytes) => self.data_came(now, peer, bytes),
+            AirSignal::Data(bytes) => self.receive_data(now, peer, bytes),
             AirSignal::Close => self.closed(now, peer),
         }
     }
@@ -153,14 +154,14 @@ impl Bluetooth {
     fn paged(&mut self, now: Cycles, device: BluetoothDevice, pin: Option<BluetoothText>) {
         let free = self.running
             && self.port_open
-            && self.links.making.is_none()
+            && self.links.pending.is_none()
             && self.links.peers().is_empty();
         let paired = self.store.is_paired(device.address);
         match pin {
             _ if !free => self.transmit(now, device.address, AirSignal::Refuse),
             _ if paired => self.offer(now, device),
             Some(pin) => {
-                self.links.making = Some(Making::PinForPort(device, pin));
+                self.links.pending = Some(PendingConnection::PinForPort(device, pin));
                 self.ask(now, code::REQUEST_PIN_CODE, device.address);
             }
             None => self.transmit(now, device.address, AirSignal::Refuse),
@@ -168,7 +169,7 @@ impl Bluetooth {
     }
 
     fn offer(&mut self, now: Cycles, device: BluetoothDevice) {
-        self.links.making = Some(Making::Offered(device));
+        self.links.pending = Some(PendingConnection::Offered(device));
         self.ask(now, code::REQUEST_CONNECTION, device.address);
     }
 
@@ -185,7 +186,7 @@ impl Bluetooth {
 
     /// The program wants a connection.
     pub(super) fn connect(&mut self, now: Cycles, peer: BluetoothAddress) {
-        let possible = self.links.making.is_none()
+        let possible = self.links.pending.is_none()
             && self.links.free_handle().is_some()
             && self.links.handle_of(peer).is_none();
         if !possible {
@@ -193,13 +194,13 @@ impl Bluetooth {
         } else if self.store.is_paired(peer) {
             self.page(now, peer, None);
         } else {
-            self.links.making = Some(Making::PinForPage(peer));
+            self.links.pending = Some(PendingConnection::PinForPage(peer));
             self.ask(now, code::REQUEST_PIN_CODE, peer);
         }
     }
 
     fn page(&mut self, now: Cycles, peer: BluetoothAddress, pin: Option<BluetoothText>) {
-        self.links.making = Some(Making::Paged(peer, pin.is_some()));
+        self.links.pending = Some(PendingConnection::Paged(peer, pin.is_some()));
         let there = self.air.neighbours.iter().any(|d| d.address == peer);
         let patience = if there {
             ANSWER_TIME_OUT
@@ -213,12 +214,12 @@ impl Bluetooth {
 
     /// The program gave a PIN code.
     pub(super) fn pin_code(&mut self, now: Cycles, peer: BluetoothAddress, given: BluetoothText) {
-        match self.links.making {
-            Some(Making::PinForPage(wanted)) if wanted == peer => {
+        match self.links.pending {
+            Some(PendingConnection::PinForPage(wanted)) if wanted == peer => {
                 self.answer(now, code::PIN_CODE_ACKNOWLEDGED, &[]);
                 self.page(now, peer, Some(given));
             }
-            Some(Making::PinForPort(device, pin)) if device.address == peer => {
+            Some(PendingConnection::PinForPort(device, pin)) if device.address == peer => {
                 self.answer(now, code::PIN_CODE_ACKNOWLEDGED, &[]);
                 if pin == given {
                     self.store.pair(peer);
@@ -233,7 +234,7 @@ impl Bluetooth {
 
     /// The program accepts or refuses a connection.
     pub(super) fn accept(&mut self, now: Cycles, accepted: bool) {
-        let Some(Making::Offered(device)) = self.links.making else {
+        let Some(PendingConnection::Offered(device)) = self.links.pending else {
             return;
         };
         if !accepted {
@@ -245,7 +246,7 @@ impl Bluetooth {
     }
 
     fn connected(&mut self, now: Cycles, handle: u8, device: BluetoothDevice) {
-        self.links.making = None;
+        self.links.pending = None;
         self.cancel(|action| matches!(action, Action::PageFailed(_)));
         self.links.open(handle, device);
         self.answer(now, code::CONNECT_RESULT, &[SUCCESS, handle]);
@@ -253,26 +254,26 @@ impl Bluetooth {
 
     /// A connection in the making ends: the other device and the program are told.
     fn give_up(&mut self, now: Cycles, peer: BluetoothAddress) {
-        self.links.making = None;
+        self.links.pending = None;
         self.cancel(|action| matches!(action, Action::PageFailed(_)));
         self.transmit(now, peer, AirSignal::Refuse);
         self.answer(now, code::CONNECT_RESULT, &[FAILURE, u8::MAX]);
     }
 
     pub(super) fn page_failed(&mut self, now: Cycles, peer: BluetoothAddress) {
-        if self.links.making.is_some() {
+        if self.links.pending.is_some() {
             self.give_up(now, peer);
         }
     }
 
     fn page_answered(&mut self, now: Cycles, from: BluetoothAddress, accepted: bool) {
-        let Some(Making::Paged(peer, new_key)) = self.links.making else {
+        let Some(PendingConnection::Paged(peer, new_key)) = self.links.pending else {
             return;
         };
         let handle = self.links.free_handle();
         let Some(handle) = handle.filter(|_| peer == from && accepted) else {
             if peer == from {
-                self.links.making = None;
+                self.links.pending = None;
                 self.cancel(|action| matches!(action, Action::PageFailed(_)));
                 self.answer(now, code::CONNECT_RESULT, &[FAILURE, u8::MAX]);
             }
@@ -289,7 +290,7 @@ impl Bluetooth {
         self.connected(now, handle, device);
     }
 
-    fn data_came(&mut self, now: Cycles, peer: BluetoothAddress, bytes: Vec<u8>) {
+    fn receive_data(&mut self, now: Cycles, peer: BluetoothAddress, bytes: Vec<u8>) {
         let Some(handle) = self.links.handle_of(peer) else {
             return;
         };
@@ -305,8 +306,8 @@ impl Bluetooth {
 
     /// The other device closed the connection, or gave up making one.
     fn closed(&mut self, now: Cycles, peer: BluetoothAddress) {
-        match self.links.making {
-            Some(Making::PinForPort(device, _) | Making::Offered(device))
+        match self.links.pending {
+            Some(PendingConnection::PinForPort(device, _) | PendingConnection::Offered(device))
                 if device.address == peer =>
             {
                 self.give_up(now, peer);

@@ -31,7 +31,7 @@ use crate::event::{BoardFault, EventLog};
 use crate::time::{milliseconds, NEVER};
 use frame::{Message, Receiver};
 pub use line::BIT_CYCLES;
-use line::{Carries, Line};
+use line::{Line, LineMode};
 use links::Links;
 
 /// From the end of reset to the reset indication (chosen).
@@ -174,7 +174,7 @@ impl Bluetooth {
     }
 
     /// Level of CTS: low while the module takes characters.
-    pub fn holds_back(&self) -> bool {
+    pub fn refuses_characters(&self) -> bool {
         !self.running || self.links.outbox_length() > OUTBOX_FULL
     }
 
@@ -254,7 +254,7 @@ impl Bluetooth {
             self.send(Message::new(code::RESET_INDICATION, &[]));
         }
         while let Some(message) = pop_due(&mut self.air.incoming, now) {
-            self.heard(now, message);
+            self.receive(now, message);
         }
         while let Some(action) = pop_due(&mut self.agenda, now) {
             self.act(now, action);
@@ -293,7 +293,7 @@ impl Bluetooth {
             Action::Send(message) => self.send(message),
             Action::Stream(handle) => self.enter_stream(now, handle),
             Action::Command => self.leave_stream(),
-            Action::Heartbeat => self.beat(now),
+            Action::Heartbeat => self.send_heartbeat(now),
             Action::InquiryResult => self.inquiry_result(now),
             Action::InquiryEnd => self.end_inquiry(now),
             Action::PageFailed(peer) => self.page_failed(now, peer),
@@ -320,23 +320,23 @@ impl Bluetooth {
         self.receiver.clear();
     }
 
-    fn beat(&mut self, now: Cycles) {
-        if self.carries() == Carries::Messages {
+    fn send_heartbeat(&mut self, now: Cycles) {
+        if self.line_mode() == LineMode::Messages {
             self.send(Message::new(code::HEARTBEAT, &[]));
         }
         self.plan(now + HEARTBEAT_PERIOD, Action::Heartbeat);
     }
 
-    const fn carries(&self) -> Carries {
+    const fn line_mode(&self) -> LineMode {
         match (self.stream.is_some(), self.lines.stream_wanted) {
-            (true, true) => Carries::Stream,
-            (false, false) => Carries::Messages,
-            _ => Carries::Nothing,
+            (true, true) => LineMode::Stream,
+            (false, false) => LineMode::Messages,
+            _ => LineMode::Nothing,
         }
     }
 
     fn continue_line(&mut self, now: Cycles) {
-        let carries = self.carries();
+        let carries = self.line_mode();
         self.line.advance(now, self.lines.ready, carries);
     }
 

@@ -90,7 +90,7 @@ impl Store {
     }
 
     /// The state in which it leaves the factory.
-    pub fn forget(&mut self) {
+    pub fn reset_to_factory(&mut self) {
         let address = self.address;
         *self = Self::new(&BluetoothConfiguration {
             address,

@@ -63,7 +63,7 @@ impl Board for NxtBoard {
 
     fn pin_levels(&self) -> PinLevels {
         let (driven, level) = self.physics.pins();
-        let held_back = if self.devices.get().bluetooth.holds_back() {
+        let held_back = if self.devices.get().bluetooth.refuses_characters() {
             MODULE_CTS
         } else {
             0

@@ -261,7 +261,7 @@ impl NxtBoard {
             Target::Sensor(index, quantity) => devices.ports.set_input(index, quantity, value),
             Target::Plugged(index) => devices.ports.set_plugged(now, index, on),
             Target::Short(index, line) => devices.ports.set_short(now, index, line, on),
-            Target::WrongSums => self.coprocessor.spoil_sums(value as u16),
+            Target::CorruptChecksums => self.coprocessor.corrupt_checksums(value as u16),
             Target::UsbCable => devices.usb.set_plugged(now, on),
             Target::BusStuck => self.coprocessor.hold_bus(on),
             Target::Button(button) => self.buttons.set(button, on),

@@ -157,8 +157,8 @@ impl Outgoing {
         Self { next: 0, bytes }
     }
 
-    /// Makes the sum wrong.
-    pub fn spoil(&mut self) {
+    /// Makes the checksum wrong.
+    pub fn corrupt_checksum(&mut self) {
         self.bytes[STATUS_LENGTH - 1] ^= 1;
     }
 

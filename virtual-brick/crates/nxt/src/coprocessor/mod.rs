@@ -87,8 +87,8 @@ pub struct Coprocessor {
     powered: bool,
     /// When something of this is due next.
     next_at: Cycles,
-    /// Status frames that will have a wrong sum.
-    wrong_sums: u16,
+    /// Status frames that will have a wrong checksum.
+    corrupt_checksums: u16,
     holds_bus: bool,
 }
 
@@ -115,14 +115,14 @@ impl Coprocessor {
             power_off: None,
             powered: true,
             next_at: START_UP + phase + STORED[0],
-            wrong_sums: 0,
+            corrupt_checksums: 0,
             holds_bus: false,
         }
     }
 
-    /// Fault: the next `count` status frames have a wrong sum.
-    pub fn spoil_sums(&mut self, count: u16) {
-        self.wrong_sums = count;
+    /// Fault: the next `count` status frames have a wrong checksum.
+    pub fn corrupt_checksums(&mut self, count: u16) {
+        self.corrupt_checksums = count;
     }
 
     /// Fault: it holds SCL after each byte, for good.
@@ -159,7 +159,7 @@ impl Coprocessor {
             on_at: now + START_UP + phase,
             tick_at: now + START_UP + phase,
             last_frame_at: now,
-            wrong_sums: self.wrong_sums,
+            corrupt_checksums: self.corrupt_checksums,
             holds_bus: self.holds_bus,
             ..Self::new(phase)
         };
@@ -169,14 +169,14 @@ impl Coprocessor {
     /// The supply is gone: bridges open, chip off.
     pub fn lose_supply(&mut self, now: Cycles, log: &mut EventLog) {
         if self.powered {
-            self.go_off(now, PowerOffReason::SupplyLost, log);
+            self.turn_off(now, PowerOffReason::SupplyLost, log);
             self.plan();
         }
     }
 
-    fn go_off(&mut self, now: Cycles, reason: PowerOffReason, log: &mut EventLog) {
+    fn turn_off(&mut self, now: Cycles, reason: PowerOffReason, log: &mut EventLog) {
         self.powered = false;
-        self.put_in_force(now, Command::off(), log);
+        self.apply(now, Command::off(), log);
         log.add(now, BoardEventKind::PowerOff(reason));
     }
 
@@ -209,9 +209,9 @@ impl Coprocessor {
     pub fn start(&mut self, read: bool) {
         if read {
             self.outgoing = Outgoing::new(self.readings);
-            if self.wrong_sums > 0 {
-                self.wrong_sums -= 1;
-                self.outgoing.spoil();
+            if self.corrupt_checksums > 0 {
+                self.corrupt_checksums -= 1;
+                self.outgoing.corrupt_checksum();
             }
         } else {
             self.incoming = Incoming::default();
@@ -262,7 +262,7 @@ impl Coprocessor {
         }
         if let Some((_, command)) = self.accepted.filter(|&(at, _)| at <= now) {
             self.accepted = None;
-            self.put_in_force(now, command, log);
+            self.apply(now, command, log);
         }
         if self.stage_at() <= now {
             self.store(now, measurable);
@@ -272,7 +272,7 @@ impl Coprocessor {
             log.add(now, BoardEventKind::Click);
         }
         if let Some((_, reason)) = self.power_off.filter(|&(at, _)| at <= now) {
-            self.go_off(now, reason, log);
+            self.turn_off(now, reason, log);
         }
         self.plan();
     }
@@ -300,7 +300,7 @@ impl Coprocessor {
         }
     }
 
-    fn put_in_force(&mut self, now: Cycles, command: Command, log: &mut EventLog) {
+    fn apply(&mut self, now: Cycles, command: Command, log: &mut EventLog) {
         for motor in MotorPort::ALL {
             let new = command.motors[motor.index()];
             if new.duty.unsigned_abs() > 100 {

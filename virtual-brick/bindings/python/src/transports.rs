@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Bluetooth, USB and what scripts say, for Python.
+//! Bluetooth, USB and device scripts, for Python.
 
 use nxt::{
     AirMessage, AirSignal, BluetoothAddress, BluetoothDevice, BluetoothText, ModuleTurn, TwiTurn,
@@ -47,7 +47,7 @@ pub(crate) type Message<'py> = (
 pub(crate) type Completion<'py> = (u64, u64, Option<Bound<'py, PyBytes>>, Option<&'static str>);
 
 /// A signal from Python's words.
-pub(crate) fn message(
+pub(crate) fn message_from_python(
     at_cycles: u64,
     peer: &str,
     kind: &str,
@@ -90,7 +90,7 @@ pub(crate) fn message(
 }
 
 /// A message in Python's words.
-pub(crate) fn told(py: Python<'_>, message: AirMessage) -> Message<'_> {
+pub(crate) fn message_to_python(py: Python<'_>, message: AirMessage) -> Message<'_> {
     let (mut bytes, mut name, mut code) = (Vec::new(), String::new(), None);
     let kind = match message.signal {
         AirSignal::InRange(device) => {
@@ -158,7 +158,7 @@ pub(crate) fn transfer(
 }
 
 /// A completion in Python's words.
-pub(crate) fn completed(py: Python<'_>, completion: UsbCompletion) -> Completion<'_> {
+pub(crate) fn completion_to_python(py: Python<'_>, completion: UsbCompletion) -> Completion<'_> {
     let (data, error) = match completion.result {
         Ok(bytes) => (Some(PyBytes::new(py, &bytes)), None),
         Err(UsbError::Stalled) => (None, Some("stalled")),

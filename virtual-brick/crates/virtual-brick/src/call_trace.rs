@@ -1,20 +1,20 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Calls of some functions, each kind of call counted once: with which first argument, from where.
+//! Calls of chosen functions, each combination of function, first argument and caller once.
 
 use std::collections::BTreeMap;
 
+use crate::backtrace;
 use crate::brick::VirtualBrick;
-use crate::calls;
 use crate::memory::ChipMemory;
 use crate::threads::Memory;
 
-/// Different calls that are kept at most.
+/// Most different calls that are kept.
 const CALLS_MAX: usize = 256;
 
 /// Calls of one function with one argument from one place.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WatchedCall {
+pub struct TracedCall {
     /// The function's symbol.
     pub function: String,
     /// Its first argument, r0.
@@ -31,73 +31,73 @@ pub struct WatchedCall {
 type Key = (u32, u32, u32);
 
 #[derive(Clone, Debug)]
-struct Seen {
+struct Times {
     first_cycles: u64,
     last_cycles: u64,
     addresses: Vec<u32>,
 }
 
-/// What is watched, and what was seen.
+/// The chosen functions and their calls so far.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CallWatch {
+pub(crate) struct CallTrace {
     functions: Vec<u32>,
-    seen: BTreeMap<Key, Seen>,
+    seen: BTreeMap<Key, Times>,
 }
 
-impl CallWatch {
+impl CallTrace {
     #[inline(always)]
-    pub(crate) fn watches(&self, address: u32) -> bool {
+    pub(crate) fn traces(&self, address: u32) -> bool {
         !self.functions.is_empty() && self.functions.contains(&address)
     }
 }
 
 impl VirtualBrick {
-    /// Note the calls of these functions from now on; what the program does not have is left out.
-    /// The run is the same.
-    pub fn watch_calls(&mut self, functions: &[String]) {
+    /// Record the calls of these functions from now on; functions that the program does not have
+    /// are left out. The run stays the same.
+    pub fn trace_calls(&mut self, functions: &[String]) {
         let found = functions
             .iter()
             .filter_map(|name| self.image.symbols().get(name));
-        self.call_watch.functions = found.map(|symbol| symbol.address).collect();
-        self.chip.observe_arrivals_at(&self.call_watch.functions);
+        self.call_trace.functions = found.map(|symbol| symbol.address).collect();
+        self.chip.observe_arrivals_at(&self.call_trace.functions);
     }
 
     /// The calls so far, in the order of the functions' addresses.
     #[must_use]
-    pub fn watched_calls(&self) -> Vec<WatchedCall> {
+    pub fn traced_calls(&self) -> Vec<TracedCall> {
         let symbol = |address| self.image.symbols().nearest_code(address);
         let name = |address| symbol(address).map_or_else(String::new, |(name, _)| name.to_owned());
-        let told = |(&(function, argument, _), seen): (&Key, &Seen)| {
-            let calls = calls::located(&self.image, &seen.addresses);
-            WatchedCall {
+        let described = |(&(function, argument, _), seen): (&Key, &Times)| {
+            let calls = backtrace::located(&self.image, &seen.addresses);
+            TracedCall {
                 function: name(function),
                 argument,
                 callers: calls.iter().map(|call| call.symbol.clone()).collect(),
-                place: calls::place_of_user(&calls),
+                place: backtrace::user_place(&calls),
                 cycles: (seen.first_cycles, seen.last_cycles),
             }
         };
-        self.call_watch.seen.iter().map(told).collect()
+        self.call_trace.seen.iter().map(described).collect()
     }
 
-    /// The next instruction is the first of a watched function.
+    /// Record a call: the next instruction is the first of a traced function.
     #[cold]
-    pub(crate) fn note_call(&mut self) {
+    pub(crate) fn record_call(&mut self) {
         let registers = self.cpu.registers();
         let [argument, .., link, function] = registers;
         let now = self.chip.now();
         let key = (function, argument, link);
-        if let Some(seen) = self.call_watch.seen.get_mut(&key) {
+        if let Some(seen) = self.call_trace.seen.get_mut(&key) {
             seen.last_cycles = now;
-        } else if self.call_watch.seen.len() < CALLS_MAX {
+        } else if self.call_trace.seen.len() < CALLS_MAX {
             let memory = ChipMemory(&self.chip);
-            let addresses = calls::addresses(&self.image, registers, |at| memory.word(at));
-            let seen = Seen {
+            let addresses = backtrace::addresses(&self.image, registers, |at| memory.word(at));
+            let seen = Times {
                 first_cycles: now,
                 last_cycles: now,
                 addresses: addresses[1..].to_vec(),
             };
-            self.call_watch.seen.insert(key, seen);
+            self.call_trace.seen.insert(key, seen);
         }
     }
 }

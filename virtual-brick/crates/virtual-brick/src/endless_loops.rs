@@ -1,19 +1,19 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Loops of several instructions that nothing leaves: with both interrupts masked, a copy of the
-//! core is run ahead on memory that it only reads. If its state comes back, it always will.
+//! Endless loops of several instructions: with both interrupts masked, a copy of the core runs
+//! ahead on read-only memory. If its state repeats, it repeats for ever.
 //!
-//! The look is taken at samples of signals, which both engines make at the same instruction
+//! The check is made at samples of signals, which both engines take at the same instruction
 //! boundary, and ever more rarely as long as interrupts stay masked.
 
 use arm7tdmi::{psr, Abort, BlockBus, Bus, Cpu, Cycle, Width};
 
 use crate::assembly::Machine;
 
-/// A loop of more instructions is not found.
-const STEPS_MOST: u32 = 10_000;
+/// Longest loop that is found, in instructions.
+const STEPS_MAX: u32 = 10_000;
 
-/// When to look.
+/// Schedule of the checks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EndlessLoops {
     /// Samples in a row at which interrupts were masked.
@@ -29,19 +29,19 @@ impl EndlessLoops {
             return false;
         }
         self.masked_samples += 1;
-        self.masked_samples.is_power_of_two() && comes_back(cpu, chip)
+        self.masked_samples.is_power_of_two() && state_repeats(cpu, chip)
     }
 }
 
-fn comes_back(cpu: &Cpu, chip: &Machine) -> bool {
+fn state_repeats(cpu: &Cpu, chip: &Machine) -> bool {
     let mut ahead = cpu.clone();
-    let mut bus = Frozen {
+    let mut bus = ReadOnlyBus {
         chip,
-        left: chip.data_controller_writes(),
+        refused: chip.data_controller_writes(),
     };
-    for _ in 0..STEPS_MOST {
+    for _ in 0..STEPS_MAX {
         ahead.step(&mut bus);
-        if bus.left {
+        if bus.refused {
             return false;
         }
         if ahead == *cpu {
@@ -51,24 +51,24 @@ fn comes_back(cpu: &Cpu, chip: &Machine) -> bool {
     false
 }
 
-/// Memory without time and without anything else on the bus.
-struct Frozen<'a> {
+/// Memory to read, without time and without peripherals.
+struct ReadOnlyBus<'a> {
     chip: &'a Machine,
-    /// Something else than memory was accessed, or it was written.
-    left: bool,
+    /// Something other than memory was accessed, or memory was written.
+    refused: bool,
 }
 
-impl Frozen<'_> {
+impl ReadOnlyBus<'_> {
     fn opcode(&mut self, address: u32) -> u32 {
         if self.chip.target_place(address).is_some() {
             return self.chip.code_word(address);
         }
-        self.left = true;
+        self.refused = true;
         0
     }
 }
 
-impl Bus for Frozen<'_> {
+impl Bus for ReadOnlyBus<'_> {
     fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
         Ok(self.opcode(address))
     }
@@ -79,12 +79,12 @@ impl Bus for Frozen<'_> {
 
     fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
         let read = self.chip.plain_read(address, width);
-        self.left |= read.is_none();
+        self.refused |= read.is_none();
         Ok(read.map_or(0, |read| read.value))
     }
 
     fn write(&mut self, _: u32, _: Width, _: u32, _: Cycle) -> Result<(), Abort> {
-        self.left = true;
+        self.refused = true;
         Ok(())
     }
 

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Bluetooth and USB as inputs and outputs of a run: what comes from outside has its instant, what
-//! goes out carries the instant at which it left.
+//! Transports of a run, Bluetooth and USB: each message and transfer has its instant.
 
 use std::fmt;
 
@@ -9,9 +8,9 @@ use nxt::{AirMessage, BluetoothDevice, UsbCompletion, UsbRequest, UsbTransfer};
 
 use crate::brick::VirtualBrick;
 
-/// Something from outside that was refused.
+/// A message or transfer that was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum OutsideError {
+pub enum TransportError {
     /// Its instant has passed.
     InPast {
         /// Instant wanted.
@@ -28,7 +27,7 @@ pub enum OutsideError {
     Endpoint(u8),
 }
 
-impl fmt::Display for OutsideError {
+impl fmt::Display for TransportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::InPast {
@@ -48,13 +47,13 @@ impl fmt::Display for OutsideError {
     }
 }
 
-impl std::error::Error for OutsideError {}
+impl std::error::Error for TransportError {}
 
 impl VirtualBrick {
-    pub(crate) fn not_in_past(&self, at_cycles: u64) -> Result<(), OutsideError> {
+    pub(crate) fn check_not_past(&self, at_cycles: u64) -> Result<(), TransportError> {
         let now_cycles = self.cycles();
         if at_cycles < now_cycles {
-            return Err(OutsideError::InPast {
+            return Err(TransportError::InPast {
                 at_cycles,
                 now_cycles,
             });
@@ -84,10 +83,10 @@ impl VirtualBrick {
     ///
     /// # Errors
     /// Its instant has passed, or too many wait.
-    pub fn bluetooth_send(&mut self, message: AirMessage) -> Result<(), OutsideError> {
-        self.not_in_past(message.at_cycles)?;
+    pub fn bluetooth_send(&mut self, message: AirMessage) -> Result<(), TransportError> {
+        self.check_not_past(message.at_cycles)?;
         let taken = self.chip.board_mut().bluetooth_mut().schedule(message);
-        let refused = OutsideError::TooMuch {
+        let refused = TransportError::TooMuch {
             place: "Bluetooth module",
         };
         taken.then_some(()).ok_or(refused)
@@ -108,16 +107,16 @@ impl VirtualBrick {
     ///
     /// # Errors
     /// Its instant has passed, its endpoint does not exist, it is too long, or too many wait.
-    pub fn usb_transfer(&mut self, transfer: UsbTransfer) -> Result<(), OutsideError> {
-        self.not_in_past(transfer.at_cycles)?;
+    pub fn usb_transfer(&mut self, transfer: UsbTransfer) -> Result<(), TransportError> {
+        self.check_not_past(transfer.at_cycles)?;
         if let UsbRequest::Out { endpoint, .. } | UsbRequest::In { endpoint, .. } = transfer.request
         {
             if !(1..=15).contains(&endpoint) {
-                return Err(OutsideError::Endpoint(endpoint));
+                return Err(TransportError::Endpoint(endpoint));
             }
         }
         let taken = self.chip.board_mut().usb_mut().schedule(transfer);
-        let refused = OutsideError::TooMuch { place: "USB host" };
+        let refused = TransportError::TooMuch { place: "USB host" };
         taken.then_some(()).ok_or(refused)
     }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Ends of a run that the processor itself would never tell: exceptions without a handler, and
-//! loops that nothing can leave.
+//! Ends of a run that the processor does not report: exceptions without a handler, and loops that
+//! nothing can leave.
 
 use arm7tdmi::{psr, BlockBus, Cpu, Exception, Mode, Step};
 
@@ -30,9 +30,9 @@ struct Arrival {
     state: [u32; 16],
 }
 
-/// Watches each step.
+/// Looks for dead ends after each step that may lead to one.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Guard {
+pub(crate) struct DeadEndDetector {
     arrival: Option<Arrival>,
     /// State of the core when it last came back to the instruction it left.
     repeated: Option<Cpu>,
@@ -40,16 +40,16 @@ pub(crate) struct Guard {
     abnormal: Option<(Exception, u32)>,
 }
 
-impl Guard {
+impl DeadEndDetector {
     /// The step from the instruction at `before` may have led to a dead end.
     #[inline]
-    pub(crate) fn concerned(&self, before: u32, cpu: &Cpu) -> bool {
+    pub(crate) fn needs_check(&self, before: u32, cpu: &Cpu) -> bool {
         let after = cpu.next_instruction_address();
         (after == before) | (after < VECTORS_END) | self.arrival.is_some()
     }
 
-    /// Instructions were executed without a look: none of them was at a vector that is unset.
-    pub(crate) fn passed_over(&mut self) {
+    /// Instructions were executed without a check: none of them was at an unset vector.
+    pub(crate) fn instructions_skipped(&mut self) {
         self.arrival = None;
     }
 
@@ -58,7 +58,7 @@ impl Guard {
         self.repeated = None;
     }
 
-    /// Look at a step that is of concern; a dead end when the run cannot go on.
+    /// Check such a step; a dead end when the run cannot go on.
     pub(crate) fn check(
         &mut self,
         before: u32,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Chains of calls, innermost first, and how to say where that is in the sources.
+//! Chains of calls, innermost first, and their places in the sources.
 
 use image::Image;
 
@@ -117,7 +117,7 @@ pub(crate) fn place(calls: &[Call]) -> Option<String> {
 }
 
 /// The innermost line outside of run-time and drivers, else as [`place`].
-pub(crate) fn place_of_user(calls: &[Call]) -> Option<String> {
+pub(crate) fn user_place(calls: &[Call]) -> Option<String> {
     let mut own = calls
         .iter()
         .filter(|call| !call.in_run_time() && !call.in_driver());

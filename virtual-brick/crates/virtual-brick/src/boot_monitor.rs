@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The boot monitor's commands, done to the chip (AT91SAM7S datasheet, 6175M, chapter 22).
+//! The boot monitor's commands, carried out on the chip (AT91SAM7S datasheet, 6175M, chapter 22).
 //!
 //! The processor stands while the monitor waits for a command; `G` calls a routine, which runs on
 //! the processor and comes back to the monitor, or takes the USB over and never does.
@@ -11,31 +11,31 @@ use at91sam7s::ResetCause;
 use crate::brick::VirtualBrick;
 use crate::stop::Stop;
 
-/// Where a routine returns to: in the RAM that the monitor keeps for itself.
+/// Return address of a routine, in the RAM that the monitor reserves.
 const RETURN: u32 = 0x0020_0100;
 /// Branch to itself.
-const STAY: [u8; 4] = [0xFE, 0xFF, 0xFF, 0xEA];
+const BRANCH_TO_SELF: [u8; 4] = [0xFE, 0xFF, 0xFF, 0xEA];
 /// The monitor's stack ends where the user's RAM begins.
 const STACK: u32 = 0x0020_2000;
 const VERSION: &[u8] = b"v1.4 Nov 10 2004 14:49:33\n\r";
 /// Longest command: letter, two numbers, comma, end.
-const LONGEST_COMMAND: usize = 32;
+const COMMAND_BYTES_MAX: usize = 32;
 /// Flash that recovery overwrites: the first two lock regions.
-const OVERWRITTEN: usize = 2 * 64 * 256;
+const OVERWRITTEN_BYTES: usize = 2 * 64 * 256;
 const FLASH: u32 = 0x0010_0000;
 const SRAM: u32 = 0x0020_0000;
 const SRAM_BYTES: usize = 0x1_0000;
 
-/// What the monitor is doing.
+/// State of the monitor.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Monitor {
+pub(crate) enum MonitorState {
     /// It collects a command.
     #[default]
-    Waits,
+    WaitsForCommand,
     /// It writes a file to memory: next address, bytes that are still to come.
-    Receives(u32, u32),
+    ReceivesFile(u32, u32),
     /// A routine runs.
-    Called,
+    RunsRoutine,
 }
 
 impl VirtualBrick {
@@ -46,16 +46,16 @@ impl VirtualBrick {
         self.chip.reset(ResetCause::PowerUp);
         let _ = self.chip.take_reset();
         // Both ranges lie wholly in memory.
-        let _ = self.chip.load(FLASH, &vec![0xFF; OVERWRITTEN]);
+        let _ = self.chip.load(FLASH, &vec![0xFF; OVERWRITTEN_BYTES]);
         let _ = self.chip.load(SRAM, &vec![0; SRAM_BYTES]);
-        let _ = self.chip.load(RETURN, &STAY);
+        let _ = self.chip.load(RETURN, &BRANCH_TO_SELF);
         self.chip.enter_as_boot_monitor();
         let now = self.chip.now();
         self.chip.board_mut().enter_boot_monitor(now);
         self.cpu = Cpu::new();
         self.blocks = self.blocks.new_like();
         self.ended = None;
-        self.monitor = Some(Monitor::Waits);
+        self.monitor = Some(MonitorState::WaitsForCommand);
     }
 
     /// The boot monitor is there: it waits for commands, or a routine that it called runs.
@@ -71,17 +71,17 @@ impl VirtualBrick {
             .min(due)
             .min(self.recorder.next_sample_cycles());
         while self.chip.now() < end && self.monitor.is_some() {
-            if self.monitor == Some(Monitor::Called) && !self.chip.processor_stopped() {
+            if self.monitor == Some(MonitorState::RunsRoutine) && !self.chip.processor_stopped() {
                 let before = self.cpu.next_instruction_address();
                 self.cpu.step(&mut self.chip);
                 self.after_step(before)?;
                 if self.cpu.next_instruction_address() == RETURN {
-                    self.monitor = Some(Monitor::Waits);
+                    self.monitor = Some(MonitorState::WaitsForCommand);
                 }
             } else {
                 self.chip.skip_to_next_event(end);
                 self.after_step(RETURN)?;
-                if self.monitor != Some(Monitor::Called) {
+                if self.monitor != Some(MonitorState::RunsRoutine) {
                     self.serve_host();
                 }
             }
@@ -93,28 +93,28 @@ impl VirtualBrick {
         Ok(())
     }
 
-    /// Do what the host has sent, up to the call of a routine.
+    /// Execute the host's commands, up to the call of a routine.
     fn serve_host(&mut self) {
         let device = self.chip.board().boot_monitor();
         if device.is_none_or(|device| device.waiting() == 0) {
             return;
         }
-        while self.monitor != Some(Monitor::Called) {
+        while self.monitor != Some(MonitorState::RunsRoutine) {
             match self.monitor {
-                Some(Monitor::Receives(address, remaining)) if remaining > 0 => {
+                Some(MonitorState::ReceivesFile(address, remaining)) if remaining > 0 => {
                     let Some(byte) = self.next_byte() else {
                         return;
                     };
                     self.store(address, Width::Byte, u32::from(byte));
-                    let next = Monitor::Receives(address.wrapping_add(1), remaining - 1);
+                    let next = MonitorState::ReceivesFile(address.wrapping_add(1), remaining - 1);
                     self.monitor = Some(next);
                 }
                 _ => {
-                    self.monitor = Some(Monitor::Waits);
+                    self.monitor = Some(MonitorState::WaitsForCommand);
                     let Some(command) = self.take_command() else {
                         return;
                     };
-                    self.obey(&command);
+                    self.execute(&command);
                 }
             }
         }
@@ -130,7 +130,7 @@ impl VirtualBrick {
         let device = self.chip.board_mut().boot_monitor_mut()?;
         let received = device.received_mut();
         let Some(end) = received.iter().position(|byte| *byte == b'#') else {
-            if received.len() > LONGEST_COMMAND {
+            if received.len() > COMMAND_BYTES_MAX {
                 received.clear();
             }
             return None;
@@ -140,7 +140,7 @@ impl VirtualBrick {
         Some(command)
     }
 
-    fn obey(&mut self, command: &[u8]) {
+    fn execute(&mut self, command: &[u8]) {
         let text = String::from_utf8_lossy(command);
         let mut letters = text.chars();
         let letter = letters.next().unwrap_or('\n');
@@ -154,13 +154,13 @@ impl VirtualBrick {
             'W' => self.store(first, Width::Word, second),
             'H' => self.store(first, Width::Halfword, second),
             'O' => self.store(first, Width::Byte, second),
-            'w' => self.show(first, Width::Word, 4),
-            'h' => self.show(first, Width::Halfword, 2),
-            'o' => self.show(first, Width::Byte, 1),
-            'S' => self.monitor = Some(Monitor::Receives(first, second)),
+            'w' => self.send_memory(first, Width::Word, 4),
+            'h' => self.send_memory(first, Width::Halfword, 2),
+            'o' => self.send_memory(first, Width::Byte, 1),
+            'S' => self.monitor = Some(MonitorState::ReceivesFile(first, second)),
             'R' => {
                 for offset in 0..second.min(SRAM_BYTES as u32 * 4) {
-                    self.show(first.wrapping_add(offset), Width::Byte, 1);
+                    self.send_memory(first.wrapping_add(offset), Width::Byte, 1);
                 }
             }
             'G' => self.call(first),
@@ -182,7 +182,7 @@ impl VirtualBrick {
     }
 
     /// A read of the monitor, for the host; one that aborts gives zeros.
-    fn show(&mut self, address: u32, width: Width, bytes: usize) {
+    fn send_memory(&mut self, address: u32, width: Width, bytes: usize) {
         let value = self.chip.read(address, width, Cycle::Nonsequential);
         let value = value.unwrap_or(0).to_le_bytes();
         self.reply(&value[..bytes]);
@@ -198,6 +198,6 @@ impl VirtualBrick {
         }
         cpu.set_pc(address & !1);
         self.cpu = cpu;
-        self.monitor = Some(Monitor::Called);
+        self.monitor = Some(MonitorState::RunsRoutine);
     }
 }
