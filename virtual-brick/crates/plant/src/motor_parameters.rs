@@ -137,7 +137,7 @@ pub struct PluggedMotor {
 }
 
 impl PluggedMotor {
-    fn check(&self, path: &str) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self, path: &str) -> Result<(), ParameterError> {
         self.parameters.check(&format!("{path}.parameters"))?;
         match self.hand_rate {
             Some(rate) => within(&format!("{path}.hand_rate"), rate, 1e-3, 100.0, "rad/s"),

@@ -175,7 +175,7 @@ impl VirtualBrick {
     #[cold]
     fn check_dead_end(&mut self, before: u32, step: Step) -> Result<(), Stop> {
         let end = self
-            .guard
+            .dead_ends
             .check(before, step, &self.cpu, &self.chip, &self.image);
         end.map_or(Ok(()), |end| {
             let at_cycles = self.chip.now();
