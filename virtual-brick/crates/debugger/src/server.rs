@@ -113,8 +113,8 @@ where
     }
 }
 
-/// Let GDB show the output of the program: packets `O` with hexadecimal digits, which may come at any
-/// time while the program runs (GDB manual, "Stop Reply Packets").
+/// Let GDB show the output of the program: packets `O` with hexadecimal digits, which may come at
+/// any time while the program runs (GDB manual, "Stop Reply Packets").
 fn send_console_output<C: Connection>(output: &[u8], connection: &mut C) -> Result<(), C::Error> {
     for piece in output.chunks(CONSOLE_PIECE_BYTES) {
         let digits = piece.iter().flat_map(|byte| {
