@@ -5,7 +5,7 @@
 `python -m verification.benchmarks.analysis_growth` generates programs of 1 to 720 controllers,
 each with a
 filter, a state machine, a table search and calls of a shared library, compiles them, bounds each,
-bounds the jobs of all examples, and writes docs/reference/analysis-growth.{md,svg}. Counted are the
+bounds the jobs of all examples, and writes docs/reference/analysis-growth.md. Counted are the
 instructions that the analysis executes on abstract values; times are relative to the smallest
 program, the least of two runs. `make bench` does the same and keeps the fitted exponents.
 """
@@ -37,7 +37,7 @@ from matplotlib import pyplot as plt
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference" / "analysis-growth.md"
-PICTURE = PAGE.with_suffix(".svg")
+PICTURE = ROOT / "docs" / "pictures" / "analysis-growth.png"
 COUNTS = (1, 2, 4, 8, 16, 32, 64, 96, 128, 192, 256, 384, 720)
 OPTIONS = (
     "-mcpu=arm7tdmi", "-marm", "-Os", "-g", "-nostdlib", "-ffreestanding",
@@ -211,8 +211,7 @@ def _draw(points: Sequence[Point]) -> None:
     axes.grid(visible=True, which="both", alpha=0.3)
     axes.legend()
     figure.tight_layout()
-    with mpl.rc_context({"svg.hashsalt": "growth"}):
-        figure.savefig(PICTURE, metadata={"Date": None})
+    figure.savefig(PICTURE, dpi=144, metadata={"Software": None})
     plt.close(figure)
 
 
@@ -241,7 +240,7 @@ def _page(points: Sequence[Point]) -> str:
         "analysis executes on abstract values, and *each* is the number of steps per instruction.",
         "Time is processor time relative to the smallest program.",
         "",
-        "![Growth](analysis-growth.svg)",
+        "![Growth](../pictures/analysis-growth.png)",
         "",
         "Fitted over the programs, the number of steps grows with the size to the power of",
         f"{steps:.2f} and the processor time to the power of {times:.2f}.",

@@ -22,7 +22,7 @@ from ravenbrick.trace.sample_timing import sample_timing
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference" / "speed-estimators.md"
-PICTURE = ROOT / "docs" / "pictures" / "speed-estimators.svg"
+PICTURE = ROOT / "docs" / "pictures" / "speed-estimators.png"
 RECORDING = ROOT / "out" / "vehicle" / "recordings" / "drive.npz"
 LOOP = SpeedLoop(2.029, 0.037, 116.0)
 SAMPLE_TIME, SUPPLY = 0.004, 9.0
@@ -84,7 +84,7 @@ def main() -> None:
         *HEAD,
         *lines_of(rows),
         "",
-        "![True speed and motor voltage](../pictures/speed-estimators.svg)",
+        "![True speed and motor voltage](../pictures/speed-estimators.png)",
         "",
         "## Schedule of a recorded run",
         "",

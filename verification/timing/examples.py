@@ -3,7 +3,7 @@
 """Bounds of all examples beside what their runs show, as a page.
 
 `python -m verification.timing.examples [NAME ...] [--hunt N] [--hours 1]` builds and analyses the
-named examples (all unless given), keeps the figures in `docs/reference/timing-bounds.json` and
+named examples (all unless given), keeps the figures in `build/verification/timing-bounds.json` and
 writes `docs/reference/timing-bounds.md` from them. What the campaigns found is added from
 `random_sets.json` and `program_campaign.json`.
 """
@@ -25,8 +25,8 @@ from verification.timing.just_missed import MISSED, REACHED, UNEXPLAINED
 __all__ = ["EXAMPLES", "analysed", "judge", "keep", "page"]
 
 ROOT = Path(__file__).resolve().parents[2]
-KEPT = ROOT / "docs" / "reference" / "timing-bounds.json"
-PAGE = KEPT.with_suffix(".md")
+KEPT = ROOT / "build" / "verification" / "timing-bounds.json"
+PAGE = ROOT / "docs" / "reference" / "timing-bounds.md"
 EXAMPLES = {
     "blank": "press",
     "motor-bench": "monitored",
@@ -45,7 +45,7 @@ PARTS = (
     ("release jitter", "release_jitter_cycles", None),
 )
 HEAD = ("task", "deadline (us)", *(p[0] for p in PARTS), "response", "ratio", "stack", "of")
-HUNTED = ("unvaried_cycles", "undisturbed_cycles", "response_cycles")
+SEARCHED = ("unvaried_cycles", "undisturbed_cycles", "response_cycles")
 Row = dict[str, Any]
 
 
@@ -70,10 +70,10 @@ def _short(answer: dict[str, Any]) -> dict[str, Any]:
     keys = ("scenario", "schedulable", "effort", "tasks", "interrupts", "chains", "why_apart")
     result = {key: answer[key] for key in keys}
     if "hunt" in answer:
-        hunted = {
-            name: [found[key] for key in HUNTED] for name, found in answer["hunt"]["tasks"].items()
+        searched = {
+            name: [found[key] for key in SEARCHED] for name, found in answer["hunt"]["tasks"].items()
         }
-        result["hunt"] = {"attempts": answer["hunt"]["attempts"], "tasks": hunted}
+        result["search"] = {"attempts": answer["hunt"]["attempts"], "tasks": searched}
     if "long_run" in answer:
         run = answer["long_run"]
         tasks = {
@@ -157,13 +157,13 @@ def _mode_row(mode: dict[str, Any]) -> list[str]:
     return [*cells, f"{mode['ratio']:.2f}" if mode["ratio"] else "-", "", ""]
 
 
-def _hunt_lines(hunt: dict[str, Any]) -> list[str]:
+def _search_lines(search: dict[str, Any]) -> list[str]:
     text = "; ".join(
-        f"{name} {' / '.join(map(str, found))}" for name, found in hunt["tasks"].items()
+        f"{name} {' / '.join(map(str, found))}" for name, found in search["tasks"].items()
     )
     return [
         "",
-        f"Hunted in {hunt['attempts']} variants; longest responses of the scenario as it is / of "
+        f"Hunted in {search['attempts']} variants; longest responses of the scenario as it is / of "
         f"variants whose link holds / of all: {text}.",
     ]
 
@@ -201,8 +201,8 @@ def _example(name: str, result: dict[str, Any]) -> list[str]:
             + (f"; {margin_words(margins)}." if margins else ".")
         )
     lines += ["", *(f"- {line}." for line in result["why_apart"])]
-    if "hunt" in result:
-        lines += _hunt_lines(result["hunt"])
+    if "search" in result:
+        lines += _search_lines(result["search"])
     if "long_run" in result:
         lines += _long_lines(result["long_run"], result["tasks"])
     return lines
@@ -301,11 +301,15 @@ def page(results: dict[str, dict[str, Any]]) -> str:
 
 
 def keep(found: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Bring figures into the kept ones and write the page; returns all."""
+    """Bring figures into the kept ones; returns all, and writes the page when none is missing."""
     kept = json.loads(KEPT.read_text()) if KEPT.is_file() else {}
     results = {name: {**kept, **found}[name] for name in EXAMPLES if name in {**kept, **found}}
+    KEPT.parent.mkdir(parents=True, exist_ok=True)
     KEPT.write_text(json.dumps(results, indent=1) + "\n")
-    PAGE.write_text(page(results))
+    if missing := sorted(set(EXAMPLES) - set(results)):
+        print(f"page not written: no figures of {', '.join(missing)}", file=sys.stderr)
+    else:
+        PAGE.write_text(page(results))
     return results
 
 
