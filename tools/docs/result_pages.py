@@ -147,7 +147,7 @@ The peers communicate with a brick that runs LEGO's firmware; after each hostile
 host must be served.
 """
 FUZZ_TAIL = """An input with a finding is kept in `build/fuzz/findings`, and
-`python -m verification.fuzz.campaign --give FILE` repeats it; a Rust target prints its seed, and
+`python -m verification.fuzz.campaign --repeat FILE` repeats it; a Rust target prints its seed, and
 `fuzz 1 SEED` runs it first. The corpora are `verification/fuzz/corpus`, a compiled C program with
 debug information, random programs, and snapshots saved at the beginning of the campaign.
 
@@ -178,7 +178,7 @@ def fuzz_page(rows: list[Row]) -> str:
     lines += ["|---|---|---:|---:|---:|---:|"]
     for row in rows:
         counts = [str(row[key]) for key in ("corpus", "seconds", "case_count", "findings")]
-        lines.append(_row([row["target"], row["given"], *counts]))
+        lines.append(_row([row["target"], row["input"], *counts]))
     total = [str(sum(row[key] for row in rows)) for key in ("seconds", "case_count", "findings")]
     lines.append(_row(["**all**", "", "", *total]))
     found = [_row(list(cells)) for cells in FOUND]

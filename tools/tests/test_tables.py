@@ -77,7 +77,7 @@ def test_the_plants_page_rates_each_value_and_names_the_contradiction() -> None:
 
 def test_the_page_of_fuzzing_adds_up_time_cases_and_findings() -> None:
     """A finding is seen in the last row."""
-    row = {"target": "t", "given": "g", "corpus": 2, "seconds": 3, "case_count": 5, "findings": 1}
+    row = {"target": "t", "input": "g", "corpus": 2, "seconds": 3, "case_count": 5, "findings": 1}
     page = fuzz_page([row, {**row, "target": "u", "findings": 0}])
     assert "| t | g | 2 | 3 | 5 | 1 |" in page
     assert "| **all** |  |  | 6 | 10 | 1 |" in page

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The campaign: every target for the same time, first its corpus, then damaged content.
+"""The fuzzing campaign: every target for the same time, first its corpus, then mutated content.
 
-`python -m verification.fuzz.campaign [SECONDS [SEED]]` gives each target so many seconds, writes
-`verification/fuzz/results.json` and from it docs/reference/fuzzing.md. What a target does not bear
-is kept
-in build/fuzz/findings; `python -m verification.fuzz.campaign --give FILE` gives such a file again.
+`python -m verification.fuzz.campaign [SECONDS [SEED]]` runs each target for so many seconds and
+writes `verification/fuzz/results.json` and from it docs/reference/fuzzing.md. Inputs with a finding
+are kept in build/fuzz/findings; `--repeat FILE` runs such a file again.
 """
 
 from __future__ import annotations
@@ -31,10 +30,10 @@ RESULTS = ROOT / "verification" / "fuzz" / "results.json"
 CORPUS = Path(__file__).resolve().parent / "corpus"
 BUILD = ROOT / "build" / "fuzz"
 TARGET_SECONDS = 20
-IN_RUST = 5
-GROWTH_MOST_KB = 512 * 1024
-GIVEN = {
-    "damaged image": "ELF files with and without debug information, damaged; run if accepted",
+RUST_TARGETS = 5
+GROWTH_MAX_KB = 512 * 1024
+INPUTS = {
+    "damaged image": "ELF files with and without debug information, mutated; run if accepted",
     "damaged configuration": "JSON with wrong bytes; a brick is run if it is accepted",
     "random program": "random words as ARM and Thumb code",
     "random register writes": "programs that write random values to all peripherals",
@@ -42,7 +41,7 @@ GIVEN = {
 }
 
 
-def image() -> Path:
+def build_image() -> Path:
     """The image with debug information; built in the folder with the corpus of the Rust targets."""
     folder = BUILD / "corpus"
     shutil.rmtree(folder, ignore_errors=True)
@@ -55,10 +54,10 @@ def image() -> Path:
     return elf
 
 
-def in_rust(seconds: int, seed: int) -> list[dict[str, Any]]:
-    """The facade's own targets."""
+def run_rust_targets(seconds: int, seed: int) -> list[dict[str, Any]]:
+    """The targets of the Rust facade."""
     command = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "virtual-brick"]
-    command += ["--example", "fuzz", "--", str(IN_RUST * seconds), str(seed)]
+    command += ["--example", "fuzz", "--", str(RUST_TARGETS * seconds), str(seed)]
     command += [str(BUILD / "corpus")]
     crates = ROOT / "virtual-brick"
     done = subprocess.run(command, cwd=crates, capture_output=True, text=True)
@@ -69,7 +68,7 @@ def in_rust(seconds: int, seed: int) -> list[dict[str, Any]]:
     return [
         {
             "target": row["target"],
-            "given": GIVEN[row["target"]],
+            "input": INPUTS[row["target"]],
             "corpus": row["corpus"],
             "seconds": seconds,
             "case_count": row["case_count"],
@@ -79,8 +78,8 @@ def in_rust(seconds: int, seed: int) -> list[dict[str, Any]]:
     ]
 
 
-def _bears(target: Target, content: bytes) -> bool:
-    """Whether a case passed; what was not borne is kept."""
+def _passes(target: Target, content: bytes) -> bool:
+    """Whether a case passed; an input with a finding is kept."""
     try:
         target.case(content)
     except KeyboardInterrupt:
@@ -101,22 +100,22 @@ def _name(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:8]
 
 
-def of_target(target: Target, seconds: float, seed: int) -> dict[str, Any]:
-    """Corpus, then damaged content until the time is over."""
+def fuzz_target(target: Target, seconds: float, seed: int) -> dict[str, Any]:
+    """Corpus, then mutated content until the time is over."""
     numbers = random.Random(seed)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     end = time.monotonic() + seconds
-    results = [_bears(target, content) for content in target.corpus]
+    results = [_passes(target, content) for content in target.corpus]
     while time.monotonic() < end:
-        content = target.damage(numbers, numbers.choice(target.corpus))
-        results.append(_bears(target, content))
+        content = target.mutate(numbers, numbers.choice(target.corpus))
+        results.append(_passes(target, content))
     growth = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
-    if growth > GROWTH_MOST_KB:
+    if growth > GROWTH_MAX_KB:
         print(f"{target.name}: memory grew by {growth} KB", file=sys.stderr)
         results.append(False)
     return {
         "target": target.name,
-        "given": target.given,
+        "input": target.input,
         "corpus": len(target.corpus),
         "seconds": round(seconds),
         "case_count": len(results),
@@ -126,12 +125,12 @@ def of_target(target: Target, seconds: float, seed: int) -> dict[str, Any]:
 
 def campaign(seconds: int = TARGET_SECONDS, seed: int = 1) -> list[dict[str, Any]]:
     """Every target; the rows, which are also written."""
-    program = image()
-    rows = in_rust(seconds, seed)
+    program = build_image()
+    rows = run_rust_targets(seconds, seed)
     for make in targets(program):
         target = make()
         try:
-            rows.append(of_target(target, seconds, seed))
+            rows.append(fuzz_target(target, seconds, seed))
         finally:
             target.close()
     tables.write_rows(RESULTS, rows)
@@ -145,21 +144,21 @@ def suite() -> Counts:
     return Counts(count, count - sum(row["findings"] for row in rows))
 
 
-def give(file: Path) -> int:
-    """A kept content to the target in its name; 1 when it is still not borne."""
-    for make in targets(image()):
+def repeat_finding(file: Path) -> int:
+    """Run a kept input again with the target in its name; raises as the target does."""
+    for make in targets(build_image()):
         target = make()
         if file.name.startswith(target.name.replace(", ", "-").replace(" ", "-")):
             target.case(file.read_bytes())
-            print("borne")
+            print("passed")
             return 0
     raise SystemExit(f"{file}: no target in its name")
 
 
 def main(arguments: list[str]) -> int:
     """The campaign, its page; 1 when something was found."""
-    if arguments[:1] == ["--give"]:
-        return give(Path(arguments[1]))
+    if arguments[:1] == ["--repeat"]:
+        return repeat_finding(Path(arguments[1]))
     rows = campaign(*(int(text) for text in arguments[:2]))
     for row in rows:
         print(f"{row['target']}: {row['case_count']} cases, {row['findings']} findings")

@@ -28,7 +28,7 @@ from ravenbrick.brick.snapshot import Snapshot, SnapshotError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.stimuli import TimedInput
 
-from verification.fuzz.damage import damaged, damaged_snapshot
+from verification.fuzz.mutation import mutate_bytes, mutate_snapshot
 
 __all__ = ["Target", "targets"]
 
@@ -40,28 +40,28 @@ CONFIGURATION = (HERE / "corpus" / "configuration" / "vehicle.json").read_text()
 BRICK = json.dumps({"bluetooth": json.loads(CONFIGURATION)["bluetooth"]})
 LIST = struct.pack(">HHI", 0x0111, 0x8005, 0)
 LOOPBACK = "127.0.0.1"
-# A file may say honestly that it was saved after hours; such a one is read, but not run here.
-RUN_CYCLES_MOST = 10_000_000
-PIECES_MOST = 12
+# A valid file may have been saved after hours of run; it is read, but not run here.
+RUN_CYCLES_MAX = 10_000_000
+PIECES_MAX = 12
 REPLAYED_EACH = 16
 PATIENCE_S = 20.0
 
 
 class Target(Protocol):
-    """Something that is given content from outside."""
+    """A part of the virtual brick that takes content from outside."""
 
     name: str
-    given: str
+    input: str
     corpus: list[bytes]
 
-    def damage(self, numbers: random.Random, content: bytes) -> bytes:
-        """Content gone wrong."""
+    def mutate(self, numbers: random.Random, content: bytes) -> bytes:
+        """Mutated content."""
 
     def case(self, content: bytes) -> None:
-        """Give it; raises when it is not refused in good order."""
+        """Run one case; raises when the content is neither accepted nor refused with a cause."""
 
     def close(self) -> None:
-        """No more cases."""
+        """Release what the target holds."""
 
 
 def _stored(kind: str) -> list[bytes]:
@@ -72,12 +72,12 @@ class SnapshotFiles:
     """Snapshot files, loaded and restored."""
 
     name = "malformed snapshot"
-    given = "snapshot files with wrong bytes or fields, mostly under a right sum"
+    input = "snapshot files with wrong bytes or fields, mostly with a correct checksum"
 
     def __init__(self, image: Path) -> None:
         self._image: ElfImage = read_image(image)
         self._folder = tempfile.TemporaryDirectory()
-        self._path = Path(self._folder.name) / "given.rbs"
+        self._path = Path(self._folder.name) / "input.rbs"
         self.corpus = [self._saved(inputs) for inputs in ((), (TimedInput(5, "touch.1", 1.0),))]
 
     def _saved(self, inputs: tuple[TimedInput, ...]) -> bytes:
@@ -90,14 +90,14 @@ class SnapshotFiles:
         Snapshot.take(brick, CONFIGURATION, self._image, inputs, probes).save(self._path)
         return self._path.read_bytes()
 
-    def damage(self, numbers: random.Random, content: bytes) -> bytes:
-        return damaged_snapshot(numbers, content)
+    def mutate(self, numbers: random.Random, content: bytes) -> bytes:
+        return mutate_snapshot(numbers, content)
 
     def case(self, content: bytes) -> None:
         self._path.write_bytes(content)
         with contextlib.suppress(SnapshotError):
             snapshot = Snapshot.load(self._path)
-            if snapshot.cycles < RUN_CYCLES_MOST:
+            if snapshot.cycles < RUN_CYCLES_MAX:
                 snapshot.restore(virtual_brick, self._image)
 
     def close(self) -> None:
@@ -105,7 +105,7 @@ class SnapshotFiles:
 
 
 class LivePeer:
-    """A peer on the Bluetooth or the USB/IP port of a brick that runs LEGO's firmware.
+    """A peer on the Bluetooth or USB/IP port of a brick that runs LEGO's firmware.
 
     After each session a well-behaved host must find the USB port served, unless LEGO's firmware was
     misled to what a strict brick stops at, such as a wild pointer; now and then the record of the
@@ -114,7 +114,7 @@ class LivePeer:
 
     def __init__(self, kind: str) -> None:
         self.name = f"hostile peer, {kind}"
-        self.given = f"sessions with wrong bytes on the {kind} port, cut into pieces, hung up"
+        self.input = f"sessions with wrong bytes on the {kind} port, cut into pieces, hung up"
         self.corpus = _stored(kind)
         self._usb = kind == "usb-ip"
         self._brick = virtual_brick.VirtualBrick.from_binary(BRICK, FIRMWARE.read_bytes(), FLASH)
@@ -122,8 +122,8 @@ class LivePeer:
         self._start = self._brick.snapshot()
         self._sessions = 0
 
-    def damage(self, numbers: random.Random, content: bytes) -> bytes:
-        return damaged(numbers, content)
+    def mutate(self, numbers: random.Random, content: bytes) -> bytes:
+        return mutate_bytes(numbers, content)
 
     def case(self, content: bytes) -> None:
         self._brick.restore(self._start)
@@ -141,20 +141,20 @@ class LivePeer:
     def _session(self, content: bytes, port: TcpPort, usb: UsbIpServer, record: LiveRecord) -> None:
         number = usb.port if self._usb else int(port.address.partition(":")[2])
         client = socket.create_connection((LOOPBACK, number), timeout=PATIENCE_S)
-        size = max(1, -(-len(content) // PIECES_MOST))
+        size = max(1, -(-len(content) // PIECES_MAX))
         pieces = [content[at : at + size] for at in range(0, len(content), size)]
         live = LiveRun(self._brick, port, record, "1234", speed=0, usb_ip=usb)
         stopped = live.run(None, stop=_sender(client, pieces))
         client.close()
         if stopped.reason == "fault":
             return
-        with socket.create_connection((LOOPBACK, usb.port), timeout=PATIENCE_S) as honest:
-            honest.sendall(LIST)
-            honest.setblocking(False)
+        with socket.create_connection((LOOPBACK, usb.port), timeout=PATIENCE_S) as regular:
+            regular.sendall(LIST)
+            regular.setblocking(False)
             answer = bytearray()
-            stopped = live.run(None, stop=_receiver(honest, answer, 12))
+            stopped = live.run(None, stop=_receiver(regular, answer, 12))
         assert stopped.reason == "fault" or answer[:8] == struct.pack(">HHI", 0x0111, 5, 0), (
-            "USB/IP is not served any more"
+            "USB/IP is no longer served"
         )
 
     def close(self) -> None:
@@ -192,10 +192,10 @@ def _receiver(client: socket.socket, answer: bytearray, count: int) -> Callable[
 
 
 class DebugPeer:
-    """A peer on the debugger's socket; afterwards the server must answer an honest one."""
+    """A peer on the debugger's socket; afterwards the server must answer a regular one."""
 
     name = "hostile peer, gdb"
-    given = "sessions of GDB's protocol with wrong packets, hung up anywhere"
+    input = "sessions of GDB's protocol with wrong packets, hung up anywhere"
 
     def __init__(self, image: Path) -> None:
         self.corpus = _stored("gdb")
@@ -217,8 +217,8 @@ class DebugPeer:
         assert isinstance(port, int), port
         self._port = port
 
-    def damage(self, numbers: random.Random, content: bytes) -> bytes:
-        return damaged(numbers, content)
+    def mutate(self, numbers: random.Random, content: bytes) -> bytes:
+        return mutate_bytes(numbers, content)
 
     def case(self, content: bytes) -> None:
         with socket.create_connection((LOOPBACK, self._port), timeout=PATIENCE_S) as client:
@@ -226,12 +226,12 @@ class DebugPeer:
             with contextlib.suppress(OSError):
                 client.sendall(content)
                 client.recv(4096)
-        with socket.create_connection((LOOPBACK, self._port), timeout=PATIENCE_S) as honest:
-            honest.settimeout(PATIENCE_S)
-            honest.sendall(b"$?#3f")
+        with socket.create_connection((LOOPBACK, self._port), timeout=PATIENCE_S) as regular:
+            regular.settimeout(PATIENCE_S)
+            regular.sendall(b"$?#3f")
             answer = b""
             while b"#" not in answer:
-                piece = honest.recv(4096)
+                piece = regular.recv(4096)
                 assert piece, f"the server hung up: {self._failure()}"
                 answer += piece
         assert answer.lstrip(b"+").startswith((b"$T", b"$S", b"$W")), answer

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bounds of all examples beside what their runs show, as a page.
+"""Bounds of all examples versus observations, as a page.
 
 `python -m verification.timing.examples [NAME ...] [--hunt N] [--hours 1]` builds and analyses the
-named examples (all unless given), keeps the figures in `build/verification/timing-bounds.json` and
+named examples (default: all), keeps the figures in `build/verification/timing-bounds.json` and
 writes `docs/reference/timing-bounds.md` from them. What the campaigns found is added from
 `random_sets.json` and `program_campaign.json`.
 """
@@ -20,7 +20,7 @@ from typing import Any
 
 from ravenbrick.timing.loop import margin_words
 
-from verification.timing.just_missed import MISSED, REACHED, UNEXPLAINED
+from verification.timing.unreached_bounds import MISSED, REACHED, UNEXPLAINED
 
 __all__ = ["EXAMPLES", "analysed", "judge", "keep", "page"]
 
@@ -37,7 +37,7 @@ EXAMPLES = {
     "remote-joystick": "steer",
 }
 PARTS = (
-    ("own time", "own_cycles", "execution_cycles"),
+    ("net execution time", "own_cycles", "execution_cycles"),
     ("interference", "interference_cycles", "interference_cycles"),
     ("interrupts", "interrupts_cycles", "interrupt_cycles"),
     ("blocking", "blocking_cycles", "blocking_cycles"),
@@ -71,7 +71,8 @@ def _short(answer: dict[str, Any]) -> dict[str, Any]:
     result = {key: answer[key] for key in keys}
     if "hunt" in answer:
         searched = {
-            name: [found[key] for key in SEARCHED] for name, found in answer["hunt"]["tasks"].items()
+            name: [found[key] for key in SEARCHED]
+            for name, found in answer["hunt"]["tasks"].items()
         }
         result["search"] = {"attempts": answer["hunt"]["attempts"], "tasks": searched}
     if "long_run" in answer:
@@ -107,7 +108,7 @@ def _remote(names: Sequence[str]) -> bool:
 
 
 def judge(results: dict[str, dict[str, Any]]) -> tuple[int, int]:
-    """Comparisons of a bound with what was seen, and those in which it is not below."""
+    """Comparisons of a bound with an observation, and those in which the bound holds."""
     pairs = []
     for result in results.values():
         for task in result["tasks"]:
@@ -163,14 +164,14 @@ def _search_lines(search: dict[str, Any]) -> list[str]:
     )
     return [
         "",
-        f"Hunted in {search['attempts']} variants; longest responses of the scenario as it is / of "
-        f"variants whose link holds / of all: {text}.",
+        f"Worst-case search over {search['attempts']} variants. Longest responses in the scenario "
+        f"itself / in variants with an undisturbed link / in all variants: {text}.",
     ]
 
 
 def _long_lines(run: dict[str, Any], tasks: Sequence[dict[str, Any]]) -> list[str]:
     bounds = {task["name"]: task["response_bound_cycles"] for task in tasks}
-    lines = ["", f"The run over and over for {run['seconds']:.0f} s of the brick:", ""]
+    lines = ["", f"The run repeated for {run['seconds']:.0f} s of virtual time:", ""]
     head = ("task", "jobs", "response min", "mean", "max", "bound", "ratio", "latency max")
     lines += [_line((*head, "misses")), _line(["---"] + ["---:"] * len(head))]
     for name, found in run["tasks"].items():
@@ -195,9 +196,9 @@ def _example(name: str, result: dict[str, Any]) -> list[str]:
         edge, margins = chain["edge_max_cycles"], chain["phase_margin"]
         lines.append(
             f"From {chain['name']}: at most {chain['edge_bound_cycles']} cycles"
-            + ("" if edge is None else f", seen {edge}")
+            + ("" if edge is None else f", observed {edge}")
             + f"; from the sample at most {chain['sample_bound_cycles']}, "
-            f"seen {chain['sample_min_cycles']} to {chain['sample_max_cycles']}"
+            f"observed {chain['sample_min_cycles']} to {chain['sample_max_cycles']}"
             + (f"; {margin_words(margins)}." if margins else ".")
         )
     lines += ["", *(f"- {line}." for line in result["why_apart"])]
@@ -209,7 +210,7 @@ def _example(name: str, result: dict[str, Any]) -> list[str]:
 
 
 def _efforts(results: dict[str, dict[str, Any]]) -> list[str]:
-    lines = ["", "## What the analysis takes", ""]
+    lines = ["", "## Effort of the analysis", ""]
     lines += [_line(("example", "text bytes", "seconds of a processor")), "| --- | ---: | ---: |"]
     rows = sorted(results.items(), key=lambda item: item[1]["effort"]["text_bytes"])
     for name, result in rows:
@@ -246,8 +247,8 @@ def _programs(found: dict[str, Any]) -> list[str]:
         longer, ratio = (max(one[key] for one in missed) for key in ("longer", "ratio"))
         lines += [
             "",
-            f"Why the last ones are far: a job that is longer by at most {longer:.2%} of the "
-            "response runs into",
+            "Why the last ones are far from their bounds: a job that is longer by at most "
+            f"{longer:.2%} of the response runs into",
             f"that release on the brick too, and its bound then lies at most {ratio - 1:.2%} above "
             "the response.",
         ]
@@ -285,12 +286,12 @@ def page(results: dict[str, dict[str, Any]]) -> str:
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
-        "# Bounds beside observations",
+        "# Bounds versus observations",
         "",
-        "Generated by `python -m verification.timing.examples`. Cells are bound / largest seen, in",
-        "cycles of 48.054857 MHz, stacks in bytes. The largest values of a row need not belong to",
-        "one job. Bounds hold for any inputs, also while a link is set up again; rows below a task",
-        "are those of a mode, beside the variants in which nothing disturbs the link",
+        "Generated by `python -m verification.timing.examples`. Cells are bound / largest",
+        "observed value, in cycles of 48.054857 MHz, stacks in bytes. The largest values of a row",
+        "need not belong to one job. Bounds hold for any inputs, also while a link is set up again.",
+        "The rows below a task are its modes, observed in variants with an undisturbed link",
         "([guide](../guides/timing-analysis.md)).",
         "",
         f"{good} of {count} observed values are within their bounds.",
@@ -314,7 +315,7 @@ def keep(found: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
 
 
 def main() -> int:
-    """Analyse, keep, write; 1 when a bound is below what was seen."""
+    """Analyse, keep, write; 1 when an observation exceeds a bound."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", choices=[*EXAMPLES, []])
     parser.add_argument("--hunt", type=int, default=40)

@@ -46,7 +46,7 @@ from ravenbrick.timing.started import Handler
 from ravenbrick.trace.recording import EventKind, decode_events
 
 from verification.support.timing import programs
-from verification.timing.just_missed import CLOSE, Outcome, explain
+from verification.timing.unreached_bounds import CLOSE, Outcome, explain
 
 SLOTS = 8
 FIRST_PRIORITY = 11

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from verification.commands import ROOT, Counts, NoResultError
-from verification.timing.just_missed import MISSED, REACHED
+from verification.timing.unreached_bounds import MISSED, REACHED
 
 __all__ = [
     "bounds_reached",

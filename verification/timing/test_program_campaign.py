@@ -14,8 +14,8 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
-from verification.timing.just_missed import MISSED, REACHED, UNEXPLAINED, explain
 from verification.timing.program_campaign import Load, campaign
+from verification.timing.unreached_bounds import MISSED, REACHED, UNEXPLAINED, explain
 
 
 def test_no_response_time_of_generated_programs_exceeds_its_bound() -> None:

@@ -28,8 +28,8 @@ __all__ = ["PAGE", "feature_bytes", "footprints", "linked_bytes", "object_bytes"
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = ROOT / "docs" / "reference" / "footprint.md"
 STACK_BYTES = 512
-STACKS_BYTES = {"hello": STACK_BYTES, "two": 2 * STACK_BYTES}
-TITLES = {"hello": "hello-task", "two": "two tasks"}
+STACKS_BYTES = {"hello": STACK_BYTES, "two_tasks": 2 * STACK_BYTES}
+TITLES = {"hello": "hello-task", "two_tasks": "two tasks"}
 LAYOUT = "ravenbrick_thread_layout"
 
 # Units of each feature, as the linker's map names their objects
@@ -61,13 +61,13 @@ TIMED = {
     "execution-time clocks": ("a-exetim", "a-extiin", "ravenbrick-execution_times", "accounting"),
 }
 
-# Objects of the program `weighed`; what the program itself keeps in them, in bytes
+# Objects of the program `service_sizes`; what the program itself keeps in them, in bytes
 OBJECTS = {
-    "task, besides its stack": ("parts__cyclic", STACK_BYTES),
-    "protected object": ("parts__plain", 4),
-    "protected object with an entry": ("parts__guarded", 4),
-    "suspension object": ("parts__flag", 0),
-    "timing event": ("parts__event", 0),
+    "task, besides its stack": ("service_uses__cyclic", STACK_BYTES),
+    "protected object": ("service_uses__plain", 4),
+    "protected object with an entry": ("service_uses__guarded", 4),
+    "suspension object": ("service_uses__flag", 0),
+    "timing event": ("service_uses__event", 0),
 }
 
 KEPT = re.compile(
@@ -116,7 +116,7 @@ def _of(units: dict[str, Counter[str]], names: tuple[str, ...], *kinds: str) -> 
 
 def feature_bytes() -> Iterator[tuple[str, int, int | None, int]]:
     """Feature, ARM text, Thumb text, data, from programs that use it."""
-    arm, thumb = (_linked(image_of("weighed", "ram", code)) for code in ("arm", "thumb"))
+    arm, thumb = (_linked(image_of("service_sizes", "ram", code)) for code in ("arm", "thumb"))
     for title, names in FEATURES.items():
         text = (_of(arm, names, "text"), _of(thumb, names, "text"))
         yield title, *text, _of(arm, names, "data", "bss")
@@ -131,7 +131,7 @@ def feature_bytes() -> Iterator[tuple[str, int, int | None, int]]:
 
 def object_bytes() -> Iterator[tuple[str, int]]:
     """What an object of the language takes of the RAM."""
-    with image_of("weighed", "ram", "arm").open("rb") as file:
+    with image_of("service_sizes", "ram", "arm").open("rb") as file:
         table = ELFFile(file).get_section_by_name(".symtab")
         for title, (symbol, own) in OBJECTS.items():
             (entry,) = table.get_symbol_by_name(symbol)

@@ -213,12 +213,12 @@ def _delays(image: str, code: str) -> list[FigureRow]:
 
 def _together(image: str, code: str) -> list[FigureRow]:
     """From the common release of six tasks until the kernel selects the last of them."""
-    observed = Observed.of("together", image, code)
-    first, _ = observed.jobs("six__t1")
-    nominal, starts = observed.jobs(f"six__t{TOGETHER}")
+    observed = Observed.of("simultaneous_releases", image, code)
+    first, _ = observed.jobs("six_tasks__t1")
+    nominal, starts = observed.jobs(f"six_tasks__t{TOGETHER}")
     count = min(len(first), len(nominal))
     if not np.array_equal(first[:count], nominal[:count]):
-        raise RuntimeError("benchmark 'together': the tasks are not released together")
+        raise RuntimeError("benchmark 'simultaneous_releases': the tasks are not released together")
     return [_latency_row("delay until, six tasks released together", starts - nominal)]
 
 

@@ -4,7 +4,7 @@
 
 `python -m verification.benchmarks.runtime.paths` writes docs/internals/run-time-paths.md from a
 run of the
-benchmark `walk`, step by step: one line for each stretch of instructions of one source.
+benchmark `code_paths`, step by step: one line for each stretch of instructions of one source.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def _after_call(steps: Steps, call: int, not_before: int) -> int:
 
 def paths() -> Iterator[tuple[str, list[Stretch]]]:
     """Title and stretches of each path; of calls that repeat, the second."""
-    elf = measure.image_of("walk", "ram", "arm")
+    elf = measure.image_of("code_paths", "ram", "arm")
     steps = steps_of(elf, 0, LAST_CYCLE)
     call = int(_indices(steps, CALL)[1])
     end = _after_call(steps, call, call)

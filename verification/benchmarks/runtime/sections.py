@@ -38,7 +38,7 @@ PROGRAMS = (
     ("jorvik_queues", "jorvik", 1_000_000),
     ("entry_order", "jorvik", 1_500_000),
 )
-CROWD = ("crowd", 1_500_000)
+EQUAL_PRIORITIES = ("equal_priorities", 1_500_000)
 DELAY = "ravenbrick__delays__delay_until"
 RING = "ravenbrick__delays__ring"
 STEPS = 10
@@ -103,7 +103,7 @@ def longest_sections(programs: Iterable[tuple[str, str, int]] = PROGRAMS) -> dic
 def growth() -> tuple[float, float]:
     """Cycles that each delayed task which wakes up no later adds to `delay until`, and each ready
     task as urgent to a release."""
-    program, cycles = CROWD
+    program, cycles = EQUAL_PRIORITIES
     steps = steps_of(measure.image_of(program, "ram", "arm"), 0, cycles)
     found: dict[str, list[int]] = {DELAY: [], RING: []}
     for length, begin, _ in steps.masked():

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  The smallest program with a periodic task, to be weighed
+--  The smallest program with a periodic task; its size is measured
 
 package Greeting is
 

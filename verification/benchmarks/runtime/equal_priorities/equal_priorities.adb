@@ -1,10 +1,10 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with Walking;
-pragma Unreferenced (Walking);
+with Equal_Tasks;
+pragma Unreferenced (Equal_Tasks);
 
-procedure Walk with Priority => 1 is
+procedure Equal_Priorities is
 begin
    null;
-end Walk;
+end Equal_Priorities;

@@ -8,7 +8,7 @@
 
 with System;
 
-package Occasions is
+package Event_Worst_Cases is
 
    Finished : Boolean := False
      with Volatile, Export, Convention => C, External_Name => "finished";
@@ -27,4 +27,4 @@ package Occasions is
    Listener_3 : Listener (3);
    Listener_4 : Listener (4);
 
-end Occasions;
+end Event_Worst_Cases;

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Two tasks that share a protected object with an entry, to be weighed
+--  Two tasks that share a protected object with an entry; its size is measured
 
 package Greeting is
 

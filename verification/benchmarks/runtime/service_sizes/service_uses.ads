@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  One use of each service of the run-time, to be weighed by footprints.py
+--  One use of each service of the run-time; footprints.py reads its sizes
 
 with Ada.Exceptions;
 with Ada.Synchronous_Task_Control;
@@ -10,7 +10,7 @@ with Ada.Task_Identification;
 with Ada.Task_Termination;
 with System;
 
-package Parts is
+package Service_Uses is
 
    Turns : Natural := 0 with Volatile;
 
@@ -43,4 +43,4 @@ package Parts is
    task Receiver with Priority => 12, Storage_Size => 512;
    task Server with Priority => 14, Storage_Size => 512;
 
-end Parts;
+end Service_Uses;

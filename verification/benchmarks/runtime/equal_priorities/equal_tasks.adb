@@ -3,7 +3,7 @@
 
 with Ada.Real_Time; use Ada.Real_Time;
 
-package body Equals is
+package body Equal_Tasks is
 
    task body Equal is
    begin
@@ -11,4 +11,4 @@ package body Equals is
       delay until Time_Last;
    end Equal;
 
-end Equals;
+end Equal_Tasks;

@@ -10,7 +10,7 @@ with Handshake;
 with Series; use Series;
 with Timers; use Timers;
 
-package body Occasions is
+package body Event_Worst_Cases is
 
    type Event_Number is range 1 .. 4;
 
@@ -107,4 +107,4 @@ package body Occasions is
       Finished := True;
    end Play;
 
-end Occasions;
+end Event_Worst_Cases;

@@ -4,7 +4,7 @@
 --  What the chapter on the run-time follows: Low calls a protected procedure and releases High;
 --  High suspends itself again, and Low goes on; then an interrupt's handler releases Server
 
-package Walking is
+package Path_Tasks is
 
    Finished : Boolean := False
      with Volatile, Export, Convention => C, External_Name => "finished";
@@ -13,4 +13,4 @@ package Walking is
    task High with Priority => 12, Storage_Size => 768;
    task Server with Priority => 14, Storage_Size => 768;
 
-end Walking;
+end Path_Tasks;

@@ -61,7 +61,7 @@ class Outcome:
     longer: float = 0.0
 
 
-def _moved(loads: Sequence[L], dice: random.Random) -> list[L]:
+def _with_other_phases(loads: Sequence[L], dice: random.Random) -> list[L]:
     """One phase changed, or all."""
     span = dice.choice(SPANS_US)
     if dice.random() < FRESH:
@@ -72,12 +72,12 @@ def _moved(loads: Sequence[L], dice: random.Random) -> list[L]:
     return found
 
 
-def _hunted(loads: Sequence[L], bound: int, longest: Callable[[list[L]], int]) -> int:
+def _longest_found(loads: Sequence[L], bound: int, longest: Callable[[list[L]], int]) -> int:
     """Longest response found with other phases; above the bound at once."""
     dice = random.Random(1)
     best, most = list(loads), longest(list(loads))
     for _ in range(TRIALS):
-        tried = _moved(best, dice)
+        tried = _with_other_phases(best, dice)
         seen = longest(tried)
         if seen > most:
             best, most = tried, seen
@@ -97,7 +97,7 @@ def explain(
     `any_bound` holds for any phases, `longest` is the longest response of the least urgent task in
     a run, `together` its bound and response at the synchronous release, in cycles.
     """
-    seen = _hunted(loads, any_bound, longest)
+    seen = _longest_found(loads, any_bound, longest)
     if any_bound <= CLOSE * seen:
         return Outcome(REACHED, any_bound / seen)
     bound, first = together(loads)

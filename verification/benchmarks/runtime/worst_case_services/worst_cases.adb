@@ -12,7 +12,7 @@ with Handshake;
 with Series; use Series;
 with Timers; use Timers;
 
-package body Stage is
+package body Worst_Cases is
 
    type Part is (Return_At_Once, Sleep, Pass_The_Gate, Wake_The_Director);
 
@@ -354,4 +354,4 @@ package body Stage is
       Finished := True;
    end Play;
 
-end Stage;
+end Worst_Cases;

@@ -1,10 +1,10 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with Parts;
-pragma Unreferenced (Parts);
+with Service_Uses;
+pragma Unreferenced (Service_Uses);
 
-procedure Weighed is
+procedure Service_Sizes is
 begin
    null;
-end Weighed;
+end Service_Sizes;

@@ -5,7 +5,7 @@ with Ada.Real_Time; use Ada.Real_Time;
 
 with Interfaces; use Interfaces;
 
-package body Six is
+package body Six_Tasks is
 
    State : Unsigned_32 := 1;
    Step  : Time_Span := Milliseconds (1) with Volatile;
@@ -31,4 +31,4 @@ package body Six is
       delay until Time_Last;
    end Cyclic;
 
-end Six;
+end Six_Tasks;

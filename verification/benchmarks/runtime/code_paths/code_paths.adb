@@ -1,10 +1,10 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with Six;
-pragma Unreferenced (Six);
+with Path_Tasks;
+pragma Unreferenced (Path_Tasks);
 
-procedure Together with Priority => 1 is
+procedure Code_Paths with Priority => 1 is
 begin
    null;
-end Together;
+end Code_Paths;

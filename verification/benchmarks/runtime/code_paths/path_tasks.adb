@@ -10,7 +10,7 @@ with Series;
 with Shared;
 with Timers; use Timers;
 
-package body Walking is
+package body Path_Tasks is
 
    Released : Suspension_Object;
    Served   : Suspension_Object;
@@ -53,4 +53,4 @@ package body Walking is
       end loop;
    end Server;
 
-end Walking;
+end Path_Tasks;

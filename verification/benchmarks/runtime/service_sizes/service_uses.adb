@@ -4,7 +4,7 @@
 with Ada.Dispatching;
 with Ada.Real_Time; use Ada.Real_Time;
 
-package body Parts is
+package body Service_Uses is
 
    use Ada.Synchronous_Task_Control;
    use Ada.Real_Time.Timing_Events;
@@ -83,4 +83,4 @@ package body Parts is
       end loop;
    end Server;
 
-end Parts;
+end Service_Uses;

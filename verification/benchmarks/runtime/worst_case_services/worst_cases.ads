@@ -8,7 +8,7 @@
 
 with System;
 
-package Stage is
+package Worst_Cases is
 
    Wraps : constant := 4;
    --  Of the clock's count; the scenes are played once for each
@@ -30,4 +30,4 @@ package Stage is
    Actor_3 : Actor (3);
    Actor_4 : Actor (4);
 
-end Stage;
+end Worst_Cases;

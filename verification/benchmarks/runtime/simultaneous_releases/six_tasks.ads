@@ -4,7 +4,7 @@
 --  Six tasks that are released together, again and again, at instants of random phase; the
 --  observer of the threads takes the times
 
-package Six is
+package Six_Tasks is
 
    Samples : constant := 10_500;
 
@@ -22,4 +22,4 @@ package Six is
    T5 : Cyclic (12);
    T6 : Cyclic (Last_Rank);
 
-end Six;
+end Six_Tasks;

@@ -4,10 +4,10 @@
 --  Sixteen tasks that delay themselves one after the other until the same time, each behind all
 --  that came before it: how critical sections grow with the number of tasks
 
-package Equals is
+package Equal_Tasks is
 
    task type Equal with Priority => 10, Storage_Size => 384;
 
-   Crowd : array (1 .. 16) of Equal;
+   All_Equal : array (1 .. 16) of Equal;
 
-end Equals;
+end Equal_Tasks;

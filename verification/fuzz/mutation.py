@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How right content is damaged."""
+"""How right content is mutate_bytes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import random
 import struct
 from typing import Any
 
-__all__ = ["damaged", "damaged_snapshot"]
+__all__ = ["mutate_bytes", "mutate_snapshot"]
 
 EDGES = (0, 1, 0x7F, 0x80, 0xFF)
-# JSON that another writer could put anywhere.
-ODD: tuple[Any, ...] = (
+# JSON values that are wrong in most places.
+ODD_VALUES: tuple[Any, ...] = (
     None,
     True,
     -1,
@@ -41,7 +41,7 @@ ODD: tuple[Any, ...] = (
 )
 
 
-def damaged(numbers: random.Random, content: bytes) -> bytes:
+def mutate_bytes(numbers: random.Random, content: bytes) -> bytes:
     """Some bytes changed, removed, repeated or added, or the rest cut off."""
     bad = bytearray(content)
     for _ in range(numbers.randint(1, 8)):
@@ -61,13 +61,13 @@ def damaged(numbers: random.Random, content: bytes) -> bytes:
     return bytes(bad)
 
 
-def damaged_snapshot(numbers: random.Random, content: bytes) -> bytes:
-    """A snapshot file whose bytes or whose fields are wrong, mostly under a right sum."""
+def mutate_snapshot(numbers: random.Random, content: bytes) -> bytes:
+    """A snapshot file with wrong bytes or fields, mostly with a correct checksum."""
     body = content[:-32]
     if numbers.randrange(2):
         body = _with_odd_field(numbers, body)
     else:
-        body = damaged(numbers, body)
+        body = mutate_bytes(numbers, body)
     if numbers.randrange(8) == 0:
         return body + content[-32:]
     return body + hashlib.sha256(body).digest()
@@ -81,9 +81,9 @@ def _with_odd_field(numbers: random.Random, body: bytes) -> bytes:
     if numbers.randrange(8) == 0:
         del fields[name]
     elif numbers.randrange(8) == 0:
-        fields = numbers.choice(ODD)
+        fields = numbers.choice(ODD_VALUES)
     else:
-        fields[name] = numbers.choice(ODD)
+        fields[name] = numbers.choice(ODD_VALUES)
     header = json.dumps(fields).encode()
     return (
         body[:mark] + struct.pack("<II", version, len(header)) + header + body[mark + 8 + length :]
