@@ -20,18 +20,6 @@ from verification.support.bricks.runtime_programs import (
 
 RAM = 0x0020_0000
 
-FIGURES = (
-    "stopwatch", "protected_call", "round_trip", "suspend_to_next", "entry_opened",
-    "to_handler", "to_task", "to_handler_max", "to_task_max", "interrupts",
-)  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def figures(run: Runner) -> dict[str, int]:
-    """What the program that measures itself found."""
-    result = run("figures")
-    return dict(zip(FIGURES, result.words("results", len(FIGURES)), strict=True))
-
 
 def states_of(elf: Path) -> dict[str, str]:
     """State of each function: bit 0 of a symbol tells Thumb code (ARM IHI 0044F 5.5.3)."""
@@ -107,25 +95,7 @@ class TestFootprint:
     """Tasks, delay until, protected entry, suspension object and interrupts in one program."""
 
     @pytest.mark.parametrize("state", ["arm", "thumb"])
-    def test_the_weighed_program_works(self, run: Runner, state: str) -> None:
+    def test_the_footprint_program_works(self, run: Runner, state: str) -> None:
         """Two turns of each period of 2 ms."""
         result = run("footprint", cycles=101 * CYCLES_PER_MS, code=state, runtime=state)
         assert 98 <= result.brick.read_int("turns", "u32") <= 101
-
-
-class TestFigures:
-    """Costs in cycles of programs in RAM and ARM state; goals of the run-time."""
-
-    @pytest.mark.parametrize(
-        ("figure", "limit_cycles"),
-        [("suspend_to_next", 90), ("entry_opened", 300), ("to_handler", 80), ("to_task", 300)],
-    )
-    def test_a_primitive_costs_at_most_its_goal(
-        self, figures: dict[str, int], figure: str, limit_cycles: int
-    ) -> None:
-        """As measured by the program itself, less the reading of the stopwatch."""
-        assert 0 < figures[figure] - figures["stopwatch"] <= limit_cycles
-
-    def test_a_protected_procedure_costs_at_most_60_cycles(self, figures: dict[str, int]) -> None:
-        """Lock and unlock without contention, less a plain call, mean of 100."""
-        assert 0 < figures["protected_call"] <= 60 * 100
