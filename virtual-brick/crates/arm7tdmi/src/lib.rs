@@ -12,6 +12,19 @@
 //!
 //! [`Cpu`] is plain data: it can be cloned, compared and inspected at any instruction boundary.
 
+/// Instances of a generic function, one for each value of its last constant argument.
+macro_rules! instances {
+    ($function:ident::<$($fixed:ident,)* [$($value:literal)*]>) => {
+        instances!(@ $function [$($value)*] ($($fixed),*))
+    };
+    (@ $function:ident [$($value:literal)*] $fixed:tt) => {
+        [$(instances!(@@ $function $value $fixed)),*]
+    };
+    (@@ $function:ident $value:literal ($($fixed:ident),*)) => {
+        $function::<$($fixed,)* $value>
+    };
+}
+
 pub mod alu;
 mod blocks;
 pub mod bus;

@@ -3,6 +3,8 @@
 //! Formats of the two instruction sets: the one place where encodings are told apart. The core's
 //! handler tables and [`crate::instruction`] are both built on it.
 
+use crate::bus::Width;
+
 /// Formats of ARM state (DDI 0029E, figure 4-1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ArmFormat {
@@ -227,5 +229,20 @@ pub(crate) const fn list_and_size(list: u32) -> (u32, u32) {
     match list & 0xFFFF {
         0 => (1 << 15, 0x40),
         list => (list, 4 * list.count_ones()),
+    }
+}
+
+/// Formats 7 and 8: load, width and sign by bits 11:9.
+#[inline(always)]
+pub(crate) const fn register_access(kind: u32) -> (bool, Width, bool) {
+    match kind {
+        0 => (false, Width::Word, false),
+        1 => (false, Width::Halfword, false),
+        2 => (false, Width::Byte, false),
+        3 => (true, Width::Byte, true),
+        4 => (true, Width::Word, false),
+        5 => (true, Width::Halfword, false),
+        6 => (true, Width::Byte, false),
+        _ => (true, Width::Halfword, true),
     }
 }

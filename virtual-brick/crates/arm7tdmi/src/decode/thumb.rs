@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Operands of Thumb opcodes, as those of their ARM equivalents (DDI 0029E, chapter 5).
 
-use super::format::{list_and_size, thumb_format, ConstantOperation, ThumbFormat};
+use super::format::{list_and_size, register_access, thumb_format, ConstantOperation, ThumbFormat};
 use crate::bus::Width;
 use crate::instruction::{
     AluOperation, BlockTransfer, DataProcessing, Multiply, MultiplyKind, Operand, Operation,
@@ -234,20 +234,6 @@ fn high_register(opcode: u32, operation: ConstantOperation) -> Operation {
         first: destination,
         second: Operand::register(opcode >> 3 & 15),
     })
-}
-
-/// Formats 7 and 8: load, width and sign by bits 11:9.
-fn register_access(kind: u32) -> (bool, Width, bool) {
-    match kind {
-        0 => (false, Width::Word, false),
-        1 => (false, Width::Halfword, false),
-        2 => (false, Width::Byte, false),
-        3 => (true, Width::Byte, true),
-        4 => (true, Width::Word, false),
-        5 => (true, Width::Halfword, false),
-        6 => (true, Width::Byte, false),
-        _ => (true, Width::Halfword, true),
-    }
 }
 
 fn transfer(

@@ -44,22 +44,6 @@ impl Cpu {
     }
 }
 
-/// The instance of a handler whose first constant argument equals a value below 32.
-macro_rules! instance_of_32 {
-    ($value:expr, $handler:ident, $fixed:expr) => {
-        instance_of_32!($value, $handler, $fixed, [
-            0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15
-            16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31
-        ])
-    };
-    ($value:expr, $handler:ident, $fixed:expr, [$($number:literal)*]) => {
-        match $value {
-            $($number => $handler::<B, $number, { $fixed }> as Handler<B>,)*
-            _ => undefined::<B> as Handler<B>,
-        }
-    };
-}
-
 /// The handler of the format that an index of the table encodes.
 const fn handler<B: Bus>(index: u32) -> Handler<B> {
     match arm_format(index) {
@@ -82,16 +66,21 @@ const fn handler<B: Bus>(index: u32) -> Handler<B> {
         ArmFormat::Mrs => mrs,
         ArmFormat::MsrRegister => msr_register,
         ArmFormat::MsrConstant => msr_constant,
-        ArmFormat::DataProcessing(kind) => data_processing_handler(index >> 4 & 0x1F, kind),
-        ArmFormat::SingleTransfer {
-            register_offset: false,
-        } => {
-            instance_of_32!(index >> 4 & 0x1F, single_transfer, false)
+        ArmFormat::DataProcessing(kind) => {
+            let of_operation = match kind {
+                OperandKind::Constant => data_processing_handlers::<B, CONSTANT>(),
+                OperandKind::ShiftByConstant => data_processing_handlers::<B, SHIFT_BY_CONSTANT>(),
+                OperandKind::ShiftByRegister => data_processing_handlers::<B, SHIFT_BY_REGISTER>(),
+            };
+            of_operation[(index >> 4 & 0x1F) as usize]
         }
-        ArmFormat::SingleTransfer {
-            register_offset: true,
-        } => {
-            instance_of_32!(index >> 4 & 0x1F, single_transfer, true)
+        ArmFormat::SingleTransfer { register_offset } => {
+            let of_bits = if register_offset {
+                single_transfer_handlers::<B, true>()
+            } else {
+                single_transfer_handlers::<B, false>()
+            };
+            of_bits[(index >> 4 & 0x1F) as usize]
         }
         ArmFormat::BlockTransfer { load: false } => block_data_transfer::<B, false>,
         ArmFormat::BlockTransfer { load: true } => block_data_transfer::<B, true>,
@@ -102,16 +91,16 @@ const fn handler<B: Bus>(index: u32) -> Handler<B> {
     }
 }
 
-const fn data_processing_handler<B: Bus>(operation: u32, kind: OperandKind) -> Handler<B> {
-    match kind {
-        OperandKind::Constant => instance_of_32!(operation, data_processing, CONSTANT),
-        OperandKind::ShiftByConstant => {
-            instance_of_32!(operation, data_processing, SHIFT_BY_CONSTANT)
-        }
-        OperandKind::ShiftByRegister => {
-            instance_of_32!(operation, data_processing, SHIFT_BY_REGISTER)
-        }
-    }
+const fn data_processing_handlers<B: Bus, const KIND: u8>() -> [Handler<B>; 32] {
+    instances!(data_processing::<B, KIND, [
+        0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31
+    ]>)
+}
+
+const fn single_transfer_handlers<B: Bus, const REGISTER_OFFSET: bool>() -> [Handler<B>; 32] {
+    instances!(single_transfer::<B, REGISTER_OFFSET, [
+        0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31
+    ]>)
 }
 
 const CONSTANT: u8 = 0;
@@ -141,7 +130,7 @@ fn operand<B: Bus, const KIND: u8>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> S
 }
 
 /// Data processing; `OPERATION` is bits 24:20: the operation and the S bit.
-fn data_processing<B: Bus, const OPERATION: u8, const KIND: u8>(
+fn data_processing<B: Bus, const KIND: u8, const OPERATION: u8>(
     cpu: &mut Cpu,
     bus: &mut B,
     opcode: u32,

@@ -5,7 +5,6 @@
 use super::fetch::Handler;
 use super::thumb_transfer::{
     load_relative, multiple, push_pop, transfer_constant, transfer_register, transfer_stack,
-    HALFWORD_CONSTANT,
 };
 use crate::alu::{
     add, data_operation, shift_by_constant, shift_by_register, Shifted, ADC, ADD, AND, BIC, CMN,
@@ -50,7 +49,10 @@ impl Cpu {
 /// The handler of the format that an index of the table encodes.
 const fn handler<B: Bus>(index: u32) -> Handler<B> {
     match thumb_format(index) {
-        ThumbFormat::Shift(kind) => shift_handler(kind),
+        ThumbFormat::Shift(kind) => {
+            let of_kind: [Handler<B>; 3] = instances!(shift::<B, [0 1 2]>);
+            of_kind[kind as usize]
+        }
         ThumbFormat::AddSubtract { constant, minus } => match (constant, minus) {
             (false, false) => add_subtract::<B, ADD, false>,
             (false, true) => add_subtract::<B, SUB, false>,
@@ -71,8 +73,14 @@ const fn handler<B: Bus>(index: u32) -> Handler<B> {
         },
         ThumbFormat::BranchExchange => branch_and_exchange,
         ThumbFormat::LoadRelative => load_relative,
-        ThumbFormat::TransferRegister(kind) => transfer_register_handler(kind),
-        ThumbFormat::TransferConstant(kind) => transfer_constant_handler(kind),
+        ThumbFormat::TransferRegister(kind) => {
+            let of_kind: [Handler<B>; 8] = instances!(transfer_register::<B, [0 1 2 3 4 5 6 7]>);
+            of_kind[kind as usize]
+        }
+        ThumbFormat::TransferConstant(kind) => {
+            let of_kind: [Handler<B>; 6] = instances!(transfer_constant::<B, [0 1 2 3 4 5]>);
+            of_kind[kind as usize]
+        }
         ThumbFormat::TransferStack { load: false } => transfer_stack::<B, false>,
         ThumbFormat::TransferStack { load: true } => transfer_stack::<B, true>,
         ThumbFormat::LoadAddress { stack: false } => load_address::<B, 15>,
@@ -88,14 +96,6 @@ const fn handler<B: Bus>(index: u32) -> Handler<B> {
         ThumbFormat::LongBranchPrefix => long_branch_prefix,
         ThumbFormat::LongBranchSuffix => long_branch_suffix,
         ThumbFormat::Undefined => undefined,
-    }
-}
-
-const fn shift_handler<B: Bus>(kind: u32) -> Handler<B> {
-    match kind {
-        0 => shift::<B, 0>,
-        1 => shift::<B, 1>,
-        _ => shift::<B, 2>,
     }
 }
 
@@ -118,32 +118,6 @@ const fn register_handler<B: Bus>(operation: u32) -> Handler<B> {
         0xD => multiply,
         0xE => two_registers::<B, BIC>,
         _ => two_registers::<B, MVN>,
-    }
-}
-
-/// Formats 7 and 8, by bits 11:9.
-const fn transfer_register_handler<B: Bus>(kind: u32) -> Handler<B> {
-    match kind {
-        0 => transfer_register::<B, 0>,
-        1 => transfer_register::<B, 1>,
-        2 => transfer_register::<B, 2>,
-        3 => transfer_register::<B, 3>,
-        4 => transfer_register::<B, 4>,
-        5 => transfer_register::<B, 5>,
-        6 => transfer_register::<B, 6>,
-        _ => transfer_register::<B, 7>,
-    }
-}
-
-/// Formats 9 and 10: twice the width (word, byte, halfword), plus one for a load.
-const fn transfer_constant_handler<B: Bus>(kind: u32) -> Handler<B> {
-    match kind {
-        0 => transfer_constant::<B, 0b00>,
-        1 => transfer_constant::<B, 0b01>,
-        2 => transfer_constant::<B, 0b10>,
-        3 => transfer_constant::<B, 0b11>,
-        4 => transfer_constant::<B, HALFWORD_CONSTANT>,
-        _ => transfer_constant::<B, { HALFWORD_CONSTANT + 1 }>,
     }
 }
 

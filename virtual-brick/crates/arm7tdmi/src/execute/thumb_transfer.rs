@@ -3,70 +3,32 @@
 //! Thumb state: loads and stores.
 
 use super::block_transfer::Block;
-use crate::bus::{Abort, Bus, Cycle, Width};
+use crate::bus::{Bus, Cycle, Width};
 use crate::cpu::{Cpu, Step};
-use crate::decode::format::list_and_size;
-
-impl Cpu {
-    /// Store of a register with the r15 advance and cycles common to all store formats.
-    #[inline(always)]
-    fn thumb_store<B: Bus>(&mut self, bus: &mut B, address: u32, width: Width, value: u32) -> Step {
-        self.advance_thumb();
-        let stored = bus.write(address, width, value, Cycle::Nonsequential);
-        self.finish_store(bus, stored)
-    }
-
-    #[inline(always)]
-    fn thumb_load<B: Bus>(
-        &mut self,
-        bus: &mut B,
-        destination: u32,
-        loaded: Result<u32, Abort>,
-    ) -> Step {
-        self.advance_thumb();
-        self.finish_load(bus, destination & 7, loaded)
-    }
-}
+use crate::decode::format::{list_and_size, register_access};
 
 /// Format 6: LDR Rd, [PC, #offset] from a word address.
 pub(super) fn load_relative<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
     let base = cpu.registers.pc() & !3;
-    let loaded = cpu.load_word(bus, base.wrapping_add(4 * (opcode & 0xFF)));
-    cpu.thumb_load(bus, opcode >> 8, loaded)
+    let address = base.wrapping_add(4 * (opcode & 0xFF));
+    transfer_item(cpu, bus, (opcode >> 8, true), address, (Width::Word, false))
 }
 
 /// Formats 7 and 8: base and offset in registers; `KIND` is bits 11:9.
-pub(super) fn transfer_register<B: Bus, const KIND: u8>(
+pub(super) fn transfer_register<B: Bus, const KIND: u32>(
     cpu: &mut Cpu,
     bus: &mut B,
     opcode: u32,
 ) -> Step {
     let (base, offset) = (cpu.low_register(opcode, 3), cpu.low_register(opcode, 6));
     let address = base.wrapping_add(offset);
-    let value = cpu.low_register(opcode, 0);
-    match KIND {
-        0b000 => cpu.thumb_store(bus, address, Width::Word, value),
-        0b001 => cpu.thumb_store(bus, address, Width::Halfword, value),
-        0b010 => cpu.thumb_store(bus, address, Width::Byte, value),
-        _ => {
-            let loaded = match KIND {
-                0b011 => cpu.load_signed_byte(bus, address),
-                0b100 => cpu.load_word(bus, address),
-                0b101 => cpu.load_halfword(bus, address),
-                0b110 => cpu.load_byte(bus, address),
-                _ => cpu.load_signed_halfword(bus, address),
-            };
-            cpu.thumb_load(bus, opcode, loaded)
-        }
-    }
+    let (load, width, signed) = register_access(KIND);
+    transfer_item(cpu, bus, (opcode, load), address, (width, signed))
 }
-
-/// Bits B and L of format 9 continue with the halfword pair of format 10.
-pub(super) const HALFWORD_CONSTANT: u8 = 0b100;
 
 /// Formats 9 and 10: base register and a 5-bit offset in units of the width; the lowest bit of
 /// `KIND` tells a load.
-pub(super) fn transfer_constant<B: Bus, const KIND: u8>(
+pub(super) fn transfer_constant<B: Bus, const KIND: u32>(
     cpu: &mut Cpu,
     bus: &mut B,
     opcode: u32,
@@ -78,16 +40,28 @@ pub(super) fn transfer_constant<B: Bus, const KIND: u8>(
     };
     let offset = size * ((opcode >> 6) & 0x1F);
     let address = cpu.low_register(opcode, 3).wrapping_add(offset);
-    if KIND & 1 == 0 {
+    transfer_item(cpu, bus, (opcode, KIND & 1 != 0), address, (width, false))
+}
+
+/// Loads or stores the register in the lowest bits of the opcode.
+#[inline(always)]
+fn transfer_item<B: Bus>(
+    cpu: &mut Cpu,
+    bus: &mut B,
+    (opcode, load): (u32, bool),
+    address: u32,
+    (width, signed): (Width, bool),
+) -> Step {
+    if load {
+        let loaded = cpu.load_item(bus, address, width, signed);
+        cpu.advance_thumb();
+        cpu.finish_load(bus, opcode & 7, loaded)
+    } else {
         let value = cpu.low_register(opcode, 0);
-        return cpu.thumb_store(bus, address, width, value);
+        cpu.advance_thumb();
+        let stored = bus.write(address, width, value, Cycle::Nonsequential);
+        cpu.finish_store(bus, stored)
     }
-    let loaded = match width {
-        Width::Word => cpu.load_word(bus, address),
-        Width::Byte => cpu.load_byte(bus, address),
-        Width::Halfword => cpu.load_halfword(bus, address),
-    };
-    cpu.thumb_load(bus, opcode, loaded)
 }
 
 /// Format 11: relative to SP.
@@ -97,13 +71,7 @@ pub(super) fn transfer_stack<B: Bus, const LOAD: bool>(
     opcode: u32,
 ) -> Step {
     let address = cpu.registers.get(13).wrapping_add(4 * (opcode & 0xFF));
-    if LOAD {
-        let loaded = cpu.load_word(bus, address);
-        cpu.thumb_load(bus, opcode >> 8, loaded)
-    } else {
-        let value = cpu.low_register(opcode, 8);
-        cpu.thumb_store(bus, address, Width::Word, value)
-    }
+    transfer_item(cpu, bus, (opcode >> 8, LOAD), address, (Width::Word, false))
 }
 
 /// Format 14: PUSH with LR, POP with PC. POP to PC stays in Thumb state.

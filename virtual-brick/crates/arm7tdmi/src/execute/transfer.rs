@@ -42,42 +42,24 @@ fn addressing(bits: u8, base: u32, offset: u32) -> Addressing {
 }
 
 impl Cpu {
-    /// LDR: a word from any address, rotated so that the addressed byte comes lowest.
+    /// Reads an item at any address: a word arrives rotated so that the addressed byte comes lowest,
+    /// a halfword from an odd address rotated by a byte, a signed one as its upper byte only.
     #[inline(always)]
-    pub(super) fn load_word<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u32, Abort> {
-        let word = bus.read(address, Width::Word, Cycle::Nonsequential)?;
-        Ok(word.rotate_right(8 * (address & 3)))
-    }
-
-    /// LDRB: zero-extended.
-    #[inline(always)]
-    pub(super) fn load_byte<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u32, Abort> {
-        bus.read(address, Width::Byte, Cycle::Nonsequential)
-    }
-
-    /// LDRH: zero-extended; from an odd address the halfword arrives rotated by a byte.
-    #[inline(always)]
-    pub(super) fn load_halfword<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u32, Abort> {
-        let halfword = bus.read(address, Width::Halfword, Cycle::Nonsequential)?;
-        Ok(halfword.rotate_right(8 * (address & 1)))
-    }
-
-    /// LDRSB: sign-extended.
-    #[inline(always)]
-    pub(super) fn load_signed_byte<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u32, Abort> {
-        let byte = bus.read(address, Width::Byte, Cycle::Nonsequential)?;
-        Ok(byte as u8 as i8 as u32)
-    }
-
-    /// LDRSH: sign-extended; from an odd address only its upper byte arrives.
-    #[inline(always)]
-    pub(super) fn load_signed_halfword<B: Bus>(
+    pub(super) fn load_item<B: Bus>(
         &self,
         bus: &mut B,
         address: u32,
+        width: Width,
+        signed: bool,
     ) -> Result<u32, Abort> {
-        let halfword = bus.read(address, Width::Halfword, Cycle::Nonsequential)? as u16 as i16;
-        Ok((halfword >> (8 * (address & 1))) as u32)
+        let item = bus.read(address, width, Cycle::Nonsequential)?;
+        Ok(match (width, signed) {
+            (Width::Word, _) => item.rotate_right(8 * (address & 3)),
+            (Width::Halfword, false) => item.rotate_right(8 * (address & 1)),
+            (Width::Halfword, true) => (item as u16 as i16 >> (8 * (address & 1))) as u32,
+            (Width::Byte, false) => item,
+            (Width::Byte, true) => item as u8 as i8 as u32,
+        })
     }
 
     /// Third cycle of a load, and the register write unless the access was aborted.
@@ -116,7 +98,7 @@ impl Cpu {
 }
 
 /// LDR, STR, LDRB, STRB; `BITS` is bits 24:20 (P U B W L).
-pub(super) fn single_transfer<B: Bus, const BITS: u8, const REGISTER_OFFSET: bool>(
+pub(super) fn single_transfer<B: Bus, const REGISTER_OFFSET: bool, const BITS: u8>(
     cpu: &mut Cpu,
     bus: &mut B,
     opcode: u32,
@@ -128,24 +110,20 @@ pub(super) fn single_transfer<B: Bus, const BITS: u8, const REGISTER_OFFSET: boo
     } else {
         opcode & 0xFFF
     };
+    let width = if BITS & BYTE != 0 {
+        Width::Byte
+    } else {
+        Width::Word
+    };
     let (base, register) = (opcode >> 16, opcode >> 12);
     let target = addressing(BITS, cpu.registers.get(base), offset);
     cpu.advance_arm();
     if BITS & LOAD != 0 {
-        let loaded = if BITS & BYTE != 0 {
-            cpu.load_byte(bus, target.address)
-        } else {
-            cpu.load_word(bus, target.address)
-        };
+        let loaded = cpu.load_item(bus, target.address, width, false);
         cpu.write_base(base, target.base);
         cpu.finish_load(bus, register, loaded)
     } else {
         let value = cpu.registers.get(register);
-        let width = if BITS & BYTE != 0 {
-            Width::Byte
-        } else {
-            Width::Word
-        };
         let stored = bus.write(target.address, width, value, Cycle::Nonsequential);
         cpu.write_base(base, target.base);
         cpu.finish_store(bus, stored)
@@ -168,11 +146,12 @@ pub(super) fn halfword_transfer<B: Bus, const IS_LOAD: bool, const KIND: u8>(
     let target = addressing(bits, cpu.registers.get(base), offset);
     cpu.advance_arm();
     if IS_LOAD {
-        let loaded = match KIND {
-            UNSIGNED_HALFWORD => cpu.load_halfword(bus, target.address),
-            SIGNED_BYTE => cpu.load_signed_byte(bus, target.address),
-            _ => cpu.load_signed_halfword(bus, target.address),
+        let (width, signed) = match KIND {
+            UNSIGNED_HALFWORD => (Width::Halfword, false),
+            SIGNED_BYTE => (Width::Byte, true),
+            _ => (Width::Halfword, true),
         };
+        let loaded = cpu.load_item(bus, target.address, width, signed);
         cpu.write_base(base, target.base);
         cpu.finish_load(bus, register, loaded)
     } else {
@@ -189,11 +168,12 @@ pub(super) fn swap<B: Bus>(cpu: &mut Cpu, bus: &mut B, opcode: u32) -> Step {
     let address = cpu.registers.get(opcode >> 16);
     cpu.advance_arm();
     let value = cpu.registers.get(opcode);
-    let (loaded, width) = if opcode & (1 << 22) != 0 {
-        (cpu.load_byte(bus, address), Width::Byte)
+    let width = if opcode & (1 << 22) != 0 {
+        Width::Byte
     } else {
-        (cpu.load_word(bus, address), Width::Word)
+        Width::Word
     };
+    let loaded = cpu.load_item(bus, address, width, false);
     let exchanged = loaded.and_then(|old| {
         bus.write(address, width, value, Cycle::Nonsequential)?;
         Ok(old)

@@ -2,19 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The operations that blocks are made of: one handler for each kind of instruction and operand.
 
-/// Instances of a generic function, one for each value of its last constant argument.
-macro_rules! instances {
-    ($function:ident::<$($fixed:ident,)* [$($value:literal)*]>) => {
-        instances!(@ $function [$($value)*] ($($fixed),*))
-    };
-    (@ $function:ident [$($value:literal)*] $fixed:tt) => {
-        [$(instances!(@@ $function $value $fixed)),*]
-    };
-    (@@ $function:ident $value:literal ($($fixed:ident),*)) => {
-        $function::<$($fixed,)* $value>
-    };
-}
-
 pub(super) mod branch;
 pub(super) mod data;
 pub(super) mod encoding;
