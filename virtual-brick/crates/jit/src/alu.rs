@@ -8,27 +8,7 @@ use cranelift_codegen::ir::{types, InstBuilder, Value};
 
 use crate::flags::{Field, Flag};
 use crate::function::Function;
-
-/// A result with what it makes of C and V.
-enum Outcome {
-    /// C as the shifter leaves it.
-    Logical(Value),
-    Sum(Value, Value, Value),
-    Difference(Value, Value, Value),
-    /// Operands, result and C of an addition with carry.
-    WithCarry(Value, Value, Value, Value),
-}
-
-impl Outcome {
-    const fn result(&self) -> Value {
-        match self {
-            Self::Logical(result)
-            | Self::Sum(_, _, result)
-            | Self::Difference(_, _, result)
-            | Self::WithCarry(_, _, result, _) => *result,
-        }
-    }
-}
+use crate::shift::Shifted;
 
 /// The result of the operation can be computed and dropped: it takes no cycles of its own and sets
 /// no flags.
@@ -50,67 +30,82 @@ impl Function<'_> {
         } else {
             self.get(processing.first)
         };
-        let outcome = self.outcome(processing.operation, first, second.value);
-        if flags {
-            self.set_flags(&outcome, second.carry);
-        }
+        let result = self.result(processing.operation, (first, second), flags);
         if !processing.operation.compares() {
-            self.set(processing.destination, outcome.result());
+            self.set(processing.destination, result);
         }
     }
 
-    fn outcome(&mut self, operation: AluOperation, a: Value, b: Value) -> Outcome {
+    /// The result of an operation, which also sets the flags if they are observed.
+    fn result(
+        &mut self,
+        operation: AluOperation,
+        (a, second): (Value, Shifted),
+        flags: bool,
+    ) -> Value {
+        let b = second.value;
         let ins = self.ins();
         match operation {
-            AluOperation::And | AluOperation::Tst => Outcome::Logical(ins.band(a, b)),
-            AluOperation::Eor | AluOperation::Teq => Outcome::Logical(ins.bxor(a, b)),
-            AluOperation::Orr => Outcome::Logical(ins.bor(a, b)),
-            AluOperation::Bic => Outcome::Logical(ins.band_not(a, b)),
-            AluOperation::Mov => Outcome::Logical(b),
-            AluOperation::Mvn => Outcome::Logical(ins.bnot(b)),
-            AluOperation::Sub | AluOperation::Cmp => Outcome::Difference(a, b, ins.isub(a, b)),
-            AluOperation::Rsb => Outcome::Difference(b, a, ins.isub(b, a)),
-            AluOperation::Add | AluOperation::Cmn => Outcome::Sum(a, b, ins.iadd(a, b)),
-            AluOperation::Adc => self.add_with_carry(a, b),
+            AluOperation::Sub | AluOperation::Cmp => return self.difference(a, b, flags),
+            AluOperation::Rsb => return self.difference(b, a, flags),
+            AluOperation::Add | AluOperation::Cmn => return self.sum(a, b, flags),
+            AluOperation::Adc => return self.sum_with_carry(a, b, flags),
             AluOperation::Sbc => {
                 let inverse = ins.bnot(b);
-                self.add_with_carry(a, inverse)
+                return self.sum_with_carry(a, inverse, flags);
             }
             AluOperation::Rsc => {
                 let inverse = ins.bnot(a);
-                self.add_with_carry(b, inverse)
+                return self.sum_with_carry(b, inverse, flags);
+            }
+            _ => {}
+        }
+        let result = match operation {
+            AluOperation::And | AluOperation::Tst => ins.band(a, b),
+            AluOperation::Eor | AluOperation::Teq => ins.bxor(a, b),
+            AluOperation::Orr => ins.bor(a, b),
+            AluOperation::Bic => ins.band_not(a, b),
+            AluOperation::Mvn => ins.bnot(b),
+            _ => b,
+        };
+        if flags {
+            self.known.flags.set_nz(result);
+            if let Some(carry) = second.carry {
+                self.known.flags.set(Field::Carry, carry);
             }
         }
+        result
     }
 
-    fn add_with_carry(&mut self, a: Value, b: Value) -> Outcome {
+    fn difference(&mut self, a: Value, b: Value, flags: bool) -> Value {
+        let result = self.ins().isub(a, b);
+        if flags {
+            self.known.flags.set_difference(a, b, result);
+        }
+        result
+    }
+
+    fn sum(&mut self, a: Value, b: Value, flags: bool) -> Value {
+        let result = self.ins().iadd(a, b);
+        if flags {
+            let carry = Flag::CarryOut(result, a);
+            self.known.flags.set_sum(a, b, result, carry);
+        }
+        result
+    }
+
+    fn sum_with_carry(&mut self, a: Value, b: Value, flags: bool) -> Value {
         let carry = self.carry();
         let wide = [a, b, carry].map(|value| self.ins().uextend(types::I64, value));
         let sum = self.ins().iadd(wide[0], wide[1]);
         let sum = self.ins().iadd(sum, wide[2]);
         let result = self.ins().ireduce(types::I32, sum);
-        Outcome::WithCarry(a, b, result, sum)
-    }
-
-    fn set_flags(&mut self, outcome: &Outcome, shifter: Option<Flag>) {
-        match *outcome {
-            Outcome::Logical(result) => {
-                self.known.flags.set_nz(result);
-                if let Some(carry) = shifter {
-                    self.known.flags.set(Field::Carry, carry);
-                }
-            }
-            Outcome::Sum(a, b, result) => self.known.flags.set_sum(a, b, result),
-            Outcome::Difference(a, b, result) => self.known.flags.set_difference(a, b, result),
-            Outcome::WithCarry(a, b, result, sum) => {
-                self.known.flags.set_nz(result);
-                let carry = self.ins().ushr_imm(sum, 32);
-                let carry = self.ins().ireduce(types::I32, carry);
-                self.known.flags.set(Field::Carry, Flag::Value(carry));
-                let overflow = Flag::AdditionOverflow(a, b, result);
-                self.known.flags.set(Field::Overflow, overflow);
-            }
+        if flags {
+            let carry = self.ins().ushr_imm(sum, 32);
+            let carry = Flag::Value(self.ins().ireduce(types::I32, carry));
+            self.known.flags.set_sum(a, b, result, carry);
         }
+        result
     }
 
     /// A pure operation, whose result is kept only if the condition holds.

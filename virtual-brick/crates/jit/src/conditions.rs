@@ -10,13 +10,13 @@ use crate::function::Function;
 
 impl Function<'_> {
     /// The value of a flag in the form of the state.
-    pub fn flag(&mut self, field: Field, flag: Flag) -> Value {
-        match flag {
+    pub fn flag(&mut self, field: Field) -> Value {
+        match self.known.flags.get(field) {
             Flag::State => self.load_field(field),
             Flag::Value(value) => value,
             Flag::Constant(value) => self.constant(value),
             Flag::NoBorrow(..) | Flag::CarryOut(..) => {
-                let holds = self.carry_holds(flag);
+                let holds = self.carry_holds();
                 self.ins().uextend(types::I32, holds)
             }
             Flag::SubtractionOverflow(a, b, result) => {
@@ -40,15 +40,15 @@ impl Function<'_> {
         }
     }
 
-    fn carry_holds(&mut self, flag: Flag) -> Value {
-        match flag {
+    fn carry_holds(&mut self) -> Value {
+        match self.known.flags.get(Field::Carry) {
             Flag::NoBorrow(a, b) => {
                 let above = IntCC::UnsignedGreaterThanOrEqual;
                 self.ins().icmp(above, a, b)
             }
             Flag::CarryOut(sum, a) => self.ins().icmp(IntCC::UnsignedLessThan, sum, a),
             _ => {
-                let carry = self.flag(Field::Carry, flag);
+                let carry = self.flag(Field::Carry);
                 self.ins().icmp_imm(IntCC::NotEqual, carry, 0)
             }
         }
@@ -60,33 +60,28 @@ impl Function<'_> {
         {
             return self.ins().icmp(code, a, b);
         }
-        let flags = self.known.flags;
         let holds = match condition & !1 {
             0x0 => {
-                let zero = self.flag(Field::Zero, flags.zero);
+                let zero = self.flag(Field::Zero);
                 self.ins().icmp_imm(IntCC::Equal, zero, 0)
             }
-            0x2 => self.carry_holds(flags.carry),
+            0x2 => self.carry_holds(),
             0x4 => {
-                let negative = self.flag(Field::Negative, flags.negative);
+                let negative = self.flag(Field::Negative);
                 self.is_negative(negative)
             }
             0x6 => {
-                let overflow = self.flag(Field::Overflow, flags.overflow);
+                let overflow = self.flag(Field::Overflow);
                 self.is_negative(overflow)
             }
             0x8 => {
-                let carry = self.carry_holds(flags.carry);
-                let zero = self.flag(Field::Zero, flags.zero);
-                let differs = self.ins().icmp_imm(IntCC::NotEqual, zero, 0);
-                self.ins().band(carry, differs)
+                let carry = self.carry_holds();
+                self.and_not_zero(carry)
             }
             0xA => self.not_less(),
             _ => {
                 let not_less = self.not_less();
-                let zero = self.flag(Field::Zero, flags.zero);
-                let differs = self.ins().icmp_imm(IntCC::NotEqual, zero, 0);
-                self.ins().band(not_less, differs)
+                self.and_not_zero(not_less)
             }
         };
         if condition & 1 == 0 {
@@ -96,15 +91,21 @@ impl Function<'_> {
         }
     }
 
+    /// A condition, and Z is clear.
+    fn and_not_zero(&mut self, condition: Value) -> Value {
+        let zero = self.flag(Field::Zero);
+        let differs = self.ins().icmp_imm(IntCC::NotEqual, zero, 0);
+        self.ins().band(condition, differs)
+    }
+
     fn is_negative(&mut self, value: Value) -> Value {
         self.ins().icmp_imm(IntCC::SignedLessThan, value, 0)
     }
 
     /// N equals V.
     fn not_less(&mut self) -> Value {
-        let flags = self.known.flags;
-        let negative = self.flag(Field::Negative, flags.negative);
-        let overflow = self.flag(Field::Overflow, flags.overflow);
+        let negative = self.flag(Field::Negative);
+        let overflow = self.flag(Field::Overflow);
         let differ = self.ins().bxor(negative, overflow);
         self.ins()
             .icmp_imm(IntCC::SignedGreaterThanOrEqual, differ, 0)
@@ -112,7 +113,7 @@ impl Function<'_> {
 
     /// Carry as 0 or 1.
     pub fn carry(&mut self) -> Value {
-        self.flag(Field::Carry, self.known.flags.carry)
+        self.flag(Field::Carry)
     }
 }
 

@@ -17,6 +17,8 @@ pub(crate) enum Field {
 }
 
 impl Field {
+    pub const ALL: [Self; 4] = [Self::Negative, Self::Zero, Self::Carry, Self::Overflow];
+
     pub const fn offset(self) -> i32 {
         let offset = match self {
             Self::Negative => offset_of!(GuestState, negative),
@@ -50,10 +52,7 @@ pub(crate) enum Flag {
 /// The four flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Flags {
-    pub negative: Flag,
-    pub zero: Flag,
-    pub carry: Flag,
-    pub overflow: Flag,
+    flags: [Flag; 4],
     /// All flags are those of the difference of these.
     pub compared: Option<(Value, Value)>,
     /// Fields whose value is not in the state, one bit each.
@@ -62,42 +61,20 @@ pub(crate) struct Flags {
 
 impl Flags {
     pub const IN_STATE: Self = Self {
-        negative: Flag::State,
-        zero: Flag::State,
-        carry: Flag::State,
-        overflow: Flag::State,
+        flags: [Flag::State; 4],
         compared: None,
         dirty: 0,
     };
 
-    pub const fn each(&self) -> [(Field, Flag); 4] {
-        [
-            (Field::Negative, self.negative),
-            (Field::Zero, self.zero),
-            (Field::Carry, self.carry),
-            (Field::Overflow, self.overflow),
-        ]
-    }
-
     pub const fn get(&self, field: Field) -> Flag {
-        match field {
-            Field::Negative => self.negative,
-            Field::Zero => self.zero,
-            Field::Carry => self.carry,
-            Field::Overflow => self.overflow,
-        }
+        self.flags[field as usize]
     }
 
     /// Sets one flag.
     pub fn set(&mut self, field: Field, flag: Flag) {
         self.compared = None;
         self.dirty |= 1 << field as u8;
-        match field {
-            Field::Negative => self.negative = flag,
-            Field::Zero => self.zero = flag,
-            Field::Carry => self.carry = flag,
-            Field::Overflow => self.overflow = flag,
-        }
+        self.flags[field as usize] = flag;
     }
 
     /// N and Z of a result.
@@ -114,10 +91,10 @@ impl Flags {
         self.compared = Some((a, b));
     }
 
-    /// All of a + b.
-    pub fn set_sum(&mut self, a: Value, b: Value, result: Value) {
+    /// All of a + b, with this carry.
+    pub fn set_sum(&mut self, a: Value, b: Value, result: Value, carry: Flag) {
         self.set_nz(result);
-        self.set(Field::Carry, Flag::CarryOut(result, a));
+        self.set(Field::Carry, carry);
         self.set(Field::Overflow, Flag::AdditionOverflow(a, b, result));
     }
 }

@@ -214,10 +214,9 @@ impl<'a> Function<'a> {
     /// Stores the flags that are not in the state, on one of several paths from here.
     pub fn store_flags(&mut self) {
         let (state, flags) = (self.arguments.state, self.known.flags);
-        for (field, flag) in flags.each() {
+        for field in Field::ALL {
             if flags.dirty >> field as u8 & 1 != 0 {
-                let value = self.flag(field, flag);
-                let offset = field.offset();
+                let (value, offset) = (self.flag(field), field.offset());
                 self.ins().store(of_state(), value, state, offset);
             }
         }
@@ -383,13 +382,12 @@ impl<'a> Function<'a> {
             let index = number as usize;
             now.written >> number & 1 != 0 && now.registers[index] != before.registers[index]
         });
-        let flags = now.flags.each().into_iter().zip(before.flags.each());
+        let fields = Field::ALL
+            .into_iter()
+            .filter(|&field| now.flags.get(field) != before.flags.get(field));
         Changes {
             registers: registers.collect(),
-            fields: flags
-                .filter(|(now, before)| now.1 != before.1)
-                .map(|(now, _)| now.0)
-                .collect(),
+            fields: fields.collect(),
             left: now.left != before.left || now.pending != before.pending,
         }
     }
@@ -401,8 +399,7 @@ impl<'a> Function<'a> {
             values.push(self.peek(register).into());
         }
         for &field in &changes.fields {
-            let flag = self.known.flags.get(field);
-            values.push(self.flag(field, flag).into());
+            values.push(self.flag(field).into());
         }
         if changes.left {
             values.push(self.left_after(0).into());
