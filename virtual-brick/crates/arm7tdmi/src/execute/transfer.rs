@@ -42,8 +42,8 @@ fn addressing(bits: u8, base: u32, offset: u32) -> Addressing {
 }
 
 impl Cpu {
-    /// Reads an item at any address: a word arrives rotated so that the addressed byte comes lowest,
-    /// a halfword from an odd address rotated by a byte, a signed one as its upper byte only.
+    /// Reads an item at any address. A word arrives rotated so that the addressed byte comes
+    /// lowest, a halfword from an odd address rotated by a byte, a signed one as its upper byte.
     #[inline(always)]
     pub(super) fn load_item<B: Bus>(
         &self,
