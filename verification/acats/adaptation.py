@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests that a profile admits once their tasks and objects stand at library level.
 
-`adaptations.toml` says what is done to which test; the suite's text is read where it is, changed
+`adaptations` says what is done to which test; the text of the suite is read where it is, changed
 and built, and nothing of it is kept. A main procedure is *hoisted*: its declarations and those of
 its outer block become a library package, each task gets a static stack, and the statements run
 when the tasks have had their time. Some programs of the suite handle an exception that here ends
@@ -16,13 +16,14 @@ import tomllib
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 from verification.acats.build import Memory
 from verification.acats.suite import AcatsTest, Suite
 
 __all__ = ["MEMORY", "Adaptation", "AdaptationError", "adaptations"]
 
-RULES = Path(__file__).resolve().parent / "adaptations.toml"
+RULES = Path(__file__).resolve().parent / "adaptations"
 STACK_BYTES = 4_096
 SETTLING_SECONDS = 2
 MEMORY = Memory(stack_bytes=8_192, heap_bytes=1_024, secondary_stack_kib=1)
@@ -162,9 +163,12 @@ def _context(before: str) -> tuple[str, str]:
 
 @cache
 def adaptations() -> tuple[Adaptation, ...]:
-    """All programs of `adaptations.toml`."""
+    """All programs of the folder `adaptations`, by the names of their tests."""
     found = []
-    for test, rule in tomllib.loads(RULES.read_text()).items():
+    rules: dict[str, Any] = {}
+    for file in RULES.glob("*.toml"):
+        rules |= tomllib.loads(file.read_text())
+    for test, rule in sorted(rules.items()):
         for variant in rule.get("variants", [{}]):
             changes = [*rule.get("substitutions", ()), *variant.get("substitutions", ())]
             found.append(

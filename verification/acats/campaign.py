@@ -44,7 +44,7 @@ MAKE_VARIABLES = {
     "jorvik-priority": ("PROFILE=jorvik", "QUEUING=priority"),
 }
 ADAPTED = ("adapted",)
-"""In place of a chapter: programs that `adaptations.toml` makes from tests."""
+"""In place of a chapter: programs that the folder `adaptations` makes from tests."""
 WORK = PRODUCTS / "verification" / "acats"
 LESS_HEAP = Memory(heap_bytes=4_096)
 """Of a test that does not fit otherwise."""

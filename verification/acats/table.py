@@ -84,7 +84,7 @@ def table(rows: list[Row]) -> str:
         "|---|---|---|",
     ]
     lines += [f"| {row['test']} | {row['status']} | {row['reason']} |" for row in refused]
-    lines += ["", "## Adapted tests", "", "`adaptations.toml` says how.", ""]
+    lines += ["", "## Adapted tests", "", "The folder `adaptations` says how.", ""]
     lines += ["| Test | Profile | Outcome | Adaptation, or reason |", "|---|---|---|---|"]
     lines += [
         f"| {row['test']} | {row['profile']} | {row['status']} | {row['reason']} |"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from host.tests.schedule.published import HERSCHEL, HERSCHEL_PHASES, SETS
+from verification.support.timing.published_cases import HERSCHEL, HERSCHEL_PHASES, SETS
 
 from ravenbrick.schedule.assignment import audsley, deadline_monotonic, rate_monotonic
 from ravenbrick.schedule.bounds import (

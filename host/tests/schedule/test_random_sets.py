@@ -10,7 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from host.tests.schedule.random_sets import (
+from verification.support.timing.random_task_sets import (
     random_task_set,
     with_jitter,
     with_phases,

@@ -16,8 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from host.tests.telemetry.fake_program import Program, Server, sent
 from typer.testing import CliRunner
+from verification.support.telemetry_program import Program, Server, sent
 from verification.support.web import open_page
 
 from ravenbrick.cli.app import app

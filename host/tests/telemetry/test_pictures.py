@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from host.tests.telemetry.fake_program import Program
+from verification.support.telemetry_program import Program
 
 from ravenbrick.errors import UsageError
 from ravenbrick.telemetry import Session

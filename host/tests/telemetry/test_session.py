@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host.tests.telemetry.fake_program import SIGNALS, Program, sent
+from verification.support.telemetry_program import SIGNALS, Program, sent
 
 from ravenbrick.errors import UsageError
 from ravenbrick.telemetry import Session, VersionError
