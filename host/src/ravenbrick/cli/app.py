@@ -52,7 +52,7 @@ COMMANDS = {
     "live": "Run the program in real time for other programs, such as `ravenbrick monitor`.",
     "monitor": "Show and record live telemetry, change parameters, compare with a design.",
     "new": "Create a project folder from a template; existing files are never overwritten.",
-    "report": "Write report.html, summary.json and PNGs from the last recordings.",
+    "report": "Write report.html, summary.json and SVG charts of the last recordings.",
     "run": "Run a scenario on the virtual brick, record it, and check its pass criteria.",
     "schedule": "Bound the response times of a task set from a file.",
     "sweep": "Run a scenario with random motors within robot.toml's tolerances; check every run.",
