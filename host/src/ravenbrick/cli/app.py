@@ -38,7 +38,7 @@ Result = dict[str, Any]
 # Commands by name; the sentence is their help.
 COMMANDS = {
     "analyse": "Bound execution and response times from the binary and compare them with a run.",
-    "bind": "Write the Ada binding of a generated model from its header, beside the model's C.",
+    "bind": "Copy the C of an Embedded Coder model and write its Ada binding.",
     "build": "Compile, bind and link the image, and report its memory use.",
     "debug": "Debug the program with GDB, forwards and backwards in time.",
     "demo": "Design, generate, build, run every scenario, measure, and write the report.",
