@@ -148,7 +148,7 @@ def _peer_run(peer: PeerRun | None, reporter: Reporter) -> Run | None:
     if peer is None or recording is None:
         return None
     run = read_run(peer.robot, peer.scenario, recording)
-    reporter.print(f"\nbeside it: '{peer.scenario.name}' of '{peer.robot.name}'")
+    reporter.print(f"\nsecond brick: '{peer.scenario.name}' of '{peer.robot.name}'")
     _show(run, reporter)
     return run
 

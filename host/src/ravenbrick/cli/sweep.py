@@ -23,7 +23,7 @@ __all__ = ["sweep_command"]
 
 
 def _rows(results: list[dict[str, Any]]) -> list[list[str]]:
-    """Per criterion: how many meet it, and the range of what was seen."""
+    """For each criterion: the number of robots that meet it, and the observed range."""
     rows: dict[str, list[dict[str, Any]]] = {}
     for result in results:
         for row in result["criteria"]:
@@ -58,7 +58,7 @@ def sweep_command(
         results = run_sweep(robot, chosen, image.path, count, output, workers, dask, step.progress)
         met = sum(result["met"] for result in results)
         step.note = f"{met} of {count} meet all criteria"
-    reporter.table(("criterion", "met", "seen"), _rows(results), left=("met", "seen"))
+    reporter.table(("criterion", "met", "observed"), _rows(results), left=("met", "observed"))
     if met < count:
         first = next(result for result in results if not result["met"])
         error = CriteriaError(
