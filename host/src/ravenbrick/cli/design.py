@@ -87,7 +87,7 @@ def _with_schedule(
     if motor not in _MOTORS:
         raise UsageError(f"--motor {motor}: expected A, B or C")
     loop = DesignedLoop.read(_loop_of(workspace))
-    with reporter.step("the loop with the recorded schedule"):
+    with reporter.step("simulate with the recorded schedule"):
         measured = sample_timing(Recording.load(path), task, _MOTORS.index(motor))
         cases = schedule_effect(loop, measured)
     rows = [case.row() for case in cases]
@@ -115,7 +115,7 @@ def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
     """What a step costs in each number format, counted on the virtual brick."""
     from ravenbrick.cli.costs import project_costs  # slow to load
 
-    with reporter.step("cycles of a step on the brick"):
+    with reporter.step("measure a step on the brick"):
         rows = project_costs(workspace.project)
     table = [
         [
@@ -128,7 +128,7 @@ def _count(workspace: Workspace, reporter: Reporter) -> list[dict[str, Any]]:
         ]
         for row in rows
     ]
-    head = ("step function", "least cycles", "most", "of the period", "bytes", "error bound")
+    head = ("step function", "minimum cycles", "maximum", "of the period", "bytes", "error bound")
     reporter.table(head, table)
     return rows
 
@@ -156,10 +156,10 @@ def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
     loop = DesignedLoop.read(content)
     with reporter.step("frequency response, root locus"):
         figures = {**loop.frequency_figures(), "discretisation": loop.discretisation_figure()}
-    with reporter.step("gains that also meet it") as step:
+    with reporter.step("other gains with this settling time") as step:
         members = loop.family(_counted(step))
         figures["family"] = loop.family_figure(members)
-    with reporter.step("tolerances of the motor") as step:
+    with reporter.step("vary the motor within its tolerances") as step:
         robustness = loop.robustness(_counted(step))
         figures["robustness"] = loop.robustness_figure(robustness)
     rows = [member.row() for member in members]
@@ -172,7 +172,7 @@ def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
     )  # fmt: skip
     spread = robustness.rows()
     reporter.table(
-        ("motor within 20 %", "least", "median", "largest"),
+        ("motor within 20 %", "minimum", "median", "maximum"),
         [[str(row["figure"]), *(f"{row[n]:.6g}" for n in ("least", "median", "largest"))]
          for row in spread],
     )  # fmt: skip
