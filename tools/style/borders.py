@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which part may know which, by borders.toml: crates, bindings, and rooms of the host package."""
+"""Which part may know which: crates, bindings and rooms by borders.toml, and tests."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ __all__ = ["border_complaints"]
 
 Complaint = tuple[Path, int, str]
 Borders = dict[str, list[str]]
+TESTS = ("host/tests", "runtime/tests", "drivers/tests", "examples", "virtual-brick/bindings")
 
 
 def _order(file: Path, title: str, borders: Borders) -> Iterator[Complaint]:
@@ -37,8 +38,8 @@ def _crates(workspace: Path, folder: str, borders: Borders, crates: Borders) -> 
             yield manifest, 1, f"the crate {crate} must not know {name}"
 
 
-def _imports(path: Path) -> Iterator[tuple[int, str]]:
-    """Line and dotted name of each import of the package in a file, in functions too."""
+def _imports(path: Path, package: str) -> Iterator[tuple[int, str]]:
+    """Line and dotted name of each import of a package in a file, in functions too."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom) and node.module:
             names = [f"{node.module}.{alias.name}" for alias in node.names]
@@ -46,7 +47,7 @@ def _imports(path: Path) -> Iterator[tuple[int, str]]:
             names = [alias.name for alias in node.names]
         else:
             continue
-        yield from ((node.lineno, name) for name in names if name.startswith("ravenbrick."))
+        yield from ((node.lineno, name) for name in names if name.startswith(package))
 
 
 def _rooms(package: Path, borders: Borders) -> Iterator[Complaint]:
@@ -58,10 +59,23 @@ def _rooms(package: Path, borders: Borders) -> Iterator[Complaint]:
             yield folder / "__init__.py", 1, f"'{room}' is not in tools/style/borders.toml"
             continue
         for path in sorted(folder.rglob("*.py")):
-            for line, name in _imports(path):
+            for line, name in _imports(path, "ravenbrick."):
                 other = name.split(".")[1]
                 if other != room and other in borders and other not in borders[room]:
                     yield path, line, f"the room {room} must not know {other}"
+
+
+def _tests(root: Path) -> Iterator[Complaint]:
+    """Tests import helpers from verification/support, neither other tests nor campaigns."""
+    for folder in (*TESTS, "verification"):
+        for path in sorted((root / folder).rglob("*.py")):
+            campaign = folder == "verification" and "support" not in path.parts
+            for line, name in _imports(path, ""):
+                parts = name.split(".")
+                if any(part.startswith("test_") or part == "conftest" for part in parts):
+                    yield path, line, f"{name}: a test must not be imported"
+                elif parts[0] == "verification" and parts[1:2] != ["support"] and not campaign:
+                    yield path, line, f"{name}: import helpers from verification.support only"
 
 
 def border_complaints(root: Path) -> Iterator[Complaint]:
@@ -73,4 +87,5 @@ def border_complaints(root: Path) -> Iterator[Complaint]:
     yield from _order(file, "rooms", borders["rooms"])
     for folder in ("crates", "bindings"):
         yield from _crates(root / "virtual-brick", folder, borders[folder], crates)
+    yield from _tests(root)
     yield from _rooms(root / "host" / "src" / "ravenbrick", borders["rooms"])
