@@ -21,7 +21,7 @@ def test_motors_obey_the_commands(brick: Callable[..., Brick]) -> None:
     assert device.motors(at_ms=600) == {"A": (0, True), "B": (0, True), "C": (0, True)}
 
 
-def test_motor_objects_obey(brick: Callable[..., Brick]) -> None:
+def test_motor_objects_drive_their_motors(brick: Callable[..., Brick]) -> None:
     """Power and direction are kept apart, and a stopped motor does not reverse."""
     device = brick("motor_objects")
     device.run(690)

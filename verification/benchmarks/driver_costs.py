@@ -80,7 +80,7 @@ LINE_COSTS = [
     "`USB.Send`, 64 bytes",
     "`USB.Receive`, 64 bytes",
     "",
-    "`Direct_Commands.Obey`, battery level",
+    "`Direct_Commands.Execute`, battery level",
     "`Direct_Commands.Tick`",
     "nothing",
 ]
@@ -286,7 +286,7 @@ def last_instant(run: Run, thread: int, window: Span) -> int:
 
 
 def longest_masking(program: Program, elf: bytes, window: Span) -> int:
-    """Longest time in the begin of a window in which the kernel holds interrupts back."""
+    """Longest time in the beginning of a window in which the kernel holds interrupts back."""
     brick = start(program, elf)
     device = brick.device
     device.run_until(window[0])

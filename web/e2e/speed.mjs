@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `node speed.mjs ADDRESS SECONDS [KEY]`: times real speed of the page at ADDRESS, as fast as it
 // can, over that many seconds of the wall; KEY is pressed first. Prints JSON: the ratio, and when
-// the page first painted and its brick was ready, in ms from the begin of loading.
+// the page first painted and its brick was ready, in ms from the beginning of loading.
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 

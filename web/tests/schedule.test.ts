@@ -68,7 +68,7 @@ describe("the schedule", () => {
     const schedule = new Schedule();
     schedule.setLimits(0, { deadline: null, bound: 30, cyclic: true });
     schedule.setLimits(1, { deadline: null, bound: null, cyclic: true });
-    // The first jobs wait for the begin of the cycle, and task 1 begins at 300.
+    // The first jobs wait for the beginning of the cycle, and task 1 begins at 300.
     schedule.add(pack([10, release, 0, 10], [90, completion, 0, 10], [95, release, 1, 95]), 99);
     schedule.add(pack([200, release, 0, 200], [280, completion, 0, 200]), 290);
     schedule.add(pack([300, release, 1, 300], [300, release, 0, 300]), 310);

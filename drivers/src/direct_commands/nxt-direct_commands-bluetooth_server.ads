@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  A task that obeys direct commands over Bluetooth: each telegram has its length before it, two
+--  A task that executes direct commands over Bluetooth: each telegram has its length before it, two
 --  bytes, the lower one first. Whoever knows the code may connect.
 
 with System;

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  A task that obeys direct commands over USB: each packet is a telegram.
+--  A task that executes direct commands over USB: each packet is a telegram.
 
 with System;
 

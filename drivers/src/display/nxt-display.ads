@@ -45,7 +45,7 @@ package NXT.Display with Elaborate_Body is
    procedure Newline;
    procedure New_Line_Noupdate renames Newline_Noupdate;
    procedure New_Line renames Newline;
-   --  Go to the begin of the next row; on the last row, scroll.
+   --  Go to the beginning of the next row; on the last row, scroll.
 
    procedure Put_Hex (Val : Interfaces.Unsigned_32);
    procedure Put_Hex (Val : Interfaces.Unsigned_16);

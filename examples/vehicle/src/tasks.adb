@@ -10,7 +10,7 @@ with Panel;
 package body Tasks is
 
    --  Counted from the co-processor task, two of its periods of 2 ms are one of control: inputs
-   --  are asked for at the begin of a control period, outputs are sent in its middle.
+   --  are asked for at the beginning of each control period, outputs are sent in its middle.
    First_Release : constant Time := NXT.AVR.First_Release + Milliseconds (100);
 
    Control_Period : constant Time_Span := Milliseconds (Controller_Design.Sample_Time_Ms);

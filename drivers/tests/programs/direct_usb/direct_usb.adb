@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  A brick that obeys direct commands over USB and does nothing else.
+--  A brick that executes direct commands over USB and does nothing else.
 
 with Ada.Real_Time;  use Ada.Real_Time;
 with Host_Link;

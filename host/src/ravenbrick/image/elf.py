@@ -199,7 +199,7 @@ def _content(path: Path) -> bytes:
 
 
 def read_binary(path: Path, kind: ImageKind) -> ElfImage:
-    """Read an image without headers, for the begin of flash or of the RAM for programs.
+    """Read an image without headers, for the beginning of flash or of the RAM for programs.
 
     Raises `ImageFileError` when it is empty or too large.
     """

@@ -28,7 +28,7 @@ class FlatImage:
 
 
 def flat_image(image: ElfImage) -> FlatImage:
-    """The loaded bytes of an image from the begin of its region; gaps are as erased flash.
+    """The loaded bytes of an image from the beginning of its region; gaps are as erased flash.
 
     Raises `ImageFileError` when a part lies outside the region that a loader may write.
     """

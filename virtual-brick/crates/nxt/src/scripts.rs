@@ -87,7 +87,7 @@ impl ConverterScript {
 pub struct ModuleTurn {
     /// Bytes that the program sends since the turn before.
     pub after_bytes: usize,
-    /// From the last of them to the begin of the answer.
+    /// From the last of them to the beginning of the answer.
     pub delay_cycles: Cycles,
     /// The answer.
     pub bytes: Vec<u8>,
