@@ -51,7 +51,7 @@ BROKEN = [
         "ports.B.motor",
         "there is no [motors.ev3]",
     ),
-    ('name = "display_task"', 'name = "Control_Task"', "tasks[2].name", "is there twice"),
+    ('name = "display_task"', 'name = "Control_Task"', "tasks[2].name", "is defined twice"),
     ("schema_version = 1", "schema_version = 2", "schema_version", "expected 1"),
     (
         "schema_version = 1",

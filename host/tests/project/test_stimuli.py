@@ -79,7 +79,7 @@ def test_csv_gives_the_same_cycles_as_a_scenario(
     [
         ("seconds,touch.1\n", 1, "the first column must be one of time_s"),
         ("time_s,touch.9\n", 1, "touch.9: there is no touch sensor on sensor port 9"),
-        ("time_s,touch.1,touch.1\n", 1, "the column is there twice"),
+        ("time_s,touch.1,touch.1\n", 1, "the column is defined twice"),
         ("time_s,touch.1\n1,1\n2,yes\n", 3, "touch.1: is 'yes'; expected a number"),
         ("time_s,touch.1\n1,1\n# x\n0.5,0\n", 4, "time: 0.5 s comes after 1 s"),
         ("time_s,touch.1\n1,1,0\n", 2, "3 cells; the head has 2 columns"),

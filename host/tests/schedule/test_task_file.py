@@ -101,7 +101,7 @@ def test_json_file_says_the_same_as_toml(tmp_path: Path) -> None:
         ("priority = 2", "", 15, "tasks[1].priority", "or 'priorities' at the head"),
         ("priority = 2", "priority = 2.5", 20, "tasks[1].priority", "a whole number"),
         ("phase = 1", "phase = -1", 21, "tasks[1].phase", "at least 0"),
-        ('"control"', '"button"', 16, "tasks[1].name", "is there twice"),
+        ('"control"', '"button"', 16, "tasks[1].name", "is defined twice"),
         ('"interrupt"', '"aperiodic"', 10, "tasks[0].release", "expected one of cyclic"),
         ("start = 0.5", "start = 1", 23, "tasks[1].sections", "ends after 5/4"),
         ("start = 0.5", "begin = 1", 23, "tasks[1].sections[0].begin", "unknown field"),

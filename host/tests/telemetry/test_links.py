@@ -56,7 +56,7 @@ def test_a_brick_that_leaves_is_a_lost_link() -> None:
     """The monitor then connects again."""
     gone = OSError(errno.ENODEV, "No such device")
     link = UsbLink("", lambda vendor, product: [Device(BRICK, [gone])])
-    with pytest.raises(LinkLostError, match="the brick has left the USB"):
+    with pytest.raises(LinkLostError, match="the brick is no longer on the USB"):
         link.read(0.05)
 
 

@@ -113,7 +113,9 @@ class FmuBody:
         if self._third and (answer[1] or answer[2]):
             # FMI 3.0, 4.2.1: terminateSimulation, earlyReturn; events are not asked for.
             at_s = step["currentCommunicationPoint"]
-            raise RunFaultError(f"{self.path}: ended itself at {at_s:.4f} s of its time")
+            raise RunFaultError(
+                f"{self.path}: terminated the simulation at {at_s:.4f} s of its time"
+            )
         return angles
 
     def close(self) -> None:

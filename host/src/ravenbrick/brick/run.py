@@ -140,7 +140,7 @@ class VirtualTarget:
             brick.trace_calls(list(WATCHED))
         pins = expected_pins(scenario.expectations)
         if pins and (options.start or options.save):
-            raise UsageError("a snapshot holds no record of pins; leave out what expects them")
+            raise UsageError("a snapshot contains no record of pins; omit expectations about pins")
         if pins:
             brick.log_pins(pins)
         run = ScenarioRun(brick, robot, scenario, image, callback, self._module.InputError, inputs)

@@ -132,7 +132,7 @@ class Snapshot:
             return cls._read(path.read_bytes(), str(path))
         except (OSError, ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
             raise SnapshotError(
-                f"{path}: is no snapshot ({error}); 'ravenbrick run --save-snapshot' writes one"
+                f"{path}: is not a snapshot ({error}); 'ravenbrick run --save-snapshot' writes one"
             ) from None
 
     @classmethod
@@ -140,7 +140,7 @@ class Snapshot:
         body, digest = content[:-32], content[-32:]
         start = len(_MAGIC) + _HEAD.size
         if not body.startswith(_MAGIC) or len(body) < start:
-            raise ValueError("it does not begin like one")
+            raise ValueError("its first bytes are wrong")
         version, length = _HEAD.unpack_from(body, len(_MAGIC))
         if version != _VERSION:
             raise ValueError(f"its version is {version}, this program reads {_VERSION}")

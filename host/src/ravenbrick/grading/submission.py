@@ -91,7 +91,7 @@ def read_sources(
                 raise UsageError(f"{submission.name}: '{name}' is too large, or too many files")
             sources[f"{name.parent.name}/{name.name}"] = content
     except (zipfile.BadZipFile, OSError, RuntimeError) as error:
-        raise UsageError(f"{submission.name}: cannot be read ({error}); hand it in again") from None
+        raise UsageError(f"{submission.name}: cannot be read ({error}); submit it again") from None
     if must_have and not any(name.startswith("src/") for name in sources):
         raise UsageError(f"{submission.name}: has no Ada or C sources below src/")
     return sources

@@ -110,7 +110,7 @@ def load(
             )
         except subprocess.TimeoutExpired:
             raise ConnectionFailedError(
-                f"'{tool.program}' did not come to an end within {_TIMEOUT_S} s; unplug the brick, "
+                f"'{tool.program}' did not finish within {_TIMEOUT_S} s; unplug the brick, "
                 "take out its battery for a moment and try again"
             ) from None
     if done.returncode != 0:

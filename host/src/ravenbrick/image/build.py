@@ -202,7 +202,9 @@ def _check_project(workspace: Workspace, settings: Settings) -> None:
         )
     for path in (workspace.project, workspace.products, tree(), settings.generated):
         if "\n" in str(path):
-            raise UsageError(f"'{path}': the build tools take no line break in a folder's name")
+            raise UsageError(
+                f"'{path}': the build tools do not accept a line break in a folder's name"
+            )
 
 
 @contextmanager

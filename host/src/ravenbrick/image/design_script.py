@@ -75,7 +75,7 @@ def run_design(workspace: Workspace) -> None:
     origin = read_origin(workspace.project / "generated")
     if origin is not None:
         raise DesignError(
-            f"{shown_path(script)}: would write over the controller in generated/, which is "
+            f"{shown_path(script)}: would overwrite the controller in generated/, which is "
             f"{origin.sentence}; remove {shown_path(origin.file)} to have design.py write it"
         )
     digest = _digest(script)

@@ -207,7 +207,7 @@ def read_binary(path: Path, kind: ImageKind) -> ElfImage:
     if not 0 < len(content) <= region.size:
         raise ImageFileError(
             f"{path}: has {len(content)} bytes, expected 1 to {region.size} for {region.name}; "
-            "give the file as it is written into memory"
+            "give a raw binary image"
         )
     return ElfImage(path, content, kind, region.begin, (), {}, bare=True)
 

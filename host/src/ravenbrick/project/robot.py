@@ -281,7 +281,7 @@ def _check_tasks(document: LocatedToml) -> None:
     for index, task in enumerate(document.values["tasks"]):
         if task["name"].lower() in seen:
             raise document.error(
-                ("tasks", index, "name"), f"the task '{task['name']}' is there twice; remove one"
+                ("tasks", index, "name"), f"the task '{task['name']}' is defined twice; remove one"
             )
         seen.add(task["name"].lower())
 

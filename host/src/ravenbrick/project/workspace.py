@@ -50,7 +50,7 @@ def run_time_folder(digest: Callable[[], str]) -> Path:
     cache = Path(named) if os.path.isabs(named) else Path.home() / ".cache"
     if ":" in str(cache):
         raise UsageError(
-            f"'{cache}': the compiler takes no ':' in the name of the run-time library's folder; "
+            f"'{cache}': the compiler does not accept ':' in the run-time library's path; "
             "name another folder with XDG_CACHE_HOME"
         )
     return cache / "ravenbrick" / "runtime" / digest()

@@ -194,7 +194,7 @@ class Window:
         if limit > STEP_LIMIT * min(periods, default=limit):
             raise AnalysisLimitError(
                 f"{self.task.name}: the deadline is more than {STEP_LIMIT} times the shortest "
-                "period of what is more urgent; use periods and deadlines that lie closer together"
+                "period of what is more urgent; use periods and deadlines that are closer together"
             )
         causes = [iter([limit]), *self.clock.steps(limit)]
         for source in self.sources:

@@ -253,7 +253,7 @@ class TaskSet:
         seen: set[str] = set()
         for task in self.tasks:
             if task.name in seen:
-                raise TaskSetError("is there twice; rename one", task=task.name, field="name")
+                raise TaskSetError("is defined twice; rename one", task=task.name, field="name")
             seen.add(task.name)
 
     @classmethod

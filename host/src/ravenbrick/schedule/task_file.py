@@ -228,7 +228,7 @@ def _unique_names(tables: list[_Table]) -> None:
     for table in tables:
         name = table.text("name")
         if name in seen:
-            raise table.error("name", f"the task '{name}' is there twice; rename one")
+            raise table.error("name", f"the task '{name}' is defined twice; rename one")
         seen.add(name)
 
 
@@ -299,7 +299,7 @@ def read_task_file(path: Path, priorities: Rule | None = None) -> TaskFile:
     if "driver_costs" in root.values:
         tasks, overheads = _with_drivers(root, _driver_costs(root, rule), tasks, overheads)
     elif "driver_tasks" in root.values or any("operations" in t.values for t in tables):
-        raise root.error("driver_costs", "is missing; name the table of what operations cost")
+        raise root.error("driver_costs", "is missing; name the table of operation costs")
     task_set = TaskSet(tuple(tasks))
     return TaskFile(
         path,

@@ -145,7 +145,7 @@ class UsbLink:
         except OSError as error:
             if error.errno == errno.ETIMEDOUT:
                 return b""
-            raise LinkLostError(f"the brick has left the USB: {error}") from None
+            raise LinkLostError(f"the brick is no longer on the USB: {error}") from None
 
     def write(self, data: bytes) -> None:
         """Send all."""

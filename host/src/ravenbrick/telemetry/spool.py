@@ -89,6 +89,6 @@ def read_spool(path: Path) -> Iterator[Entry]:
         try:
             direction = Direction(letter)
         except ValueError:
-            raise UsageError(f"{path}: byte {place - _HEAD.size} begins no entry") from None
+            raise UsageError(f"{path}: byte {place - _HEAD.size} does not start an entry") from None
         yield Entry(direction, at_us, data[place : place + count])
         place += count

@@ -67,7 +67,7 @@ def signal_data(recording: Recording, voltage: str, angle: str) -> MotorData:
     driven = np.flatnonzero(volts)
     if not driven.size or driven[0] == 0:
         raise UsageError(
-            f"'{voltage}' must be 0 at first and then not; begin to record before the motor runs"
+            f"'{voltage}' must be 0 at first and then not; start recording before the motor runs"
         )
     first = int(driven[0])
     stops = np.flatnonzero(volts[first:] == 0)

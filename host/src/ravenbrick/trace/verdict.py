@@ -234,7 +234,7 @@ def _response(expectation: ResponseBound, recording: Recording, measures: Measur
 @judge.register(PathEnd)
 def _path(expectation: PathEnd, recording: Recording, measures: Measured) -> Verdict:
     if "body.x" not in recording.signals:
-        raise _unreachable(expectation, "nothing drives: the scenario is on the bench")
+        raise _unreachable(expectation, "no vehicle drives: the scenario uses the bench")
     _, x = recording.signal("body.x")
     times, y = recording.signal("body.y")
     off = math.hypot(float(x[-1]) - expectation.x, float(y[-1]) - expectation.y)

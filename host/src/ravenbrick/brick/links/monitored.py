@@ -49,7 +49,7 @@ class ScriptedMonitor:
             raise PeerError(
                 f"the scenario's monitor got no connection from {self._window.from_ms} ms on; let "
                 "the program have an NXT.Telemetry.Bluetooth_Server with the PIN of [monitor], and "
-                "give it a second to begin"
+                "give it a second to start"
             )
 
     def _listen(self, now_ms: int) -> None:

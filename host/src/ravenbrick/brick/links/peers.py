@@ -266,7 +266,7 @@ class UsbStream:
         self._computer = self._computer or UsbComputer(self._brick)
         vendor, product = self._computer.enumerate(timeout_ms)
         if (vendor, product) != BRICK_IDENTITY:
-            raise PeerError(f"the device on the cable is {vendor:04x}:{product:04x}, no brick")
+            raise PeerError(f"the device on the cable is {vendor:04x}:{product:04x}, not a brick")
         self._received.clear()
         self._configured = True
         self._number = STREAM_NUMBERS

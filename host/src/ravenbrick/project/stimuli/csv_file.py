@@ -65,7 +65,7 @@ def _head(
         )
     doubled = [name for name in cells if cells.count(name) > 1]
     if doubled:
-        raise ProjectFileError(path, line, doubled[0], "the column is there twice; remove one")
+        raise ProjectFileError(path, line, doubled[0], "the column is defined twice; remove one")
     channels.require(path, line, set(cells[1:]))
     return units[cells[0]], [channels.input_of(path, line, name) for name in cells[1:]]
 
