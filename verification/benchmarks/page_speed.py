@@ -23,7 +23,7 @@ PAGE_SECONDS = 5
 
 
 def busy_image(folder: Path) -> Path:
-    """A program whose processor never rests, at the start of RAM that the boot monitor leaves."""
+    """A program without idle time, at the start of the RAM that the boot monitor leaves free."""
     image = folder / "busy.elf"
     command = ["arm-none-eabi-gcc", "-mcpu=arm7tdmi", "-O2", "-g", "-nostdlib", "-ffreestanding"]
     command += ["-fno-exceptions", "-fno-unwind-tables", "-fno-asynchronous-unwind-tables"]

@@ -91,7 +91,7 @@ def test_operations_are_short(measured: Measured) -> None:
 
 
 def test_no_operation_polls(measured: Measured) -> None:
-    """One that lasts longer than its own time is suspended: the processor is free meanwhile."""
+    """One that lasts longer than its net time is suspended: the processor is free meanwhile."""
     for row in measured[0][1:-1]:
         suspended = row.returns_after - row.task - row.interrupts
         if row.name in SUSPENDING:

@@ -87,9 +87,9 @@ def _measure_share(
 def definition_error(name: str) -> float:
     """Worst difference of the single-precision simulation from the block's definition."""
     execution = Execution(block_diagram(name))
-    given = np.random.default_rng(3).uniform(-10, 10, (300, len(execution.program.inputs)))
-    given = given.astype(np.float32).astype(float)
-    return _worst(execution, given, TABLE[name][1](given), lambda value: value, lambda raw: raw)
+    inputs = np.random.default_rng(3).uniform(-10, 10, (300, len(execution.program.inputs)))
+    inputs = inputs.astype(np.float32).astype(float)
+    return _worst(execution, inputs, TABLE[name][1](inputs), lambda value: value, lambda raw: raw)
 
 
 def fixed_error(name: str) -> float:
@@ -99,17 +99,17 @@ def fixed_error(name: str) -> float:
     forms = [slot.data_type for slot in (*program.inputs, *program.outputs)]
     entering, leaving = forms[0], forms[-1]
     assert isinstance(entering, FixedFormat) and isinstance(leaving, FixedFormat)
-    given = np.random.default_rng(3).uniform(-2, 2, (60, len(program.inputs)))
-    given = np.array([[entering.real(entering.raw(v)) for v in row] for row in given])
-    return _worst(execution, given, TABLE[name][1](given), entering.raw, leaving.real)
+    inputs = np.random.default_rng(3).uniform(-2, 2, (60, len(program.inputs)))
+    inputs = np.array([[entering.real(entering.raw(v)) for v in row] for row in inputs])
+    return _worst(execution, inputs, TABLE[name][1](inputs), entering.raw, leaving.real)
 
 
-def _worst(execution, given, expected, enter, leave):  # type: ignore[no-untyped-def]
+def _worst(execution, inputs, expected, enter, leave):  # type: ignore[no-untyped-def]
     names = [slot.name for slot in execution.program.inputs]
     worst = 0.0
-    for row, wanted in zip(given, expected, strict=True):
+    for row, target in zip(inputs, expected, strict=True):
         result = execution.step({n: enter(float(v)) for n, v in zip(names, row, strict=True)})
-        worst = max(worst, abs(float(leave(next(iter(result.values())))) - float(wanted)))
+        worst = max(worst, abs(float(leave(next(iter(result.values())))) - float(target)))
     return worst
 
 
@@ -155,7 +155,7 @@ LOTS = 16
 
 
 def lot_forms() -> dict[str, Form]:
-    """Diagrams drawn by lot in C and Ada, in single precision and in fixed point."""
+    """Random diagrams in C and Ada, in single precision and in fixed point."""
     programs: dict[str, Program] = {}
     for seed in range(LOTS):
         single = random_diagram(seed).lower()
@@ -191,11 +191,11 @@ def loop_error(fixed: FixedPoint) -> float:
     execution, random = Execution(fixed.program), np.random.default_rng(4)
     speed, exact, integral, worst = 0.0, 0.0, 0.0, 0.0
     for level in np.repeat(random.integers(-8192, 8192, 200), 100):
-        given = {"Input_Voltage": int(level), "Speed": round(speed * 1024)}
-        error = level / 2048 - held["Scale"] * (exact + given["Speed"] / 1024 - speed)
+        inputs = {"Input_Voltage": int(level), "Speed": round(speed * 1024)}
+        error = level / 2048 - held["Scale"] * (exact + inputs["Speed"] / 1024 - speed)
         command = held["Kp"] * error + integral
         integral += held["Ki_Ts"] * error
-        volts = execution.step(given)["correctedvoltage"] / 2048
+        volts = execution.step(inputs)["correctedvoltage"] / 2048
         speed, exact = pole * speed + drive * volts, pole * exact + drive * command
         worst = max(worst, abs(speed - exact) * LOOP.feedback_gain)
     return worst

@@ -26,7 +26,7 @@ RUNS, LEAST_HELD = 100, 95
 
 
 def hidden_motor(seed: int, usual: dict[str, float]) -> dict[str, float]:
-    """Constants that nobody but the plant is told."""
+    """Hidden constants, which only the plant knows."""
     random = np.random.default_rng(seed)
     friction = float(random.uniform(0.001, 0.02))
     return {
@@ -72,7 +72,7 @@ def campaign(runs: int) -> dict[str, int]:
 
 
 def suite() -> Counts:
-    """Parameters judged, and those whose interval held the true value often enough."""
+    """Parameters, and those whose interval held the true value often enough."""
     total = campaign(RUNS)
     print(f"  of {RUNS} runs the interval held the true value: {total}", file=sys.stderr)
     return Counts(len(total), sum(count >= LEAST_HELD for count in total.values()))

@@ -5,7 +5,7 @@
 `python -m verification.control.model_tables` writes docs/reference/simulink-models.md from the
 models in the
 folder that RAVENBRICK_SLX_MODELS names (`<owner>__<repository>/<model>`), and
-docs/reference/misra.md, beside whose rows of ours stand those of the models that
+docs/reference/misra.md, with rows of our models and of the models that
 RAVENBRICK_CODER_MODELS names.
 """
 

@@ -56,7 +56,7 @@ def test_a_model_gives_the_same_bits_through_its_binding(source: Path, tmp_path:
 
 
 def vehicle_image(folder: Path, generated: Path | None) -> bytes:
-    """The vehicle as `make` builds it, with other generated files if given."""
+    """The vehicle as `make` builds it, optionally with other generated files."""
     command = ["make", "-C", str(VEHICLE), "ram", f"PYTHON={sys.executable}"]
     own = {"RAVENBRICK_BUILD": str(folder)}
     own |= {"GENERATED": str(generated)} if generated else {}

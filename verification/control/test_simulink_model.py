@@ -4,7 +4,7 @@
 
 RAVENBRICK_FOC_MODEL names a copy of the repository EFeru/bldc-motor-control-FOC, which holds both.
 The model computes with fixed-point types and cuts its outputs to whole numbers, the import computes
-with real numbers: a difference below one whole number is what there may be.
+with real numbers: the difference must stay below one whole number.
 """
 
 from __future__ import annotations

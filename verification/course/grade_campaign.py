@@ -100,8 +100,8 @@ def measure(count: int = COUNT) -> list[Way]:
                 way = ways[(turn + place) % len(ways)]
                 way.grade(rubric, submissions[begin : begin + SLICE])
             done = min(begin + SLICE, count)
-            told = ", ".join(f"{way.name} {way.seconds[-1]:.0f} s" for way in ways)
-            print(f"{done} of {count}: {told}", file=sys.stderr, flush=True)
+            shown = ", ".join(f"{way.name} {way.seconds[-1]:.0f} s" for way in ways)
+            print(f"{done} of {count}: {shown}", file=sys.stderr, flush=True)
     return ways
 
 

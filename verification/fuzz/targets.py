@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What is given damaged content in Python: snapshot files and the sockets of a live brick.
+"""Fuzzing targets in Python: snapshot files and the sockets of a live brick.
 
 A target has a corpus of right contents and a way to damage them. `case` gives one content and
 raises when it did more than be refused with words.
@@ -109,7 +109,7 @@ class LivePeer:
 
     After each session a well-behaved host must find the USB port served, unless LEGO's firmware was
     misled to what a strict brick stops at, such as a wild pointer; now and then the record of the
-    whole run is played again and must give the same run.
+    whole run is replayed and must give the same run.
     """
 
     def __init__(self, kind: str) -> None:
@@ -201,19 +201,19 @@ class DebugPeer:
         self.corpus = _stored("gdb")
         self._ended = threading.Event()
         brick = virtual_brick.VirtualBrick(CONFIGURATION, image.read_bytes())
-        told: queue.Queue[int | BaseException] = queue.Queue()
+        answers: queue.Queue[int | BaseException] = queue.Queue()
 
         def serve() -> None:
             try:
                 stop = self._ended.is_set
-                brick.serve_debugger(0, LOOPBACK, on_listening=told.put, should_stop=stop)
+                brick.serve_debugger(0, LOOPBACK, on_listening=answers.put, should_stop=stop)
             except BaseException as error:
-                told.put(error)
+                answers.put(error)
 
-        self._told = told
+        self._answers = answers
         self._server = threading.Thread(target=serve, daemon=True)
         self._server.start()
-        port = told.get(timeout=PATIENCE_S)
+        port = answers.get(timeout=PATIENCE_S)
         assert isinstance(port, int), port
         self._port = port
 
@@ -237,7 +237,7 @@ class DebugPeer:
         assert answer.lstrip(b"+").startswith((b"$T", b"$S", b"$W")), answer
 
     def _failure(self) -> Any:
-        return self._told.get_nowait() if not self._told.empty() else "no reason"
+        return self._answers.get_nowait() if not self._answers.empty() else "no reason"
 
     def close(self) -> None:
         self._ended.set()

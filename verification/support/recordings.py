@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Small recordings whose every instant is known."""
+"""Small recordings with known instants."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def sent(*messages: Message) -> bytes:
 
 @dataclass
 class Program:
-    """A program that answers; time is given in microseconds."""
+    """A program that answers; times are in microseconds."""
 
     version: int = VERSION
     time_us: int = 0

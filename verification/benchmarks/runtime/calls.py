@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Own times of calls and of interrupts in a run that was recorded step by step.
 
-The own time of a call leaves out interrupts, other threads while the caller waits or is preempted,
+The net time of a call leaves out interrupts, other threads while the caller waits or is preempted,
 and the way back from a preemption (`resume`), which is counted by itself.
 """
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A stand-in for the module `virtual_brick` whose runs have answers known in advance.
+"""A stand-in for the module `virtual_brick` with predefined results of runs.
 
 Two cyclic tasks and a first-order response to a touch; no processor is emulated.
 """

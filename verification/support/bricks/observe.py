@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A virtual brick with the eyes of a test: milliseconds, text on the display, motor commands."""
+"""A virtual brick as tests see it: milliseconds, text on the display, motor commands."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ FONT = read_font()
 
 @dataclass(frozen=True)
 class MotorCommand:
-    """What the co-processor told a motor: duty cycle (%) and whether it shorts the windings."""
+    """A command of the co-processor to a motor: duty cycle (%), and whether it shorts windings."""
 
     at_ms: float
     motor: str

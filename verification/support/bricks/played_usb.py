@@ -71,8 +71,8 @@ def run_with_device(
             stderr=subprocess.STDOUT,
             text=True,
         )
-        told: list[str] = []
-        reader = threading.Thread(target=lambda: told.append(process.communicate()[0]))
+        output: list[str] = []
+        reader = threading.Thread(target=lambda: output.append(process.communicate()[0]))
         reader.start()
         while reader.is_alive():
             try:
@@ -83,4 +83,4 @@ def run_with_device(
                 line.settimeout(None)
                 _serve(line, computer)
         reader.join()
-    return subprocess.CompletedProcess(command, process.returncode, told[0])
+    return subprocess.CompletedProcess(command, process.returncode, output[0])

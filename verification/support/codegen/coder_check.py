@@ -126,7 +126,7 @@ class _Check:
             "extern void harness_start(int which);",
             "extern void harness_step(int which, const double *in, double *out);",
             _LIBRARY,
-            f"static const double given[{2 * self._steps}][{len(self._ports['inputs'])}] = {{",
+            f"static const double inputs[{2 * self._steps}][{len(self._ports['inputs'])}] = {{",
             rows, "};",
             f"double expected[2][{self._steps}][{outputs}], found[2][{self._steps}][{outputs}];",
             "volatile int run_done;",
@@ -136,11 +136,11 @@ class _Check:
             "extern void run_all(void);\nvoid run_all(void)\n{", "  int which, step;",
             "  for (which = 0; which < 2; which++) {", "    direct_start();",
             f"    for (step = 0; step < {self._steps}; step++) {{",
-            "      direct_step(given[2 * step + which], expected[which][step]);", "    }", "  }",
+            "      direct_step(inputs[2 * step + which], expected[which][step]);", "    }", "  }",
             "  harness_start(0);\n  harness_start(1);",
             f"  for (step = 0; step < {self._steps}; step++) {{",
             "    for (which = 0; which < 2; which++) {",
-            "      harness_step(which, given[2 * step + which], found[which][step]);",
+            "      harness_step(which, inputs[2 * step + which], found[which][step]);",
             "    }", "  }", "  run_done = 1;\n  for (;;) {\n  }\n}", "",
         ])  # fmt: skip
 

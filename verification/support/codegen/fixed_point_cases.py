@@ -32,7 +32,7 @@ def anti_windup(method: IntegrationMethod, rounding: Rounding) -> FixedPoint:
 
 
 def filters(rounding: Rounding) -> FixedPoint:
-    """Recursive filter, delays, literal gains and offsets: states without given ranges."""
+    """Recursive filter, delays, literal gains and offsets: states without stated ranges."""
     diagram = Diagram("filters", 0.01)
     source = diagram.add(Inport("In"))
     smooth = diagram.add(

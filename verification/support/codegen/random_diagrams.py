@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagrams drawn by lot: feedback, rates, parts that run on a condition; the same for a seed."""
+"""Random diagrams: feedback, rates, parts that run on a condition; the same for a seed."""
 
 from __future__ import annotations
 
