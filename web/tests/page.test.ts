@@ -153,8 +153,8 @@ describe("a frame", () => {
 
 describe("the scope", () => {
   it("asks for signals, pins and symbols, and takes back what is refused", () => {
-    app.scopeView.show("vehicle_control_left");
-    app.scopeView.show("pin:17");
+    app.scopeView.addChannel("vehicle_control_left");
+    app.scopeView.addChannel("pin:17");
     expect(app.scopeView.channels).toEqual([
       "signal:motor.B.angular_velocity",
       "symbol:vehicle_control_left",

@@ -50,7 +50,7 @@ export class Scope implements View {
     const form = el("form", { class: "row" }, this.name, this.known, add, this.window, this.period);
     form.addEventListener("submit", (event) => {
       event.preventDefault();
-      this.show(this.name.value.trim());
+      this.addChannel(this.name.value.trim());
       this.name.value = "";
     });
     this.element = panel("scope", "Scope", [form], this.chosen, this.figure);
@@ -68,7 +68,7 @@ export class Scope implements View {
   }
 
   /** Show one more channel; what the core refuses is taken out again by `undo`. */
-  show(channel: string): void {
+  addChannel(channel: string): void {
     const full = channel.includes(":") ? channel : `symbol:${channel}`;
     if (channel && !this.channels.includes(full)) this.choose([...this.channels, full]);
   }

@@ -87,7 +87,7 @@ export class Timeline implements View {
     if (frame.running && wall - this.drawn < REDRAW_MS) return;
     this.drawn = wall;
     this.draw();
-    this.tabulate();
+    this.updateTable();
   }
 
   /** Index of the thread whose jobs are stepped: that of a task's name, or any. */
@@ -207,7 +207,7 @@ export class Timeline implements View {
     context.textAlign = "start";
   }
 
-  private tabulate(): void {
+  private updateTable(): void {
     const now = Math.max(1, this.schedule.now);
     const known = this.rows();
     const tasksFirst = [false, true].flatMap((kind) => known.filter((r) => r.interrupt === kind));
