@@ -14,10 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.clock import MASTER_CLOCK
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 COSTS = ROOT / "docs" / "reference" / "driver-costs.json"
 PAGE = ROOT / "docs" / "reference" / "drivers.md"
-CYCLES_PER_US = 336.384 / 7
+CYCLES_PER_US = float(MASTER_CLOCK.hertz) / 1e6
 SUSPENDED_FROM_CYCLES = 20_000
 
 

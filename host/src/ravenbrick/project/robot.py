@@ -191,6 +191,8 @@ class Robot:
         for setpoint in self.setpoints:
             if setpoint.scale.unit == "deg/s/V":
                 return setpoint.scale.value
+            if setpoint.scale.unit == "rad/s/V":
+                return math.degrees(setpoint.scale.value)
         problem = 'a design wants a scale in "deg/s/V"; add it to a [[setpoints]]'
         raise self.document.error(("setpoints",), problem)
 
