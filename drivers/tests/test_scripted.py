@@ -185,7 +185,7 @@ def module(brick: Callable[..., Brick]) -> Callable[..., Brick]:
     """From the module's turns to a brick that speaks with them."""
 
     def start(*turns: tuple[int, int, bytes]) -> Brick:
-        device = brick("module_script")
+        device = brick("bluetooth_script")
         device.device.record_buses()
         device.device.script_module(list(turns))
         return device

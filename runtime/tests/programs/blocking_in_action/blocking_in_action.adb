@@ -1,8 +1,8 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with Impatient;
-pragma Unreferenced (Impatient);
+with Blocking_Object;
+pragma Unreferenced (Blocking_Object);
 
 procedure Blocking_In_Action with Priority => 1 is
 begin

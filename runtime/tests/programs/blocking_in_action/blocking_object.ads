@@ -3,7 +3,7 @@
 
 --  A delay inside a protected procedure whose ceiling is its caller's priority (RM 9.5.1)
 
-package Impatient is
+package Blocking_Object is
 
    protected Object with Priority => 10 is
       procedure Sleep;
@@ -11,4 +11,4 @@ package Impatient is
 
    task Sleeper with Priority => 10, Storage_Size => 512;
 
-end Impatient;
+end Blocking_Object;

@@ -5,7 +5,7 @@ with Ada.Real_Time; use Ada.Real_Time;
 
 with Journal; use Journal;
 
-package body Impatient is
+package body Blocking_Object is
 
    procedure Nap is
    begin
@@ -27,4 +27,4 @@ package body Impatient is
       Object.Sleep;
    end Sleeper;
 
-end Impatient;
+end Blocking_Object;

@@ -5,7 +5,7 @@
 
 with Interfaces;
 
-package Rare is
+package Infrequent_Task is
 
    Jobs : Natural := 0 with Volatile, Export, Convention => C, External_Name => "jobs";
 
@@ -15,4 +15,4 @@ package Rare is
 
    task Sleeper with Priority => 10, Storage_Size => 512;
 
-end Rare;
+end Infrequent_Task;

@@ -6,7 +6,7 @@
 with Ada.Real_Time;
 with NXT.Bluetooth;  use NXT.Bluetooth;
 
-procedure Module_Script is
+procedure Bluetooth_Script is
 
    Ready : Integer := -1 with Volatile, Export, Convention => C, External_Name => "ready";
    Ended : Integer := 0 with Volatile, Export, Convention => C, External_Name => "ended";
@@ -20,4 +20,4 @@ begin
    Set_Discoverable (True);
    Ended := 1;
    delay until Ada.Real_Time.Time_Last;
-end Module_Script;
+end Bluetooth_Script;

@@ -5,7 +5,7 @@ with Ada.Real_Time; use Ada.Real_Time;
 
 with Handshake;
 
-package body Rare is
+package body Infrequent_Task is
 
    use type Interfaces.Integer_64;
 
@@ -27,4 +27,4 @@ package body Rare is
       delay until Time_Last;
    end Sleeper;
 
-end Rare;
+end Infrequent_Task;
