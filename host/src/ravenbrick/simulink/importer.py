@@ -4,55 +4,28 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
-    Block,
-    Constant,
     Diagram,
     DiagramError,
     Execution,
-    Inport,
-    Outport,
-    ZeroOrderHold,
 )
-from ravenbrick.simulink.blocks import IGNORED, MAKERS, STRUCTURE
-from ravenbrick.simulink.builder import Builder, Names, identifier
-from ravenbrick.simulink.conditions import held_output, triggered
+from ravenbrick.simulink.assembly import Assembly
+from ravenbrick.simulink.builder import identifier
 from ravenbrick.simulink.file import read_simulink
 from ravenbrick.simulink.libraries import Libraries
-from ravenbrick.simulink.library import library_maker, own_library
-from ravenbrick.simulink.network import CONTROLS, End, Network, Site
-from ravenbrick.simulink.numbers import Variables, Workspace, scalar
-from ravenbrick.simulink.shapes import shapes_of
-from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Wire, size_of
+from ravenbrick.simulink.network import Network
+from ravenbrick.simulink.numbers import Variables, Workspace
+from ravenbrick.simulink.translation import Refusal, Translation
 
 __all__ = ["Refusal", "Survey", "import_simulink", "survey_simulink"]
 
-_FARTHEST = 2000
 _SURVEYED_STEPS = 20
-Maker = Callable[[Builder], None]
 _CONTINUOUS = frozenset("Integrator TransferFcn StateSpace ZeroPole".split())
-_KNOWN = frozenset([*MAKERS, "Reference", "Outport"])
-_SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "XYGraph", "FloatingScope")
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """A block without counterpart: its path, its type and why.
-
-    `outside` says that it cannot be expressed with signals: physical modelling, a chart or
-    program in another language, a device, a toolbox that is not at hand.
-    """
-
-    path: str
-    kind: str
-    reason: str
-    outside: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,20 +69,20 @@ def import_simulink(
     are the outputs. With `subsystem` (its path) only that is imported. Raises `DesignError` with
     every block that cannot be imported.
     """
-    source = _Source(path, sample_time, Workspace(variables or {}), tuple(libraries), subsystem)
-    making = source.read()
-    if making.refusals:
-        lines = [f"{r.path} ({r.kind}): {r.reason}" for r in making.refusals]
+    source = _Import(path, sample_time, Workspace(variables or {}), tuple(libraries), subsystem)
+    translation = source.read()
+    if translation.refusals:
+        lines = [f"{r.path} ({r.kind}): {r.reason}" for r in translation.refusals]
         raise DesignError(
-            f"{path}: {len(lines)} of {len(making.network.sites)} blocks cannot be imported; "
+            f"{path}: {len(lines)} of {len(translation.network.sites)} blocks cannot be imported; "
             "replace them",
             detail="\n".join(lines),
         )
-    return source.ordered(making)
+    return source.ordered(translation)
 
 
 @dataclass(frozen=True)
-class _Source:
+class _Import:
     """What is read, and with what."""
 
     path: Path
@@ -118,7 +91,7 @@ class _Source:
     libraries: tuple[Path, ...]
     subsystem: str = ""
 
-    def read(self, *, held: bool = False) -> _Making:
+    def read(self, *, held: bool = False) -> Translation:
         """The nodes of all blocks."""
         root = read_simulink(self.path)
         for part in self.subsystem.split("/") if self.subsystem else ():
@@ -131,21 +104,25 @@ class _Source:
             network = Network(root, self.path.stem, libraries, self.variables)
         except (ValueError, RecursionError) as error:
             raise DesignError(f"{self.path}: {error}") from error
-        return _Making(network, self.sample_time, held=held)
+        return Translation(network, self.sample_time, held=held)
 
-    def ordered(self, making: _Making) -> Diagram:
+    def ordered(self, translation: Translation) -> Diagram:
         """The diagram, with held inputs of continuous blocks if they close a loop otherwise."""
         name = identifier(self.subsystem or self.path.stem)
-        diagram = making.diagram(name, self.path)
+        diagram = self._assembled(translation, name)
         try:
             diagram.order()
         except DiagramError as error:
-            kinds = {site.kind for site in making.network.sites.values()}
+            kinds = {site.kind for site in translation.network.sites.values()}
             if "algebraic loop" not in str(error) or not kinds & _CONTINUOUS:
                 raise
-            diagram = self.read(held=True).diagram(name, self.path)
+            diagram = self._assembled(self.read(held=True), name)
             diagram.order()
         return diagram
+
+    def _assembled(self, translation: Translation, name: str) -> Diagram:
+        translation.require_outputs(self.path)
+        return Assembly(translation, name, self.path).diagram()
 
 
 def survey_simulink(
@@ -155,26 +132,26 @@ def survey_simulink(
 
     A block of a library counts once, as refused if any block inside it is.
     """
-    source = _Source(path, sample_time, Workspace({}, guess=True), tuple(libraries))
-    making = source.read()
-    own = [site for site in making.network.sites.values() if not site.link]
+    source = _Import(path, sample_time, Workspace({}, guess=True), tuple(libraries))
+    translation = source.read()
+    own = [site for site in translation.network.sites.values() if not site.link]
     refusals = {}
-    for refusal in making.refusals:
-        link = making.network.sites[refusal.path].link
+    for refusal in translation.refusals:
+        link = translation.network.sites[refusal.path].link
         if link and link not in refusals:
-            kind = making.network.sites[link].kind
+            kind = translation.network.sites[link].kind
             reason = f"inside it {refusal.path} ({refusal.kind}): {refusal.reason}"
             refusals[link] = Refusal(link, kind, reason, refusal.outside)
         elif not link:
             refusals[refusal.path] = refusal
-    count = len(own) + sum(1 for s in making.network.sites.values() if s.link == s.path)
+    count = len(own) + sum(1 for s in translation.network.sites.values() if s.link == s.path)
     steps = 0
-    if not refusals and making.has_outputs:
+    if not refusals and translation.has_outputs:
         try:
-            steps = _simulated(source.ordered(making))
+            steps = _simulated(source.ordered(translation))
         except DesignError:
             steps = 0
-    return Survey(count, tuple(refusals.values()), tuple(making.open_inputs), steps)
+    return Survey(count, tuple(refusals.values()), tuple(translation.open_inputs), steps)
 
 
 def _simulated(diagram: Diagram) -> int:
@@ -184,337 +161,3 @@ def _simulated(diagram: Diagram) -> int:
     for _ in range(_SURVEYED_STEPS):
         execution.step(given)
     return _SURVEYED_STEPS
-
-
-class _Making:
-    """Nodes of all blocks, and what could not be made."""
-
-    def __init__(self, network: Network, sample_time: float, *, held: bool) -> None:
-        self.network = network
-        self.refusals: list[Refusal] = []
-        self.open_inputs: list[str] = []
-        self._sample_time = sample_time
-        self._held = held
-        self._names = Names()
-        self._shapes = shapes_of(network, _KNOWN)
-        self._nodes: list[Node] = []
-        self._outputs: dict[End, list[Wire]] = {}
-        self._conditions: dict[str, Wire] = {}
-        self._ports: list[Node] = []
-        self._failed: set[str] = set()
-        self._rates = _rates(network, sample_time)
-        sites = list(network.sites.values())
-        for site in sorted(sites, key=lambda site: not network.is_root_port(site)):
-            self._make(site)
-
-    def _builder(self, site: Site) -> Builder:
-        rate = self._rates.get(site.path, self._sample_time)
-        shapes, names = self._shapes, self._names
-        return Builder(site, self.network, shapes, names, rate, self._condition, self._held)
-
-    def _refuse(self, site: Site, reason: str, *, outside: bool = False) -> None:
-        if site.path not in self._failed:
-            self._failed.add(site.path)
-            self.refusals.append(Refusal(site.path, site.kind, reason, outside))
-
-    def _make(self, site: Site) -> None:
-        kind, network = site.kind, self.network
-        if site.commented:
-            return
-        if site.path in network.odd:
-            outside = "physical" in network.odd[site.path]
-            self._refuse(site, network.odd[site.path], outside=outside)
-        elif network.is_root_port(site):
-            self._root_port(site)
-        elif kind == "FromWorkspace":
-            self._inport(site)
-        elif kind == "Outport" and network.controls.get(site.system):
-            self._run(site, held_output)
-        elif kind in STRUCTURE and (kind != "ModelReference" or network.is_system(site.path)):
-            self._check_structure(site)
-        elif kind in IGNORED or network.is_system(site.path):
-            return
-        else:
-            self._try(site)
-
-    def _check_structure(self, site: Site) -> None:
-        if site.kind == "SubSystem" and site.block.parameters.get("Variant", "off") == "on":
-            self._refuse(site, "a variant subsystem; replace it by the variant that is meant")
-        controls = self.network.controls.get(site.path, {})
-        for kind, port in CONTROLS.items():
-            if kind not in controls and self.network.source(site.path, port) is not None:
-                self._refuse(site, f"its port '{port}' has no block inside it")
-        for kind in controls:
-            if self.network.source(site.path, CONTROLS[kind]) is None:
-                self._refuse(site, f"its {CONTROLS[kind]} port is not connected to a signal")
-
-    def _try(self, site: Site) -> None:
-        maker: Maker | None = MAKERS.get(site.kind)
-        if site.kind == "Reference":
-            source = site.block.parameters.get("SourceBlock", "")
-            maker = library_maker(source)
-            if maker is None:
-                where = "has no counterpart" if own_library(source) else "is not at hand"
-                text = " ".join(source.split())
-                self._refuse(site, f"the library block '{text}' {where}",
-                             outside=not own_library(source))  # fmt: skip
-                return
-        if maker is None:
-            reason, outside = _unsupported(site)
-            self._refuse(site, reason, outside=outside)
-            return
-        self._run(site, maker)
-
-    def _run(self, site: Site, maker: Maker) -> None:
-        builder = self._builder(site)
-        try:
-            maker(builder)
-        except (ValueError, KeyError, IndexError, DesignError, NotImplementedError) as error:
-            self._refuse(site, f"{error}")
-            return
-        self._take(builder)
-
-    def _take(self, builder: Builder) -> None:
-        self._nodes += builder.nodes
-        self.open_inputs += [f"{builder.site.path}:{port}" for port in builder.open_inputs]
-        for port, wires in builder.outputs.items():
-            self._outputs[builder.site.path, port] = wires
-
-    def _root_port(self, site: Site) -> None:
-        if site.kind == "Inport":
-            self._inport(site)
-        elif site.kind == "Outport":
-            self._outport(site, identifier(site.block.name))
-
-    def _inport(self, site: Site) -> None:
-        shape = self._shapes.get((site.path, 1), (1,))
-        wires: list[Wire] = []
-        for ending in _endings(shape):
-            name = self._names.new(site.path, ending)
-            wires.append(Node(Inport(name), site.path))
-        self._nodes += [wire for wire in wires if isinstance(wire, Node)]
-        self._outputs[site.path, 1] = wires
-
-    def _outport(self, site: Site, name: str, port: int = 1) -> None:
-        end = self.network.source(site.path, port)
-        if end is None:
-            builder = self._builder(site)
-            node = Node(Outport(self._names.new(name)), site.path, builder.inputs(port))
-            self._take(builder)
-            self._ports.append(node)
-            return
-        shape = self._shapes.get(end, (1,))
-        for element, ending in enumerate(_endings(shape)):
-            own = self._names.new(name, ending)
-            self._ports.append(Node(Outport(own), site.path, [Ref(*end, element)]))
-
-    def _condition(self, system: str) -> Wire:
-        """1 while a conditional subsystem and those around it run."""
-        if system in self._conditions:
-            return self._conditions[system]
-        site = self.network.sites[system]
-        builder = self._builder(site)
-        tests = []
-        for kind, block in self.network.controls[system].items():
-            wires = builder.inputs(CONTROLS[kind])
-            if kind == "ActionPort":
-                tests.append(wires[0])
-            elif kind == "EnablePort":
-                above = [builder.compare(wire, ">", 0.0) for wire in wires]
-                tests.append(above[0] if len(above) == 1 else builder.logic("OR", *above))
-            else:
-                tests.append(
-                    triggered(builder, wires, block.parameters.get("TriggerType", "rising"))
-                )
-        outer = next(self.network.guards(site.system), None)
-        if outer is not None:
-            tests.append(self._condition(outer))
-        found = tests[0] if len(tests) == 1 else builder.logic("AND", *tests)
-        self._nodes += builder.nodes
-        self._conditions[system] = found
-        return found
-
-    @property
-    def has_outputs(self) -> bool:
-        """Whether there is anything to simulate: an outport or a scope."""
-        sites = self.network.sites.values()
-        return bool(self._ports) or any(s.kind in _SINKS and not s.commented for s in sites)
-
-    def diagram(self, name: str, path: Path) -> Diagram:
-        """All blocks that lead to an outport, joined."""
-        if not self._ports:
-            self._show_sinks()
-        if not self._ports:
-            raise DesignError(f"{path}: the model has neither outport nor scope; add an outport")
-        return _Joining(self, name, path).diagram()
-
-    def _show_sinks(self) -> None:
-        for site in self.network.sites.values():
-            if site.kind in _SINKS and not site.commented:
-                for port in range(1, self.network.inputs(site.path) + 1):
-                    self._outport(site, identifier(site.block.name), port)
-        if self.refusals:
-            raise DesignError(f"{self.refusals[0].path}: {self.refusals[0].reason}")
-
-    def node(self, wire: Wire, place: str) -> Node:
-        """The node that gives a wire's signal."""
-        for _ in range(_FARTHEST):
-            if isinstance(wire, Node):
-                return wire
-            wires = self._outputs.get((wire.path, wire.port))
-            if wires is None or wire.element >= len(wires):
-                raise DesignError(
-                    f"'{wire.path}' has no output {wire.port} with {wire.element + 1} elements, "
-                    f"which '{place}' reads"
-                )
-            wire = wires[wire.element]
-        raise DesignError(f"'{place}' reads a signal that only leads to itself")
-
-    @property
-    def outports(self) -> list[Node]:
-        """The ports of the model that give its outputs."""
-        return self._ports
-
-    def inports(self) -> list[Node]:
-        """Those that take its inputs, in order."""
-        return [node for node in self._nodes if isinstance(node.block, Inport)]
-
-    def enabling(self, node: Node) -> tuple[Wire, bool] | None:
-        """The condition under which a node's states change, and whether they begin anew."""
-        site = self.network.sites[node.path]
-        if not node.block.states() or site.kind == "Outport":
-            return None
-        system = next(self.network.guards(site.system), None)
-        if system is None:
-            return None
-        reset = any(
-            "reset" in (block.parameters.get("InitializeStates"),
-                        block.parameters.get("StatesWhenEnabling"))
-            for block in self.network.controls[system].values()
-        )  # fmt: skip
-        return self._condition(system), reset
-
-    def rated(self, node: Node) -> Block:
-        """The node's block with a sample time if it needs one of its own."""
-        rate = self._rates.get(node.path, self._sample_time)
-        block = node.block
-        if isinstance(block, Inport | Outport | Constant) or rate == self._sample_time:
-            return block
-        given = _own_rate(self.network.sites[node.path]) is not None
-        if given or block.states() or isinstance(block, ZeroOrderHold):
-            return replace(block, sample_time=rate)
-        return block
-
-
-class _Joining:
-    """The nodes that are needed become a diagram."""
-
-    def __init__(self, making: _Making, name: str, path: Path) -> None:
-        self._making = making
-        self._diagram = Diagram(name, making._sample_time)
-        self._path = path
-        self._blocks: dict[int, Block] = {}
-
-    def diagram(self) -> Diagram:
-        """Inports in the model's order, then what leads to the outports."""
-        making = self._making
-        needed = self._needed()
-        for node in making.inports():
-            if id(node) in needed:
-                self._blocks[id(node)] = self._diagram.add(node.block)
-        for node in needed.values():
-            if id(node) not in self._blocks:
-                self._blocks[id(node)] = self._diagram.add(making.rated(node))
-        for node in needed.values():
-            block = self._blocks[id(node)]
-            for port, wire in enumerate(node.inputs):
-                source = self._blocks[id(making.node(wire, node.path))]
-                self._diagram.connect(source, block, port)
-            enabling = making.enabling(node)
-            if enabling is not None:
-                by = self._blocks[id(making.node(enabling[0], node.path))]
-                self._diagram.enable(block, by, reset=enabling[1])
-        return self._diagram
-
-    def _needed(self) -> dict[int, Node]:
-        making = self._making
-        waiting = list(reversed(making.outports))
-        needed: dict[int, Node] = {}
-        while waiting:
-            node = waiting.pop()
-            if id(node) in needed:
-                continue
-            needed[id(node)] = node
-            wires = list(node.inputs)
-            enabling = making.enabling(node)
-            if enabling is not None:
-                wires.append(enabling[0])
-            if len(node.inputs) != len(node.block.input_types):
-                raise DesignError(f"{self._path}: an input of '{node.path}' is not connected")
-            waiting += [making.node(wire, node.path) for wire in wires]
-        return needed
-
-
-def _endings(shape: Shape) -> list[str]:
-    """Endings of the names of a signal's elements."""
-    if isinstance(shape, Bus) and shape.fields:
-        found = []
-        for name, inner in shape.fields:
-            found += [f"_{identifier(name)}{ending}"[-24:] for ending in _endings(inner)]
-        return found
-    count = size_of(shape)
-    return [""] if count == 1 else [f"_{index}" for index in range(1, count + 1)]
-
-
-def _unsupported(site: Site) -> tuple[str, bool]:
-    """Why a type of block is refused, and whether it lies outside."""
-    if site.kind == "S-Function":
-        tag = site.block.parameters.get("Tag", "")
-        if "Stateflow" in tag or site.block.parameters.get("FunctionName") == "sf_sfun":
-            return "a Stateflow chart or MATLAB function; draw it with a StateMachine", True
-        return "an S-Function, a program in another language; write a CustomFunction", True
-    if site.kind in ("PMIOPort", "PMComponent", "SimscapeBlock", "SimscapeComponentBlock"):
-        return "physical modelling", True
-    if site.kind in ("MATLABSystem", "SliderBlock", "KnobBlock", "ModelReference"):
-        return "it stands for something outside the model", True
-    return "this type of block is not supported", False
-
-
-def _own_rate(site: Site) -> float | None:
-    """The sample time that a block gives itself, in s; None if it inherits it."""
-    text = site.block.parameters.get("SampleTime", "-1").strip().strip("[]").replace(",", " ")
-    first = text.split()[0] if text.split() else "-1"
-    if site.kind == "Constant" or first in ("-1", "0", "inf", "Inf"):
-        return None
-    try:
-        value = scalar(first, site.variables)
-    except ValueError:
-        return None
-    return value if value > 0 and math.isfinite(value) and not site.variables.guess else None
-
-
-def _rates(network: Network, sample_time: float) -> Mapping[str, float]:
-    """The sample time of each block: its own, else the shortest of its inputs'."""
-    rates: dict[str, float] = {}
-    free: list[tuple[str, list[str]]] = []
-    for path, site in network.sites.items():
-        own = _own_rate(site)
-        if own is not None:
-            rates[path] = own
-            continue
-        ends = (network.source(path, port) for port in range(1, network.inputs(path) + 1))
-        sources = [end[0] for end in ends if end is not None]
-        if site.kind == "Inport" and not site.system:
-            rates[path] = sample_time
-        else:
-            free.append((path, sources))
-    for _ in range(len(free)):
-        changed = False
-        for path, sources in free:
-            known = [rates[source] for source in sources if source in rates]
-            if known and rates.get(path, math.inf) > min(known):
-                rates[path] = min(known)
-                changed = True
-        if not changed:
-            break
-    return rates

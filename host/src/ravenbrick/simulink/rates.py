@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Sample times of blocks, stated or inherited."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ravenbrick.simulink.network import Network, Site
+from ravenbrick.simulink.numbers import scalar
+
+__all__ = ["block_rates", "own_rate"]
+
+
+def own_rate(site: Site) -> float | None:
+    """The sample time that a block gives itself, in s; None if it inherits it."""
+    text = site.block.parameters.get("SampleTime", "-1").strip().strip("[]").replace(",", " ")
+    first = text.split()[0] if text.split() else "-1"
+    if site.kind == "Constant" or first in ("-1", "0", "inf", "Inf"):
+        return None
+    try:
+        value = scalar(first, site.variables)
+    except ValueError:
+        return None
+    return value if value > 0 and math.isfinite(value) and not site.variables.guess else None
+
+
+def block_rates(network: Network, sample_time: float) -> Mapping[str, float]:
+    """The sample time of each block: its own, else the shortest of its inputs'."""
+    rates: dict[str, float] = {}
+    free: list[tuple[str, list[str]]] = []
+    for path, site in network.sites.items():
+        own = own_rate(site)
+        if own is not None:
+            rates[path] = own
+            continue
+        ends = (network.source(path, port) for port in range(1, network.inputs(path) + 1))
+        sources = [end[0] for end in ends if end is not None]
+        if site.kind == "Inport" and not site.system:
+            rates[path] = sample_time
+        else:
+            free.append((path, sources))
+    for _ in range(len(free)):
+        changed = False
+        for path, sources in free:
+            known = [rates[source] for source in sources if source in rates]
+            if known and rates.get(path, math.inf) > min(known):
+                rates[path] = min(known)
+                changed = True
+        if not changed:
+            break
+    return rates
