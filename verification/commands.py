@@ -19,9 +19,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-__all__ = ["ROOT", "Counts", "NoResultError", "counts_of", "function_of"]
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
+__all__ = ["Counts", "NoResultError", "counts_of", "function_of"]
+
 CRATES = ROOT / "virtual-brick"
 Row = dict[str, Any]
 

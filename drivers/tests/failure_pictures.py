@@ -14,7 +14,7 @@ import virtual_brick
 from examples.devices.pictures import picture
 from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import Brick, bench
-from verification.support.bricks.programs import ROOT
+from verification.support.paths import ROOT
 
 PROGRAMS = ("stack_overflow", "ceiling_violation")
 END_MS = 400

@@ -12,9 +12,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import os
 import re
-import subprocess
 import sys
 import time
 from collections import Counter
@@ -30,22 +28,19 @@ from verification.acats.judgement import is_only_ravenscar, judge, judge_refused
 from verification.acats.suite import EXECUTED, REJECTED, AcatsTest, Suite, SuiteMissingError
 from verification.acats.table import table
 from verification.commands import Counts
+from verification.support.bricks.runtime_programs import RUNTIMES, make_runtime
+from verification.support.paths import BUILD
 
 __all__ = ["ADAPTED", "REJECTED", "Outcome", "SuiteMissingError", "adapted", "run", "whole"]
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
 TABLE = HERE / "results.md"
-PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 WORKERS = 2
-MAKE_VARIABLES = {
-    "ravenscar": ("PROFILE=ravenscar",),
-    "jorvik": ("PROFILE=jorvik",),
-    "jorvik-priority": ("PROFILE=jorvik", "QUEUING=priority"),
-}
+PROFILES = {"ravenscar": "arm", "jorvik": "jorvik", "jorvik-priority": "jorvik-priority"}
+"""Names of the run-times in `RUNTIMES`."""
 ADAPTED = ("adapted",)
 """In place of a chapter: programs that the folder `adaptations` makes from tests."""
-WORK = PRODUCTS / "verification" / "acats"
+WORK = BUILD / "verification" / "acats"
 LESS_HEAP = Memory(heap_bytes=4_096)
 """Of a test that does not fit otherwise."""
 DOES_NOT_FIT = re.compile(r"will not fit in region|overflowed by")
@@ -67,10 +62,8 @@ class Profile:
 
     def __init__(self, suite: Suite, name: str) -> None:
         self.name = name
-        products = f"BUILD={PRODUCTS / 'runtime'}"
-        make = ["make", "-s", "-C", str(ROOT / "runtime"), products, *MAKE_VARIABLES[name]]
-        subprocess.run(make, check=True, stdout=sys.stderr)
-        self.rts = PRODUCTS / "runtime" / name
+        make_runtime(PROFILES[name])
+        self.rts = RUNTIMES[PROFILES[name]]
         self.builder = Builder(suite, self.rts, WORK / name)
         self.builder.prepare()
         self.tight = Builder(suite, self.rts, WORK / name, LESS_HEAP)
@@ -160,7 +153,7 @@ def run(names: list[str], workers: int) -> list[Outcome]:
 def _adapted_one(suite: Suite, rule: Adaptation, test: AcatsTest) -> Outcome:
     """Build and run one adapted program."""
     folder = WORK / "adapted" / rule.name
-    builder = Builder(suite, PRODUCTS / "runtime" / rule.profile, folder, MEMORY)
+    builder = Builder(suite, RUNTIMES[PROFILES[rule.profile]], folder, MEMORY)
     builder.shared = WORK / rule.profile / "shared"
     try:
         image = builder.build(rule.apply(suite, test, folder / "sources"))
@@ -178,7 +171,7 @@ def _adapted_one(suite: Suite, rule: Adaptation, test: AcatsTest) -> Outcome:
 def adapted() -> list[Outcome]:
     """Outcomes of the adapted tests; their packages are prepared as for the others."""
     suite = Suite.from_environment()
-    for name in MAKE_VARIABLES:
+    for name in PROFILES:
         Profile(suite, name)
     tests = {test.name: test for test in suite.tests(EXECUTED)}
     return [_adapted_one(suite, rule, tests[rule.test]) for rule in adaptations()]

@@ -35,7 +35,8 @@ from verification.timing.known_examples import known_example
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
-ROOT = Path(__file__).resolve().parents[2]
+from verification.support.paths import ROOT
+
 PAGE = ROOT / "docs" / "reference" / "analysis-growth.md"
 PICTURE = ROOT / "docs" / "pictures" / "analysis-growth.png"
 COUNTS = (1, 2, 4, 8, 16, 32, 64, 96, 128, 192, 256, 384, 720)

@@ -29,8 +29,8 @@ from typing import Any
 from verification.benchmarks import qemu_system
 from verification.benchmarks.child_time import run_timed
 from verification.commands import NoResultError
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "verification" / "benchmarks" / "cpu"
 START = ROOT / "verification" / "processor" / "busy_start.S"
 CONTROLLER = ROOT / "examples" / "vehicle" / "generated"

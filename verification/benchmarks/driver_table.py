@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from ravenbrick.clock import MASTER_CLOCK
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from verification.support.paths import ROOT
+
 COSTS = ROOT / "docs" / "reference" / "driver-costs.json"
 PAGE = ROOT / "docs" / "reference" / "drivers.md"
 CYCLES_PER_US = float(MASTER_CLOCK.hertz) / 1e6

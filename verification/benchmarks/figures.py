@@ -7,14 +7,13 @@ from __future__ import annotations
 import json
 import subprocess
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from verification.commands import NoResultError
+from verification.support.paths import ROOT
 
-__all__ = ["REPEATS", "ROOT", "VEHICLE", "Figure", "ravenbrick"]
+__all__ = ["REPEATS", "VEHICLE", "Figure", "ravenbrick"]
 
-ROOT = Path(__file__).resolve().parents[2]
 VEHICLE = ROOT / "examples" / "vehicle"
 REPEATS = 5
 

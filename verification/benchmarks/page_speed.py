@@ -15,8 +15,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from verification.benchmarks.figures import ROOT, VEHICLE, Figure
+from verification.benchmarks.figures import VEHICLE, Figure
 from verification.commands import NoResultError
+from verification.support.paths import ROOT
 
 BUSY = Path(__file__).resolve().parent / "busy" / "busy.c"
 PAGE_SECONDS = 5

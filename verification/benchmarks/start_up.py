@@ -8,8 +8,9 @@ import statistics
 from collections.abc import Iterator
 
 from verification.benchmarks.child_time import run_timed
-from verification.benchmarks.figures import REPEATS, ROOT, VEHICLE, Figure, ravenbrick
+from verification.benchmarks.figures import REPEATS, VEHICLE, Figure, ravenbrick
 from verification.commands import NoResultError
+from verification.support.paths import ROOT
 
 # Whole processes that a user waits for; imports as the command makes them, without threads of BLAS.
 ALONE = ["env", "OPENBLAS_NUM_THREADS=1"]

@@ -25,7 +25,7 @@ from verification.benchmarks.driver_costs import (
     telemetry_memory,
 )
 from verification.support.bricks.driver_programs import image_of
-from verification.support.bricks.programs import ROOT
+from verification.support.paths import ROOT
 
 CYCLES_PER_MS = 48_055
 SHORT = CYCLES_PER_MS // 50

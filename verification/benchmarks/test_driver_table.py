@@ -7,7 +7,8 @@ from __future__ import annotations
 import json
 import re
 
-from verification.benchmarks.driver_table import COSTS, DEVICES, PAGE, ROOT, page
+from verification.benchmarks.driver_table import COSTS, DEVICES, PAGE, page
+from verification.support.paths import ROOT
 
 SOURCES = ROOT / "drivers" / "src"
 WITHOUT_DEVICE = {

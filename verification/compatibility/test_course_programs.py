@@ -24,7 +24,6 @@ from verification.support.bricks.observe import Brick, bench
 from verification.support.bricks.programs import gprbuild
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
 FOLDER = os.environ.get("RAVENBRICK_COURSE_PROGRAMS", "")
 
 

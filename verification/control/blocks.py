@@ -26,8 +26,8 @@ from verification.support.codegen.brick_cycles import Cost, image_of_checks, ste
 from verification.support.codegen.c_build import WORD_FLAGS, ada_object
 from verification.support.codegen.paper_pi import LOOP, fixed_pi, paper_pi, plant
 from verification.support.codegen.random_diagrams import fixed_form, random_diagram
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference" / "blocks.md"
 STEPS = 24
 SHARE = 12

@@ -20,7 +20,8 @@ from ravenbrick.model import IntegrationMethod, SpeedLoop
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.sample_timing import sample_timing
 
-ROOT = Path(__file__).resolve().parents[2]
+from verification.support.paths import ROOT
+
 PAGE = ROOT / "docs" / "reference" / "speed-estimators.md"
 PICTURE = ROOT / "docs" / "pictures" / "speed-estimators.png"
 RECORDING = ROOT / "out" / "vehicle" / "recordings" / "drive.npz"

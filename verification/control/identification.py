@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from ravenbrick.brick.run import VirtualTarget
@@ -17,8 +16,8 @@ from ravenbrick.project.scenario import Scenario, read_scenario
 from ravenbrick.trace.motor_data import motor_data
 
 from verification.commands import Counts
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 VEHICLE = ROOT / "examples" / "vehicle"
 IMAGE = ROOT / "build" / "vehicle" / "ram" / "vehicle.elf"
 MOTOR = "B"

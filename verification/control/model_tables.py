@@ -32,8 +32,8 @@ from verification.support.codegen.misra import (
     write_models,
     write_vehicle,
 )
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "docs" / "reference"
 SUFFIXES = (".slx", ".mdl")
 _COMMON = 3

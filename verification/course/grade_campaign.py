@@ -29,9 +29,9 @@ from ravenbrick.grading.submission import Submission, find_submissions
 
 from verification.benchmarks.figures import Figure
 from verification.commands import Counts
+from verification.support.paths import ROOT
 from verification.support.submissions import RUBRIC, variant, write_submission
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reference" / "grading-throughput.md"
 COUNT, SLICE, WORKERS = 200, 20, 2
 MEASURED = 40

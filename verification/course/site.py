@@ -12,8 +12,8 @@ from pathlib import Path
 
 from tools.docs.site_links import check_site
 from verification.commands import Counts
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 NO_SPHINX = "Sphinx is not installed: 'make docs' installs it"
 OUTSIDE = "leads out of the site; not followed, the build needs no network"
 

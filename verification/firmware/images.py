@@ -23,8 +23,8 @@ import virtual_brick
 
 from tools.docs import tables
 from tools.docs.lcd_picture import WIDTH
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "verification" / "firmware" / "images.json"
 FLASH = 0x0010_0000
 USER_RAM = 0x0020_2000

@@ -24,8 +24,8 @@ from typing import Any
 from tools.docs import tables
 from verification.commands import Counts, NoResultError
 from verification.fuzz.targets import Target, targets
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "verification" / "fuzz" / "results.json"
 CORPUS = Path(__file__).resolve().parent / "corpus"
 BUILD = ROOT / "build" / "fuzz"

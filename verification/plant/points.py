@@ -12,13 +12,12 @@ import json
 import subprocess
 import sys
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 from tools.docs import tables
 from verification.commands import Counts, NoResultError
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "verification" / "plant" / "points.json"
 COMMAND = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "plant"]
 

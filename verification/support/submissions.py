@@ -7,7 +7,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from verification.support.paths import ROOT
+
 BLANK = ROOT / "examples" / "blank"
 RUBRIC = ROOT / "docs" / "lessons" / "rubrics" / "lab-01.toml"
 SOURCES = {file.name: file.read_text() for file in (BLANK / "src").iterdir()}

@@ -15,16 +15,15 @@ import json
 import subprocess
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from ravenbrick.timing.loop import margin_words
 
+from verification.support.paths import ROOT
 from verification.timing.unreached_bounds import MISSED, REACHED, UNEXPLAINED
 
 __all__ = ["EXAMPLES", "analysed", "judge", "keep", "page"]
 
-ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "build" / "verification" / "timing-bounds.json"
 PAGE = ROOT / "docs" / "reference" / "timing-bounds.md"
 EXAMPLES = {

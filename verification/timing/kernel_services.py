@@ -36,10 +36,10 @@ from ravenbrick.timing.started import attached_handlers
 from verification.benchmarks.runtime.calls import CallTimes
 from verification.benchmarks.runtime.measure import image_of
 from verification.benchmarks.runtime.steps import steps_in
+from verification.support.paths import ROOT
 
 __all__ = ["LARGEST_RATIO", "ServiceTime", "service_times"]
 
-ROOT = Path(__file__).resolve().parents[2]
 TABLE = ROOT / "docs" / "reference" / "kernel-services.md"
 LARGEST_RATIO = 1.10
 

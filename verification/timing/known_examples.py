@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import read_robot
@@ -13,9 +12,9 @@ from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import WAITS, body_of, known_facts
 from ravenbrick.timing.facts import Facts, read_facts
 
-__all__ = ["KnownExample", "known_example"]
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
+__all__ = ["KnownExample", "known_example"]
 
 
 @dataclass(frozen=True)

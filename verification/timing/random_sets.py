@@ -24,7 +24,6 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 from ravenbrick.schedule.edf import earliest_deadline_bounds
@@ -33,7 +32,8 @@ from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.response_time import response_time_bound
 from ravenbrick.schedule.simulation import simulate
 
-ROOT = Path(__file__).resolve().parents[2]
+from verification.support.paths import ROOT
+
 CRATE = ROOT / "verification" / "timing" / "crate_bounds"
 Bounds = list[int | None]
 

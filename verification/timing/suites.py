@@ -14,7 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from verification.commands import ROOT, Counts, NoResultError
+from verification.commands import Counts, NoResultError
+from verification.support.paths import ROOT
 from verification.timing.unreached_bounds import MISSED, REACHED
 
 __all__ = [

@@ -39,7 +39,8 @@ from typing import Any, TypeVar
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
 from ravenbrick.timing.facts import annotations_of
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+from verification.support.paths import ROOT
+
 GROUPS = ("app", "kernel", "sequential", "test")
 COMPILER = "arm-none-eabi-gcc"
 PRAGMA = re.compile(r'_Pragma\s*\(\s*"loopbound\s+min\s+(\d+)\s+max\s+(\d+)"\s*\)')

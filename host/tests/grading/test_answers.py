@@ -7,7 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from verification.support.submissions import ROOT
+from verification.support.paths import ROOT
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.grading.answers import parse_wanted, read_answers

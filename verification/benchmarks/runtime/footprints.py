@@ -22,10 +22,10 @@ from elftools.elf.elffile import ELFFile
 
 from verification.benchmarks.runtime.measure import image_of
 from verification.support.bricks.runtime_programs import build
+from verification.support.paths import ROOT
 
 __all__ = ["PAGE", "feature_bytes", "footprints", "linked_bytes", "object_bytes", "page"]
 
-ROOT = Path(__file__).resolve().parents[3]
 PAGE = ROOT / "docs" / "reference" / "footprint.md"
 STACK_BYTES = 512
 STACKS_BYTES = {"hello": STACK_BYTES, "two_tasks": 2 * STACK_BYTES}

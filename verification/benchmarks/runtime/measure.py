@@ -11,8 +11,6 @@ by `delay until` and the work of the idle processor are observed from outside, t
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict
@@ -22,12 +20,12 @@ import virtual_brick
 from ravenbrick.clock import MASTER_CLOCK
 
 from verification.support.bricks.programs import gprbuild
+from verification.support.bricks.runtime_programs import RUNTIMES, make_runtime
+from verification.support.paths import BUILD
 
 __all__ = ["LONGEST_MASKED_CYCLES", "FigureRow", "figures", "image_of"]
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[2]
-PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
 
 CYCLES_PER_SECOND = float(MASTER_CLOCK.hertz)
 LONGEST_MASKED_CYCLES = 250
@@ -103,19 +101,13 @@ def image_of(program: str, image: str, code: str) -> Path:
 
     The linker's map stands beside it.
     """
-    products = PRODUCTS / "runtime"
-    library = products / ("ravenscar-thumb" if code == "thumb" else "ravenscar")
-    subprocess.run(
-        ["make", "-s", "-C", str(ROOT / "runtime"), f"BUILD={products}", f"CODE={code}"],
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
-    folder = products / "benchmarks" / code
+    make_runtime(code)
+    folder = BUILD / "runtime" / "benchmarks" / code
     elf = folder / program / image / f"{program}.elf"
     gprbuild(
         HERE / "benchmarks.gpr",
         f"--create-map-file={elf.with_suffix('.map')}",
-        run_time=library,
+        run_time=RUNTIMES[code],
         PROGRAM=program,
         IMAGE=image,
         CODE=code,

@@ -20,10 +20,10 @@ import numpy as np
 
 from verification.benchmarks.runtime import measure
 from verification.benchmarks.runtime.steps import IRQ_VECTOR, VECTORS_SIZE, Steps, steps_of
+from verification.support.paths import ROOT
 
 __all__ = ["PAGE", "Stretch", "page", "paths"]
 
-ROOT = Path(__file__).resolve().parents[3]
 PAGE = ROOT / "docs" / "internals" / "run-time-paths.md"
 LAST_CYCLE = 400_000
 CALL = "shared__counter__addP"

@@ -21,10 +21,10 @@ from pathlib import Path
 from verification.benchmarks.runtime import measure
 from verification.benchmarks.runtime.steps import IRQ_VECTOR, Steps, steps_of
 from verification.support.bricks.runtime_programs import RUNTIMES, build
+from verification.support.paths import ROOT
 
 __all__ = ["PAGE", "Section", "growth", "longest_sections", "maskers", "page"]
 
-ROOT = Path(__file__).resolve().parents[3]
 PAGE = ROOT / "docs" / "reference" / "critical-sections.md"
 PROGRAMS = (
     ("load", "benchmark", 6_000_000),

@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 import virtual_brick
 
+from verification.support.paths import ROOT
+
 __all__ = ["BENCH", "Steps", "steps_in", "steps_of"]
 
-ROOT = Path(__file__).resolve().parents[3]
 BENCH = {
     "seed": 1,
     "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},

@@ -6,14 +6,13 @@ from __future__ import annotations
 
 import os
 from functools import cache
-from pathlib import Path
 
-from verification.support.bricks.programs import ROOT, gprbuild
+from verification.support.bricks.programs import gprbuild
+from verification.support.paths import BUILD, ROOT
 
 __all__ = ["image_of"]
 
 PROJECT = ROOT / "drivers" / "tests" / "test.gpr"
-BUILD = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build"))
 
 
 @cache

@@ -9,9 +9,10 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-__all__ = ["CONFIGURATION", "ROOT", "gprbuild", "make_run_time"]
+from verification.support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parents[3]
+__all__ = ["CONFIGURATION", "gprbuild", "make_run_time"]
+
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 
 

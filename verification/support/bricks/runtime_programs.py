@@ -15,7 +15,8 @@ import numpy as np
 import virtual_brick
 from ravenbrick.clock import MASTER_CLOCK
 
-from verification.support.bricks.programs import ROOT, gprbuild
+from verification.support.bricks.programs import gprbuild
+from verification.support.paths import BUILD, ROOT
 
 __all__ = [
     "BENCH",
@@ -35,15 +36,14 @@ __all__ = [
 
 TESTS = ROOT / "runtime" / "tests"
 PROGRAMS = TESTS / "programs"
-PRODUCTS = Path(os.environ.get("RAVENBRICK_BUILD", ROOT / "build")).resolve()
-BUILD = PRODUCTS / "runtime" / "tests"
+PRODUCTS = BUILD / "runtime"
 RUNTIMES = {
-    "arm": PRODUCTS / "runtime" / "ravenscar",
-    "thumb": PRODUCTS / "runtime" / "ravenscar-thumb",
-    "jorvik": PRODUCTS / "runtime" / "jorvik",
-    "jorvik-priority": PRODUCTS / "runtime" / "jorvik-priority",
-    "timed": PRODUCTS / "runtime" / "ravenscar-timed",
-    "contracts": PRODUCTS / "runtime" / "ravenscar-contracts",
+    "arm": PRODUCTS / "ravenscar",
+    "thumb": PRODUCTS / "ravenscar-thumb",
+    "jorvik": PRODUCTS / "jorvik",
+    "jorvik-priority": PRODUCTS / "jorvik-priority",
+    "timed": PRODUCTS / "ravenscar-timed",
+    "contracts": PRODUCTS / "ravenscar-contracts",
 }
 MAKE_VARIABLES = {
     "arm": (),
@@ -70,7 +70,7 @@ EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", 
 @cache
 def make_runtime(runtime: str) -> None:
     """Build the library of one of RUNTIMES; make takes no folder with a space in its name."""
-    products = f"BUILD={os.path.relpath(PRODUCTS / 'runtime', ROOT / 'runtime')}"
+    products = f"BUILD={os.path.relpath(PRODUCTS, ROOT / 'runtime')}"
     subprocess.run(
         ["make", "-s", "-j2", "-C", str(ROOT / "runtime"), products, *MAKE_VARIABLES[runtime]],
         check=True,
@@ -93,7 +93,7 @@ def build(
     `options`: of gprbuild. The linker's map stands beside the image.
     """
     make_runtime(runtime)
-    folder = BUILD / f"{code}-on-{runtime}"
+    folder = PRODUCTS / "tests" / f"{code}-on-{runtime}"
     elf = folder / name / image / f"{name}.elf"
     gprbuild(
         TESTS / "test.gpr",

@@ -19,10 +19,10 @@ from ravenbrick.timing.started import elaborated
 from ravenbrick.trace.recording import Recording
 
 from verification.support.bricks.programs import gprbuild
+from verification.support.paths import ROOT
 
 __all__ = ["Subject", "analysed", "built", "subject"]
 
-ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).resolve().parent
 
 
