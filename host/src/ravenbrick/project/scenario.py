@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.catalogue import sensor_input, sensor_kinds
+from ravenbrick.catalogue import SensorInput, SensorKind, sensor_input, sensor_kinds
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ScenarioError
 from ravenbrick.project.criteria import Expectation
@@ -159,12 +159,7 @@ def _motor_input(robot: Robot, port: str, quantity: str) -> str | None:
     return None
 
 
-def _sensor_input(robot: Robot, name: str) -> str | None:
-    """What is wrong with the input of a sensor; raises KeyError when no sensor has it."""
-    found = sensor_input(name)
-    if found is None:
-        raise KeyError(name)
-    kind, taken, port = found
+def _sensor_input(robot: Robot, kind: SensorKind, taken: SensorInput, port: str) -> str | None:
     sensor = robot.sensor_ports.get(port)
     if sensor is None or sensor.device != kind.name:
         return f"there is no {kind.name} sensor on sensor port {port}; see [ports] in robot.toml"
@@ -206,15 +201,15 @@ def _input_problem(robot: Robot, name: str) -> str | None:
         match = re.fullmatch(pattern, name)
         if match:
             return check(robot, *match.groups())
-    try:
-        return _sensor_input(robot, name)
-    except KeyError:
-        of_sensors = [i.name for kind in sensor_kinds().values() for i in kind.inputs]
-        known = ", ".join([*of_sensors, "button.<name>", "motor.<port>.hand_angle"])
-        return (
-            f"unknown input '{name}'; known are {known.replace('{port}', '<port>')}, "
-            "motor.<port>.load_torque, body.held, body.push and battery.voltage"
-        )
+    found = sensor_input(name)
+    if found is not None:
+        return _sensor_input(robot, *found)
+    of_sensors = [i.name for kind in sensor_kinds().values() for i in kind.inputs]
+    known = ", ".join([*of_sensors, "button.<name>", "motor.<port>.hand_angle"])
+    return (
+        f"unknown input '{name}'; known are {known.replace('{port}', '<port>')}, "
+        "motor.<port>.load_torque, body.held, body.push and battery.voltage"
+    )
 
 
 def _check_inputs(document: LocatedToml, robot: Robot) -> None:
