@@ -138,17 +138,17 @@ def _timed(analyse: Callable[[], Bounds]) -> tuple[Bounds, float]:
 
 
 def _point(name: str, count: int, size: int, found: Bounds, relative_time: float) -> Point:
-    work = found.work
+    effort = found.effort
     cycles = sum(bound.cycles for bound in (*found.functions, *found.jobs))
     point = Point(
         name,
         count,
         size,
-        work["functions"],
-        work["blocks"],
-        work["loops"],
-        work["instructions"],
-        work["steps"],
+        effort["functions"],
+        effort["blocks"],
+        effort["loops"],
+        effort["instructions"],
+        effort["steps"],
         cycles,
         round(relative_time, 1),
     )

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bounds of all examples versus observations, as a page.
 
-`python -m verification.timing.examples [NAME ...] [--hunt N] [--hours 1]` builds and analyses the
-named examples (default: all), keeps the figures in `build/verification/timing-bounds.json` and
-writes `docs/reference/timing-bounds.md` from them. What the campaigns found is added from
-`random_sets.json` and `program_campaign.json`.
+`python -m verification.timing.examples [NAME ...] [--worst-case-search N] [--hours 1]` builds and
+analyses the named examples (default: all), keeps the figures in
+`build/verification/timing-bounds.json` and writes `docs/reference/timing-bounds.md` from them. What
+the campaigns found is added from `random_sets.json` and `program_campaign.json`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ravenbrick.timing.loop import margin_words
+from ravenbrick.timing.results.phase_margin import margin_words
 
 from verification.support.paths import ROOT
 from verification.timing.unreached_bounds import MISSED, REACHED, UNEXPLAINED
@@ -66,14 +66,14 @@ def _spread(found: dict[str, Any]) -> dict[str, Any]:
 
 def _short(answer: dict[str, Any]) -> dict[str, Any]:
     """What the page needs."""
-    keys = ("scenario", "schedulable", "effort", "tasks", "interrupts", "chains", "why_apart")
+    keys = ("scenario", "schedulable", "effort", "tasks", "interrupts", "chains", "overestimation")
     result = {key: answer[key] for key in keys}
-    if "hunt" in answer:
+    if "worst_case_search" in answer:
+        search = answer["worst_case_search"]
         searched = {
-            name: [found[key] for key in SEARCHED]
-            for name, found in answer["hunt"]["tasks"].items()
+            name: [found[key] for key in SEARCHED] for name, found in search["tasks"].items()
         }
-        result["search"] = {"attempts": answer["hunt"]["attempts"], "tasks": searched}
+        result["search"] = {"variants": search["variants"], "tasks": searched}
     if "long_run" in answer:
         run = answer["long_run"]
         tasks = {
@@ -163,7 +163,7 @@ def _search_lines(search: dict[str, Any]) -> list[str]:
     )
     return [
         "",
-        f"Worst-case search over {search['attempts']} variants. Longest responses in the scenario "
+        f"Worst-case search over {search['variants']} variants. Longest responses in the scenario "
         f"itself / in variants with an undisturbed link / in all variants: {text}.",
     ]
 
@@ -200,7 +200,7 @@ def _example(name: str, result: dict[str, Any]) -> list[str]:
             f"observed {chain['sample_min_cycles']} to {chain['sample_max_cycles']}"
             + (f"; {margin_words(margins)}." if margins else ".")
         )
-    lines += ["", *(f"- {line}." for line in result["why_apart"])]
+    lines += ["", *(f"- {line}." for line in result["overestimation"])]
     if "search" in result:
         lines += _search_lines(result["search"])
     if "long_run" in result:
@@ -317,11 +317,13 @@ def main() -> int:
     """Analyse, keep, write; 1 when an observation exceeds a bound."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", choices=[*EXAMPLES, []])
-    parser.add_argument("--hunt", type=int, default=40)
+    parser.add_argument("--worst-case-search", type=int, default=40)
     parser.add_argument("--hours", type=float, default=0.0)
     parser.add_argument("--page", action="store_true", help="only rewrite the page")
     chosen = parser.parse_args()
-    options = [f"--hunt={chosen.hunt}"] if chosen.hunt else []
+    options = (
+        [f"--worst-case-search={chosen.worst_case_search}"] if chosen.worst_case_search else []
+    )
     options += [f"--hours={chosen.hours}"] if chosen.hours else []
     names = [] if chosen.page else chosen.names or list(EXAMPLES)
     count, good = judge(keep(analysed(names, options)))

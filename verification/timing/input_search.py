@@ -125,7 +125,7 @@ def _bound_of_case(elf: bytes, name: str, facts: Facts, case: Sequence[dict[str,
         try:
             found = execution_times(
                 elf,
-                closed=((f"{name}_init", f"{name}_main"), STACK_POINTER),
+                known_memory=((f"{name}_init", f"{name}_main"), STACK_POINTER),
                 inputs=case,
                 annotations=[("pragmas", facts.text())],
                 timing="plain",
@@ -134,7 +134,7 @@ def _bound_of_case(elf: bytes, name: str, facts: Facts, case: Sequence[dict[str,
             if not facts.learn(error):
                 raise
         else:
-            return found.closed_cycles or 0
+            return found.known_memory_cycles or 0
     raise ExecutionTimeError(f"{name}: too many questions")
 
 

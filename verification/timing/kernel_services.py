@@ -20,6 +20,7 @@ from pathlib import Path
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.timing.bounds import execution_times
 from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.initial_state import attached_handlers
 from ravenbrick.timing.kernel import (
     DELAY_UNTIL,
     EVENT_RING,
@@ -31,7 +32,6 @@ from ravenbrick.timing.kernel import (
     interrupt_costs,
     run_time_facts,
 )
-from ravenbrick.timing.started import attached_handlers
 
 from verification.benchmarks.runtime.calls import CallTimes
 from verification.benchmarks.runtime.measure import image_of

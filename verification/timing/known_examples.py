@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
-from ravenbrick.timing.analysis import WAITS, body_of, known_facts
+from ravenbrick.timing.analysis import body_of, known_facts
 from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.scheduled_tasks import WAITS
 
 from verification.support.paths import ROOT
 

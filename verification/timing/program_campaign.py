@@ -33,6 +33,7 @@ from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.timing.alarm import AlarmCosts, alarm_costs
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.initial_state import Handler
 from ravenbrick.timing.kernel import (
     ALARM_LATENESS_CYCLES,
     DELAY_UNTIL,
@@ -42,7 +43,6 @@ from ravenbrick.timing.kernel import (
     run_time_facts,
     services,
 )
-from ravenbrick.timing.started import Handler
 from ravenbrick.trace.recording import EventKind, decode_events
 
 from verification.support.timing import programs
@@ -138,8 +138,8 @@ def costs(task_count: int) -> Costs:
     alarm = alarm_costs(image, interrupt_costs(image, [RING], known)[0], known, PERIODS_US)
     one, more, locked = (_job(image, known, *counts) for counts in ((1, 1), (2, 1), (1, 2)))
     each, each_locked = more.cycles - one.cycles, locked.cycles - one.cycles
-    section = one.longest_section(2 * FIRST_PRIORITY)
-    section_each = locked.longest_section(2 * FIRST_PRIORITY) - section
+    section = one.longest_critical_section(2 * FIRST_PRIORITY)
+    section_each = locked.longest_critical_section(2 * FIRST_PRIORITY) - section
     alone = ("nobody waits", annotations_of({"never": [{"symbol": DISPATCH}]}))
     return Costs(
         kernel,

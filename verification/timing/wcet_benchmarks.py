@@ -252,8 +252,8 @@ def _analysed(elf: bytes, name: str, facts: Facts) -> Bound:
 def closed_bound(elf: bytes, name: str) -> int:
     """Bound for the program's own data."""
     calls = (f"{name}_init", f"{name}_main")
-    found = execution_times(elf, closed=(calls, STACK_POINTER), timing="plain")
-    return found.closed_cycles or 0
+    found = execution_times(elf, known_memory=(calls, STACK_POINTER), timing="plain")
+    return found.known_memory_cycles or 0
 
 
 @cache

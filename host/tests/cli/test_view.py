@@ -25,7 +25,7 @@ from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
-from ravenbrick.timing.bounds_file import image_digest
+from ravenbrick.timing.results.bounds_file import image_digest
 
 
 @pytest.fixture(autouse=True)

@@ -24,15 +24,15 @@ from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.sensitivity import largest_wcet
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
-from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.facts import Facts, read_facts, unused_facts
-from ravenbrick.timing.hunt import hunt, largest
+from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
 from ravenbrick.timing.kernel import DELAY_UNTIL, kernel_facts, services
-from ravenbrick.timing.long_run import long_run
-from ravenbrick.timing.observed import check_interrupt_rates, exceeded, observe
-from ravenbrick.timing.result import advice, result_of
-from ravenbrick.timing.started import elaborated
+from ravenbrick.timing.observation.long_run import long_run
+from ravenbrick.timing.observation.observed import check_interrupt_rates, exceeded, observe
+from ravenbrick.timing.observation.worst_case_search import largest, search_worst_case
+from ravenbrick.timing.results.explanation import overestimation
+from ravenbrick.timing.results.result import advice, result_of
 from ravenbrick.trace.recording import Recording
 
 pytestmark = [
@@ -205,14 +205,16 @@ def test_a_function_that_nothing_disturbs_is_bounded_as_it_is_with_its_lines(
     image: ElfImage,
 ) -> None:
     name = "functional_initialize_instance"
-    closed = ([name], 0x0021_0000)
-    own = execution_times(image.content, closed=closed)
+    calls = ([name], 0x0021_0000)
+    own = execution_times(image.content, known_memory=calls)
     any_data = execution_times(image.content, functions=[name]).functions[0]
-    assert own.closed_cycles is not None and 0 < own.closed_cycles <= any_data.cycles
-    assert own.closed_lines
-    assert all(line.rpartition("/")[2].startswith("functional.c:") for line, _ in own.closed_lines)
+    assert own.known_memory_cycles is not None and 0 < own.known_memory_cycles <= any_data.cycles
+    assert own.known_memory_lines
+    assert all(
+        line.rpartition("/")[2].startswith("functional.c:") for line, _ in own.known_memory_lines
+    )
     with pytest.raises(ExecutionTimeError, match="'nothing': the image has no such variable"):
-        execution_times(image.content, closed=closed, inputs=["nothing"])
+        execution_times(image.content, known_memory=calls, inputs=["nothing"])
 
 
 def test_a_loop_of_a_function_alone_is_asked_for_too(image: ElfImage) -> None:
@@ -266,19 +268,19 @@ def test_the_report_says_what_the_bound_holds_that_the_run_did_not_show(
     analysis: Analysis, robot: Robot, recording: Recording
 ) -> None:
     result = result_of(analysis, observe(robot, recording))
-    link, *_, display = why_apart(result)
+    link, *_, display = overestimation(result)
     assert link.startswith("coprocessor_task: the bound lies")
     assert "that path needs only" in link and "in mode 'link up' (the link was set up" in link
     assert "2 x coprocessor_task" in display or "1 x coprocessor_task" in display
     first = result["tasks"][0]
     seen = {**first["observed"], "response_cycles": first["response_bound_cycles"]}
     close = {**first, "observed": seen}
-    assert "which is close" in why_apart({"tasks": [close]})[0]
+    assert "which is close" in overestimation({"tasks": [close]})[0]
     terms, own = first["terms"], first["execution_bound_cycles"]
     met = {f"{key}_cycles": terms[f"{key}_cycles"] for key in ("interference", "blocking")}
     met |= {"interrupt_cycles": terms["interrupts_cycles"], "execution_cycles": own}
     rest = {**first, "observed": {**first["observed"], **met}}
-    (line,) = why_apart({"tasks": [rest]})
+    (line,) = overestimation({"tasks": [rest]})
     charged = terms["overheads_cycles"] + terms["release_jitter_cycles"]
     assert line.endswith(f"are charged {charged} cycles, which the run does not show apart")
 
@@ -319,20 +321,20 @@ def test_a_fact_about_far_places_shortens_the_path_and_a_wrong_line_is_named(
         longest_path(graph, [unknown])
 
 
-def test_a_hunt_and_a_long_run_find_no_response_above_its_bound(
+def test_a_worst_case_search_and_a_long_run_find_no_response_above_its_bound(
     analysis: Analysis, robot: Robot, scenario: Scenario, image: ElfImage, recording: Recording
 ) -> None:
     short = replace(scenario, duration_ms=1_300, pictures_ms=())
-    found = hunt(robot, short, image, attempts=3)
-    assert set(found.catches) >= {"coprocessor_task", "control_task"}
-    gained = {n: c.response_cycles - found.unvaried[n] for n, c in found.catches.items()}
+    found = search_worst_case(robot, short, image, variants=3)
+    assert set(found.worst) >= {"coprocessor_task", "control_task"}
+    gained = {n: s.response_cycles - found.unvaried[n] for n, s in found.worst.items()}
     assert min(gained.values()) >= 0 and max(gained.values()) > 0, gained
     reset = "coprocessor_task"
-    assert found.catches[reset].response_cycles > 1.5 * found.calm[reset].response_cycles
-    for caught in found.catches.values():
-        assert caught.recording is not None
-        check_interrupt_rates(robot, read_facts(robot), caught.recording)
-    both = largest(observe(robot, recording), found.catches)
+    assert found.worst[reset].response_cycles > 1.5 * found.undisturbed[reset].response_cycles
+    for sample in found.worst.values():
+        assert sample.recording is not None
+        check_interrupt_rates(robot, read_facts(robot), sample.recording)
+    both = largest(observe(robot, recording), found.worst)
     run = long_run(robot, short, image, seconds=2.6)
     assert exceeded(analysis, both, run.plain()) == []
     control = run.tasks["control_task"]

@@ -21,7 +21,7 @@ from verification.support.timing.programs import Subject, analysed, subject
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.timing.analysis import Analysis
-from ravenbrick.timing.observed import check_interrupt_rates, exceeded, observe
+from ravenbrick.timing.observation.observed import check_interrupt_rates, exceeded, observe
 
 INTERRUPT = "TC1"
 CYCLES_PER_COUNT = 2

@@ -61,4 +61,4 @@ def test_annotations_that_are_no_text_are_named_with_their_line(
 
 
 def test_what_own_data_starts_from_needs_own_data(image: Path) -> None:
-    assert "--own-data starts from; add it" in refused(2, image, FUNCTION, "--after", "adainit")
+    assert "need --own-data; add it" in refused(2, image, FUNCTION, "--after", "adainit")

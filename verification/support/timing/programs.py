@@ -15,7 +15,7 @@ from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.facts import Facts, read_facts
-from ravenbrick.timing.started import elaborated
+from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.trace.recording import Recording
 
 from verification.support.bricks.programs import gprbuild

@@ -25,20 +25,11 @@ from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
-from ravenbrick.timing.bounds_file import image_digest
 from ravenbrick.timing.chain import ChainDelay, chain_delay
-from ravenbrick.timing.explanation import why_apart
 from ravenbrick.timing.facts import Facts, read_facts, unused_facts
-from ravenbrick.timing.figures import (
-    margin_figure,
-    spreads_figure,
-    terms_figure,
-    windows_figure,
-)
-from ravenbrick.timing.hunt import Catch, hunt, largest
-from ravenbrick.timing.long_run import long_run
-from ravenbrick.timing.loop import Loop, margin_words, margins_of, read_loop
-from ravenbrick.timing.observed import (
+from ravenbrick.timing.initial_state import elaborated
+from ravenbrick.timing.observation.long_run import long_run
+from ravenbrick.timing.observation.observed import (
     Observed,
     check_bounds,
     check_event_rates,
@@ -46,7 +37,17 @@ from ravenbrick.timing.observed import (
     observe,
     worst_job,
 )
-from ravenbrick.timing.report import (
+from ravenbrick.timing.observation.worst_case_search import WorstSample, largest, search_worst_case
+from ravenbrick.timing.results.bounds_file import image_digest
+from ravenbrick.timing.results.explanation import overestimation
+from ravenbrick.timing.results.figures import (
+    margin_figure,
+    spreads_figure,
+    terms_figure,
+    windows_figure,
+)
+from ravenbrick.timing.results.phase_margin import Loop, margin_words, margins_of, read_loop
+from ravenbrick.timing.results.report import (
     EVENT_HEAD,
     INTERRUPT_HEAD,
     SHORT_HEAD,
@@ -55,9 +56,8 @@ from ravenbrick.timing.report import (
     short_rows,
     write_timing_report,
 )
-from ravenbrick.timing.result import advice, microseconds, result_of
-from ravenbrick.timing.started import elaborated
-from ravenbrick.timing.task_set_file import task_set_text
+from ravenbrick.timing.results.result import advice, microseconds, result_of
+from ravenbrick.timing.results.task_set_file import task_set_text
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
@@ -97,22 +97,22 @@ def _chain_line(chain: ChainDelay) -> str:
     def shown(cycles: int | None) -> str:
         return "unknown" if cycles is None else f"{microseconds(cycles) / 1000:.3f} ms"
 
-    seen = "" if chain.edge_max_cycles is None else f", seen {shown(chain.edge_max_cycles)}"
+    seen = "" if chain.edge_max_cycles is None else f", observed {shown(chain.edge_max_cycles)}"
     return (
         f"{chain.name}: at most {shown(chain.edge_bound_cycles)}{seen}; from the sample at most "
-        f"{shown(chain.sample_bound_cycles)}, seen "
+        f"{shown(chain.sample_bound_cycles)}, observed "
         f"{shown(chain.sample_min_cycles)} to {shown(chain.sample_max_cycles)}"
     )
 
 
 @dataclass(frozen=True)
 class _Search:
-    """The largest values of the run and of a hunt, in all and undisturbed, the runs of the hunt's
-    catches, and what hunt and long run showed."""
+    """The largest values of the run and of a worst-case search, in all and undisturbed, the worst
+    samples, and the results of search and long run."""
 
     seen: dict[str, Observed]
-    calm: dict[str, Observed]
-    catches: Mapping[str, Catch]
+    undisturbed: dict[str, Observed]
+    worst: Mapping[str, WorstSample]
     more: dict[str, Any]
 
 
@@ -125,32 +125,34 @@ def _search(
     target: VirtualTarget,
     reporter: Reporter,
 ) -> _Search:
-    """`wanted` are variants to hunt in, and hours to observe."""
-    attempts, hours = wanted
-    seen = calm = observe(robot, recording)
-    catches: Mapping[str, Catch] = {}
+    """`wanted` are variants to search, and hours to observe."""
+    variants, hours = wanted
+    seen = undisturbed = observe(robot, recording)
+    worst: Mapping[str, WorstSample] = {}
     more: dict[str, Any] = {}
-    if attempts:
-        with reporter.step(f"hunt in {attempts} variants of '{scenario.name}'") as step:
-            found = hunt(robot, scenario, image, attempts, step.progress, target=target)
-        catches = found.catches
-        seen, calm = largest(seen, catches), largest(seen, found.calm)
-        more["hunt"] = found.plain()
+    if variants:
+        with reporter.step(f"search in {variants} variants of '{scenario.name}'") as step:
+            found = search_worst_case(
+                robot, scenario, image, variants, step.progress, target=target
+            )
+        worst = found.worst
+        seen, undisturbed = largest(seen, worst), largest(seen, found.undisturbed)
+        more["worst_case_search"] = found.plain()
     if hours:
         with reporter.step(f"observe '{scenario.name}' over and over") as step:
             seconds = 3600 * hours
             run = long_run(robot, scenario, image, seconds, step.progress, target=target)
             step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
         more["long_run"] = run.plain()
-    return _Search(seen, calm, catches, more)
+    return _Search(seen, undisturbed, worst, more)
 
 
 def _check_rates(
-    robot: Robot, facts: Facts, recording: Recording, catches: Mapping[str, Catch]
+    robot: Robot, facts: Facts, recording: Recording, worst: Mapping[str, WorstSample]
 ) -> None:
-    """Raise `ExecutionTimeError` when interrupts or timing events came more often than said."""
-    hunted = {catch.attempt: catch.recording for catch in catches.values()}
-    for run in (recording, *hunted.values()):
+    """Raise `ExecutionTimeError` when interrupts or timing events came more often than stated."""
+    runs = {sample.variant: sample.recording for sample in worst.values()}
+    for run in (recording, *runs.values()):
         if run is not None:
             check_interrupt_rates(robot, facts, run)
             check_event_rates(robot, facts, run)
@@ -162,15 +164,19 @@ def _chain_result(chain: ChainDelay, loop: Loop | None) -> dict[str, Any]:
 
 
 def _window(
-    robot: Robot, analysis: Analysis, recording: Recording, catches: Mapping[str, Catch], name: str
+    robot: Robot,
+    analysis: Analysis,
+    recording: Recording,
+    worst: Mapping[str, WorstSample],
+    name: str,
 ) -> Figure | None:
-    """From the longest response of run and hunt."""
-    catch, own = catches.get(name), worst_job(robot, recording, name)
+    """From the longest response of run and search."""
+    sample, own = worst.get(name), worst_job(robot, recording, name)
     longest = 0 if own is None else own.response_time_cycles or 0
-    if catch is None or catch.recording is None or catch.response_cycles <= longest:
+    if sample is None or sample.recording is None or sample.response_cycles <= longest:
         return windows_figure(robot, analysis, recording, name)
-    what = f"variant {catch.attempt} of the hunt"
-    return windows_figure(robot, analysis, catch.recording, name, what)
+    what = f"variant {sample.variant} of the worst-case search"
+    return windows_figure(robot, analysis, sample.recording, name, what)
 
 
 def _figures(
@@ -181,7 +187,7 @@ def _figures(
     if "long_run" in result:
         figures.append(("Responses and jitter of the long run", spreads_figure(result)))
     for timing in analysis.tasks:
-        figure = _window(robot, analysis, recording, found.catches, timing.task.name)
+        figure = _window(robot, analysis, recording, found.worst, timing.task.name)
         if figure is not None:
             figures.append((f"Worst windows of {timing.task.name}", figure))
     return figures
@@ -190,11 +196,11 @@ def _figures(
 def _chain_notes(
     chains: Sequence[ChainDelay], result: dict[str, Any], directory: Path
 ) -> list[str]:
-    """Delays of the chains, and what they cost the loop."""
+    """Delays of the chains, and the phase margins with them."""
     notes = []
     for chain, found in zip(chains, result["chains"], strict=True):
         margins = found["phase_margin"]
-        advised = f"what it costs the loop is shown after 'ravenbrick design {directory}'"
+        advised = f"run 'ravenbrick design {directory}' to see the phase margin"
         notes += [_chain_line(chain), margin_words(margins) if margins else advised]
     return notes
 
@@ -221,9 +227,11 @@ def analyse_command(
         str | None, typer.Option(help="Scenario to simulate for comparison (default: the first).")
     ] = None,
     image: ImageOption = ImageChoice.RAM,
-    hunt_attempts: Annotated[
+    search_variants: Annotated[
         int,
-        typer.Option("--hunt", min=0, help="Number of input variants in the worst-case search."),
+        typer.Option(
+            "--worst-case-search", min=0, help="Number of input variants in the worst-case search."
+        ),
     ] = 0,
     hours: Annotated[
         float,
@@ -247,8 +255,8 @@ def analyse_command(
         effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
     target = VirtualTarget(settings=timing_profile.settings)
     recording = _recording(workspace, robot, chosen, elf, target, reporter)
-    found = _search(robot, chosen, elf, recording, (hunt_attempts, hours), target, reporter)
-    _check_rates(robot, facts, recording, found.catches)
+    found = _search(robot, chosen, elf, recording, (search_variants, hours), target, reporter)
+    _check_rates(robot, facts, recording, found.worst)
     check_bounds(analysis, found.seen, found.more.get("long_run"))
     loop = read_loop(workspace.design_file)
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
@@ -256,7 +264,7 @@ def analyse_command(
         "scenario": chosen.name,
         "image_sha256": image_digest(elf),
         "effort": effort,
-        **result_of(analysis, found.seen, found.calm),
+        **result_of(analysis, found.seen, found.undisturbed),
         "chains": [_chain_result(chain, loop) for chain in chains],
         **found.more,
     }
@@ -265,7 +273,9 @@ def analyse_command(
     with reporter.step("write the report") as step:
         figures = _figures(robot, analysis, recording, found, result)
         if loop is not None:
-            figures += [(f"What delay costs: {c.name}", margin_figure(loop, c)) for c in chains]
+            figures += [
+                (f"Phase margin against delay: {c.name}", margin_figure(loop, c)) for c in chains
+            ]
         report = write_timing_report(robot.name, result, figures, notes, workspace.results)
         step.note = shown_path(report)
         task_file = workspace.results / "taskset.toml"
@@ -274,7 +284,7 @@ def analyse_command(
     return {
         **result,
         "advice": advice(result),
-        "why_apart": why_apart(result),
+        "overestimation": overestimation(result),
         "unused_facts": unused,
         "report": str(report),
         "task_set": str(task_file),

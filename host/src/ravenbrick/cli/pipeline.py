@@ -22,7 +22,7 @@ from ravenbrick.image.memory import MemoryReport
 from ravenbrick.project.robot import ROBOT_FILE, Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import BuildKind, Workspace
-from ravenbrick.timing.bounds_file import own_bounds
+from ravenbrick.timing.results.bounds_file import own_bounds
 from ravenbrick.trace.design import Design, read_design
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording

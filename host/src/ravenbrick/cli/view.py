@@ -27,7 +27,7 @@ from ravenbrick.image.run_time import run_time_home
 from ravenbrick.image.source_texts import source_texts
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
-from ravenbrick.timing.bounds_file import own_bounds, read_bounds
+from ravenbrick.timing.results.bounds_file import own_bounds, read_bounds
 
 __all__ = ["page_server", "view_command"]
 

@@ -56,15 +56,15 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
 def _own_data(
     elf: Path, calls: list[str], inputs: list[str], options: dict[str, Any]
 ) -> dict[str, Any]:
-    """The last function as it is, with the memory that the image and the calls before it leave."""
+    """Bound of the last function, with the memory that the image and the calls before it leave."""
     found = execution_times(
-        elf.read_bytes(), closed=(calls, STACK_POINTER), inputs=inputs, **options
+        elf.read_bytes(), known_memory=(calls, STACK_POINTER), inputs=inputs, **options
     )
     return {
         "symbol": calls[-1],
         "timing": found.timing,
-        "cycles": (found.closed_cycles or 0) + found.return_cycles,
-        "lines": [{"line": line, "executions": count} for line, count in found.closed_lines],
+        "cycles": (found.known_memory_cycles or 0) + found.return_cycles,
+        "lines": [{"line": line, "executions": count} for line, count in found.known_memory_lines],
     }
 
 
@@ -77,7 +77,7 @@ def _print_own_data(reporter: Reporter, result: dict[str, Any]) -> None:
 
 
 def _with_names(error: RavenbrickError, elf: Path, calls: list[str]) -> RavenbrickError:
-    """The error, or which function is asked for that the file does not have."""
+    """The error, or the one that names a function which the file does not have."""
     with elf.open("rb") as file:
         table: Any = ELFFile(file).get_section_by_name(".symtab")
         symbols = [] if table is None else list(table.iter_symbols())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Calls of the alarm: what they cost, and how often one comes that releases nobody.
+"""Calls of the alarm: their costs, and the rate of calls that release no task.
 
 While a wake-up time is far, the alarm counts in coarse stretches and calls once shortly before it.
 Such a call is set when the alarm called last, or later, so it lies behind the release before.
@@ -21,7 +21,7 @@ from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.kernel import INTERRUPT, InterruptCost, Services, interrupt_costs
 
-__all__ = ["COARSE_ALARM", "AlarmCosts", "alarm_costs", "coarse_alarm"]
+__all__ = ["COARSE_ALARM", "AlarmCosts", "alarm_costs", "coarse_alarm", "exact_cycles"]
 
 # Where the way out of an interrupt goes when a more urgent thread has become ready.
 PREEMPTION = "preempt"
@@ -42,18 +42,19 @@ class AlarmCosts:
     early: int
 
     def overheads(self, kernel: Services) -> Overheads:
-        """What releases cost besides, with the return of the task that was preempted."""
+        """Overheads of releases, with the return of the task that was preempted."""
         return Overheads(
             switch_in=kernel.resume,
             alarm=self.first,
             alarm_further=self.further,
             alarm_early=self.early,
-            alarm_early_period=_cycles(COARSE_PERIOD_US),
+            alarm_early_period=exact_cycles(COARSE_PERIOD_US),
             clock_resolution=kernel.release_jitter,
         )
 
 
-def _cycles(microseconds: int) -> Any:
+def exact_cycles(microseconds: int) -> Any:
+    """Cycles of the master clock as an exact number."""
     return exact(microseconds * MASTER_CLOCK.hertz / 1_000_000)
 
 
@@ -98,5 +99,5 @@ def coarse_alarm(
     the longest stretch, given that tasks meet their deadlines."""
     if min(periods_us, default=LONGEST_STRETCH_US) < LONGEST_STRETCH_US:
         return []
-    period = _cycles(COARSE_PERIOD_US)
+    period = exact_cycles(COARSE_PERIOD_US)
     return [ScheduledTask(COARSE_ALARM, period, alarm_cycles, priority, release="interrupt")]

@@ -26,8 +26,8 @@ __all__ = [
 ]
 
 
-# How the analysis' sentences about the ELF file itself begin.
-DAMAGE = ("ELF file: ", "debug information: ")
+# Begin of the analysis' sentences about the ELF file itself.
+DAMAGE = "ELF file: "
 
 
 class ExecutionTimeError(RavenbrickError):
@@ -40,22 +40,22 @@ class ExecutionTimeError(RavenbrickError):
 class Bound:
     """Bounds of a function, or of the jobs of a task; without the fetches after its return.
 
-    `sections` are the longest stays in protected actions: urgency and cycles. `reached` are all
-    functions that may be executed.
+    `critical_sections` are the longest ones (protected actions): urgency and cycles. `reached` are
+    all functions that may be executed.
     """
 
     symbol: str
     cycles: int
     stack_bytes: int | None
-    sections: tuple[tuple[int, int], ...]
+    critical_sections: tuple[tuple[int, int], ...]
     reached: frozenset[str]
     report: dict[str, Any]
     graph: dict[str, Any] | None = None
 
-    def longest_section(self, above_urgency: int) -> int:
-        """Longest stay at more than an urgency, in cycles."""
-        stays = (cycles for urgency, cycles in self.sections if urgency > above_urgency)
-        return max(stays, default=0)
+    def longest_critical_section(self, above_urgency: int) -> int:
+        """Longest critical section above an urgency, in cycles."""
+        longer = (cycles for urgency, cycles in self.critical_sections if urgency > above_urgency)
+        return max(longer, default=0)
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Call:
 class Bounds:
     """Answers in the order of the questions.
 
-    `work` counts what the bounds of functions and jobs went through: functions, blocks, loops,
+    `effort` counts, for the bounds of functions and jobs: functions, blocks, loops,
     instructions, and steps, instructions executed on abstract values.
     """
 
@@ -80,9 +80,9 @@ class Bounds:
     functions: tuple[Bound, ...]
     jobs: tuple[Bound, ...]
     calls: tuple[Call, ...]
-    closed_cycles: int | None = None
-    closed_lines: tuple[tuple[str, int], ...] = ()
-    work: dict[str, int] = field(default_factory=dict)
+    known_memory_cycles: int | None = None
+    known_memory_lines: tuple[tuple[str, int], ...] = ()
+    effort: dict[str, int] = field(default_factory=dict)
 
 
 def _question(loop: dict[str, Any], facts: str) -> str:
@@ -112,14 +112,14 @@ def _bound(answer: dict[str, Any], facts: str) -> Bound:
         answer["symbol"],
         answer["cycles"],
         answer["stack_bytes"],
-        tuple((urgency, cycles) for urgency, cycles in answer["sections"]),
+        tuple((urgency, cycles) for urgency, cycles in answer["critical_sections"]),
         frozenset(answer["reached"]),
         answer["report"],
         answer["graph"],
     )
 
 
-def _closed_cycles(answer: dict[str, Any] | None) -> int | None:
+def _known_memory_cycles(answer: dict[str, Any] | None) -> int | None:
     if answer is None:
         return None
     if answer["error"] is not None:
@@ -129,7 +129,7 @@ def _closed_cycles(answer: dict[str, Any] | None) -> int | None:
     return int(answer["cycles"])
 
 
-def _closed_lines(answer: dict[str, Any] | None) -> tuple[tuple[str, int], ...]:
+def _known_memory_lines(answer: dict[str, Any] | None) -> tuple[tuple[str, int], ...]:
     rows = [] if answer is None else answer["lines"]
     return tuple((row["line"], row["executions"]) for row in rows)
 
@@ -143,7 +143,7 @@ def execution_times(
     root: str | None = None,
     callees: Sequence[str] = (),
     graphs: bool = False,
-    closed: tuple[Sequence[str], int] | None = None,
+    known_memory: tuple[Sequence[str], int] | None = None,
     inputs: Sequence[str | dict[str, Any]] = (),
     timing: str = "nominal",
     wait_states: int = 1,
@@ -152,12 +152,12 @@ def execution_times(
     """Bounds of functions, and of jobs as (body, functions in which the task waits).
 
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
-    what it calls. With `graphs`, bounds bring the graphs in which their longest paths were sought.
-    With `closed`, functions called one after the other and their stack pointer, the last of them is
-    bounded as it is, with memory as the image says and written by nothing else, but for `inputs`,
-    variables that may then have any content; `closed_lines` are the lines it executes. An input is
-    a name, or a dictionary with `symbol`, `offset_bytes`, `size_bytes`, `element_bytes` and `range`
-    (least and greatest element, without sign).
+    what it calls. With `graphs`, bounds bring the graphs of their longest paths.
+    With `known_memory`, functions called one after the other and their stack pointer, the last of
+    them is bounded as it is, with memory as the image says and written by nothing else, but for
+    `inputs`, variables that may then have any content; `known_memory_lines` are the lines it
+    executes. An input is a name, or a dictionary with `symbol`, `offset_bytes`, `size_bytes`,
+    `element_bytes` and `range` (least and greatest element, without sign).
 
     Raises `ExecutionTimeError` when there is no bound, `ImageFileError` for a wrong image, which is
     called `name`, `UsageError` for a wrong annotation.
@@ -170,10 +170,10 @@ def execution_times(
         "callees": list(callees),
         "graphs": graphs,
     }
-    if closed is not None:
-        request["closed"] = {
-            "calls": list(closed[0]),
-            "stack_pointer": closed[1],
+    if known_memory is not None:
+        request["known_memory"] = {
+            "calls": list(known_memory[0]),
+            "stack_pointer": known_memory[1],
             "inputs": [{"symbol": i} if isinstance(i, str) else i for i in inputs],
         }
     try:
@@ -190,7 +190,7 @@ def execution_times(
         tuple(_bound(found, facts) for found in answer["functions"]),
         tuple(_bound(found, facts) for found in answer["jobs"]),
         tuple(Call(c["callee"], c["caller"], tuple(c["arguments"])) for c in answer["calls"]),
-        _closed_cycles(answer["closed"]),
-        _closed_lines(answer["closed"]),
-        answer["work"],
+        _known_memory_cycles(answer["known_memory"]),
+        _known_memory_lines(answer["known_memory"]),
+        answer["effort"],
     )

@@ -21,6 +21,7 @@ from elftools.elf.elffile import ELFFile
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError
 from ravenbrick.timing.facts import EventLoad, Facts
+from ravenbrick.timing.initial_state import Handler
 from ravenbrick.timing.kernel import (
     EVENT_RING,
     InterruptCost,
@@ -28,7 +29,6 @@ from ravenbrick.timing.kernel import (
     interrupt_costs,
     no_cost,
 )
-from ravenbrick.timing.started import Handler
 
 __all__ = ["EventCost", "event_costs", "event_count", "handlers_of_events"]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What `timing.toml` says: facts about a program that its binary does not show."""
+"""Facts of `timing.toml` about a program that cannot be derived from its binary."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class Suspension:
 
 @dataclass(frozen=True)
 class Chain:
-    """Tasks that pass data on; each stage acts on each so many-th of its releases.
+    """Tasks that pass data on; a stage acts on every n-th of its releases.
 
     `transfer_us` is the longest time from the last stage to the output, `edge` the interrupt source
     that counts what the first stage samples.
@@ -155,13 +155,13 @@ class Facts:
         return TIMING_FILE if self.document is None else str(self.document.path)
 
     def suspension(self, task: str) -> Suspension | None:
-        """What is said about a task."""
+        """The suspension of a task, if the file states one."""
         named = (found for found in self.suspensions if found.task.lower() == task.lower())
         return next(named, None)
 
     def loads(self, source: int, task: str | None = None) -> tuple[InterruptLoad, ...]:
-        """What is said about a source in any window, the longest window first; with `task`, only
-        what is said about windows from its releases on."""
+        """Loads of a source in any window, the longest window first; with `task`, only those in
+        windows from its releases on."""
         wanted = None if task is None else task.lower()
         found = (
             load
@@ -171,7 +171,7 @@ class Facts:
         return tuple(sorted(found, key=lambda load: -load.window_us))
 
     def transfer_loads(self, image: ElfImage) -> dict[str, tuple[TransferLoad, ...]]:
-        """By peripheral, what is said about transfers in this program, the longest window first."""
+        """Loads of transfers in this program by peripheral, the longest window first."""
         found: dict[str, list[TransferLoad]] = {}
         for load in sorted(self.transfers, key=lambda load: (load.peripheral, -load.window_us)):
             if load.unit is None or has_unit(image, load.unit):
@@ -179,7 +179,7 @@ class Facts:
         return {peripheral: tuple(loads) for peripheral, loads in found.items()}
 
     def event_loads(self, handler: str) -> tuple[EventLoad, ...]:
-        """What is said about timing events with this handler, the longest window first."""
+        """Loads of timing events with this handler, the longest window first."""
         found = (load for load in self.events if load.handler.lower() == handler.lower())
         return tuple(sorted(found, key=lambda load: -load.window_us))
 
@@ -190,14 +190,8 @@ def has_unit(image: ElfImage, unit: str) -> bool:
     return any(symbol.startswith(begin) for symbol in image.symbols)
 
 
-def _event_loads(rows: Sequence[dict[str, Any]]) -> tuple[EventLoad, ...]:
-    return tuple(
-        EventLoad(row["handler"], row["at_most"], row["window_us"], row["reason"]) for row in rows
-    )
-
-
 def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
-    """Lists of facts as TOML."""
+    """Lists of facts as TOML tables."""
     lines: list[str] = []
     for table, rows in tables.items():
         for row in rows:
@@ -290,7 +284,7 @@ def unused_facts(facts: Facts, image: ElfImage) -> list[str]:
 
 
 def _drivers_facts() -> LocatedToml | None:
-    """What holds for the drivers in every project."""
+    """Facts about the drivers, which hold in every project."""
     return _read(tree() / "drivers" / TIMING_FILE)
 
 
@@ -304,8 +298,8 @@ def read_facts(robot: Robot) -> Facts:
     def rows(table: str) -> list[dict[str, Any]]:
         return [row for document in documents for row in document.values.get(table, [])]
 
-    told = [(row, d.path) for d in documents for row in d.values.get("mode", [])]
-    modes = {row["name"]: (row, path) for row, path in reversed(told)}
+    stated = [(row, d.path) for d in documents for row in d.values.get("mode", [])]
+    modes = {row["name"]: (row, path) for row, path in reversed(stated)}
     return Facts(
         own,
         "" if own is None else _annotations(own),
@@ -316,7 +310,7 @@ def read_facts(robot: Robot) -> Facts:
             for document in documents
             for load in _interrupts(document.values.get("interrupt", []), document.path, robot)
         ),
-        _event_loads(rows("timing_event")),
+        tuple(EventLoad(**row) for row in rows("timing_event")),
         tuple(TransferLoad(**row) for row in rows("transfer")),
         tuple(
             Suspension(row["task"], row.get("count", 1), row["longest_us"], row["reason"])

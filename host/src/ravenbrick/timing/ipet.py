@@ -47,10 +47,10 @@ def _edges(graph: dict[str, Any]) -> list[Edge]:
     """Edges that can be taken: from, to (None: return), cycles."""
     blocks = graph["blocks"]
     return [
-        (index, way["to"], way["cycles"])
+        (index, edge["to"], edge["cycles"])
         for index, block in enumerate(blocks)
-        for way in block["ways"]
-        if way["cycles"] is not None
+        for edge in block["edges"]
+        if edge["cycles"] is not None
     ]
 
 
@@ -77,7 +77,7 @@ def _loop_row(loop: dict[str, Any], edges: Sequence[Edge]) -> _Row:
 
 
 def _repeats_row(graph: dict[str, Any], loop: dict[str, Any], edges: Sequence[Edge]) -> _Row:
-    """Ways back to a header, in all so many for each entry of the loop around."""
+    """Back edges of a header, in all so many for each entry of the loop around."""
     most, around = loop["repeats"]
     outside = next(each for each in graph["loops"] if each["header"] == around)
     inner, outer = set(loop["blocks"]), set(outside["blocks"])

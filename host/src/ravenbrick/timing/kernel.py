@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The run-time as the timing analysis sees it: its services, and loops that grow with the tasks."""
+"""The run-time in the timing analysis: its services, and loops that grow with the tasks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
-from ravenbrick.timing.started import (
+from ravenbrick.timing.initial_state import (
     ALARM_SOURCE,
     Handler,
     ProtectedObject,
@@ -31,12 +31,12 @@ __all__ = [
     "SUSPEND",
     "InterruptCost",
     "Services",
+    "entry_exit_cycles",
     "expiry_facts",
     "handler_facts",
     "interrupt_costs",
     "kernel_facts",
     "no_cost",
-    "passage_cycles",
     "run_time_facts",
     "services",
 ]
@@ -92,7 +92,7 @@ ALARM_LEAD_CYCLES = 2 * (48 + 16)
 
 @dataclass(frozen=True)
 class InterruptCost:
-    """A handler with everything around it: from the exception until its thread goes on."""
+    """A handler with entry and exit: from the exception until the interrupted thread goes on."""
 
     handler: Handler
     cycles: int
@@ -125,9 +125,9 @@ class Services:
         found = [(self.masking[name], name) for name in reached if name in self.masking]
         return max(found, default=(0, ""))
 
-    def going_on_masked(self, reached: Iterable[str]) -> int:
-        """Longest that a thread holds interrupts masked which was interrupted just as it masked
-        them, from the return to it on; `reached` is what its job calls."""
+    def resumed_masked_cycles(self, reached: Iterable[str]) -> int:
+        """Longest time that a thread goes on with masked interrupts when it was interrupted just as
+        it masked them; `reached` are the functions that its job may call."""
         masked, _ = self.longest_masked(reached)
         return masked + self.resume if masked else 0
 
@@ -163,7 +163,7 @@ def handler_facts() -> tuple[str, str]:
 
 
 def expiry_facts(handlers: Sequence[str]) -> tuple[str, str]:
-    """Whom the alarm calls for an event that has expired; without handlers, none expires."""
+    """Handlers that the alarm calls for expired events; without handlers, none expires."""
     if not handlers:
         return "no expiry", annotations_of({"never": [{"symbol": EXPIRE}]})
     calls = [
@@ -212,10 +212,10 @@ def no_cost(symbol: str) -> tuple[str, str]:
     return f"without {symbol}", annotations_of({"cost": [{"symbol": symbol, "cycles": 0}]})
 
 
-def passage_cycles(
+def entry_exit_cycles(
     image: ElfImage, cost: InterruptCost, annotations: Sequence[tuple[str, str]]
 ) -> int:
-    """Longest way through an interrupt but for its handler."""
+    """Bound of an interrupt's entry and exit, without its handler."""
     without = [no_cost(cost.handler.symbol), *annotations]
     return interrupt_costs(image, [cost.handler], without, cost.timing)[0].cycles
 

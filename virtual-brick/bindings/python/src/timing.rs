@@ -4,7 +4,7 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use wcet::{Request, Source};
+use wcet::{AnnotationFile, Request};
 
 use crate::chip_memory_map::memory_map;
 
@@ -47,10 +47,12 @@ pub(crate) fn bound_execution_times(
     let mut request: Request = serde_json::from_str(request).map_err(|e| wrong(&e))?;
     let placement = (timing != PLAIN).then_some(PLACEMENT);
     let known = KNOWN.into_iter().chain(placement);
-    request.annotations.extend(known.map(|(name, text)| Source {
-        name: name.to_owned(),
-        text: text.to_owned(),
-    }));
+    request
+        .annotations
+        .extend(known.map(|(name, text)| AnnotationFile {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }));
     let map = memory_map(timing, wait_states).map_err(|e| wrong(&e))?;
     let elf = elf.to_vec();
     let response = py

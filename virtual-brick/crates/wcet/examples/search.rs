@@ -103,7 +103,7 @@ impl Kind {
 }
 
 impl Input {
-    fn parse(word: &str, machine: &Machine<'_>) -> Self {
+    fn parse(word: &str, machine: &Machine) -> Self {
         let parts: Vec<&str> = word.split(':').collect();
         let [name, offset, count, kind, low, high] = parts[..] else {
             panic!("{word}: expected NAME:OFFSET:COUNT:KIND:LOW:HIGH");
@@ -260,15 +260,15 @@ fn changed(data: &Data, inputs: &[Input], random: &mut Random) -> Data {
     data
 }
 
-struct Search<'a> {
-    machine: Machine<'a>,
+struct Search {
+    machine: Machine,
     memory: Vec<u8>,
     symbol: String,
     inputs: Vec<Input>,
     longest_run: u64,
 }
 
-impl Search<'_> {
+impl Search {
     fn cycles(&mut self, data: &Data) -> u64 {
         self.machine.restore(&self.memory);
         for (input, elements) in self.inputs.iter().zip(data) {

@@ -28,7 +28,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A loop for which a bound must be given.
+/// A loop for which an annotation must state a bound.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingBound {
     /// The loop's first instruction.
@@ -50,11 +50,11 @@ pub enum Error {
     UnresolvedBranch(Place),
     /// Control leaves the code of the image, or reaches data.
     NoCode(Place),
-    /// A loop is entered at two places, so no bound per entry can be given.
+    /// A loop is entered at two places, so no bound per entry can be stated.
     Irreducible(Place),
     /// Loops without a bound.
     MissingBounds(Vec<MissingBound>),
-    /// The function has no way to its end.
+    /// The function has no path to its end.
     NeverReturns(Place),
     /// A software interrupt, whose handler is not part of the program's graph.
     SoftwareInterrupt(Place),

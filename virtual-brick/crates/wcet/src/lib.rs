@@ -1,27 +1,27 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Execution-time and stack bounds of ARM7TDMI programs, from their ELF files.
+//! Bounds of execution times and stacks of ARM7TDMI programs, by static analysis of their ELF files.
 //!
-//! Instructions and their bus cycles come from the core's own crate, so what is summed here is
-//! what the virtual brick charges. The steps for a function:
+//! **In:** an [`Image`] (code, symbols, line table), a [`MemoryMap`] with the cycles of each kind of
+//! access, [`Annotations`] (flow facts, conventions of the kernel). **Out:** for a function or a job
+//! of a task, cycles and stack with the path that attains them ([`Report`], [`Response`]), or the
+//! [`Error`] that names the place that keeps it from being bounded. **Not known here:** the chip, its
+//! peripherals, the scheduler; interrupts and DMA are interference, which the caller adds.
 //!
-//! 1. [`flow`] and [`summary`]: its control-flow graph, indirect branches resolved by the values
-//!    of registers and stack words ([`state`], [`transfer`], [`alu`]);
-//! 2. [`loops`]: its loops; a graph that is not reducible is an error;
-//! 3. [`execution`]: the function on abstract values, iteration by iteration: loop bounds,
-//!    branches never taken, regions of accesses, multiplier sizes, arguments of calls. Calls are
-//!    followed into the callee in their caller's state ([`context`]), and the cycles of the longest
-//!    way are carried along;
-//! 4. [`cost`]: cycles of each block on each way out;
-//! 5. [`path`]: the longest path on which each block costs what it can cost at most. The bound is
-//!    the smaller of both.
+//! The rooms, each knowing only those before it:
 //!
-//! A program that nothing disturbs is bounded as it is, with what memory holds ([`closed`]).
+//! 1. `inputs`: what is given about a program;
+//! 2. `graph`: control-flow graph, loop nesting forest, node splitting; no values;
+//! 3. `values`: abstract domains, states, transfer functions of instructions and blocks;
+//! 4. `loops`: abstract execution iteration by iteration, and flow facts for other loops;
+//! 5. `paths`: costs of blocks, longest path, critical sections;
+//! 6. `functions`: the recursion over the call graph: summaries for any arguments, calls in the
+//!    context of their caller, bounds;
+//! 7. `queries`: what a caller asks, and the answers as data.
 //!
-//! Assumptions: no interrupt and no DMA transfer intervenes (they are interference, not
-//! execution time); code does not change; saved registers and return addresses on the stack are
-//! not overwritten; what is computed from an address in a region stays in the region; a trap
-//! (undefined instruction) ends the path and is no return.
+//! Instructions and their bus cycles come from the core's crate, so the sums are what the virtual
+//! brick charges. The argument for soundness and its assumptions are written down in
+//! `docs/internals/timing-analysis.md`.
 
 mod error;
 mod functions;
@@ -37,6 +37,6 @@ pub use functions::program::Program;
 pub use inputs::annotations::Annotations;
 pub use inputs::image::Image;
 pub use inputs::memory_map::{FetchCost, MemoryMap, Region};
-pub use queries::known_memory::{Closed, Found, Input, LineCount};
+pub use queries::known_memory::{Input, KnownMemory, KnownMemoryBound, LineCount};
 pub use queries::report::Report;
-pub use queries::request::{Request, Response, Source};
+pub use queries::request::{AnnotationFile, Request, Response};

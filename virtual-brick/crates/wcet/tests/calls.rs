@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Calls followed into the callee: frames, contexts, facts about calls, and memory.
+//! Calls analysed in the context of their caller: frames, contexts, facts about calls, and memory.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
 mod support;
 
+use support::bound;
 use support::machine::Machine;
 use support::toolchain::{build, program};
-use wcet::{Annotations, Closed, Error, Found, Image, Input, MemoryMap, Program, Report};
+use wcet::{Annotations, Error, Image, Input, KnownMemory, KnownMemoryBound, MemoryMap};
 
 const FLAGS: [[&str; 2]; 4] = [
     ["-marm", "-O1"],
@@ -21,26 +22,23 @@ fn elf(flags: &[&str]) -> Option<Vec<u8>> {
     build("calls", &[program("calls.c")], flags)
 }
 
-fn bound(elf: &[u8], symbol: &str, facts: &str) -> Result<u64, Error> {
-    let image = Image::read(elf)?;
-    let map = MemoryMap::without_wait_states();
-    let annotations = Annotations::parse(facts, "facts.toml")?;
-    let program = Program::new(&image, &map, &annotations)?;
-    Ok(Report::new(&program, symbol)?.bound_cycles)
-}
-
 /// What is found about the last of some calls for all contents of the inputs, with the two fetches
 /// after its return.
-fn last_call(elf: &[u8], calls: &[&str], inputs: &[Input], facts: &str) -> Result<Found, Error> {
-    let closed = Closed {
+fn last_call(
+    elf: &[u8],
+    calls: &[&str],
+    inputs: &[Input],
+    facts: &str,
+) -> Result<KnownMemoryBound, Error> {
+    let known_memory = KnownMemory {
         calls: calls.iter().map(|name| (*name).into()).collect(),
         stack_pointer: 0x3F_FFC0,
         inputs: inputs.to_vec(),
     };
     let (image, map) = (Image::read(elf)?, MemoryMap::without_wait_states());
     let facts = Annotations::parse(facts, "facts.toml")?;
-    let found = closed.bound(&image, &map, &facts)?;
-    Ok(Found {
+    let found = known_memory.bound(&image, &map, &facts)?;
+    Ok(KnownMemoryBound {
         cycles: found.cycles + 2,
         ..found
     })

@@ -11,17 +11,15 @@ mod support;
 use arm7tdmi::{psr, Bus, Cpu, Cycle, Width};
 use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, TwiReply};
 use at91sam7s::{Chip, ChipConfiguration, TimingProfile};
-use object::read::elf::ElfFile32;
-use object::{Object, ObjectSegment, ObjectSymbol};
 use support::random::Random;
 use support::toolchain::{build, program};
+use support::LIBGCC;
 use wcet::{Annotations, Image, Program, Report};
 
-const LIBGCC: &str = include_str!("../annotations/libgcc.toml");
 const FLASH_MODE: u32 = 0xFFFF_FF60;
 const STACK: u32 = 0x0020_F000;
 const STOP: u32 = 0x0013_F000;
-const FLASH: [&str; 2] = ["-Wl,-Ttext=0x100000", "-Wl,-Tdata=0x202000"];
+const FLASH: [&str; 2] = ["-Wl,-Ttext=0x100000,-e0x100000", "-Wl,-Tdata=0x202000"];
 
 /// A board with nothing on it.
 #[derive(Clone, Debug)]
@@ -73,16 +71,15 @@ fn profile(name: &str) -> TimingProfile {
 
 /// Cycles of a call on the chip, from the first instruction to the end of the return.
 fn call(elf: &[u8], symbol: &str, arguments: [u32; 2], timing: &str, wait_states: u32) -> u64 {
-    let file: ElfFile32<'_> = ElfFile32::parse(elf).unwrap();
+    let image = image::Image::parse(elf).unwrap();
     let configuration = ChipConfiguration {
         timing: profile(timing),
         ..ChipConfiguration::default()
     };
     let mut chip = Chip::new(Bare, configuration);
     chip.enter_as_boot_monitor();
-    for segment in file.segments() {
-        chip.load(segment.address() as u32, segment.data().unwrap())
-            .unwrap();
+    for segment in image.segments() {
+        chip.load(segment.address, &segment.bytes).unwrap();
     }
     chip.write(
         FLASH_MODE,
@@ -91,8 +88,8 @@ fn call(elf: &[u8], symbol: &str, arguments: [u32; 2], timing: &str, wait_states
         Cycle::Nonsequential,
     )
     .unwrap();
-    let mut symbols = file.symbols();
-    let address = symbols.find(|s| s.name() == Ok(symbol)).unwrap().address() as u32;
+    let (address, thumb) = Image::read(elf).unwrap().function(symbol).unwrap();
+    let address = address | u32::from(thumb);
     let mut cpu = Cpu::new();
     let thumb = if address & 1 != 0 { psr::T } else { 0 };
     cpu.set_cpsr(cpu.cpsr() | thumb);

@@ -10,9 +10,8 @@ use std::path::Path;
 use support::machine::Machine;
 use support::random::Random;
 use support::toolchain::{build, program};
-use wcet::{Annotations, Image, MemoryMap, Program, Report};
+use support::{bound, LIBGCC};
 
-const LIBGCC: &str = include_str!("../annotations/libgcc.toml");
 const GENERATED: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../../../examples/vehicle/generated"
@@ -28,7 +27,7 @@ const DENORMALS: Inputs = [1, 0, 5, 1, 1, 1, 1];
 /// Input voltage, real voltage, integral; then the four tunables, which a tuner may change.
 type Inputs = [u32; INPUTS];
 
-fn run(machine: &mut Machine<'_>, inputs: &Inputs) -> u64 {
+fn run(machine: &mut Machine, inputs: &Inputs) -> u64 {
     let u = machine.address("functional_U");
     let y = machine.address("functional_Y");
     let work = machine.address("functional_DW");
@@ -43,7 +42,7 @@ fn run(machine: &mut Machine<'_>, inputs: &Inputs) -> u64 {
 }
 
 /// Random inputs, then small changes of the best ones. The first `free` inputs vary.
-fn longest(machine: &mut Machine<'_>, start: Inputs, free: usize) -> (u64, Inputs) {
+fn longest(machine: &mut Machine, start: Inputs, free: usize) -> (u64, Inputs) {
     let mut random = Random::new(11);
     let mut best = (run(machine, &start), start);
     for round in 0..RANDOM_RUNS + CLIMBING_RUNS {
@@ -82,11 +81,7 @@ fn no_step_of_the_controller_takes_longer_than_its_bound() {
         ) else {
             return;
         };
-        let image = Image::read(&elf).unwrap();
-        let map = MemoryMap::without_wait_states();
-        let annotations = Annotations::parse(LIBGCC, "libgcc.toml").unwrap();
-        let program = Program::new(&image, &map, &annotations).unwrap();
-        let report = Report::new(&program, SYMBOL).unwrap();
+        let bound = bound(&elf, SYMBOL, LIBGCC).unwrap();
         let mut machine = Machine::new(&elf);
         let tunables = machine.address("functional_P");
         let mut start = [0; INPUTS];
@@ -99,7 +94,6 @@ fn no_step_of_the_controller_takes_longer_than_its_bound() {
             .into_iter()
             .max()
             .unwrap();
-        let bound = report.bound_cycles;
         println!("{flags:?}: {as_designed} as designed, {anything} with any tunables, {bound}");
         println!("  inputs {inputs:X?}");
         assert!(as_designed <= bound && anything <= bound);

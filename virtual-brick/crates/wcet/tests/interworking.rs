@@ -9,7 +9,8 @@ mod support;
 use support::machine::Machine;
 use support::random::Random;
 use support::toolchain::{build, program};
-use wcet::{Annotations, Image, MemoryMap, Program, Report};
+use support::{check, check_exact, report};
+use wcet::Image;
 
 const LEVELS: [&str; 4] = ["-O0", "-O1", "-O2", "-Os"];
 
@@ -21,14 +22,6 @@ const TARGETS: &str = "[[call]]\nsymbol = \"arm_pointers\"\n\
 
 fn elf(level: &str) -> Option<Vec<u8>> {
     build("interworking", &[program("interworking.c")], &[level])
-}
-
-fn report(elf: &[u8], symbol: &str) -> Report {
-    let image = Image::read(elf).unwrap();
-    let map = MemoryMap::without_wait_states();
-    let annotations = Annotations::parse(TARGETS, "targets.toml").unwrap();
-    let program = Program::new(&image, &map, &annotations).unwrap();
-    Report::new(&program, symbol).unwrap_or_else(|error| panic!("{symbol}: {error}"))
 }
 
 /// Does the image hold veneers, which the linker puts where a branch changes the state?
@@ -51,14 +44,8 @@ fn functions_of_one_path_over_both_states_take_their_bound() {
             "thumb_tail",
             "three_deep",
         ] {
-            let found = report(&elf, symbol);
-            let seen = machine.call(symbol, [2, 0, 0, 0]);
-            assert_eq!(seen.cycles, found.bound_cycles, "{level} {symbol}");
-            assert_eq!(
-                Some(seen.stack_bytes),
-                found.stack_bytes,
-                "{level} {symbol}"
-            );
+            let found = report(&elf, symbol, TARGETS).unwrap();
+            check_exact(level, &found, &mut machine, [2, 0, 0, 0]);
         }
     }
 }
@@ -75,14 +62,13 @@ fn no_way_between_the_states_exceeds_the_bound_and_the_longest_is_nearly_it() {
             "thumb_either",
             "arm_either",
         ] {
-            let found = report(&elf, symbol);
+            let found = report(&elf, symbol, TARGETS).unwrap();
             let seen = (0..500).map(|_| {
                 let seen = machine.call(symbol, [random.integer(), 0, 0, 0]);
-                assert!(seen.stack_bytes <= found.stack_bytes.unwrap());
+                check(level, &found, seen);
                 seen.cycles
             });
             let longest = seen.max().unwrap();
-            assert!(longest <= found.bound_cycles, "{level} {symbol}");
             assert!(
                 longest * 21 / 20 >= found.bound_cycles,
                 "{level} {symbol}: {longest} of {}",

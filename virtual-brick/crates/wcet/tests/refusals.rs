@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! What has no bound is refused with the place, and what the user says is used.
+//! What has no bound is refused with the place, and annotations are used.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
@@ -8,18 +8,10 @@ mod support;
 
 use support::machine::Machine;
 use support::toolchain::{build, program};
-use wcet::{Annotations, Error, Image, MemoryMap, Program, Report};
+use support::{bound, check, refusal, report};
 
 const ARM: [&str; 2] = ["-marm", "-O1"];
 const THUMB: [&str; 2] = ["-mthumb", "-O1"];
-
-fn bound(elf: &[u8], symbol: &str, facts: &str) -> Result<Report, Error> {
-    let image = Image::read(elf)?;
-    let map = MemoryMap::without_wait_states();
-    let annotations = Annotations::parse(facts, "facts.toml")?;
-    let program = Program::new(&image, &map, &annotations)?;
-    Report::new(&program, symbol)
-}
 
 /// Runs a check on the ARM and the Thumb code.
 fn on_both(check: impl Fn(&[u8])) {
@@ -30,14 +22,10 @@ fn on_both(check: impl Fn(&[u8])) {
     }
 }
 
-fn refusal(elf: &[u8], symbol: &str) -> String {
-    bound(elf, symbol, "").expect_err(symbol).to_string()
-}
-
 #[test]
 fn recursion_is_refused_with_the_line_of_the_call() {
     on_both(|elf| {
-        let text = refusal(elf, "outer");
+        let text = refusal(elf, "outer", "");
         assert!(
             text.contains("recursion") && text.contains("descend"),
             "{text}"
@@ -49,15 +37,15 @@ fn recursion_is_refused_with_the_line_of_the_call() {
 #[test]
 fn a_loop_without_bound_is_asked_for_by_line_and_accepted_by_line_or_symbol() {
     on_both(|elf| {
-        let text = refusal(elf, "poll");
+        let text = refusal(elf, "poll", "");
         assert!(
             text.contains("loop 0") && text.contains("refused.c:2"),
             "{text}"
         );
         let by_symbol = "[[loop]]\nsymbol = \"poll\"\nindex = 0\niterations = 10\n";
-        let few = bound(elf, "poll", by_symbol).unwrap().bound_cycles;
+        let few = bound(elf, "poll", by_symbol).unwrap();
         let by_file = "[[loop]]\nfile = \"refused.c\"\niterations = 20\n";
-        let many = bound(elf, "poll", by_file).unwrap().bound_cycles;
+        let many = bound(elf, "poll", by_file).unwrap();
         assert!(few < many);
         let seen = Machine::new(elf).call("poll", [0; 4]);
         assert!(seen.cycles <= few);
@@ -67,7 +55,7 @@ fn a_loop_without_bound_is_asked_for_by_line_and_accepted_by_line_or_symbol() {
 #[test]
 fn an_indirect_call_is_refused_with_its_address() {
     on_both(|elf| {
-        let text = refusal(elf, "through");
+        let text = refusal(elf, "through", "");
         assert!(
             text.contains("target of this branch") && text.contains("0x0020"),
             "{text}"
@@ -76,13 +64,13 @@ fn an_indirect_call_is_refused_with_its_address() {
 }
 
 #[test]
-fn an_indirect_call_is_bounded_by_the_dearest_of_its_given_targets() {
+fn an_indirect_call_is_bounded_by_the_most_expensive_of_its_annotated_targets() {
     let Some(elf) = build("refused", &[program("refused.c")], &ARM) else {
         return;
     };
     let with = |targets: &[&str]| {
         let facts = format!("[[call]]\nsymbol = \"through\"\ntargets = {targets:?}\n");
-        bound(&elf, "through", &facts).unwrap().bound_cycles
+        bound(&elf, "through", &facts).unwrap()
     };
     let mut machine = Machine::new(&elf);
     let both = with(&["first", "second"]);
@@ -98,32 +86,31 @@ fn an_indirect_call_is_bounded_by_the_dearest_of_its_given_targets() {
 #[test]
 fn endless_loops_and_software_interrupts_are_refused() {
     on_both(|elf| {
-        assert!(refusal(elf, "forever").contains("never returns"));
-        assert!(refusal(elf, "trap").contains("software interrupt"));
+        assert!(refusal(elf, "forever", "").contains("never returns"));
+        assert!(refusal(elf, "trap", "").contains("software interrupt"));
     });
 }
 
 #[test]
 fn a_loop_entered_at_two_places_is_bounded_like_any_other() {
     on_both(|elf| {
-        assert!(refusal(elf, "two_entries").contains("loops without a bound"));
+        assert!(refusal(elf, "two_entries", "").contains("loops without a bound"));
         let facts = "[[loop]]\nsymbol = \"two_entries\"\nheader_executions = 60\n";
-        let report = bound(elf, "two_entries", facts).unwrap();
+        let bound = bound(elf, "two_entries", facts).unwrap();
         for x in [2, 3] {
             let seen = Machine::new(elf).call("two_entries", [x, 0, 0, 0]);
-            assert!(seen.cycles > 60 && seen.cycles <= report.bound_cycles);
+            assert!(seen.cycles > 60 && seen.cycles <= bound);
         }
     });
 }
 
 #[test]
-fn recursion_is_bounded_when_the_number_of_calls_is_given() {
+fn recursion_is_bounded_when_the_number_of_calls_is_annotated() {
     on_both(|elf| {
         let facts = "[[recursion]]\nsymbol = \"descend\"\ncalls = 6\ndepth = 6\n";
-        let report = bound(elf, "outer", facts).unwrap();
+        let report = report(elf, "outer", facts).unwrap();
         let seen = Machine::new(elf).call("outer", [5, 0, 0, 0]);
-        assert!(seen.cycles <= report.bound_cycles);
-        assert!(Some(seen.stack_bytes) <= report.stack_bytes);
+        check("recursion", &report, seen);
         let fewer = Machine::new(elf).call("outer", [4, 0, 0, 0]);
         assert!(fewer.cycles < seen.cycles);
     });
@@ -132,19 +119,17 @@ fn recursion_is_bounded_when_the_number_of_calls_is_given() {
 #[test]
 fn wrong_input_is_refused_with_its_name() {
     on_both(|elf| {
-        let text = refusal(elf, "nothing");
+        let text = refusal(elf, "nothing", "");
         assert!(text.contains("'nothing'"), "{text}");
         let facts = "[[access]]\nregion = \"nowhere\"\n";
-        let text = bound(elf, "first", facts).unwrap_err().to_string();
+        let text = refusal(elf, "first", facts);
         assert!(
             text.contains("'nowhere'") && text.contains("memory"),
             "{text}"
         );
-        let text = bound(elf, "first", "[[loop]]\nsymbol = \"poll\"\n")
-            .unwrap_err()
-            .to_string();
+        let text = refusal(elf, "first", "[[loop]]\nsymbol = \"poll\"\n");
         assert!(text.contains("iterations"), "{text}");
-        let text = bound(&elf[..20], "first", "").unwrap_err().to_string();
+        let text = refusal(&elf[..20], "first", "");
         assert!(text.contains("ELF"), "{text}");
     });
 }

@@ -6,35 +6,11 @@
 
 mod support;
 
-use support::machine::{Machine, Observation};
+use support::machine::Machine;
 use support::random::Random;
 use support::toolchain::{build, program, VARIANTS};
-use wcet::{Annotations, Image, MemoryMap, Program, Report};
-
-const LIBGCC: &str = include_str!("../annotations/libgcc.toml");
-
-fn bound(elf: &[u8], symbol: &str) -> Report {
-    let image = Image::read(elf).unwrap();
-    let map = MemoryMap::without_wait_states();
-    let annotations = Annotations::parse(LIBGCC, "libgcc.toml").unwrap();
-    let program = Program::new(&image, &map, &annotations).unwrap();
-    Report::new(&program, symbol).unwrap_or_else(|error| panic!("{symbol}: {error}"))
-}
-
-fn check(what: &str, report: &Report, seen: Observation) {
-    let (bound, symbol) = (report.bound_cycles, &report.symbol);
-    assert!(
-        seen.cycles <= bound,
-        "{what} {symbol}: {} > {bound}",
-        seen.cycles
-    );
-    let stack = report.stack_bytes.expect("a stack bound");
-    assert!(
-        seen.stack_bytes <= stack,
-        "{what} {symbol}: stack {} > {stack}",
-        seen.stack_bytes
-    );
-}
+use support::{check, check_exact, report, LIBGCC};
+use wcet::Report;
 
 #[test]
 fn bounds_of_functions_with_one_path_equal_their_times() {
@@ -46,26 +22,19 @@ fn bounds_of_functions_with_one_path_equal_their_times() {
         for symbol in [
             "add_up", "fill", "triangle", "weigh", "chain", "shifts", "frame",
         ] {
-            let report = bound(&elf, symbol);
-            let seen = machine.call(symbol, [5, 6, 7, 8]);
-            check(&flags.concat(), &report, seen);
-            assert_eq!(seen.cycles, report.bound_cycles, "{flags:?} {symbol}");
-            assert_eq!(
-                Some(seen.stack_bytes),
-                report.stack_bytes,
-                "{flags:?} {symbol}"
-            );
+            let report = report(&elf, symbol, "").unwrap();
+            check_exact(&flags.concat(), &report, &mut machine, [5, 6, 7, 8]);
         }
     }
 }
 
 /// Longest time seen for a function with these arguments.
-fn hunt(
-    machine: &mut Machine<'_>,
+fn longest_time(
+    machine: &mut Machine,
     what: &str,
     report: &Report,
     runs: u32,
-    mut arguments: impl FnMut(&mut Machine<'_>, u32) -> [u32; 4],
+    mut arguments: impl FnMut(&mut Machine, u32) -> [u32; 4],
 ) -> u64 {
     (0..runs)
         .map(|run| {
@@ -89,8 +58,8 @@ fn no_time_of_a_function_with_many_paths_exceeds_its_bound() {
         for symbol in [
             "choose", "search", "saturate", "clipped", "order", "product", "tail",
         ] {
-            let report = bound(&elf, symbol);
-            let longest = hunt(
+            let report = report(&elf, symbol, LIBGCC).unwrap();
+            let longest = longest_time(
                 &mut machine,
                 &flags.concat(),
                 &report,
@@ -113,21 +82,17 @@ fn no_time_of_a_function_with_many_paths_exceeds_its_bound() {
 }
 
 #[test]
-fn what_a_call_changes_is_forgotten_in_a_loop_whose_counter_it_computes() {
+fn what_a_call_changes_is_invalidated_in_a_loop_whose_counter_it_computes() {
     for flags in [["-marm", "-O2"], ["-mthumb", "-O2"]] {
         let Some(elf) = build("floats", &[program("floats.c")], &flags) else {
             return;
         };
-        let image = Image::read(&elf).unwrap();
-        let map = MemoryMap::without_wait_states();
         let nine_rounds = "[[loop]]\nsymbol = \"float_sum\"\nheader_executions = 10\n";
-        let mut annotations = Annotations::parse(nine_rounds, "nine rounds").unwrap();
-        annotations.extend(Annotations::parse(LIBGCC, "libgcc.toml").unwrap());
-        let program = Program::new(&image, &map, &annotations).unwrap();
-        let report = Report::new(&program, "float_sum").unwrap();
+        let facts = format!("{nine_rounds}{LIBGCC}");
+        let report = report(&elf, "float_sum", &facts).unwrap();
         let mut machine = Machine::new(&elf);
         let mut random = Random::new(9);
-        hunt(&mut machine, &flags.concat(), &report, 2_000, |_, _| {
+        longest_time(&mut machine, &flags.concat(), &report, 2_000, |_, _| {
             [random.float(), f32::NAN.to_bits(), 0, 0]
         });
     }
@@ -150,9 +115,9 @@ fn no_time_of_the_support_library_exceeds_its_bound() {
         let others = ["float_to_integer", "integer_to_float"];
         let divisions = ["unsigned_divide", "signed_divide", "unsigned_rest"];
         for symbol in floats.iter().chain(&others).chain(&divisions) {
-            let report = bound(&elf, symbol);
+            let report = report(&elf, symbol, LIBGCC).unwrap();
             let is_float = floats.contains(symbol);
-            let longest = hunt(&mut machine, &flags.concat(), &report, 20_000, |_, _| {
+            let longest = longest_time(&mut machine, &flags.concat(), &report, 20_000, |_, _| {
                 if is_float {
                     [random.float(), random.float(), 0, 0]
                 } else {

@@ -1,122 +1,127 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Bounds of one function: time, stack, and the path that attains the time.
+//! Bounds of a function: abstract execution of its graph and, where that cannot follow, the longest
+//! path over its blocks. `Program::bound` and the calls in `context_sensitive_calls` need each other:
+//! a call that is not analysed in its context costs what `Program::bound` says for its arguments.
 
-use crate::error::{Error, MissingBound};
-use crate::functions::calls::Follower;
-use crate::functions::program::Program;
-use crate::functions::summary::Summary;
-use crate::graph::control_flow::{Block, Entry, Target};
-use crate::graph::loop_forest::Forest;
-use crate::loops::abstract_execution::{Execution, LoopFinding};
-use crate::paths::block_cost::{edge_cycles, Outside};
-use crate::paths::critical_section::{merge, Sections, Stay};
-use crate::paths::longest_path::{longest_path, Problem, Solution, Unsolved};
-use crate::values::block::{as_arguments, BlockRecord, Walker};
-use crate::values::state::{State, ENDLESS};
-use std::collections::BTreeSet;
+use crate::error::Error;
+use crate::functions::context_sensitive_calls::ContextSensitiveCalls;
+use crate::functions::function_bound::{BlockBound, BoundOrigin, FunctionBound, LoopBound};
+use crate::functions::function_summary::FunctionSummary;
+use crate::functions::program::{Arguments, BoundResult, Program};
+use crate::graph::control_flow::{Block, Target};
+use crate::graph::loop_forest::LoopForest;
+use crate::inputs::image::Entry;
+use crate::loops::abstract_execution::{AbstractExecution, LoopFinding};
+use crate::paths::block_cost::edge_cycles;
+use crate::paths::critical_section::{critical_sections, merge, CriticalSections};
+use crate::paths::longest_path::{longest_path, LongestPath, PathError, PathProblem};
+use crate::values::block_interpreter::{any_arguments, as_arguments, BlockInterpreter};
+use crate::values::records::BlockRecord;
+use crate::values::state::{State, ANY_URGENCY, UNBOUNDED};
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// Where a loop's bound comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// From the code.
-    Found,
-    /// From the user.
-    Given,
-    /// There is none, and none is needed: no way through the loop returns.
-    NotNeeded,
-}
+/// Argument sets for which one function is bounded separately; beyond, for any arguments.
+const MAX_CONTEXTS: usize = 256;
 
-/// A loop of the function.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LoopBound {
-    /// Address of the header.
-    pub address: u32,
-    /// Number within its symbol.
-    pub number: usize,
-    /// Most executions of the header for one entry.
-    pub header_executions: Option<u64>,
-    /// Who says so.
-    pub origin: Origin,
-    /// Its header as a position among the blocks.
-    pub header: usize,
-    /// All its blocks.
-    pub blocks: Vec<usize>,
-    /// Header executions beyond the first of each entry, in all for one entry of the loop around
-    /// it, and the position of that loop's header.
-    pub repeats: Option<(u64, usize)>,
-}
+impl Program<'_> {
+    /// Bound of a function for what is known about its arguments, without the refill of its
+    /// return.
+    pub fn bound(&self, entry: Entry, arguments: &Arguments) -> BoundResult {
+        let recursive = self.facts.recursion(entry).is_some();
+        if self.bounding.borrow().contains(&entry) {
+            if recursive {
+                return Ok(Rc::new(inner_recursive_call(entry)));
+            }
+            return Err(Error::Recursion(vec![self.image.place(entry.0)]));
+        }
+        let any = any_arguments();
+        let arguments = if recursive { &any } else { arguments };
+        if let Some(found) = self.cached_bound(entry, arguments) {
+            return found;
+        }
+        let full = self.bounds.borrow().get(&entry).map_or(0, BTreeMap::len) >= MAX_CONTEXTS;
+        let arguments = if full { &any } else { arguments };
+        if let Some(found) = self.cached_bound(entry, arguments) {
+            return found;
+        }
+        let found = self.compute_bound(entry, arguments);
+        let depends_on_callers = matches!(found, Err(Error::Recursion(_)));
+        if !depends_on_callers {
+            let mut bounds = self.bounds.borrow_mut();
+            let known = bounds.entry(entry).or_default();
+            known.insert(arguments.clone(), found.clone());
+        }
+        found
+    }
 
-/// A block as the longest path passes it.
-#[derive(Clone, Debug)]
-pub struct BlockBound {
-    /// First instruction.
-    pub address: u32,
-    /// Number of instructions.
-    pub instruction_count: usize,
-    /// How often the path passes.
-    pub count: u64,
-    /// Cycles by way out, calls included; none for a way that is never taken.
-    pub cycles: Vec<Option<u64>>,
-    /// Bounds of the functions called at its end.
-    pub calls: Vec<Rc<FunctionBound>>,
-    /// Accesses whose region is not known, charged as the dearest.
-    pub unknown_accesses: usize,
-    /// Blocks to which the ways out lead; none for the return.
-    pub targets: Vec<Option<usize>>,
-    /// Addresses of its instructions.
-    pub addresses: Vec<u32>,
-}
+    fn cached_bound(&self, entry: Entry, arguments: &Arguments) -> Option<BoundResult> {
+        self.bounds.borrow().get(&entry)?.get(arguments).cloned()
+    }
 
-/// Bounds of one function for one set of arguments.
-#[derive(Debug)]
-pub struct FunctionBound {
-    /// Entry.
-    pub entry: Entry,
-    /// Cycles from its first instruction to its last, without the fetches of the return: the
-    /// smaller of the longest path and of the longest way with calls followed.
-    pub cycles: u64,
-    /// Cycles of the longest path, on which each block costs what it can cost at most.
-    pub path_cycles: u64,
-    /// Stack below the stack pointer at entry, with all callees; `None` when not bounded.
-    pub stack_bytes: Option<u32>,
-    /// Blocks by address, with the longest path.
-    pub blocks: Vec<BlockBound>,
-    /// Loops by address of their header.
-    pub loops: Vec<LoopBound>,
-    /// Longest stays in protected actions, here and in all callees.
-    pub sections: Sections,
+    fn compute_bound(&self, entry: Entry, arguments: &Arguments) -> BoundResult {
+        let summary = self.summary(entry, entry.0)?;
+        if summary.avoided.first() == Some(&true) {
+            return Err(Error::NeverReturns(self.image.place(entry.0)));
+        }
+        self.bounding.borrow_mut().push(entry);
+        let bound = bound_summary(self, entry, &summary, self.entry_state(entry, arguments));
+        self.bounding.borrow_mut().pop();
+        let bound = match self.facts.recursion(entry) {
+            Some((calls, depth)) => bound_recursive(bound?, calls, depth),
+            None => bound?,
+        };
+        let annotated = self.facts.cycles(entry).unwrap_or(u64::MAX);
+        let cycles = bound.cycles.min(annotated);
+        Ok(Rc::new(FunctionBound { cycles, ..bound }))
+    }
+
+    /// What holds at the entry. The callers of functions that leave a protected action are in one.
+    fn entry_state(&self, entry: Entry, arguments: &Arguments) -> State {
+        let mut state = State::entry(arguments);
+        if self.conventions.unlocks.contains(&entry.0) {
+            state.enter(ANY_URGENCY);
+            state.mask_count = None;
+        }
+        state
+    }
+
+    /// Bound of a named function, called from anywhere with any arguments.
+    pub fn bound_of(&self, name: &str) -> Result<Rc<FunctionBound>, Error> {
+        self.bound(self.function(name)?, &any_arguments())
+    }
 }
 
 /// What executing a function on abstract values shows.
 struct Executed {
     findings: Vec<LoopFinding>,
     records: Vec<BlockRecord>,
-    /// Longest way with calls followed, if each loop on it has a bound.
+    /// Longest path with calls analysed in their context, if each loop on it has a bound.
     elapsed: Option<u64>,
 }
 
-fn execute(program: &Program<'_>, entry: Entry, summary: &Summary, state: State) -> Executed {
+fn execute(
+    program: &Program<'_>,
+    entry: Entry,
+    summary: &FunctionSummary,
+    state: State,
+) -> Executed {
     let (flow, forest) = (&summary.flow, &summary.forest);
-    let region = |address| program.given_region(address);
-    let follower = Follower::new(program, entry, false);
-    let mut walker = Walker::new(program.world(), flow, &summary.callees, &region);
-    walker.costs = &summary.costs;
-    walker.calls = Some(&follower);
-    walker.avoided = &summary.avoided;
+    let calls = ContextSensitiveCalls::new(program, entry, false);
+    let mut interpreter = BlockInterpreter::new(program.environment(), flow, &summary.callees);
+    interpreter.costs = &summary.costs;
+    interpreter.calls = Some(&calls);
+    interpreter.avoided = &summary.avoided;
     let limits = summary.limits_within(&[entry]);
-    let mut execution = Execution::new(walker, forest, limits);
-    let exits = execution.run(state);
-    program.note_steps(execution.walker.step_count);
-    let returns = exits
-        .iter()
-        .filter(|((block, edge), _)| flow.blocks[*block].edges[*edge].target == Target::Return);
-    let longest = returns.map(|(_, state)| state.elapsed.0).max();
+    let mut execution = AbstractExecution::new(interpreter, forest, limits);
+    let returned = execution.run(state);
+    program.note_steps(execution.interpreter.step_count);
+    let longest = returned.iter().map(|state| state.elapsed.0).max();
     Executed {
-        elapsed: longest.filter(|cycles| *cycles != ENDLESS),
+        elapsed: longest.filter(|cycles| *cycles != UNBOUNDED),
         findings: execution.findings,
-        records: execution.walker.records,
+        records: execution.interpreter.records,
     }
 }
 
@@ -124,16 +129,16 @@ fn execute(program: &Program<'_>, entry: Entry, summary: &Summary, state: State)
 pub fn stack_of(
     program: &Program<'_>,
     entry: Entry,
-    summary: &Summary,
+    summary: &FunctionSummary,
 ) -> Result<Option<u32>, Error> {
-    let state = State::entry(&crate::values::block::any_arguments());
+    let state = State::entry(&any_arguments());
     let executed = execute(program, entry, summary, state);
-    let (calls, _) = called(program, summary, &executed.records)?;
+    let (calls, _) = callee_bounds(program, summary, &executed.records)?;
     Ok(stack_bound(&executed.records, &calls))
 }
 
 /// The inner call of a recursive function: its time and stack are the outer one's.
-pub fn recursive_call(entry: Entry) -> FunctionBound {
+pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
     FunctionBound {
         entry,
         cycles: 0,
@@ -141,16 +146,16 @@ pub fn recursive_call(entry: Entry) -> FunctionBound {
         stack_bytes: Some(0),
         blocks: Vec::new(),
         loops: Vec::new(),
-        sections: Sections::new(),
+        sections: CriticalSections::new(),
     }
 }
 
-/// A call that has a bound only where it is followed.
-fn followed_call(entry: Entry, cycles: u64) -> FunctionBound {
+/// A call that has a bound only in the context in which it is made.
+fn context_bound(entry: Entry, cycles: u64) -> FunctionBound {
     FunctionBound {
         cycles,
         stack_bytes: None,
-        ..recursive_call(entry)
+        ..inner_recursive_call(entry)
     }
 }
 
@@ -167,7 +172,7 @@ pub fn bound_recursive(one: FunctionBound, calls: u64, depth: u32) -> FunctionBo
 pub fn bound_summary(
     program: &Program<'_>,
     entry: Entry,
-    summary: &Summary,
+    summary: &FunctionSummary,
     state: State,
 ) -> Result<FunctionBound, Error> {
     let (flow, forest) = (&summary.flow, &summary.forest);
@@ -176,27 +181,23 @@ pub fn bound_summary(
         records,
         elapsed,
     } = execute(program, entry, summary, state);
-    let given = summary.limits_within(&[entry]);
-    let (calls, endless) = called(program, summary, &records)?;
-    let nodes: Vec<Entry> = flow
-        .blocks
-        .iter()
-        .map(|block| (block.node.address, block.node.thumb))
-        .collect();
+    let annotated = summary.limits_within(&[entry]);
+    let (calls, never_returning) = callee_bounds(program, summary, &records)?;
     let mut cycles = Vec::new();
     for (index, block) in flow.blocks.iter().enumerate() {
-        let outside = Outside {
-            map: program.map,
-            call_cycles: call_cycles(program, block, &calls[index], &records[index])?,
-        };
-        let mut ways = edge_cycles(&outside, block, &records[index], &nodes)?;
-        for (way, edge) in ways.iter_mut().zip(&block.edges) {
-            *way = way.filter(|_| !(endless.contains(&index) && edge.executed));
+        let call_cycles = call_cycles(&calls[index], &records[index]);
+        let mut edges = edge_cycles(block, &summary.costs[index], &records[index], call_cycles);
+        for (taken, edge) in edges.iter_mut().zip(&block.edges) {
+            *taken = taken.filter(|_| !(never_returning.contains(&index) && edge.executed));
         }
-        cycles.push(ways);
+        cycles.push(edges);
     }
-    let bounds: Vec<Option<u64>> = findings.iter().zip(&given).map(effective).collect();
-    let problem = Problem {
+    let bounds: Vec<Option<u64>> = findings
+        .iter()
+        .zip(&annotated)
+        .map(combined_bound)
+        .collect();
+    let problem = PathProblem {
         flow,
         forest,
         cycles: &cycles,
@@ -204,15 +205,8 @@ pub fn bound_summary(
         repeats: &repeats(&findings, forest),
     };
     let solution =
-        longest_path(&problem).map_err(|unsolved| explain(program, entry, summary, unsolved))?;
-    let stay = Stay {
-        flow,
-        forest,
-        bounds: &bounds,
-        records: &records,
-        cycles: &cycles,
-    };
-    let mut sections = stay.sections()?;
+        longest_path(&problem).map_err(|unsolved| path_error(program, entry, summary, unsolved))?;
+    let mut sections = critical_sections(&problem, &records)?;
     let unlocks = &program.conventions.unlocks;
     for callee in calls.iter().flatten() {
         if !unlocks.contains(&callee.entry.0) {
@@ -220,11 +214,11 @@ pub fn bound_summary(
         }
     }
     let stack_bytes = stack_bound(&records, &calls);
-    let loops = loop_bounds(summary, &findings, &given, &bounds);
+    let loops = loop_bounds(summary, &findings, &annotated, &bounds);
     Ok(FunctionBound {
         entry,
         path_cycles: solution.cycles,
-        cycles: elapsed.map_or(solution.cycles, |way| way.min(solution.cycles)),
+        cycles: elapsed.map_or(solution.cycles, |cycles| cycles.min(solution.cycles)),
         stack_bytes,
         loops,
         sections,
@@ -233,9 +227,9 @@ pub fn bound_summary(
 }
 
 fn loop_bounds(
-    summary: &Summary,
+    summary: &FunctionSummary,
     findings: &[LoopFinding],
-    given: &[Option<u64>],
+    annotated: &[Option<u64>],
     bounds: &[Option<u64>],
 ) -> Vec<LoopBound> {
     let loops = summary.forest.loops.iter().enumerate();
@@ -250,32 +244,32 @@ fn loop_bounds(
             address: summary.flow.blocks[found.header].node.address,
             number: summary.numbers[index],
             header_executions: bounds[index],
-            origin: origin(&findings[index], given[index]),
+            origin: origin(&findings[index], annotated[index]),
             header: found.header,
             blocks: found.blocks.iter().copied().collect(),
         })
         .collect()
 }
 
-fn origin(finding: &LoopFinding, given: Option<u64>) -> Origin {
-    match (finding.unbounded || finding.cut, given) {
-        (false, _) => Origin::Found,
-        (true, Some(_)) => Origin::Given,
-        (true, None) => Origin::NotNeeded,
+fn origin(finding: &LoopFinding, annotated: Option<u64>) -> BoundOrigin {
+    match (finding.unbounded || finding.ended_by_fact, annotated) {
+        (false, _) => BoundOrigin::Derived,
+        (true, Some(_)) => BoundOrigin::Annotated,
+        (true, None) => BoundOrigin::NotNeeded,
     }
 }
 
-/// The smaller of what was found and what was given.
-fn effective((finding, given): (&LoopFinding, &Option<u64>)) -> Option<u64> {
+/// The smaller of what was found and what was annotated.
+fn combined_bound((finding, annotated): (&LoopFinding, &Option<u64>)) -> Option<u64> {
     if finding.unbounded {
-        return *given;
+        return *annotated;
     }
     let found = finding.header_executions;
-    Some(given.map_or(found, |given| given.min(found)))
+    Some(annotated.map_or(found, |annotated| annotated.min(found)))
 }
 
-/// Repetitions of inner loops, where both the loop and the one around it were followed exactly.
-fn repeats(findings: &[LoopFinding], forest: &Forest) -> Vec<Option<u64>> {
+/// Repetitions of inner loops, where both the loop and the one around it were executed exactly.
+fn repeats(findings: &[LoopFinding], forest: &LoopForest) -> Vec<Option<u64>> {
     let exact = |index: usize| !findings[index].unbounded;
     let all = forest.loops.iter().enumerate().map(|(index, found)| {
         let parent = found.parent?;
@@ -284,32 +278,32 @@ fn repeats(findings: &[LoopFinding], forest: &Forest) -> Vec<Option<u64>> {
     all.collect()
 }
 
-/// Bounds of the functions called at the end of each block, and the blocks whose calls never
+/// Bounds of the functions callee_bounds at the end of each block, and the blocks whose calls never
 /// return with the arguments they have.
-type Called = (Vec<Vec<Rc<FunctionBound>>>, BTreeSet<usize>);
+type CalleeBounds = (Vec<Vec<Rc<FunctionBound>>>, BTreeSet<usize>);
 
-fn called(
+fn callee_bounds(
     program: &Program<'_>,
-    summary: &Summary,
+    summary: &FunctionSummary,
     records: &[BlockRecord],
-) -> Result<Called, Error> {
-    let (mut all, mut endless) = (Vec::new(), BTreeSet::new());
+) -> Result<CalleeBounds, Error> {
+    let (mut all, mut never_returning) = (Vec::new(), BTreeSet::new());
     for (index, block) in summary.flow.blocks.iter().enumerate() {
         let mut bounds = Vec::new();
         let arguments = records[index].arguments.as_ref().map(as_arguments);
         let reached = &records[index].callees;
-        for (callee, known) in block
+        for (callee, cached_bound) in block
             .calls
             .iter()
             .filter(|callee| reached.contains(callee))
             .flat_map(|c| arguments.iter().map(move |a| (c, a)))
         {
-            match program.bound(*callee, known) {
+            match program.bound(*callee, cached_bound) {
                 Ok(bound) => bounds.push(bound),
                 Err(Error::NeverReturns(_)) => {}
                 Err(error @ Error::MissingBounds(_)) => match records[index].callee_cycles {
-                    Some(cycles) if cycles != ENDLESS => {
-                        bounds.push(Rc::new(followed_call(*callee, cycles)));
+                    Some(cycles) if cycles != UNBOUNDED => {
+                        bounds.push(Rc::new(context_bound(*callee, cycles)));
                     }
                     _ => return Err(error),
                 },
@@ -317,28 +311,18 @@ fn called(
             }
         }
         if arguments.is_some() && bounds.is_empty() {
-            endless.insert(index);
+            never_returning.insert(index);
         }
         all.push(bounds);
     }
-    Ok((all, endless))
+    Ok((all, never_returning))
 }
 
-/// Time of the call at the end of a block: the callee and, unless the block's function ends with
-/// it, the fetches after its return.
-fn call_cycles(
-    program: &Program<'_>,
-    block: &Block,
-    calls: &[Rc<FunctionBound>],
-    record: &BlockRecord,
-) -> Result<u64, Error> {
-    let apart = calls.iter().map(|bound| bound.cycles).max().unwrap_or(0);
-    let callee = record
-        .callee_cycles
-        .map_or(apart, |followed| followed.min(apart));
-    let back = block.resumes();
-    let refill = back.map_or(Ok(0), |(address, thumb)| program.map.refill(address, thumb))?;
-    Ok(callee + refill)
+/// Time of the call at the end of a block, without the fetches after its return.
+fn call_cycles(calls: &[Rc<FunctionBound>], record: &BlockRecord) -> u64 {
+    let any_context = calls.iter().map(|bound| bound.cycles).max().unwrap_or(0);
+    let in_context = record.callee_cycles.unwrap_or(u64::MAX);
+    in_context.min(any_context)
 }
 
 fn stack_bound(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Option<u32> {
@@ -353,8 +337,8 @@ fn stack_bound(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Opt
 }
 
 fn block_bounds(
-    summary: &Summary,
-    solution: &Solution,
+    summary: &FunctionSummary,
+    solution: &LongestPath,
     cycles: Vec<Vec<Option<u64>>>,
     calls: Vec<Vec<Rc<FunctionBound>>>,
     records: &[BlockRecord],
@@ -363,7 +347,6 @@ fn block_bounds(
     parts
         .map(|(index, ((cycles, calls), record))| BlockBound {
             address: summary.flow.blocks[index].node.address,
-            instruction_count: summary.flow.blocks[index].instructions.len(),
             count: solution.counts[index],
             cycles,
             calls,
@@ -392,26 +375,18 @@ fn targets(block: &Block) -> Vec<Option<usize>> {
         .collect()
 }
 
-/// A loop as it is asked for.
-pub fn missing_bound(program: &Program<'_>, summary: &Summary, index: usize) -> MissingBound {
-    let header = summary.forest.loops[index].header;
-    let lines = program.own_lines(&summary.flow, &summary.forest, index);
-    MissingBound {
-        place: program
-            .image
-            .place(summary.flow.blocks[header].node.address),
-        index: summary.numbers[index],
-        lines: lines.into_iter().collect(),
-    }
-}
-
-fn explain(program: &Program<'_>, entry: Entry, summary: &Summary, unsolved: Unsolved) -> Error {
+fn path_error(
+    program: &Program<'_>,
+    entry: Entry,
+    summary: &FunctionSummary,
+    unsolved: PathError,
+) -> Error {
     match unsolved {
-        Unsolved::Unbounded(loops) => {
+        PathError::Unbounded(loops) => {
             let missing = loops.into_iter();
-            let missing = missing.map(|index| missing_bound(program, summary, index));
+            let missing = missing.map(|index| summary.missing_bound(&program.facts, index));
             Error::MissingBounds(missing.collect())
         }
-        Unsolved::NoReturn => Error::NeverReturns(program.image.place(entry.0)),
+        PathError::NoReturn => Error::NeverReturns(program.image.place(entry.0)),
     }
 }

@@ -3,6 +3,8 @@
 //! Whole functions with all that they call: the recursion over the call graph.
 
 pub mod bound;
-pub mod calls;
+pub mod context_sensitive_calls;
+pub mod function_bound;
+pub mod function_summary;
 pub mod program;
 pub mod summary;

@@ -4,104 +4,79 @@
 //! every branch is resolved.
 
 use crate::error::Error;
+use crate::functions::function_summary::{FunctionSummary, SCRATCH};
 use crate::functions::program::Program;
-use crate::graph::control_flow::{Block, Entry, Explorer, Flow, Node, Target, Transfer};
-use crate::graph::loop_forest::Forest;
+use crate::graph::control_flow::{
+    Block, ControlFlowGraph, ControlTransfer, Explorer, Node, Target,
+};
 use crate::graph::node_splitting::reducible;
-use crate::paths::block_cost::{block_costs, BlockCost};
-use crate::values::block::{any_arguments, changed_registers, Outcome, Walker};
+use crate::inputs::image::Entry;
+use crate::values::block_interpreter::{
+    any_arguments, changed_registers, BlockInterpreter, BlockOutcome,
+};
 use crate::values::state::State;
 use crate::values::value::Value;
 use arm7tdmi::instruction::Operation;
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 /// Visits of a block after which growing values give up.
-const PATIENCE: u32 = 4;
+const WIDENING_DELAY: u32 = 4;
 
 /// Elements up to which a set may grow all the same, where a branch is not resolved otherwise: the
 /// entries of a jump table whose index is a loop's counter.
-const TABLE: usize = 64;
+const JUMP_TABLE_SIZE: usize = 64;
 
-/// What is true of a function whatever its arguments.
-#[derive(Debug)]
-pub struct Summary {
-    /// Its graph.
-    pub flow: Flow,
-    /// Its loops.
-    pub forest: Forest,
-    /// Some way returns.
-    pub returns: bool,
-    /// Registers of r0 to r12 that it does not preserve.
-    pub changed: u16,
-    /// The same for all functions it calls.
-    pub callees: BTreeMap<Entry, u16>,
-    /// Number of each loop within its symbol.
-    pub numbers: Vec<usize>,
-    /// What holds at each block, whatever the arguments; none where nothing leads.
-    pub states: Vec<Option<State>>,
-    /// Costs of its blocks.
-    pub costs: Vec<BlockCost>,
-    /// Blocks that are not executed in what is bounded.
-    pub avoided: Vec<bool>,
-    /// Header executions of each loop, as the user says.
-    pub limits: Vec<Option<u64>>,
-    /// The same where some function is under way: loop, function, header executions.
-    pub limits_in: Vec<(usize, Entry, u64)>,
-    /// How often its blocks were executed in a closed program; empty before.
-    pub visits: RefCell<Vec<u64>>,
-}
-
-/// Registers that a function may change (procedure call standard, 6.1.1).
-const SCRATCH: u16 = 0b0001_0000_0000_1111;
-
-impl Summary {
-    /// What is assumed of a recursive function at its inner calls, and checked afterwards.
-    pub fn of_recursion() -> Self {
-        Self {
-            flow: Flow::default(),
-            forest: Forest::default(),
-            returns: true,
-            changed: SCRATCH,
-            callees: BTreeMap::new(),
-            numbers: Vec::new(),
-            states: Vec::new(),
-            costs: Vec::new(),
-            avoided: Vec::new(),
-            limits: Vec::new(),
-            limits_in: Vec::new(),
-            visits: RefCell::default(),
+impl Program<'_> {
+    /// Summary of a function called from `site`.
+    pub fn summary(&self, entry: Entry, site: u32) -> Result<Rc<FunctionSummary>, Error> {
+        if let Some(known) = self.summaries.borrow().get(&entry) {
+            return Ok(Rc::clone(known));
         }
-    }
-
-    /// Header executions of each loop, as the user says, while these functions are under way.
-    pub fn limits_within(&self, open: &[Entry]) -> Vec<Option<u64>> {
-        let mut limits = self.limits.clone();
-        for (index, function, bound) in &self.limits_in {
-            if open.contains(function) {
-                let known = limits[*index].unwrap_or(u64::MAX);
-                limits[*index] = Some(known.min(*bound));
+        let cycle = {
+            let pending = self.summarising.borrow();
+            let start = pending.iter().position(|(function, _)| *function == entry);
+            start.map(|start| {
+                pending[start + 1..]
+                    .iter()
+                    .map(|(_, at)| *at)
+                    .collect::<Vec<_>>()
+            })
+        };
+        if let Some(mut sites) = cycle {
+            if self.memory_known || self.facts.recursion(entry).is_some() {
+                return Ok(Rc::new(FunctionSummary::of_recursive_call()));
             }
+            sites.push(site);
+            let places = sites.iter().map(|at| self.image.place(*at));
+            return Err(Error::Recursion(places.collect()));
         }
-        limits
+        self.summarising.borrow_mut().push((entry, site));
+        let result = summarise(self, entry);
+        self.summarising.borrow_mut().pop();
+        let summary = Rc::new(result?);
+        self.summaries
+            .borrow_mut()
+            .insert(entry, Rc::clone(&summary));
+        Ok(summary)
     }
 }
 
 struct Fixpoint {
     states: Vec<Option<State>>,
-    transfers: BTreeMap<Node, Transfer>,
+    transfers: BTreeMap<Node, ControlTransfer>,
     changed: u16,
     returns: bool,
 }
 
 /// A graph whose branches are resolved, and what its values are.
 struct Resolved {
-    flow: Flow,
+    flow: ControlFlowGraph,
     fixpoint: Fixpoint,
     /// What callees do not preserve.
     changed: BTreeMap<Entry, u16>,
     /// Elements up to which sets grew.
-    kept: usize,
+    set_limit: usize,
 }
 
 /// Explores and finds values by turns.
@@ -109,11 +84,11 @@ fn resolve_branches(program: &Program<'_>, entry: Entry) -> Result<Resolved, Err
     let mut resolved = BTreeMap::new();
     let mut returning: BTreeMap<Entry, bool> = BTreeMap::new();
     let mut changed = BTreeMap::new();
-    let mut kept = 0;
+    let mut set_limit = 0;
     loop {
         let flow = match explore(program, entry, &resolved, &returning) {
-            Err(Error::NoCode(_)) if kept < TABLE && !resolved.is_empty() => {
-                kept = TABLE;
+            Err(Error::NoCode(_)) if set_limit < JUMP_TABLE_SIZE && !resolved.is_empty() => {
+                set_limit = JUMP_TABLE_SIZE;
                 resolved.clear();
                 continue;
             }
@@ -128,12 +103,12 @@ fn resolve_branches(program: &Program<'_>, entry: Entry) -> Result<Resolved, Err
         if !new.is_empty() {
             continue;
         }
-        let fixpoint = iterate(program, &flow, &changed, entry, kept)?;
+        let fixpoint = fixpoint_of(program, &flow, &changed, entry, set_limit)?;
         if let Some(node) = unresolved(&fixpoint.transfers, &resolved) {
-            if kept == TABLE {
+            if set_limit == JUMP_TABLE_SIZE {
                 return Err(Error::UnresolvedBranch(program.image.place(node.address)));
             }
-            kept = TABLE;
+            set_limit = JUMP_TABLE_SIZE;
             resolved.clear();
         } else if fixpoint.transfers != resolved {
             resolved = fixpoint.transfers;
@@ -142,14 +117,14 @@ fn resolve_branches(program: &Program<'_>, entry: Entry) -> Result<Resolved, Err
                 flow,
                 fixpoint,
                 changed,
-                kept,
+                set_limit,
             });
         }
     }
 }
 
 /// Functions called for the first time, each with a place where that happens.
-fn new_callees(flow: &Flow, known: &BTreeMap<Entry, bool>) -> Vec<(Entry, u32)> {
+fn new_callees(flow: &ControlFlowGraph, known: &BTreeMap<Entry, bool>) -> Vec<(Entry, u32)> {
     let mut new = Vec::new();
     for block in &flow.blocks {
         let last = block.instructions.last();
@@ -164,14 +139,14 @@ fn new_callees(flow: &Flow, known: &BTreeMap<Entry, bool>) -> Vec<(Entry, u32)> 
 }
 
 /// Computes the summary of a function; summaries of callees come from the program.
-pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> {
+pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<FunctionSummary, Error> {
     let Resolved {
         flow,
         mut fixpoint,
         changed,
-        kept,
+        set_limit,
     } = resolve_branches(program, entry)?;
-    if program.given_recursion(entry).is_some() && fixpoint.changed & !SCRATCH != 0 {
+    if program.facts.recursion(entry).is_some() && fixpoint.changed & !SCRATCH != 0 {
         return Err(Error::Recursion(vec![program.image.place(entry.0)]));
     }
     let block_count = flow.blocks.len();
@@ -181,70 +156,61 @@ pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<Summary, Error> 
         Error::Irreducible(program.image.place(place))
     })?;
     if flow.blocks.len() > block_count {
-        fixpoint = iterate(program, &flow, &changed, entry, kept)?;
+        fixpoint = fixpoint_of(program, &flow, &changed, entry, set_limit)?;
     }
-    let numbers = program.loop_numbers(&flow, &forest);
-    let (limits, limits_in) = program.given_bounds(&flow, &forest, &numbers);
-    Ok(Summary {
-        costs: block_costs(program.map, &flow)?,
-        avoided: program.avoided(&flow),
-        limits,
-        limits_in,
-        visits: RefCell::default(),
-        numbers,
+    let numbers = program.facts.loop_numbers(&flow, &forest);
+    Ok(FunctionSummary {
         states: fixpoint.states,
-        flow,
-        forest,
         returns: fixpoint.returns,
         changed: fixpoint.changed,
         callees: changed,
+        ..FunctionSummary::of_graph(&program.facts, program.map, (flow, forest), numbers)?
     })
 }
 
 fn explore(
     program: &Program<'_>,
     entry: Entry,
-    resolved: &BTreeMap<Node, Transfer>,
+    resolved: &BTreeMap<Node, ControlTransfer>,
     returning: &BTreeMap<Entry, bool>,
-) -> Result<Flow, Error> {
+) -> Result<ControlFlowGraph, Error> {
     Explorer {
         image: program.image,
         entry,
         resolved,
-        dead: &|address| program.is_dead(address),
+        dead: &|address| program.facts.is_never_executed(address),
         returns: &|callee| returning.get(&callee).copied().unwrap_or(false),
-        parks: &program.conventions.parks,
+        context_switches: &program.conventions.context_switches,
     }
     .explore()
 }
 
 /// States at all blocks for any arguments, and from them the targets of indirect branches. Sets of
-/// up to `kept` elements may grow.
-fn iterate(
+/// up to `set_limit` elements may grow.
+fn fixpoint_of(
     program: &Program<'_>,
-    flow: &Flow,
+    flow: &ControlFlowGraph,
     changed: &BTreeMap<Entry, u16>,
     entry: Entry,
-    kept: usize,
+    set_limit: usize,
 ) -> Result<Fixpoint, Error> {
-    let region = |_| None;
-    let mut walker = Walker::new(program.world(), flow, changed, &region);
+    let mut interpreter = BlockInterpreter::new(program.environment(), flow, changed);
     let mut states: Vec<Option<State>> = vec![None; flow.blocks.len()];
     let mut visits = vec![0_u32; flow.blocks.len()];
     states[0] = Some(State::entry(&any_arguments()));
-    let mut open = BTreeSet::from([0]);
+    let mut pending = BTreeSet::from([0]);
     let mut fixpoint = Fixpoint {
         states: Vec::new(),
         transfers: BTreeMap::new(),
         changed: 0,
         returns: false,
     };
-    while let Some(index) = open.pop_first() {
+    while let Some(index) = pending.pop_first() {
         let Some(state) = states[index].clone() else {
             continue;
         };
-        let outcome = walker.run(index, state);
-        resolve(
+        let outcome = interpreter.run(index, state);
+        resolve_branch(
             program,
             flow,
             entry,
@@ -261,24 +227,26 @@ fn iterate(
             };
             let merged = match &states[next] {
                 None => state,
-                Some(old) if visits[next] < PATIENCE => old.join(&state),
-                Some(old) => old.widen(&state, kept, |value| program.map.pointer_region(value)),
+                Some(old) if visits[next] < WIDENING_DELAY => old.join(&state),
+                Some(old) => {
+                    old.widen(&state, set_limit, |value| program.map.pointer_region(value))
+                }
             };
             if states[next].as_ref() != Some(&merged) {
                 visits[next] += 1;
                 states[next] = Some(merged);
-                open.insert(next);
+                pending.insert(next);
             }
         }
     }
-    program.note_steps(walker.step_count);
+    program.note_steps(interpreter.step_count);
     fixpoint.states = states;
     Ok(fixpoint)
 }
 
 fn check_return(
     program: &Program<'_>,
-    flow: &Flow,
+    flow: &ControlFlowGraph,
     index: usize,
     state: &State,
 ) -> Result<(), Error> {
@@ -287,20 +255,20 @@ fn check_return(
         .instructions
         .last()
         .map_or(block.node.address, |(a, _)| *a);
-    if state.registers[13] == Value::Stack(0) || program.leaves(address) {
+    if state.registers[13] == Value::Stack(0) || program.facts.leaves(address) {
         return Ok(());
     }
     Err(Error::StackNotRestored(program.image.place(address)))
 }
 
 /// Notes the transfer that the value of r15 at the end of a block means.
-fn resolve(
+fn resolve_branch(
     program: &Program<'_>,
-    flow: &Flow,
+    flow: &ControlFlowGraph,
     entry: Entry,
     index: usize,
-    outcome: &Outcome,
-    transfers: &mut BTreeMap<Node, Transfer>,
+    outcome: &BlockOutcome,
+    transfers: &mut BTreeMap<Node, ControlTransfer>,
 ) {
     let block = &flow.blocks[index];
     let (Some((address, instruction)), Some(value)) = (block.instructions.last(), &outcome.target)
@@ -311,7 +279,10 @@ fn resolve(
         instruction.operation,
         Operation::Branch { .. } | Operation::LongBranchSuffix { .. }
     );
-    if direct && block.transfer != Some(Transfer::Unresolved) && !parks(program, block) {
+    if direct
+        && block.transfer != Some(ControlTransfer::Unresolved)
+        && !context_switches(program, block)
+    {
         return;
     }
     let node = Node {
@@ -323,7 +294,7 @@ fn resolve(
     let link = outcome.link.as_ref().and_then(Value::constant);
     let calls = link.is_some_and(|link| link & !1 == next);
     let transfer = if *value == Value::entry(14) {
-        Transfer::Return
+        ControlTransfer::Return
     } else if let Some(elements) = value.elements() {
         let targets = elements.iter().map(|target| {
             let thumb = if exchanges {
@@ -336,28 +307,28 @@ fn resolve(
         classify(program, entry, node, targets.collect(), calls)
     } else {
         let caller = Some(node.copy).filter(|site| *site != 0);
-        let for_it = || program.given_targets(caller?);
-        match program.given_targets(*address).or_else(for_it) {
-            Some(targets) if calls => Transfer::Call(targets),
-            _ if program.leaves(*address) => Transfer::Return,
-            Some(targets) => Transfer::TailCall(targets),
-            None => Transfer::Unresolved,
+        let for_it = || program.facts.call_targets(caller?);
+        match program.facts.call_targets(*address).or_else(for_it) {
+            Some(targets) if calls => ControlTransfer::Call(targets),
+            _ if program.facts.leaves(*address) => ControlTransfer::Return,
+            Some(targets) => ControlTransfer::TailCall(targets),
+            None => ControlTransfer::Unresolved,
         }
     };
     let link = link.filter(|_| node.copy != 0);
-    transfers.insert(node, for_caller(transfer, link));
+    transfers.insert(node, on_behalf_of_caller(transfer, link));
 }
 
 /// A local subroutine that leaves the function with a link into it comes back there.
-fn for_caller(transfer: Transfer, link: Option<u32>) -> Transfer {
+fn on_behalf_of_caller(transfer: ControlTransfer, link: Option<u32>) -> ControlTransfer {
     match (transfer, link) {
-        (Transfer::TailCall(targets), Some(link)) => {
+        (ControlTransfer::TailCall(targets), Some(link)) => {
             let back = Node {
                 copy: 0,
                 address: link & !1,
                 thumb: link & 1 != 0,
             };
-            Transfer::CallFor(targets, back)
+            ControlTransfer::CallFor(targets, back)
         }
         (transfer, _) => transfer,
     }
@@ -365,17 +336,17 @@ fn for_caller(transfer: Transfer, link: Option<u32>) -> Transfer {
 
 /// A branch that stays unresolved, or becomes so when what it leads to is known.
 fn unresolved(
-    transfers: &BTreeMap<Node, Transfer>,
-    before: &BTreeMap<Node, Transfer>,
+    transfers: &BTreeMap<Node, ControlTransfer>,
+    before: &BTreeMap<Node, ControlTransfer>,
 ) -> Option<Node> {
-    let unknown = transfers
-        .iter()
-        .find(|(node, transfer)| **transfer == Transfer::Unresolved && before.contains_key(*node));
+    let unknown = transfers.iter().find(|(node, transfer)| {
+        **transfer == ControlTransfer::Unresolved && before.contains_key(*node)
+    });
     unknown.map(|(node, _)| *node)
 }
 
 /// Is the branch at the end of a block to a function that takes the processor?
-fn parks(program: &Program<'_>, block: &Block) -> bool {
+fn context_switches(program: &Program<'_>, block: &Block) -> bool {
     let Some((address, instruction)) = block.instructions.last() else {
         return false;
     };
@@ -385,7 +356,7 @@ fn parks(program: &Program<'_>, block: &Block) -> bool {
     let target = address
         .wrapping_add(2 * instruction.size)
         .wrapping_add(offset);
-    program.conventions.parks.contains(&target)
+    program.conventions.context_switches.contains(&target)
 }
 
 fn classify(
@@ -394,13 +365,13 @@ fn classify(
     node: Node,
     targets: Vec<Entry>,
     calls: bool,
-) -> Transfer {
+) -> ControlTransfer {
     if calls {
-        return Transfer::Call(targets);
+        return ControlTransfer::Call(targets);
     }
     let function = |target: &Entry| *target != entry && program.image.starts_function(target.0);
     if targets.iter().all(function) {
-        return Transfer::TailCall(targets);
+        return ControlTransfer::TailCall(targets);
     }
     let nodes = targets.iter().map(|(address, thumb)| Node {
         copy: if returns_from_copy(program, node, *address) {
@@ -411,7 +382,7 @@ fn classify(
         address: *address,
         thumb: *thumb,
     });
-    Transfer::Jump(nodes.collect())
+    ControlTransfer::Jump(nodes.collect())
 }
 
 /// Back from a switch helper or a local subroutine to the code that called it.

@@ -3,7 +3,7 @@
 //! Control-flow graph of one function: instructions reachable from its entry, cut into blocks.
 
 use crate::error::Error;
-use crate::inputs::image::Image;
+use crate::inputs::image::{Entry, Image};
 use arm7tdmi::instruction::{Instruction, Operation, ALWAYS};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,12 +19,9 @@ pub struct Node {
     pub thumb: bool,
 }
 
-/// Entry of a function.
-pub type Entry = (u32, bool);
-
 /// Where an instruction that branches may lead.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Transfer {
+pub enum ControlTransfer {
     /// Within the function.
     Jump(Vec<Node>),
     /// Call, then the next instruction.
@@ -37,11 +34,11 @@ pub enum Transfer {
     Return,
     /// Not known until the values are.
     Unresolved,
-    /// Traps and places declared dead: no way on.
+    /// Traps and places declared dead: no successor.
     Dead,
 }
 
-impl Transfer {
+impl ControlTransfer {
     /// Functions that are called.
     pub fn callees(&self) -> &[Entry] {
         match self {
@@ -60,10 +57,10 @@ pub enum Target {
     Return,
 }
 
-/// A way out of a block.
+/// An edge to a successor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// The last instruction's condition passes on this way.
+    /// The last instruction's condition passes on this edge.
     pub executed: bool,
     /// Where it leads.
     pub target: Target,
@@ -79,7 +76,7 @@ pub struct Block {
     /// Functions called at the end.
     pub calls: Vec<Entry>,
     /// The last instruction is an indirect or direct transfer of this kind.
-    pub transfer: Option<Transfer>,
+    pub transfer: Option<ControlTransfer>,
     /// Ways out.
     pub edges: Vec<Edge>,
 }
@@ -88,10 +85,10 @@ impl Block {
     /// Where the function goes on after the call at its end.
     pub fn resumes(&self) -> Option<Entry> {
         match (&self.transfer, self.instructions.last()) {
-            (Some(Transfer::Call(_)), Some((address, instruction))) => {
+            (Some(ControlTransfer::Call(_)), Some((address, instruction))) => {
                 Some((address.wrapping_add(instruction.size), self.node.thumb))
             }
-            (Some(Transfer::CallFor(_, back)), _) => Some((back.address, back.thumb)),
+            (Some(ControlTransfer::CallFor(_, back)), _) => Some((back.address, back.thumb)),
             _ => None,
         }
     }
@@ -99,7 +96,7 @@ impl Block {
 
 /// The blocks of a function; the first is its entry.
 #[derive(Clone, Debug, Default)]
-pub struct Flow {
+pub struct ControlFlowGraph {
     /// In the order of their nodes, but the entry first.
     pub blocks: Vec<Block>,
 }
@@ -110,19 +107,19 @@ pub struct Explorer<'a> {
     pub image: &'a Image,
     /// The function's entry.
     pub entry: Entry,
-    /// Transfers found by value analysis or given by the user.
-    pub resolved: &'a BTreeMap<Node, Transfer>,
+    /// Transfers found by value analysis or by annotations.
+    pub resolved: &'a BTreeMap<Node, ControlTransfer>,
     /// Places declared dead.
     pub dead: &'a dyn Fn(u32) -> bool,
-    /// Does any way through this function return?
+    /// Does any path through this function return?
     pub returns: &'a dyn Fn(Entry) -> bool,
     /// Functions that take the processor from the thread which jumps to them.
-    pub parks: &'a BTreeSet<u32>,
+    pub context_switches: &'a BTreeSet<u32>,
 }
 
 struct Explored {
     instruction: Instruction,
-    transfer: Option<Transfer>,
+    transfer: Option<ControlTransfer>,
 }
 
 impl Node {
@@ -143,14 +140,14 @@ fn is_switch_helper(image: &Image, address: u32) -> bool {
 
 impl Explorer<'_> {
     /// Direct transfer to an address: call, jump or tail call.
-    fn direct(&self, node: Node, target: Entry) -> Transfer {
-        if self.parks.contains(&target.0) {
-            return Transfer::Unresolved;
+    fn direct(&self, node: Node, target: Entry) -> ControlTransfer {
+        if self.context_switches.contains(&target.0) {
+            return ControlTransfer::Unresolved;
         }
         if target != self.entry && self.image.starts_function(target.0) {
-            return Transfer::TailCall(vec![target]);
+            return ControlTransfer::TailCall(vec![target]);
         }
-        Transfer::Jump(vec![Node {
+        ControlTransfer::Jump(vec![Node {
             copy: node.copy,
             address: target.0,
             thumb: target.1,
@@ -171,19 +168,23 @@ impl Explorer<'_> {
     }
 
     /// The kind of an instruction that may leave the straight line.
-    fn transfer(&self, node: Node, instruction: &Instruction) -> Result<Option<Transfer>, Error> {
+    fn transfer(
+        &self,
+        node: Node,
+        instruction: &Instruction,
+    ) -> Result<Option<ControlTransfer>, Error> {
         let pc = node.address.wrapping_add(2 * instruction.size);
         Ok(Some(match &instruction.operation {
             Operation::Branch { offset, link } => {
                 let target = (pc.wrapping_add(*offset), node.thumb);
                 if *link && self.is_local(node.address, target) {
-                    Transfer::Jump(vec![Node {
+                    ControlTransfer::Jump(vec![Node {
                         copy: node.address,
                         address: target.0,
                         thumb: node.thumb,
                     }])
                 } else if *link {
-                    Transfer::Call(vec![target])
+                    ControlTransfer::Call(vec![target])
                 } else {
                     self.direct(node, target)
                 }
@@ -197,20 +198,20 @@ impl Explorer<'_> {
                 let target = pc.wrapping_sub(2).wrapping_add(upper).wrapping_add(*offset);
                 let local = self.is_local(node.address, (target, true));
                 if local || is_switch_helper(self.image, target) {
-                    Transfer::Jump(vec![Node {
+                    ControlTransfer::Jump(vec![Node {
                         copy: node.address,
                         address: target,
                         thumb: true,
                     }])
                 } else {
-                    Transfer::Call(vec![(target, true)])
+                    ControlTransfer::Call(vec![(target, true)])
                 }
             }
             Operation::SoftwareInterrupt => {
                 return Err(Error::SoftwareInterrupt(self.image.place(node.address)))
             }
-            Operation::Undefined => Transfer::Dead,
-            _ if instruction.cycles(Default::default()).refills > 0 => Transfer::Unresolved,
+            Operation::Undefined => ControlTransfer::Dead,
+            _ if instruction.cycles(Default::default()).refills > 0 => ControlTransfer::Unresolved,
             _ => return Ok(None),
         }))
     }
@@ -219,7 +220,7 @@ impl Explorer<'_> {
         let found = self.image.instruction(node.address, node.thumb);
         let instruction = found.ok_or_else(|| Error::NoCode(self.image.place(node.address)))?;
         let transfer = if (self.dead)(node.address) {
-            Some(Transfer::Dead)
+            Some(ControlTransfer::Dead)
         } else if let Some(known) = self.resolved.get(&node) {
             Some(known.clone())
         } else {
@@ -236,20 +237,24 @@ impl Explorer<'_> {
         let next = node.after(explored.instruction.size);
         let mut successors = match &explored.transfer {
             None => return vec![(true, Some(next))],
-            Some(Transfer::Dead) => return Vec::new(),
-            Some(Transfer::Jump(targets)) => targets.iter().map(|t| (true, Some(*t))).collect(),
-            Some(Transfer::Call(targets)) if targets.iter().any(|t| (self.returns)(*t)) => {
+            Some(ControlTransfer::Dead) => return Vec::new(),
+            Some(ControlTransfer::Jump(targets)) => {
+                targets.iter().map(|t| (true, Some(*t))).collect()
+            }
+            Some(ControlTransfer::Call(targets)) if targets.iter().any(|t| (self.returns)(*t)) => {
                 vec![(true, Some(next))]
             }
-            Some(Transfer::CallFor(targets, back))
+            Some(ControlTransfer::CallFor(targets, back))
                 if targets.iter().any(|t| (self.returns)(*t)) =>
             {
                 vec![(true, Some(*back))]
             }
-            Some(Transfer::TailCall(targets)) if targets.iter().any(|t| (self.returns)(*t)) => {
+            Some(ControlTransfer::TailCall(targets))
+                if targets.iter().any(|t| (self.returns)(*t)) =>
+            {
                 vec![(true, None)]
             }
-            Some(Transfer::Return) => vec![(true, None)],
+            Some(ControlTransfer::Return) => vec![(true, None)],
             Some(_) => Vec::new(),
         };
         if explored.instruction.condition != ALWAYS {
@@ -259,7 +264,7 @@ impl Explorer<'_> {
     }
 
     /// All blocks reachable from the entry.
-    pub fn explore(&self) -> Result<Flow, Error> {
+    pub fn explore(&self) -> Result<ControlFlowGraph, Error> {
         let entry = Node {
             copy: 0,
             address: self.entry.0,
@@ -289,7 +294,12 @@ impl Explorer<'_> {
         Ok(self.cut(entry, &seen, &leaders))
     }
 
-    fn cut(&self, entry: Node, seen: &BTreeMap<Node, Explored>, leaders: &BTreeSet<Node>) -> Flow {
+    fn cut(
+        &self,
+        entry: Node,
+        seen: &BTreeMap<Node, Explored>,
+        leaders: &BTreeSet<Node>,
+    ) -> ControlFlowGraph {
         let mut order = vec![entry];
         order.extend(leaders.iter().copied().filter(|leader| *leader != entry));
         let index: BTreeMap<Node, usize> = order
@@ -298,7 +308,7 @@ impl Explorer<'_> {
             .map(|(i, node)| (*node, i))
             .collect();
         let blocks = order.iter().map(|leader| self.block(*leader, seen, &index));
-        Flow {
+        ControlFlowGraph {
             blocks: blocks.collect(),
         }
     }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Natural loops of a reducible graph and their nesting.
 
-use crate::graph::control_flow::{Flow, Target};
+use crate::graph::control_flow::{ControlFlowGraph, Target};
 use std::collections::BTreeSet;
 
 /// A natural loop.
@@ -22,7 +22,7 @@ pub struct Loop {
 
 /// Loops, and the order in which blocks can be visited.
 #[derive(Clone, Debug, Default)]
-pub struct Forest {
+pub struct LoopForest {
     /// By address of the header.
     pub loops: Vec<Loop>,
     /// Reverse postorder; back edges aside, each block comes after its predecessors.
@@ -34,7 +34,7 @@ pub struct Forest {
 }
 
 /// Successors of a block within the function.
-pub fn successors(flow: &Flow, block: usize) -> impl Iterator<Item = usize> + '_ {
+pub fn successors(flow: &ControlFlowGraph, block: usize) -> impl Iterator<Item = usize> + '_ {
     flow.blocks[block]
         .edges
         .iter()
@@ -44,7 +44,7 @@ pub fn successors(flow: &Flow, block: usize) -> impl Iterator<Item = usize> + '_
         })
 }
 
-fn reverse_postorder(flow: &Flow) -> Vec<usize> {
+fn reverse_postorder(flow: &ControlFlowGraph) -> Vec<usize> {
     let mut order = Vec::new();
     let mut seen = vec![false; flow.blocks.len()];
     let mut stack = vec![(0, successors(flow, 0).collect::<Vec<_>>())];
@@ -67,7 +67,7 @@ fn reverse_postorder(flow: &Flow) -> Vec<usize> {
 }
 
 /// Immediate dominators by repeated intersection in reverse postorder.
-fn dominators(flow: &Flow, order: &[usize]) -> Vec<usize> {
+fn dominators(flow: &ControlFlowGraph, order: &[usize]) -> Vec<usize> {
     let count = flow.blocks.len();
     let mut position = vec![usize::MAX; count];
     for (index, block) in order.iter().enumerate() {
@@ -114,9 +114,9 @@ fn dominates(dominator: &[usize], above: usize, mut block: usize) -> bool {
     block == above
 }
 
-impl Forest {
+impl LoopForest {
     /// Finds the loops. `Err` is a block at which a loop is entered besides its header.
-    pub fn new(flow: &Flow) -> Result<Self, usize> {
+    pub fn new(flow: &ControlFlowGraph) -> Result<Self, usize> {
         let order = reverse_postorder(flow);
         let dominator = dominators(flow, &order);
         let mut position = vec![usize::MAX; flow.blocks.len()];
@@ -146,7 +146,7 @@ impl Forest {
         Ok(forest)
     }
 
-    fn count_exits(&mut self, flow: &Flow) {
+    fn count_exits(&mut self, flow: &ControlFlowGraph) {
         for found in &mut self.loops {
             let edges = found.blocks.iter().flat_map(|b| &flow.blocks[*b].edges);
             let leaving = edges.filter(|edge| match edge.target {
@@ -202,7 +202,13 @@ pub enum Item {
     Loop(usize),
 }
 
-fn add_back_edge(flow: &Flow, order: &[usize], loops: &mut Vec<Loop>, latch: usize, header: usize) {
+fn add_back_edge(
+    flow: &ControlFlowGraph,
+    order: &[usize],
+    loops: &mut Vec<Loop>,
+    latch: usize,
+    header: usize,
+) {
     let index = loops.iter().position(|found| found.header == header);
     let index = index.unwrap_or_else(|| {
         loops.push(Loop {

@@ -5,4 +5,5 @@
 pub mod control_flow;
 pub mod loop_forest;
 pub mod node_splitting;
+pub mod static_cost;
 pub mod subgraph;

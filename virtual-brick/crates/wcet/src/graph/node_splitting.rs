@@ -4,8 +4,8 @@
 //! are copied for those who enter elsewhere, and the copies lead to the first entry. Executions
 //! of the copies are executions of the originals, so that no path is lost or added.
 
-use crate::graph::control_flow::{Flow, Target};
-use crate::graph::loop_forest::{successors, Forest};
+use crate::graph::control_flow::{ControlFlowGraph, Target};
+use crate::graph::loop_forest::{successors, LoopForest};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most blocks of a function with copies.
@@ -13,9 +13,9 @@ const LIMIT: usize = 20_000;
 
 /// A graph with the same paths whose loops have one entry each, and the loops. `Err` is a block
 /// at which a loop is entered when too many copies would be needed.
-pub fn reducible(mut flow: Flow) -> Result<(Flow, Forest), usize> {
+pub fn reducible(mut flow: ControlFlowGraph) -> Result<(ControlFlowGraph, LoopForest), usize> {
     loop {
-        let entered = match Forest::new(&flow) {
+        let entered = match LoopForest::new(&flow) {
             Ok(forest) => return Ok((flow, forest)),
             Err(block) => block,
         };
@@ -29,7 +29,11 @@ pub fn reducible(mut flow: Flow) -> Result<(Flow, Forest), usize> {
 }
 
 /// Strongly connected parts with an edge inside, of the graph on these blocks.
-fn cycles(flow: &Flow, blocks: &BTreeSet<usize>, cut: Option<usize>) -> Vec<BTreeSet<usize>> {
+fn cycles(
+    flow: &ControlFlowGraph,
+    blocks: &BTreeSet<usize>,
+    cut: Option<usize>,
+) -> Vec<BTreeSet<usize>> {
     let follow = |block: usize| {
         let next = successors(flow, block);
         next.filter(move |n| blocks.contains(n) && Some(*n) != cut)
@@ -58,7 +62,7 @@ fn cycles(flow: &Flow, blocks: &BTreeSet<usize>, cut: Option<usize>) -> Vec<BTre
 
 /// A part entered at several blocks: the first of them and the part.
 fn irreducible(
-    flow: &Flow,
+    flow: &ControlFlowGraph,
     blocks: &BTreeSet<usize>,
     start: usize,
 ) -> Option<(usize, BTreeSet<usize>)> {
@@ -81,7 +85,7 @@ fn irreducible(
     None
 }
 
-fn copy(flow: &mut Flow, first: usize, region: &BTreeSet<usize>) {
+fn copy(flow: &mut ControlFlowGraph, first: usize, region: &BTreeSet<usize>) {
     let mut copies: BTreeMap<usize, usize> = BTreeMap::new();
     for block in region.iter().filter(|block| **block != first) {
         copies.insert(*block, flow.blocks.len());

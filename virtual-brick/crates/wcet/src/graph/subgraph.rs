@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //! A part of a function's graph with one entry, as a graph of its own.
 
-use crate::graph::control_flow::{Block, Edge, Flow, Target};
+use crate::graph::control_flow::{Block, ControlFlowGraph, Edge, Target};
 use std::collections::BTreeMap;
 
 /// A part of a graph.
 pub struct Subgraph {
     /// Its blocks, the entry first. Ways out of the part are returns.
-    pub flow: Flow,
+    pub flow: ControlFlowGraph,
     /// Their numbers in the whole graph.
     pub origin: Vec<usize>,
 }
@@ -16,7 +16,7 @@ pub struct Subgraph {
 impl Subgraph {
     /// The part that is reached from `start` within `inside`, on edges for which `follows` holds.
     pub fn new(
-        flow: &Flow,
+        flow: &ControlFlowGraph,
         start: usize,
         inside: impl Fn(usize) -> bool,
         follows: impl Fn(usize, &Edge) -> bool,
@@ -49,7 +49,7 @@ impl Subgraph {
             }
         };
         Self {
-            flow: Flow {
+            flow: ControlFlowGraph {
                 blocks: origin.iter().map(part).collect(),
             },
             origin,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Facts given by the user: loop bounds, targets of calls, regions of accesses, dead places.
+//! Annotations of the user (flow facts): loop bounds, targets of calls, regions of accesses, places never executed.
 
 use crate::error::{Error, Place};
 use serde::Deserialize;
@@ -61,14 +61,14 @@ pub struct Statement {
     pub reason: Option<String>,
 }
 
-/// Conventions of a kernel; see [`crate::inputs::kernel`].
+/// Conventions of a kernel; see `kernel`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Kernel {
     /// Address of the word that names the running thread.
     pub running_thread: Option<u32>,
     /// Functions that take the processor from their caller.
-    pub parks: Vec<String>,
+    pub context_switches: Vec<String>,
     /// Functions that enter the protected object given in r0.
     pub locks: Vec<String>,
     /// Functions that leave their caller's protected action.
@@ -168,7 +168,7 @@ impl Annotations {
         self.words.extend(other.words);
         let (kernel, more) = (&mut self.kernel, other.kernel);
         kernel.running_thread = kernel.running_thread.or(more.running_thread);
-        kernel.parks.extend(more.parks);
+        kernel.context_switches.extend(more.context_switches);
         kernel.locks.extend(more.locks);
         kernel.unlocks.extend(more.unlocks);
         kernel.unmasks.extend(more.unmasks);
@@ -179,10 +179,10 @@ impl Annotations {
 impl Fact {
     /// Does the fact hold here? `names` are all names of the function at the place, `index` the
     /// number of the loop.
-    pub fn matches(&self, place: &Place, names: &[&str], index: Option<usize>) -> bool {
+    pub fn matches(&self, place: &Place, names: &[String], index: Option<usize>) -> bool {
         let by_symbol = self.symbol.as_deref().is_some_and(|symbol| {
             let offset = place.symbol.as_ref().map(|(_, offset)| *offset);
-            names.contains(&symbol)
+            names.iter().any(|name| name == symbol)
                 && self.index.is_none_or(|wanted| index == Some(wanted))
                 && self.offset.is_none_or(|wanted| offset == Some(wanted))
         });

@@ -1,17 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! What the analysis needs from an ELF file: code, constants, symbols, mapping symbols, lines.
+//! The program under analysis: instructions, constants and places of its ELF file.
 
 use crate::error::{Error, Place};
-use crate::inputs::lines::Lines;
 use arm7tdmi::Instruction;
-use object::read::elf::ElfFile32;
-use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, SymbolKind};
-use std::collections::BTreeMap;
+use image::Content;
 
-const SHF_WRITE: u64 = 1;
-const SHF_ALLOC: u64 = 2;
-const SHF_EXECINSTR: u64 = 4;
+/// Entry of a function: address and state (Thumb or not).
+pub type Entry = (u32, bool);
 
 struct Section {
     start: u32,
@@ -20,89 +16,32 @@ struct Section {
     executable: bool,
 }
 
-/// What a mapping symbol says about the bytes that follow (ELF for the Arm architecture, 5.5.5).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Content {
-    Arm,
-    Thumb,
-    Data,
-}
-
-/// A function by its symbol.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Function {
-    names: Vec<String>,
-    size: u32,
-    thumb: bool,
-}
-
 /// An executable in memory.
 pub struct Image {
+    file: image::Image,
     sections: Vec<Section>,
-    functions: BTreeMap<u32, Function>,
-    objects: BTreeMap<String, (u32, u32)>,
-    mapping: BTreeMap<u32, Content>,
-    lines: Lines,
-}
-
-fn loaded(section: &object::read::elf::ElfSection32<'_, '_>) -> Option<Section> {
-    let SectionFlags::Elf { sh_flags, .. } = section.flags() else {
-        return None;
-    };
-    let present = !matches!(
-        section.kind(),
-        SectionKind::UninitializedData | SectionKind::Other | SectionKind::Metadata
-    );
-    let sh_flags = sh_flags.0;
-    let allocated = sh_flags & SHF_ALLOC != 0;
-    if !present || !allocated {
-        return None;
-    }
-    Some(Section {
-        start: section.address() as u32,
-        bytes: section.data().ok()?.to_vec(),
-        writable: sh_flags & SHF_WRITE != 0,
-        executable: sh_flags & SHF_EXECINSTR != 0,
-    })
+    lines: image::Lines,
 }
 
 impl Image {
-    /// Reads a 32-bit little-endian ELF file.
-    pub fn read(bytes: &[u8]) -> Result<Self, Error> {
-        let file: ElfFile32<'_> =
-            ElfFile32::parse(bytes).map_err(|error| Error::Input(format!("ELF file: {error}")))?;
-        let mut image = Self {
-            sections: file.sections().filter_map(|s| loaded(&s)).collect(),
-            functions: BTreeMap::new(),
-            objects: BTreeMap::new(),
-            mapping: BTreeMap::new(),
-            lines: Lines::read(&file)?,
-        };
-        for symbol in file.symbols().filter(|symbol| !symbol.is_undefined()) {
-            let (Ok(name), address) = (symbol.name(), symbol.address() as u32) else {
-                continue;
-            };
-            if let Some(content) = mapping_symbol(name) {
-                image.mapping.insert(address, content);
-            } else if symbol.kind() == SymbolKind::Text {
-                image.add_function(name, address, symbol.size() as u32);
-            } else if symbol.kind() == SymbolKind::Data {
-                let place = (address, symbol.size() as u32);
-                image.objects.entry(name.to_owned()).or_insert(place);
-            }
-        }
-        Ok(image)
+    /// Reads a linked 32-bit little-endian ELF file for ARM.
+    pub fn read(elf: &[u8]) -> Result<Self, Error> {
+        let wrong = |error: image::ImageError| Error::Input(error.to_string());
+        Self::of_file(image::Image::parse(elf).map_err(wrong)?).map_err(wrong)
     }
 
-    fn add_function(&mut self, name: &str, address: u32, size: u32) {
-        let entry = self.functions.entry(address & !1).or_insert(Function {
-            names: Vec::new(),
-            size: 0,
-            thumb: address & 1 != 0,
+    pub(crate) fn of_file(file: image::Image) -> Result<Self, image::ImageError> {
+        let sections = file.sections().into_iter().map(|section| Section {
+            start: section.address,
+            bytes: section.bytes.to_vec(),
+            writable: section.writable,
+            executable: section.executable,
         });
-        entry.names.push(name.to_owned());
-        entry.names.sort();
-        entry.size = entry.size.max(size);
+        Ok(Self {
+            sections: sections.collect(),
+            lines: file.read_lines()?,
+            file,
+        })
     }
 
     fn section(&self, address: u32) -> Option<(&Section, usize)> {
@@ -135,11 +74,9 @@ impl Image {
     /// The instruction at an address, unless there is none or data.
     pub fn instruction(&self, address: u32, thumb: bool) -> Option<Instruction> {
         let (section, _) = self.section(address)?;
-        let content = self.mapping.range(..=address).next_back();
-        let fits = match content {
+        let fits = match self.file.symbols().content_at(address) {
             Some((_, Content::Data)) => false,
-            Some((start, Content::Arm)) => !thumb || *start < section.start,
-            Some((start, Content::Thumb)) => thumb || *start < section.start,
+            Some((start, content)) => thumb == (content == Content::Thumb) || start < section.start,
             None => true,
         };
         if !section.executable || !fits {
@@ -152,44 +89,50 @@ impl Image {
         })
     }
 
-    /// Address and state of a function.
-    pub fn function(&self, name: &str) -> Option<(u32, bool)> {
-        let found = self.functions.iter();
-        let mut named = found.filter(|(_, f)| f.names.iter().any(|known| known == name));
-        named.next().map(|(address, f)| (*address, f.thumb))
+    /// Address and state (Thumb or not) of a function.
+    pub fn function(&self, name: &str) -> Option<Entry> {
+        let mut functions = self.file.symbols().functions().iter();
+        let named = functions.find(|(_, f)| f.names.iter().any(|known| known == name));
+        named.map(|(address, function)| (*address, function.thumb))
     }
 
     /// Address and size of a variable.
-    pub fn object(&self, name: &str) -> Option<(u32, u32)> {
-        self.objects.get(name).copied()
+    pub fn variable(&self, name: &str) -> Option<(u32, u32)> {
+        let symbol = self.file.symbols().get(name)?;
+        Some((symbol.address, symbol.size)).filter(|(address, _)| !self.starts_function(*address))
     }
 
     /// Is this the first instruction of a function?
     pub fn starts_function(&self, address: u32) -> bool {
-        self.functions.contains_key(&address)
+        self.file.symbols().functions().contains_key(&address)
     }
 
     /// All names of the function an address lies in.
-    pub fn names_at(&self, address: u32) -> Vec<&str> {
-        self.containing(address)
-            .map(|(_, f)| f.names.iter().map(String::as_str).collect())
-            .unwrap_or_default()
+    pub fn names_at(&self, address: u32) -> &[String] {
+        let function = self.file.symbols().function_at(address);
+        function.map_or(&[], |(_, function)| &function.names)
     }
 
-    fn containing(&self, address: u32) -> Option<(u32, &Function)> {
-        let (start, function) = self.functions.range(..=address).next_back()?;
-        let end = start.saturating_add(function.size.max(1));
-        (function.size == 0 || address < end).then_some((*start, function))
+    /// The alphabetically first name of the function an address lies in; else the address.
+    pub fn name_at(&self, address: u32) -> String {
+        let names = self.names_at(address).iter();
+        names
+            .min()
+            .map_or_else(|| format!("{address:#010x}"), String::clone)
     }
 
-    /// Function and offset, file and line.
+    /// Function and offset, file name and line.
     pub fn place(&self, address: u32) -> Place {
+        let function = self.file.symbols().function_at(address);
+        let line = self.lines.at(address);
         Place {
             address,
-            symbol: self
-                .containing(address)
-                .and_then(|(start, f)| Some((f.names.first()?.clone(), address - start))),
-            line: self.lines.at(address),
+            symbol: function
+                .and_then(|(start, f)| Some((f.names.iter().min()?.clone(), address - start))),
+            line: line.map(|line| {
+                let name = line.file.rsplit('/').next().unwrap_or_default();
+                (name.to_owned(), line.line)
+            }),
         }
     }
 
@@ -204,22 +147,4 @@ impl Image {
         let code = self.sections.iter().filter(|section| section.executable);
         code.map(|section| section.start)
     }
-
-    /// Names, addresses and states of all functions, by address.
-    pub fn functions(&self) -> impl Iterator<Item = (&str, u32, bool)> {
-        self.functions.iter().filter_map(|(address, function)| {
-            Some((function.names.first()?.as_str(), *address, function.thumb))
-        })
-    }
-}
-
-fn mapping_symbol(name: &str) -> Option<Content> {
-    let kind = match name.get(..2)? {
-        "$a" => Content::Arm,
-        "$t" => Content::Thumb,
-        "$d" => Content::Data,
-        _ => return None,
-    };
-    let plain = name.len() == 2 || name.as_bytes().get(2) == Some(&b'.');
-    plain.then_some(kind)
 }

@@ -9,16 +9,15 @@
 
 use crate::inputs::annotations::Annotations;
 use crate::inputs::image::Image;
-use crate::values::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Resolved to addresses.
 #[derive(Clone, Debug, Default)]
-pub struct Conventions {
+pub struct KernelConventions {
     /// Address of the word that names the running thread; its first word is its urgency.
     pub running: Option<u32>,
     /// Functions that take the processor from the thread which jumps to them.
-    pub parks: BTreeSet<u32>,
+    pub context_switches: BTreeSet<u32>,
     /// Functions that enter the protected object given in r0.
     pub locks: BTreeSet<u32>,
     /// Functions that leave the protected action of their caller.
@@ -27,11 +26,11 @@ pub struct Conventions {
     pub unmasks: BTreeSet<u32>,
     /// Offset of the word of an object that, when not zero, says that it needs none of `locks`.
     pub span_offset: Option<u32>,
-    /// Words of writable memory that no longer change when the program is under way.
+    /// Words of writable memory that no longer change while the program runs.
     pub words: BTreeMap<u32, u32>,
 }
 
-impl Conventions {
+impl KernelConventions {
     /// Those of the annotations whose functions the image has.
     pub fn new(image: &Image, annotations: &Annotations) -> Self {
         let addresses = |names: &[String]| {
@@ -41,7 +40,7 @@ impl Conventions {
         let kernel = &annotations.kernel;
         Self {
             running: kernel.running_thread,
-            parks: addresses(&kernel.parks),
+            context_switches: addresses(&kernel.context_switches),
             locks: addresses(&kernel.locks),
             unlocks: addresses(&kernel.unlocks),
             unmasks: addresses(&kernel.unmasks),
@@ -55,9 +54,8 @@ impl Conventions {
     }
 
     /// Is this object known never to be entered by one of `locks`?
-    pub fn spares(&self, object: &Value) -> bool {
+    pub fn never_locked(&self, object: Option<u32>) -> bool {
         let word = object
-            .constant()
             .zip(self.span_offset)
             .and_then(|(object, offset)| self.words.get(&object.wrapping_add(offset)));
         word.is_some_and(|span| *span != 0)

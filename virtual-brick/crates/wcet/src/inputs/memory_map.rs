@@ -4,7 +4,6 @@
 //! profile is turned into this structure by whoever knows the chip.
 
 use crate::error::Error;
-use crate::values::value::Value;
 use serde::{Deserialize, Serialize};
 
 /// Cycles of opcode fetches of one width.
@@ -107,32 +106,6 @@ impl MemoryMap {
             .map(|index| index as u8)
     }
 
-    /// The region all possible addresses lie in, if there is only one.
-    pub fn of_value(&self, value: &Value) -> Option<u8> {
-        match value {
-            Value::Region(region) => Some(*region),
-            place if place.in_stack() => self.find(&self.stack).ok(),
-            number => {
-                let (low, high) = number.bounds()?;
-                let region = self.at(low)?;
-                (high <= self.regions[usize::from(region)].last).then_some(region)
-            }
-        }
-    }
-
-    /// The region a value points into, if it is one that addresses are derived from.
-    pub fn pointer_region(&self, value: &Value) -> Option<u8> {
-        match value {
-            Value::Region(region) => Some(*region),
-            Value::Constant(_) | Value::Set(_) | Value::Range(..) => {
-                let region = self.of_value(value)?;
-                let found = &self.regions[usize::from(region)];
-                found.holds_pointers.then_some(region)
-            }
-            _ => None,
-        }
-    }
-
     /// Cycles of one data access; in the worst region when the address is not known.
     pub fn data_cycles(&self, region: Option<u8>, write: bool) -> u64 {
         let cycles = |region: &Region| {
@@ -203,7 +176,7 @@ impl MemoryMap {
         Ok(cost.first_cycles.max(cost.sequential_cycles) + second + odd)
     }
 
-    /// The dearest refill in the regions of these addresses.
+    /// The most expensive refill in the regions of these addresses.
     pub fn worst_refill(&self, regions: impl Iterator<Item = u32>) -> Result<u64, Error> {
         let mut worst = 0;
         for address in regions {

@@ -1,20 +1,20 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! A function executed on what is known about its arguments, loop by loop and iteration by
-//! iteration. A loop whose state runs out of ways back has that many iterations; one whose state
+//! iteration. A loop whose state has no path back has that many iterations; one whose state
 //! repeats, or that takes too long, has no bound of its own.
 
-use crate::graph::control_flow::{Flow, Target};
-use crate::graph::loop_forest::{Forest, Item};
-use crate::values::block::Walker;
-use crate::values::state::{Elapsed, State, ENDLESS};
+use crate::graph::control_flow::{ControlFlowGraph, Target};
+use crate::graph::loop_forest::{Item, LoopForest};
+use crate::values::block_interpreter::BlockInterpreter;
+use crate::values::state::{Elapsed, State, UNBOUNDED};
 use std::collections::BTreeMap;
 
 /// Instructions executed in one visit of a loop before it gives up.
-const PATIENCE: u64 = 2_000_000;
+const STEP_LIMIT: u64 = 2_000_000;
 
 /// Iterations in a row after which a loop that may be left everywhere gives up.
-const UNDECIDED: u64 = 4096;
+const UNDECIDED_LIMIT: u64 = 4096;
 
 /// What was found out about a loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct LoopFinding {
     /// No bound was found.
     pub unbounded: bool,
     /// It ended because the user's bound was reached.
-    pub cut: bool,
+    pub ended_by_fact: bool,
     /// Most header executions beyond the first of each entry, added up over one entry of the
     /// loop around it.
     pub repeats: u64,
@@ -33,21 +33,21 @@ pub struct LoopFinding {
 }
 
 /// Executes a function.
-pub struct Execution<'a, 'w> {
-    /// Executes blocks and keeps what is learned.
-    pub walker: Walker<'w>,
+pub struct AbstractExecution<'a, 'w> {
+    /// Executes blocks and records what is known about them.
+    pub interpreter: BlockInterpreter<'w>,
     /// The function's loops.
-    pub forest: &'a Forest,
+    pub forest: &'a LoopForest,
     /// Findings, for each loop.
     pub findings: Vec<LoopFinding>,
-    /// Iterations after which a loop ends, as the user says.
+    /// Iterations after which a loop ends, by flow facts.
     pub limits: Vec<Option<u64>>,
     /// Instructions executed in one visit of a loop before it gives up.
-    pub patience: u64,
+    pub step_limit: u64,
     /// Look seldom whether a state repeats: few do, and comparing them needs a copy of memory.
-    pub rarely_repeats: bool,
+    pub compare_rarely: bool,
     /// Most states at a block that are not joined.
-    pub apart: usize,
+    pub max_partitions: usize,
 }
 
 /// States on the edges that leave a scope, by block and edge.
@@ -64,8 +64,8 @@ fn joined(states: Vec<State>) -> Option<State> {
 }
 
 /// Adds a state to those at a block. It is joined to one with the same memory and, where there are
-/// too many, to the one to which the way is most nearly as long.
-fn keep_apart(states: &mut Vec<State>, state: State, most: usize) {
+/// too many, to the one whose path is most nearly as long.
+fn add_to_partition(states: &mut Vec<State>, state: State, most: usize) {
     let distance = |known: &State| known.elapsed.0.abs_diff(state.elapsed.0);
     let nearest = || (0..states.len()).min_by_key(|index| distance(&states[*index]));
     let position = if most == 1 {
@@ -80,30 +80,34 @@ fn keep_apart(states: &mut Vec<State>, state: State, most: usize) {
     }
 }
 
-fn merge(place: &mut Option<State>, state: State) {
+fn join_into(place: &mut Option<State>, state: State) {
     *place = Some(match place.take() {
         Some(old) => old.join(&state),
         None => state,
     });
 }
 
-impl<'a, 'w> Execution<'a, 'w> {
+impl<'a, 'w> AbstractExecution<'a, 'w> {
     /// An execution that has found out nothing.
-    pub fn new(walker: Walker<'w>, forest: &'a Forest, limits: Vec<Option<u64>>) -> Self {
+    pub fn new(
+        interpreter: BlockInterpreter<'w>,
+        forest: &'a LoopForest,
+        limits: Vec<Option<u64>>,
+    ) -> Self {
         Self {
-            walker,
+            interpreter,
             forest,
             findings: vec![LoopFinding::default(); forest.loops.len()],
             limits,
-            patience: PATIENCE,
-            rarely_repeats: false,
-            apart: 1,
+            step_limit: STEP_LIMIT,
+            compare_rarely: false,
+            max_partitions: 1,
         }
     }
 
-    /// Executes the function from its entry; the states on its ways out.
-    pub fn run(&mut self, entry: State) -> Exits {
-        self.pass(None, 0, entry).exits
+    /// Executes the function from its entry; the states at its returns.
+    pub fn run(&mut self, entry: State) -> Vec<State> {
+        self.pass(None, 0, entry).exits.into_values().collect()
     }
 
     /// The scope's blocks once, in order, from its first block.
@@ -115,7 +119,7 @@ impl<'a, 'w> Execution<'a, 'w> {
             back: None,
             exits: Exits::new(),
         };
-        let (forest, apart) = (self.forest, self.apart);
+        let (forest, max_partitions) = (self.forest, self.max_partitions);
         for item in forest.steps(scope) {
             let header = match item {
                 Item::Block(block) => block,
@@ -125,34 +129,35 @@ impl<'a, 'w> Execution<'a, 'w> {
                 continue;
             };
             let (_, here) = states.swap_remove(position);
-            let mut leave = |flow: &Flow, (block, edge): (usize, usize), state| match flow.blocks
-                [block]
-                .edges[edge]
-                .target
-            {
-                Target::Block(next) if scope.is_some() && next == first => {
-                    keep_apart(&mut back, state, apart);
-                }
-                Target::Block(next) if forest.contains(scope, next) => {
-                    match states.iter_mut().find(|(block, _)| *block == next) {
-                        Some((_, known)) => keep_apart(known, state, apart),
-                        None => states.push((next, vec![state])),
+            let mut leave =
+                |flow: &ControlFlowGraph, (block, edge): (usize, usize), state| match flow.blocks
+                    [block]
+                    .edges[edge]
+                    .target
+                {
+                    Target::Block(next) if scope.is_some() && next == first => {
+                        add_to_partition(&mut back, state, max_partitions);
                     }
-                }
-                _ => add_exit(&mut result.exits, (block, edge), state),
-            };
+                    Target::Block(next) if forest.contains(scope, next) => {
+                        match states.iter_mut().find(|(block, _)| *block == next) {
+                            Some((_, known)) => add_to_partition(known, state, max_partitions),
+                            None => states.push((next, vec![state])),
+                        }
+                    }
+                    _ => add_exit(&mut result.exits, (block, edge), state),
+                };
             match item {
                 Item::Block(block) => {
                     for state in here {
-                        for (edge, state) in self.walker.run(block, state).edges {
-                            leave(self.walker.flow, (block, edge), state);
+                        for (edge, state) in self.interpreter.run(block, state).edges {
+                            leave(self.interpreter.flow, (block, edge), state);
                         }
                     }
                 }
                 Item::Loop(index) => {
                     let exits = joined(here).map(|state| self.run_loop(index, state));
                     for (edge, state) in exits.into_iter().flatten() {
-                        leave(self.walker.flow, edge, state);
+                        leave(self.interpreter.flow, edge, state);
                     }
                 }
             }
@@ -165,16 +170,16 @@ impl<'a, 'w> Execution<'a, 'w> {
         let header = self.forest.loops[index].header;
         let mut exits = Exits::new();
         let mut entry = state.clone();
-        if self.rarely_repeats {
+        if self.compare_rarely {
             entry.memory = None;
         }
         let (mut count, mut undecided) = (0_u64, 0);
         let exit_count = self.forest.loops[index].exit_count;
-        let steps_before = self.walker.step_count;
+        let steps_before = self.interpreter.step_count;
         self.start_inner(index);
         while !self.findings[index].unbounded {
             count += 1;
-            let compared = !self.rarely_repeats || count.is_power_of_two();
+            let compared = !self.compare_rarely || count.is_power_of_two();
             let before = compared.then(|| state.clone());
             let repeats_before = self.inner_repeats(index);
             let mut pass = self.pass(Some(index), header, state);
@@ -187,33 +192,33 @@ impl<'a, 'w> Execution<'a, 'w> {
                 if let Some(limit) = self.limits[index].filter(|limit| *limit > count) {
                     let again = limit - count;
                     self.repeat(index, &repeats_before, again);
-                    spend_again(&mut pass, before.as_ref(), again);
+                    add_repetitions(&mut pass, before.as_ref(), again);
                     count = limit;
                 }
             }
             add_exits(&mut exits, pass.exits);
-            let cut = self.limits[index].is_some_and(|limit| count >= limit);
+            let ended_by_fact = self.limits[index].is_some_and(|limit| count >= limit);
             let finding = &mut self.findings[index];
-            finding.cut |= cut && pass.back.is_some();
-            let Some(back) = pass.back.filter(|_| !cut) else {
+            finding.ended_by_fact |= ended_by_fact && pass.back.is_some();
+            let Some(back) = pass.back.filter(|_| !ended_by_fact) else {
                 finding.header_executions = finding.header_executions.max(count);
                 finding.repeats_so_far += count - 1;
                 self.end_inner(index);
                 return exits;
             };
             if before.as_ref() == Some(&back)
-                || undecided > UNDECIDED
-                || self.walker.step_count - steps_before > self.patience
+                || undecided > UNDECIDED_LIMIT
+                || self.interpreter.step_count - steps_before > self.step_limit
             {
                 self.findings[index].unbounded = true;
-                self.walker.step_count = steps_before;
+                self.interpreter.step_count = steps_before;
             }
             state = back;
         }
         let before = entry.elapsed.0;
         let mut exits = self.run_unbounded(index, entry.join(&state));
         for state in exits.values_mut() {
-            state.spend(before);
+            state.add_cycles(before);
         }
         exits
     }
@@ -251,8 +256,8 @@ impl<'a, 'w> Execution<'a, 'w> {
         }
     }
 
-    /// Repeats until the state at the header covers every iteration. The ways out cost as many
-    /// of the dearest iterations as the user allows.
+    /// Repeats until the state at the header covers every iteration. Its exits cost as many
+    /// of the most expensive iterations as flow facts allow.
     fn run_unbounded(&mut self, index: usize, entry: State) -> Exits {
         let header = self.forest.loops[index].header;
         let mut state = entry;
@@ -262,13 +267,15 @@ impl<'a, 'w> Execution<'a, 'w> {
             let Some(back) = pass.back else {
                 return pass.exits;
             };
-            let map = self.walker.world.map;
+            let map = self.interpreter.environment.map;
             let wider = state.widen(&back, 0, |value| map.pointer_region(value));
             if wider == state {
-                let again = self.limits[index].map_or(ENDLESS, |limit| {
+                let again = self.limits[index].map_or(UNBOUNDED, |limit| {
                     back.elapsed.0.saturating_mul(limit.max(1) - 1)
                 });
-                pass.exits.values_mut().for_each(|state| state.spend(again));
+                pass.exits
+                    .values_mut()
+                    .for_each(|state| state.add_cycles(again));
                 return pass.exits;
             }
             state = wider;
@@ -276,20 +283,20 @@ impl<'a, 'w> Execution<'a, 'w> {
     }
 }
 
-/// What is left by the ways out after as many passes more, each as long as this one.
-fn spend_again(pass: &mut Pass, before: Option<&State>, again: u64) {
+/// Adds the cycles of further passes, each as long as this one.
+fn add_repetitions(pass: &mut Pass, before: Option<&State>, again: u64) {
     let (Some(before), Some(back)) = (before, &pass.back) else {
         return;
     };
     let one = back.elapsed.0.saturating_sub(before.elapsed.0);
     let more = one.saturating_mul(again);
-    let ways = pass.exits.values_mut().chain(&mut pass.back);
-    ways.for_each(|state| state.spend(more));
+    let states = pass.exits.values_mut().chain(&mut pass.back);
+    states.for_each(|state| state.add_cycles(more));
 }
 
 fn add_exit(exits: &mut Exits, edge: (usize, usize), state: State) {
     let mut place = exits.remove(&edge);
-    merge(&mut place, state);
+    join_into(&mut place, state);
     exits.extend(place.map(|state| (edge, state)));
 }
 

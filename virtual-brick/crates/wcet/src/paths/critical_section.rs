@@ -1,91 +1,77 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Longest stays in protected actions, for the blocking of more urgent threads.
+//! Longest critical sections (protected actions), for the blocking of more urgent threads.
 
 use crate::error::Error;
-use crate::graph::control_flow::Flow;
-use crate::graph::loop_forest::Forest;
+use crate::graph::control_flow::ControlFlowGraph;
+use crate::graph::loop_forest::{successors, Loop, LoopForest};
 use crate::graph::subgraph::Subgraph;
-use crate::paths::longest_path::{longest_path, Problem, Unsolved};
-use crate::values::block::BlockRecord;
+use crate::paths::longest_path::{longest_path, PathError, PathProblem};
+use crate::values::records::BlockRecord;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Longest time in cycles spent at an urgency or above, by urgency.
-pub type Sections = BTreeMap<u32, u64>;
+pub type CriticalSections = BTreeMap<u32, u64>;
 
-/// A function's blocks with what is known about them.
-pub struct Stay<'a> {
-    /// Its graph.
-    pub flow: &'a Flow,
-    /// Its loops.
-    pub forest: &'a Forest,
-    /// Bounds of its loops.
-    pub bounds: &'a [Option<u64>],
-    /// What was learned about its blocks.
-    pub records: &'a [BlockRecord],
-    /// Cycles on each way out of each block.
-    pub cycles: &'a [Vec<Option<u64>>],
+/// Longest critical sections within a function, of whose blocks `records` are known. Whole blocks
+/// are counted.
+pub fn critical_sections(
+    function: &PathProblem<'_>,
+    records: &[BlockRecord],
+) -> Result<CriticalSections, Error> {
+    let levels: BTreeSet<u32> = records.iter().filter_map(|r| r.urgency).collect();
+    let mut sections = CriticalSections::new();
+    for level in levels {
+        let inside = |block: usize| records[block].urgency >= Some(level);
+        let mut longest = 0;
+        for start in entries(function.flow, inside) {
+            longest = longest.max(longest_from(function, start, inside)?);
+        }
+        sections.insert(level, longest);
+    }
+    Ok(sections)
 }
 
-impl Stay<'_> {
-    /// Longest stays within this function. Whole blocks are counted.
-    pub fn sections(&self) -> Result<Sections, Error> {
-        let levels: BTreeSet<u32> = self.records.iter().filter_map(|r| r.urgency).collect();
-        let mut sections = Sections::new();
-        for level in levels {
-            let inside = |block: usize| self.records[block].urgency >= Some(level);
-            let mut longest = 0;
-            for start in (0..self.flow.blocks.len()).filter(|block| self.begins(*block, &inside)) {
-                longest = longest.max(self.longest_from(start, &inside)?);
-            }
-            sections.insert(level, longest);
-        }
-        Ok(sections)
-    }
+/// Blocks of a part of a graph that are reached from outside of it.
+fn entries(flow: &ControlFlowGraph, inside: impl Fn(usize) -> bool) -> Vec<usize> {
+    let blocks = 0..flow.blocks.len();
+    let outside = blocks.clone().filter(|block| !inside(*block));
+    let entered: BTreeSet<usize> = outside.flat_map(|block| successors(flow, block)).collect();
+    let is_entry = |block: &usize| inside(*block) && (*block == 0 || entered.contains(block));
+    blocks.filter(is_entry).collect()
+}
 
-    fn begins(&self, block: usize, inside: &impl Fn(usize) -> bool) -> bool {
-        let outside = (0..self.flow.blocks.len()).filter(|other| !inside(*other));
-        let entered = outside
-            .flat_map(|other| crate::graph::loop_forest::successors(self.flow, other))
-            .any(|next| next == block);
-        inside(block) && (block == 0 || entered)
-    }
-
-    fn longest_from(&self, start: usize, inside: &impl Fn(usize) -> bool) -> Result<u64, Error> {
-        let part = Subgraph::new(self.flow, start, inside, |_, _| true);
-        let cycles: Vec<_> = part
-            .origin
-            .iter()
-            .map(|b| self.cycles[*b].clone())
-            .collect();
-        let missing = || Error::Input("a protected action ends in the middle of a loop".into());
-        let forest = Forest::new(&part.flow).map_err(|_| missing())?;
-        let bounds: Vec<Option<u64>> = forest
-            .loops
-            .iter()
-            .map(|found| {
-                let header = part.origin[found.header];
-                let whole = self.forest.loops.iter().position(|l| l.header == header)?;
-                self.bounds[whole]
-            })
-            .collect();
-        let problem = Problem {
-            flow: &part.flow,
-            forest: &forest,
-            cycles: &cycles,
-            bounds: &bounds,
-            repeats: &vec![None; forest.loops.len()],
-        };
-        match longest_path(&problem) {
-            Ok(solution) => Ok(solution.cycles),
-            Err(Unsolved::NoReturn) => Ok(0),
-            Err(Unsolved::Unbounded(_)) => Err(missing()),
-        }
+fn longest_from(
+    function: &PathProblem<'_>,
+    start: usize,
+    inside: impl Fn(usize) -> bool,
+) -> Result<u64, Error> {
+    let part = Subgraph::new(function.flow, start, inside, |_, _| true);
+    let origin = part.origin.iter();
+    let cycles: Vec<_> = origin.map(|b| function.cycles[*b].clone()).collect();
+    let missing = || Error::Input("a protected action ends in the middle of a loop".into());
+    let forest = LoopForest::new(&part.flow).map_err(|_| missing())?;
+    let bound = |found: &Loop| {
+        let header = part.origin[found.header];
+        let mut loops = function.forest.loops.iter();
+        function.bounds[loops.position(|whole| whole.header == header)?]
+    };
+    let problem = PathProblem {
+        flow: &part.flow,
+        forest: &forest,
+        cycles: &cycles,
+        bounds: &forest.loops.iter().map(bound).collect::<Vec<_>>(),
+        repeats: &vec![None; forest.loops.len()],
+    };
+    match longest_path(&problem) {
+        Ok(solution) => Ok(solution.cycles),
+        Err(PathError::NoReturn) => Ok(0),
+        Err(PathError::Unbounded(_)) => Err(missing()),
     }
 }
 
-/// The longer of both for each urgency; a stay at an urgency is one at every lower.
-pub fn merge(sections: &mut Sections, more: &Sections) {
+/// The longer of both for each urgency; a section at an urgency is one at every lower.
+pub fn merge(sections: &mut CriticalSections, more: &CriticalSections) {
     for (urgency, cycles) in more {
         let known = sections.entry(*urgency).or_insert(0);
         *known = (*known).max(*cycles);

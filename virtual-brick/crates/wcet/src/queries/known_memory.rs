@@ -1,20 +1,20 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Programs that nothing else disturbs: they begin with memory as the image says, no interrupt or
+//! Bounds with known memory, of programs that nothing else disturbs: they begin with memory as the image says, no interrupt or
 //! other thread writes to it, and what they read was written by themselves. Loops, recursion and
-//! branches that depend on such data only need no fact; what cannot be followed is bounded for any
+//! branches that depend on such data only need no fact; what cannot be executed is bounded for any
 //! data.
 
 use crate::error::Error;
-use crate::functions::calls::{Follower, STACK_BYTES};
+use crate::functions::context_sensitive_calls::{ContextSensitiveCalls, STACK_BYTES};
+use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
-use crate::functions::summary::Summary;
 use crate::inputs::annotations::Annotations;
 use crate::inputs::image::Image;
 use crate::inputs::memory_map::MemoryMap;
-use crate::values::block::any_arguments;
+use crate::values::block_interpreter::any_arguments;
 use crate::values::memory_contents::Contents;
-use crate::values::state::{State, ENDLESS};
+use crate::values::state::{State, UNBOUNDED};
 use crate::values::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -55,25 +55,25 @@ impl Input {
         }
     }
 
-    fn wrong(&self, what: &str) -> Error {
+    fn error(&self, what: &str) -> Error {
         Error::Input(format!("input '{}': {what}", self.symbol))
     }
 
-    fn forget(&self, image: &Image, memory: &mut Contents) -> Result<(), Error> {
-        let missing = || self.wrong("the image has no such variable");
-        let (address, size) = image.object(&self.symbol).ok_or_else(missing)?;
+    fn store_any(&self, image: &Image, memory: &mut Contents) -> Result<(), Error> {
+        let missing = || self.error("the image has no such variable");
+        let (address, size) = image.variable(&self.symbol).ok_or_else(missing)?;
         if ![1, 2, 4].contains(&self.element_bytes) {
-            return Err(self.wrong("elements have 1, 2 or 4 bytes"));
+            return Err(self.error("elements have 1, 2 or 4 bytes"));
         }
         let rest = size.checked_sub(self.offset_bytes);
-        let rest = rest.ok_or_else(|| self.wrong("begins behind the variable's end"))?;
+        let rest = rest.ok_or_else(|| self.error("begins behind the variable's end"))?;
         let length = self.size_bytes.unwrap_or(rest);
         if length > rest {
-            return Err(self.wrong("ends behind the variable's end"));
+            return Err(self.error("ends behind the variable's end"));
         }
         let (low, high) = self.range.unwrap_or((0, u32::MAX));
         if low > high {
-            return Err(self.wrong("the least value is above the greatest"));
+            return Err(self.error("the least value is above the greatest"));
         }
         let first = address.saturating_add(self.offset_bytes) & !(self.element_bytes - 1);
         let end = address.saturating_add(self.offset_bytes + length);
@@ -90,13 +90,13 @@ impl Input {
 pub struct LineCount {
     /// File and line.
     pub line: String,
-    /// Executions of its most frequent block, on all ways that were followed.
+    /// Executions of its most frequent block, on all paths that were executed.
     pub executions: u64,
 }
 
 /// What was found out about the last call.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub struct KnownMemoryBound {
     /// Cycles, without the fetches after its return.
     pub cycles: u64,
     /// Source lines that were executed, in order.
@@ -106,7 +106,7 @@ pub struct Found {
 /// Functions called one after the other.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Closed {
+pub struct KnownMemory {
     /// Their names; the last one is bounded.
     pub calls: Vec<String>,
     /// Stack pointer at the calls.
@@ -116,17 +116,17 @@ pub struct Closed {
     pub inputs: Vec<Input>,
 }
 
-impl Closed {
+impl KnownMemory {
     /// Bound of the last call, and what it executes.
     pub fn bound(
         &self,
         image: &Image,
         map: &MemoryMap,
         annotations: &Annotations,
-    ) -> Result<Found, Error> {
+    ) -> Result<KnownMemoryBound, Error> {
         let work = || {
             let mut program = Program::new(image, map, annotations)?;
-            program.closed = true;
+            program.memory_known = true;
             self.run(&program)
         };
         std::thread::scope(|scope| {
@@ -140,46 +140,46 @@ impl Closed {
         })
     }
 
-    fn run(&self, program: &Program<'_>) -> Result<Found, Error> {
+    fn run(&self, program: &Program<'_>) -> Result<KnownMemoryBound, Error> {
         let mut memory = Contents::of_image(program.image);
-        let mut cycles = ENDLESS;
+        let mut cycles = UNBOUNDED;
         for (position, name) in self.calls.iter().enumerate() {
             let entry = program.function(name)?;
             let summary = program.summary(entry, entry.0)?;
             if position + 1 == self.calls.len() {
-                program.summaries(|_, summary| summary.visits.borrow_mut().clear());
-                self.forget_inputs(program, &mut memory)?;
+                program.summaries(|summary| summary.visits.borrow_mut().clear());
+                self.store_inputs(program, &mut memory)?;
             }
             let mut state = State::entry(&any_arguments());
             state.registers[13] = Value::Constant(self.stack_pointer);
-            state.lowest = None;
+            state.lowest_pointer = None;
             state.memory = Some(memory);
-            let mut follower = Follower::new(program, entry, true);
+            let mut calls = ContextSensitiveCalls::new(program, entry, true);
             if position + 1 == self.calls.len() && !self.inputs.is_empty() {
-                follower = follower.with_inputs();
+                calls = calls.with_inputs();
             }
-            let after = follower.execute(&summary, state);
+            let after = calls.execute(&summary, state);
             let never = || Error::NeverReturns(program.image.place(entry.0));
             let after = after.ok_or_else(never)?;
             cycles = after.elapsed.0;
-            if cycles == ENDLESS && position + 1 == self.calls.len() {
-                return Err(follower.obstacle());
+            if cycles == UNBOUNDED && position + 1 == self.calls.len() {
+                return Err(calls.failure());
             }
             memory = after.memory.unwrap_or_default();
         }
         let lines = executed_lines(program);
-        Ok(Found { cycles, lines })
+        Ok(KnownMemoryBound { cycles, lines })
     }
 
-    fn forget_inputs(&self, program: &Program<'_>, memory: &mut Contents) -> Result<(), Error> {
+    fn store_inputs(&self, program: &Program<'_>, memory: &mut Contents) -> Result<(), Error> {
         let mut inputs = self.inputs.iter();
-        inputs.try_for_each(|input| input.forget(program.image, memory))
+        inputs.try_for_each(|input| input.store_any(program.image, memory))
     }
 }
 
 fn executed_lines(program: &Program<'_>) -> Vec<LineCount> {
     let mut counts: BTreeMap<(String, u32), u64> = BTreeMap::new();
-    program.summaries(|_, summary: &Summary| {
+    program.summaries(|summary: &FunctionSummary| {
         for (block, count) in summary
             .flow
             .blocks

@@ -1,36 +1,36 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! A function's graph with its costs and loop bounds, for those who solve for the longest path in
-//! their own way.
+//! their own edge.
 
-use crate::functions::bound::FunctionBound;
+use crate::functions::function_bound::{BlockBound, FunctionBound, LoopBound};
 use crate::functions::program::Program;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// A way out of a block.
+/// A edge out of a block.
 #[derive(Clone, Debug, Serialize)]
-pub struct Way {
+pub struct GraphEdge {
     /// Position of the next block; none for the return.
     pub to: Option<usize>,
-    /// Cycles of the block on this way, calls included; none when it is never taken.
+    /// Cycles of the block on this edge, calls included; none when it is never taken.
     pub cycles: Option<u64>,
 }
 
 /// A block.
 #[derive(Clone, Debug, Serialize)]
-pub struct Node {
+pub struct GraphBlock {
     /// First instruction.
     pub address: u32,
     /// Source lines of its instructions.
     pub lines: Vec<String>,
     /// Ways out.
-    pub ways: Vec<Way>,
+    pub edges: Vec<GraphEdge>,
 }
 
 /// A loop.
 #[derive(Clone, Debug, Serialize)]
-pub struct Cycle {
+pub struct GraphLoop {
     /// Position of its header.
     pub header: usize,
     /// Positions of its blocks.
@@ -44,37 +44,37 @@ pub struct Cycle {
 
 /// A function; the first block is its entry.
 #[derive(Clone, Debug, Serialize)]
-pub struct Graph {
+pub struct PathGraph {
     /// Blocks.
-    pub blocks: Vec<Node>,
+    pub blocks: Vec<GraphBlock>,
     /// Loops.
-    pub loops: Vec<Cycle>,
+    pub loops: Vec<GraphLoop>,
     /// Cycles of the longest path under these bounds, as this crate finds it.
     pub path_cycles: u64,
 }
 
-impl Graph {
+impl PathGraph {
     /// The graph that was bounded.
     pub fn new(program: &Program<'_>, bound: &FunctionBound) -> Self {
         let line = |address: &u32| program.image.place(*address).line;
-        let node = |block: &crate::functions::bound::BlockBound| {
+        let node = |block: &BlockBound| {
             let lines: BTreeSet<_> = block.addresses.iter().filter_map(line).collect();
-            let ways = block.targets.iter().zip(&block.cycles);
-            Node {
+            let edges = block.targets.iter().zip(&block.cycles);
+            GraphBlock {
                 address: block.address,
                 lines: lines
                     .iter()
                     .map(|(file, line)| format!("{file}:{line}"))
                     .collect(),
-                ways: ways
-                    .map(|(to, cycles)| Way {
+                edges: edges
+                    .map(|(to, cycles)| GraphEdge {
                         to: *to,
                         cycles: *cycles,
                     })
                     .collect(),
             }
         };
-        let cycle = |found: &crate::functions::bound::LoopBound| Cycle {
+        let cycle = |found: &LoopBound| GraphLoop {
             header: found.header,
             blocks: found.blocks.clone(),
             header_executions: found.header_executions,

@@ -3,7 +3,7 @@
 //! Results for people and other programs.
 
 use crate::error::{Error, Place};
-use crate::functions::bound::{FunctionBound, Origin};
+use crate::functions::function_bound::{BoundOrigin, FunctionBound};
 use crate::functions::program::Program;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -40,7 +40,7 @@ pub struct BlockReport {
     pub count: u64,
     /// Instructions in the block.
     pub instruction_count: usize,
-    /// Cycles by way out, calls included.
+    /// Cycles by edge, calls included.
     pub edge_cycles: Vec<Option<u64>>,
     /// Functions called at the end, and the bounds charged for them.
     pub calls: Vec<(String, u64)>,
@@ -55,8 +55,8 @@ pub struct LoopReport {
     pub index: usize,
     /// Most executions of the header for one entry.
     pub header_executions: Option<u64>,
-    /// "found", "given" or "not needed".
-    pub origin: &'static str,
+    /// Its source.
+    pub origin: BoundOrigin,
 }
 
 /// One function in the call tree.
@@ -70,7 +70,7 @@ pub struct FunctionReport {
     pub cycles: u64,
     /// Its loops.
     pub loops: Vec<LoopReport>,
-    /// Accesses charged as in the dearest region because theirs is not known.
+    /// Accesses charged as in the most expensive region because theirs is not known.
     pub unknown_accesses: usize,
     /// The blocks its longest path passes.
     pub path: Vec<BlockReport>,
@@ -89,14 +89,6 @@ pub struct Report {
     pub stack_bytes: Option<u32>,
     /// Functions on the longest path.
     pub functions: Vec<FunctionReport>,
-}
-
-/// A function's name, or its address.
-pub(crate) fn name(program: &Program<'_>, address: u32) -> String {
-    let names = program.image.names_at(address);
-    names
-        .first()
-        .map_or_else(|| format!("{address:#010x}"), |name| (*name).to_owned())
 }
 
 fn source(program: &Program<'_>, address: u32) -> Source {
@@ -129,26 +121,22 @@ fn function_report(program: &Program<'_>, calls: u64, bound: &FunctionBound) -> 
         .map(|block| BlockReport {
             at: source(program, block.address),
             count: block.count,
-            instruction_count: block.instruction_count,
+            instruction_count: block.addresses.len(),
             edge_cycles: block.cycles.clone(),
             calls: block
                 .calls
                 .iter()
-                .map(|callee| (name(program, callee.entry.0), callee.cycles))
+                .map(|callee| (program.image.name_at(callee.entry.0), callee.cycles))
                 .collect(),
         });
     let loops = bound.loops.iter().map(|found| LoopReport {
         at: source(program, found.address),
         index: found.number,
         header_executions: found.header_executions,
-        origin: match found.origin {
-            Origin::Found => "found",
-            Origin::Given => "given",
-            Origin::NotNeeded => "not needed",
-        },
+        origin: found.origin,
     });
     FunctionReport {
-        symbol: name(program, bound.entry.0),
+        symbol: program.image.name_at(bound.entry.0),
         calls,
         cycles: bound.cycles,
         loops: loops.collect(),
@@ -166,7 +154,7 @@ impl Report {
     pub fn new(program: &Program<'_>, symbol: &str) -> Result<Self, Error> {
         let bound = program.bound_of(symbol)?;
         let cycles = bound.cycles + program.return_cycles()?;
-        program.check_uses()?;
+        program.facts.check_uses()?;
         Ok(Self::of_bound(program, symbol, &bound, cycles))
     }
 

@@ -3,17 +3,16 @@
 //! Several questions about one program, and their answers, for other programs.
 
 use crate::error::Error;
-use crate::functions::bound::FunctionBound;
+use crate::functions::function_bound::FunctionBound;
 use crate::functions::program::Program;
-use crate::graph::control_flow::Entry;
 use crate::inputs::annotations::Annotations;
-use crate::inputs::image::Image;
+use crate::inputs::image::{Entry, Image};
 use crate::inputs::memory_map::MemoryMap;
-use crate::queries::known_memory::{Closed, LineCount};
-use crate::queries::path_problem::Graph;
-use crate::queries::report::{name, Report};
+use crate::queries::known_memory::{KnownMemory, LineCount};
+use crate::queries::path_problem::PathGraph;
+use crate::queries::report::Report;
 use crate::queries::task_job::bound_job;
-use crate::values::block::Walker;
+use crate::values::block_interpreter::BlockInterpreter;
 use crate::values::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -21,7 +20,7 @@ use std::collections::BTreeSet;
 /// An annotation file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Source {
+pub struct AnnotationFile {
     /// For messages.
     pub name: String,
     /// TOML.
@@ -43,7 +42,7 @@ pub struct Task {
 #[serde(deny_unknown_fields, default)]
 pub struct Request {
     /// Facts about the program.
-    pub annotations: Vec<Source>,
+    pub annotations: Vec<AnnotationFile>,
     /// Functions to bound.
     pub functions: Vec<String>,
     /// Tasks to bound.
@@ -55,12 +54,12 @@ pub struct Request {
     /// Graphs are wanted too.
     pub graphs: bool,
     /// Calls that nothing disturbs, to bound as they are.
-    pub closed: Option<Closed>,
+    pub known_memory: Option<KnownMemory>,
 }
 
 /// A loop that needs a bound.
 #[derive(Clone, Debug, Serialize)]
-pub struct Missing {
+pub struct MissingLoopBound {
     /// Function.
     pub symbol: String,
     /// Number in it.
@@ -79,20 +78,20 @@ pub struct Answer {
     /// Why there is no bound.
     pub error: Option<String>,
     /// Loops that need a bound.
-    pub missing: Vec<Missing>,
+    pub missing: Vec<MissingLoopBound>,
     /// Cycles, without the fetches after the return.
     pub cycles: u64,
     /// Stack with all callees.
     pub stack_bytes: Option<u32>,
-    /// Longest stays in protected actions: urgency, cycles.
-    pub sections: Vec<(u32, u64)>,
+    /// Longest critical sections: urgency, cycles.
+    pub critical_sections: Vec<(u32, u64)>,
     /// All functions that may be executed.
     pub reached: Vec<String>,
     /// How the bound comes about.
     pub report: Option<Report>,
-    /// What the longest path was sought in, if it was asked for.
-    pub graph: Option<Graph>,
-    /// Source lines executed by a call that nothing disturbs.
+    /// The graph of which the longest path is a path, if requested.
+    pub graph: Option<PathGraph>,
+    /// AnnotationFile lines executed by a call that nothing disturbs.
     pub lines: Vec<LineCount>,
 }
 
@@ -109,7 +108,7 @@ pub struct Call {
 
 /// What the analysis of functions and jobs went through.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Work {
+pub struct Effort {
     /// Functions.
     pub functions: usize,
     /// Their blocks.
@@ -122,20 +121,20 @@ pub struct Work {
     pub steps: u64,
 }
 
-impl Work {
+impl Effort {
     fn of(program: &Program<'_>) -> Self {
-        let mut work = Self {
+        let mut effort = Self {
             steps: program.steps(),
             ..Self::default()
         };
-        program.summaries(|_, summary| {
+        program.summaries(|summary| {
             let blocks = &summary.flow.blocks;
-            work.functions += 1;
-            work.blocks += blocks.len();
-            work.loops += summary.forest.loops.len();
-            work.instructions += blocks.iter().map(|b| b.instructions.len()).sum::<usize>();
+            effort.functions += 1;
+            effort.blocks += blocks.len();
+            effort.loops += summary.forest.loops.len();
+            effort.instructions += blocks.iter().map(|b| b.instructions.len()).sum::<usize>();
         });
-        work
+        effort
     }
 }
 
@@ -153,48 +152,53 @@ pub struct Response {
     /// Calls that were searched.
     pub calls: Vec<Call>,
     /// Bound of the last of the calls that nothing disturbs.
-    pub closed: Option<Answer>,
-    /// What was gone through for `functions` and `jobs`.
-    pub work: Work,
+    pub known_memory: Option<Answer>,
+    /// Effort for `functions` and `jobs`.
+    pub effort: Effort,
 }
 
-fn reach(bound: &FunctionBound, seen: &mut BTreeSet<u32>) {
+fn collect_functions(bound: &FunctionBound, seen: &mut BTreeSet<u32>) {
     if seen.insert(bound.entry.0) {
         let calls = bound.blocks.iter().flat_map(|block| &block.calls);
-        calls.for_each(|callee| reach(callee, seen));
+        calls.for_each(|callee| collect_functions(callee, seen));
     }
 }
 
-fn answer(
-    program: &Program<'_>,
-    symbol: &str,
-    bound: Result<(&FunctionBound, Option<u32>), &Error>,
-) -> Answer {
-    let (bound, stack_bytes) = match bound {
-        Ok(found) => found,
-        Err(error) => {
-            return Answer {
-                symbol: symbol.to_owned(),
-                error: Some(error.to_string()),
-                missing: missing(error),
-                ..Answer::default()
-            }
+impl Answer {
+    /// No bound.
+    fn refused(symbol: &str, error: &Error) -> Self {
+        Self {
+            symbol: symbol.to_owned(),
+            error: Some(error.to_string()),
+            missing: missing_bounds(error),
+            ..Self::default()
         }
-    };
-    let mut seen = BTreeSet::new();
-    reach(bound, &mut seen);
-    Answer {
-        symbol: symbol.to_owned(),
-        cycles: bound.cycles,
-        stack_bytes,
-        sections: bound.sections.iter().map(|(u, c)| (*u, *c)).collect(),
-        reached: seen.into_iter().map(|entry| name(program, entry)).collect(),
-        report: Some(Report::of_bound(program, symbol, bound, bound.cycles)),
-        ..Answer::default()
+    }
+
+    /// A bound with its stack.
+    fn bounded(
+        program: &Program<'_>,
+        symbol: &str,
+        (bound, stack_bytes): (&FunctionBound, Option<u32>),
+        with_graph: bool,
+    ) -> Self {
+        let mut seen = BTreeSet::new();
+        collect_functions(bound, &mut seen);
+        let name = |address| program.image.name_at(address);
+        Self {
+            symbol: symbol.to_owned(),
+            cycles: bound.cycles,
+            stack_bytes,
+            critical_sections: bound.sections.iter().map(|(u, c)| (*u, *c)).collect(),
+            reached: seen.into_iter().map(name).collect(),
+            report: Some(Report::of_bound(program, symbol, bound, bound.cycles)),
+            graph: with_graph.then(|| PathGraph::new(program, bound)),
+            ..Self::default()
+        }
     }
 }
 
-fn missing(error: &Error) -> Vec<Missing> {
+fn missing_bounds(error: &Error) -> Vec<MissingLoopBound> {
     let Error::MissingBounds(loops) = error else {
         return Vec::new();
     };
@@ -202,7 +206,7 @@ fn missing(error: &Error) -> Vec<Missing> {
         let symbol = found.place.symbol.as_ref().map_or("", |(name, _)| name);
         let line = found.place.line.as_ref();
         let line = line.map_or(String::new(), |(file, line)| format!("{file}:{line}"));
-        Missing {
+        MissingLoopBound {
             symbol: symbol.to_owned(),
             index: found.index,
             line,
@@ -224,19 +228,19 @@ fn calls(program: &Program<'_>, root: &str, callees: &[String]) -> Result<Vec<Ca
             continue;
         }
         let summary = program.summary(entry, entry.0)?;
-        let region = |_| None;
-        let mut walker = Walker::new(program.world(), &summary.flow, &summary.callees, &region);
+        let mut interpreter =
+            BlockInterpreter::new(program.environment(), &summary.flow, &summary.callees);
         for (index, block) in summary.flow.blocks.iter().enumerate() {
             open.extend(&block.calls);
             let reached = block.calls.iter().find(|callee| wanted.contains(callee));
             let (Some(callee), Some(state)) = (reached, &summary.states[index]) else {
                 continue;
             };
-            walker.run(index, state.clone());
-            let arguments = walker.records[index].arguments.as_ref();
+            interpreter.run(index, state.clone());
+            let arguments = interpreter.records[index].arguments.as_ref();
             found.push(Call {
-                callee: name(program, callee.0),
-                caller: name(program, entry.0),
+                callee: program.image.name_at(callee.0),
+                caller: program.image.name_at(entry.0),
                 arguments: std::array::from_fn(|n| arguments.and_then(|a| Value::constant(&a[n]))),
             });
         }
@@ -258,39 +262,40 @@ impl Request {
             return_cycles: program.return_cycles()?,
             ..Response::default()
         };
+        let answer = |symbol: &str, bound: Result<(&FunctionBound, Option<u32>), &Error>| {
+            bound.map_or_else(
+                |error| Answer::refused(symbol, error),
+                |bound| Answer::bounded(&program, symbol, bound, self.graphs),
+            )
+        };
         for symbol in &self.functions {
             let bound = program.bound_of(symbol);
-            let found = bound.as_ref().map(|bound| (&**bound, bound.stack_bytes));
-            let graph = found.as_ref().ok().filter(|_| self.graphs);
-            let graph = graph.map(|(bound, _)| Graph::new(&program, bound));
-            let found = answer(&program, symbol, found);
-            response.functions.push(Answer { graph, ..found });
+            let found = bound.as_deref().map(|bound| (bound, bound.stack_bytes));
+            response.functions.push(answer(symbol, found));
         }
         for task in &self.jobs {
             let job = bound_job(&program, &task.body, &task.waits);
             let found = job.as_ref().map(|job| (&job.bound, job.stack_bytes));
-            let graph = found.as_ref().ok().filter(|_| self.graphs);
-            let graph = graph.map(|(bound, _)| Graph::new(&program, bound));
-            let found = answer(&program, &task.body, found);
-            response.jobs.push(Answer { graph, ..found });
+            response.jobs.push(answer(&task.body, found));
         }
-        if let Some(closed) = &self.closed {
-            let symbol = closed.calls.last().cloned().unwrap_or_default();
-            let found = closed.bound(&image, map, &annotations);
-            response.closed = Some(Answer {
-                error: found.as_ref().err().map(Error::to_string),
-                missing: found.as_ref().err().map(missing).unwrap_or_default(),
-                cycles: found.as_ref().map_or(0, |found| found.cycles),
-                lines: found.map(|found| found.lines).unwrap_or_default(),
-                symbol,
-                ..Answer::default()
+        if let Some(known_memory) = &self.known_memory {
+            let symbol = known_memory.calls.last().cloned().unwrap_or_default();
+            let found = known_memory.bound(&image, map, &annotations);
+            response.known_memory = Some(match found {
+                Err(error) => Answer::refused(&symbol, &error),
+                Ok(found) => Answer {
+                    symbol,
+                    cycles: found.cycles,
+                    lines: found.lines,
+                    ..Answer::default()
+                },
             });
         }
-        response.work = Work::of(&program);
+        response.effort = Effort::of(&program);
         if let Some(root) = &self.root {
             response.calls = calls(&program, root, &self.callees)?;
         }
-        program.check_uses()?;
+        program.facts.check_uses()?;
         Ok(response)
     }
 }

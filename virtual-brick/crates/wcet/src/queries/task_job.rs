@@ -4,20 +4,20 @@
 //! for its next release. A job is what lies between two of them, the second included.
 
 use crate::error::Error;
-use crate::functions::bound::{bound_summary, stack_of, FunctionBound};
+use crate::functions::bound::{bound_summary, stack_of};
+use crate::functions::function_bound::FunctionBound;
+use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
-use crate::functions::summary::Summary;
-use crate::graph::control_flow::{Entry, Target};
-use crate::graph::loop_forest::Forest;
+use crate::graph::control_flow::Target;
+use crate::graph::loop_forest::LoopForest;
 use crate::graph::subgraph::Subgraph;
-use crate::paths::block_cost::block_costs;
-use crate::values::block::Walker;
+use crate::inputs::image::Entry;
+use crate::values::block_interpreter::BlockInterpreter;
 use crate::values::state::State;
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 /// Bounds of a task.
-pub struct Job {
+pub struct JobBound {
     /// The longest job, the call in which the task waits included.
     pub bound: FunctionBound,
     /// Stack of the body with all it calls; none when not bounded.
@@ -26,7 +26,7 @@ pub struct Job {
 
 /// Bounds the jobs of the task whose body is `body`; `waits` are the functions in which a task
 /// waits for its next release.
-pub fn bound_job(program: &Program<'_>, body: &str, waits: &[String]) -> Result<Job, Error> {
+pub fn bound_job(program: &Program<'_>, body: &str, waits: &[String]) -> Result<JobBound, Error> {
     let entry = program.function(body)?;
     let callees: BTreeSet<Entry> = waits
         .iter()
@@ -49,8 +49,8 @@ pub fn bound_job(program: &Program<'_>, body: &str, waits: &[String]) -> Result<
     }
     let mut longest: Option<FunctionBound> = None;
     for block in &waiting {
-        for (start, state) in resumed(program, &summary, *block) {
-            let bound = one_job(program, entry, &summary, &waiting, start, state)?;
+        for (start, state) in resume_points(program, &summary, *block) {
+            let bound = bound_one_job(program, entry, &summary, &waiting, start, state)?;
             if longest
                 .as_ref()
                 .is_none_or(|known| known.cycles < bound.cycles)
@@ -60,25 +60,29 @@ pub fn bound_job(program: &Program<'_>, body: &str, waits: &[String]) -> Result<
         }
     }
     let bound = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
-    Ok(Job {
+    Ok(JobBound {
         stack_bytes: stack_of(program, entry, &summary)?,
         bound,
     })
 }
 
 /// Where a task goes on after it waited, and what it knows there.
-fn resumed(program: &Program<'_>, summary: &Summary, block: usize) -> Vec<(usize, State)> {
+fn resume_points(
+    program: &Program<'_>,
+    summary: &FunctionSummary,
+    block: usize,
+) -> Vec<(usize, State)> {
     let Some(state) = summary.states[block].clone() else {
         return Vec::new();
     };
-    let region = |address| program.given_region(address);
-    let mut walker = Walker::new(program.world(), &summary.flow, &summary.callees, &region);
-    let leaving = walker.run(block, state).edges.into_iter();
+    let mut interpreter =
+        BlockInterpreter::new(program.environment(), &summary.flow, &summary.callees);
+    let leaving = interpreter.run(block, state).edges.into_iter();
     leaving
         .filter_map(
             |(edge, state)| match summary.flow.blocks[block].edges[edge] {
-                way if !way.executed => None,
-                way => match way.target {
+                edge if !edge.executed => None,
+                edge => match edge.target {
                     Target::Block(next) => Some((next, state)),
                     Target::Return => None,
                 },
@@ -87,10 +91,10 @@ fn resumed(program: &Program<'_>, summary: &Summary, block: usize) -> Vec<(usize
         .collect()
 }
 
-fn one_job(
+fn bound_one_job(
     program: &Program<'_>,
     entry: Entry,
-    whole: &Summary,
+    whole: &FunctionSummary,
     waiting: &[usize],
     start: usize,
     state: State,
@@ -101,7 +105,7 @@ fn one_job(
         |_| true,
         |block, edge| !(edge.executed && waiting.contains(&block)),
     );
-    let forest = Forest::new(&part.flow).map_err(|block| {
+    let forest = LoopForest::new(&part.flow).map_err(|block| {
         Error::Irreducible(program.image.place(part.flow.blocks[block].node.address))
     })?;
     let numbers = forest.loops.iter().map(|found| {
@@ -110,20 +114,12 @@ fn one_job(
         known.map_or(usize::MAX, |index| whole.numbers[index])
     });
     let numbers: Vec<usize> = numbers.collect();
-    let (limits, limits_in) = program.given_bounds(&part.flow, &forest, &numbers);
-    let summary = Summary {
-        costs: block_costs(program.map, &part.flow)?,
-        avoided: program.avoided(&part.flow),
-        limits,
-        limits_in,
-        numbers,
-        forest,
-        flow: part.flow,
+    let graph = (part.flow, forest);
+    let summary = FunctionSummary {
         returns: true,
         changed: whole.changed,
         callees: whole.callees.clone(),
-        states: Vec::new(),
-        visits: RefCell::default(),
+        ..FunctionSummary::of_graph(&program.facts, program.map, graph, numbers)?
     };
     bound_summary(program, entry, &summary, state)
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! What memory holds in a program that nothing else writes to: it begins as the image says, zero
-//! elsewhere, and each store is followed. Copies share the pages that are alike. A word of which
+//! elsewhere, and each store is executed. Copies share the pages that are alike. A word of which
 //! only some bytes are known is kept as its bytes.
 
 use crate::inputs::image::Image;
@@ -12,14 +12,14 @@ use std::rc::Rc;
 const PAGE_WORDS: usize = 32;
 const PAGE_BYTES: u32 = 4 * PAGE_WORDS as u32;
 
-/// Most addresses that one store is followed to.
-const PLACES: u32 = 4096;
+/// Most addresses that one store is applied to.
+const MAX_STORE_ADDRESSES: u32 = 4096;
 
 /// Most of them that keep what else may be there.
-const JOINED_PLACES: u32 = 256;
+const MAX_JOINED_ADDRESSES: u32 = 256;
 
-/// Most values of a word that is not taken apart when a part of it is written.
-const WHOLE: usize = 16;
+/// Most values of a word that is not split into bytes when a part of it is written.
+const MAX_WORD_VALUES: usize = 16;
 
 type Page = Rc<[Value; PAGE_WORDS]>;
 type Bytes = [Value; 4];
@@ -58,7 +58,7 @@ fn replaced(word: &Value, shift: u32, mask: u32, value: &Value) -> Option<Value>
         return Some(Value::Constant(word & kept | (value & mask) << shift));
     }
     let (words, parts) = (word.elements()?, value.elements()?);
-    if words.len() * parts.len() > WHOLE {
+    if words.len() * parts.len() > MAX_WORD_VALUES {
         return None;
     }
     let pairs = words
@@ -72,7 +72,7 @@ fn number(value: &Value) -> Value {
     value.bounds().map_or(Value::Top, |_| value.clone())
 }
 
-/// Parts of a number, least significant first, each of `8 * step` bits, put together.
+/// Parts of a number, least significant first, each of `8 * step` bits, store_at together.
 fn assembled(parts: &[Value], step: u32) -> Value {
     let (mut low, mut high) = (0, 0);
     for (part, shift) in parts.iter().zip((0..).step_by(8 * step as usize)) {
@@ -204,27 +204,27 @@ impl Contents {
     pub fn store(&mut self, address: &Value, size: u32, value: &Value) {
         let value = &number(value);
         if let Value::Constant(address) = address {
-            return self.put(*address, size, value, false);
+            return self.store_at(*address, size, value, false);
         }
         match (address.elements(), address.bounds()) {
             (Some(places), _) => {
                 for place in places {
-                    self.put(place, size, value, true);
+                    self.store_at(place, size, value, true);
                 }
             }
-            (None, Some((low, high))) if high - low <= PLACES => {
-                let few = (high - low) / size <= JOINED_PLACES;
+            (None, Some((low, high))) if high - low <= MAX_STORE_ADDRESSES => {
+                let few = (high - low) / size <= MAX_JOINED_ADDRESSES;
                 for place in (low & !(size - 1)..=high).step_by(size as usize) {
                     let value = if few { value } else { &Value::Top };
-                    self.put(place, size, value, few);
+                    self.store_at(place, size, value, few);
                 }
             }
-            _ => self.forget(),
+            _ => self.invalidate(),
         }
     }
 
-    /// A store at a constant address; with `perhaps`, what was there may also stay.
-    fn put(&mut self, address: u32, size: u32, value: &Value, perhaps: bool) {
+    /// A store at a constant address; with `weak`, what was there may also stay.
+    fn store_at(&mut self, address: u32, size: u32, value: &Value, weak: bool) {
         let word = self.word(address);
         let (shift, mask) = (8 * (address & 3 & !(size - 1)), mask_of(size));
         let whole = if size == 4 {
@@ -233,7 +233,7 @@ impl Contents {
             replaced(&word, shift, mask, value)
         };
         match whole {
-            Some(new) if !perhaps => self.set_word(address, new),
+            Some(new) if !weak => self.set_word(address, new),
             Some(new) if word != Value::Top => self.set_word(address, word.join(&new)),
             _ => {
                 let mut bytes = self.bytes(address);
@@ -243,7 +243,7 @@ impl Contents {
                         continue;
                     }
                     let new = part(value, 8 * place, 0xFF);
-                    *byte = if perhaps { byte.join(&new) } else { new };
+                    *byte = if weak { byte.join(&new) } else { new };
                 }
                 self.set_bytes(address, bytes);
             }
@@ -251,7 +251,7 @@ impl Contents {
     }
 
     /// Nothing is known any more.
-    pub fn forget(&mut self) {
+    pub fn invalidate(&mut self) {
         self.pages = Rc::default();
         self.parts = Rc::default();
         self.lost = true;

@@ -10,7 +10,7 @@ const MOST: usize = 12;
 
 /// Where a word is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum Location {
     /// One of r0 to r12.
     Register(u32),
     /// The word of memory at this address.
@@ -20,11 +20,11 @@ pub enum Place {
 /// Pairs in ascending order, the first of each a register: the first is the second plus the
 /// distance, modulo 2^32.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Relations(Vec<(Place, Place, u32)>);
+pub struct Relations(Vec<(Location, Location, u32)>);
 
 impl Relations {
     /// Places related to one, each with what it is more than that one.
-    pub fn of(&self, place: Place) -> impl Iterator<Item = (Place, u32)> + '_ {
+    pub fn of(&self, place: Location) -> impl Iterator<Item = (Location, u32)> + '_ {
         self.0.iter().filter_map(move |(first, second, distance)| {
             if *first == place {
                 Some((*second, distance.wrapping_neg()))
@@ -35,23 +35,24 @@ impl Relations {
     }
 
     /// What a place is more than another one, where it is known.
-    pub fn between(&self, place: Place, other: Place) -> Option<u32> {
+    pub fn between(&self, place: Location, other: Location) -> Option<u32> {
         let mut found = self.of(other).filter(|(related, _)| *related == place);
         found.next().map(|(_, distance)| distance)
     }
 
     /// A place is written.
-    pub fn forget(&mut self, place: Place) {
+    pub fn invalidate(&mut self, place: Location) {
         self.0.retain(|(a, b, _)| *a != place && *b != place);
     }
 
     /// Any word may be written.
-    pub fn forget_words(&mut self) {
-        self.0.retain(|(_, b, _)| matches!(b, Place::Register(_)));
+    pub fn invalidate_words(&mut self) {
+        self.0
+            .retain(|(_, b, _)| matches!(b, Location::Register(_)));
     }
 
     /// A place was written: it is `distance` more than another one.
-    pub fn note(&mut self, place: Place, from: Place, distance: u32) {
+    pub fn note(&mut self, place: Location, from: Location, distance: u32) {
         let others: Vec<_> = self.of(from).collect();
         if place == from || others.len() >= MOST {
             return;
@@ -61,13 +62,13 @@ impl Relations {
         }
     }
 
-    fn add(&mut self, place: Place, other: Place, distance: u32) {
+    fn add(&mut self, place: Location, other: Location, distance: u32) {
         let pair = if place < other {
             (place, other, distance)
         } else {
             (other, place, distance.wrapping_neg())
         };
-        if !matches!(pair.0, Place::Register(_)) {
+        if !matches!(pair.0, Location::Register(_)) {
             return;
         }
         if let Err(position) = self.0.binary_search(&pair) {
@@ -76,7 +77,7 @@ impl Relations {
     }
 
     /// A place becomes `distance` more than it was.
-    pub fn move_by(&mut self, place: Place, distance: u32) {
+    pub fn move_by(&mut self, place: Location, distance: u32) {
         for (first, second, known) in &mut self.0 {
             if *first == place {
                 *known = known.wrapping_add(distance);
@@ -129,7 +130,7 @@ pub fn narrowed(known: &Value, value: &Value, distance: u32) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Place::{Register, Word};
+    use Location::{Register, Word};
 
     #[test]
     fn what_a_word_and_two_copies_of_it_differ_by_follows_additions() {
@@ -137,14 +138,14 @@ mod tests {
         relations.note(Register(0), Word(0x100), 0);
         relations.move_by(Register(0), 2_u32.wrapping_neg());
         relations.note(Register(12), Register(0), 0);
-        relations.forget(Register(0));
+        relations.invalidate(Register(0));
         relations.note(Register(0), Word(0x100), 0);
         let found: Vec<_> = relations.of(Register(0)).collect();
         assert_eq!(
             found,
             [(Register(12), 2_u32.wrapping_neg()), (Word(0x100), 0)]
         );
-        relations.forget_words();
+        relations.invalidate_words();
         assert_eq!(
             relations.of(Register(12)).collect::<Vec<_>>(),
             [(Register(0), 2)]

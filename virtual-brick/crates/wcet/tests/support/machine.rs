@@ -3,8 +3,7 @@
 //! The core with a memory that answers every access in one cycle.
 
 use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Width};
-use object::read::elf::ElfFile32;
-use object::{Object, ObjectSegment, ObjectSymbol};
+use image::Image;
 
 const BASE: u32 = 0x20_0000;
 const SIZE: usize = 0x20_0000;
@@ -82,8 +81,8 @@ impl Bus for Memory {
 }
 
 /// A program in memory.
-pub struct Machine<'a> {
-    file: ElfFile32<'a>,
+pub struct Machine {
+    image: Image,
     memory: Memory,
 }
 
@@ -95,27 +94,26 @@ pub struct Observation {
     pub stack_bytes: u32,
 }
 
-impl<'a> Machine<'a> {
-    pub fn new(elf: &'a [u8]) -> Self {
-        let file: ElfFile32<'a> = ElfFile32::parse(elf).expect("an ELF file");
+impl Machine {
+    pub fn new(elf: &[u8]) -> Self {
+        let image = Image::parse(elf).expect("an ELF file");
         let mut memory = Memory {
             bytes: vec![0; SIZE],
             cycles: 0,
         };
-        for segment in file.segments() {
-            let start = (segment.address() as u32 - BASE) as usize;
-            let data = segment.data().expect("segment data");
-            memory.bytes[start..start + data.len()].copy_from_slice(data);
+        for segment in image.segments() {
+            let start = (segment.virtual_address - BASE) as usize;
+            memory.bytes[start..start + segment.bytes.len()].copy_from_slice(&segment.bytes);
         }
-        Self { file, memory }
+        Self { image, memory }
     }
 
+    /// Address of a variable or function; bit 0 is set for Thumb code.
     pub fn address(&self, symbol: &str) -> u32 {
-        let mut symbols = self.file.symbols();
-        let found = symbols.find(|s| s.name() == Ok(symbol));
-        found
-            .unwrap_or_else(|| panic!("no symbol {symbol}"))
-            .address() as u32
+        let symbols = self.image.symbols();
+        let address = symbols.find(symbol).expect("a symbol").address;
+        let thumb = symbols.functions().get(&address).is_some_and(|f| f.thumb);
+        address | u32::from(thumb)
     }
 
     pub fn set_word(&mut self, address: u32, value: u32) {

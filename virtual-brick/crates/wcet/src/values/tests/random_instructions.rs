@@ -11,17 +11,21 @@
 #[allow(dead_code)] // this test uses its part
 mod random;
 
+#[path = "opcodes.rs"]
+mod opcodes;
+
 use crate::inputs::image::Image;
-use crate::inputs::kernel::Conventions;
+use crate::inputs::kernel::KernelConventions;
 use crate::inputs::memory_map::MemoryMap;
-use crate::values::arithmetic::difference_flags;
-use crate::values::instruction::{execute, World};
+use crate::values::comparison::Comparison;
+use crate::values::flags::difference_flags;
+use crate::values::instruction::{execute, Environment};
 use crate::values::memory_contents::Contents;
-use crate::values::relations::Place;
-use crate::values::state::{Comparison, State};
+use crate::values::relations::Location;
+use crate::values::state::State;
 use crate::values::value::Value;
-use arm7tdmi::instruction::{Operand, Operation, ALWAYS};
 use arm7tdmi::{condition_passes, psr, Abort, Bus, Cpu, Cycle, Instruction, Width};
+use opcodes::{arm, reach, thumb};
 use random::Random;
 use std::collections::BTreeMap;
 
@@ -159,8 +163,8 @@ fn pointer_around(element: u32, random: &mut Random) -> Value {
 }
 
 impl Pair {
-    /// A closed one knows memory, another one its stack.
-    fn new(random: &mut Random, thumb: bool, closed: bool) -> Self {
+    /// One with known memory knows no stack, another one its stack only.
+    fn new(random: &mut Random, thumb: bool, memory_known: bool) -> Self {
         let mut cpu = Cpu::new();
         let flags = random.word() & 0xF000_0000;
         cpu.set_cpsr(cpu.cpsr() & 0x0FFF_FFFF | flags | if thumb { psr::T } else { 0 });
@@ -181,7 +185,7 @@ impl Pair {
         }
         cpu.set_register(13, STACK);
         let words = std::array::from_fn(|_| random.integer());
-        if closed {
+        if memory_known {
             state.set(13, Value::Constant(STACK));
             let mut contents = Contents::default();
             for (address, word) in (DATA..).step_by(4).zip(words) {
@@ -213,7 +217,7 @@ impl Pair {
                 return Some(format!("r{number} {:#x}, {value:x?}", cpu.register(number)));
             }
         }
-        for (offset, value) in &state.slots {
+        for (offset, value) in &state.stack_words {
             let index = (STACK.wrapping_add(*offset as u32)).wrapping_sub(DATA) / 4;
             let held = self.memory.words.get(index as usize);
             if held.is_some_and(|word| !allows(value, *word, &mut bases)) {
@@ -260,11 +264,11 @@ impl Pair {
     }
 
     fn wrong_relation(&self) -> Option<String> {
-        let held = |place: Place| match place {
-            Place::Register(number) => self.cpu.register(number),
-            Place::Word(address) => self.memory.words[((address - DATA) / 4) as usize],
+        let held = |place: Location| match place {
+            Location::Register(number) => self.cpu.register(number),
+            Location::Word(address) => self.memory.words[((address - DATA) / 4) as usize],
         };
-        let places = (0..13).map(Place::Register);
+        let places = (0..13).map(Location::Register);
         let mut related = places.flat_map(|one| {
             let others = self.state.relations.of(one);
             others.map(move |(other, more)| (one, other, more))
@@ -291,7 +295,13 @@ impl Pair {
     }
 
     /// Executes an instruction on both sides, if it is one that may be. `before` is any state.
-    fn step(&mut self, world: World<'_>, at: u32, opcode: u32, before: Option<State>) -> bool {
+    fn step(
+        &mut self,
+        environment: Environment<'_>,
+        at: u32,
+        opcode: u32,
+        before: Option<State>,
+    ) -> bool {
         let thumb = self.cpu.thumb();
         let instruction = if thumb {
             Instruction::thumb(opcode as u16)
@@ -310,7 +320,7 @@ impl Pair {
             return false;
         }
         let passes = condition_passes(instruction.condition, self.flags());
-        let (failed, passed) = self.state.clone().divide(instruction.condition);
+        let (failed, passed) = self.state.clone().split(instruction.condition);
         let (own, other) = if passes {
             (passed, failed)
         } else {
@@ -318,7 +328,7 @@ impl Pair {
         };
         let mut state = own.expect("a way that is taken");
         if passes {
-            let _ = execute(world, &mut state, at, &instruction);
+            let _ = execute(environment, &mut state, at, &instruction);
         }
         for other in [other, before].into_iter().flatten() {
             state = if at & 4 == 0 {
@@ -332,131 +342,7 @@ impl Pair {
     }
 }
 
-/// Where an instruction may access memory; `None` for one that is not to be executed.
-fn reach(instruction: &Instruction) -> Option<(u32, u32)> {
-    let writes = |number: u32| number < 13 && number != BASES[0];
-    let of_base = |base: u32| match base {
-        13 => Some((DATA + BYTES, DATA + 2 * BYTES)),
-        base => BASES.contains(&base).then_some((DATA, DATA + BYTES)),
-    };
-    let by_register = |operand: Operand| match operand {
-        Operand::ShiftedByRegister { amount, .. } => amount == 15 || operand.reads(15),
-        _ => false,
-    };
-    match instruction.operation {
-        _ if instruction.condition > ALWAYS => None,
-        Operation::DataProcessing(one) => {
-            let good = one.operation.compares() || writes(one.destination);
-            (good && !by_register(one.second)).then_some((0, 0))
-        }
-        Operation::LoadAddress { destination, .. } => writes(destination).then_some((0, 0)),
-        Operation::Multiply(one) => {
-            let good = writes(one.destination) && !one.uses(15) && one.low.is_none_or(writes);
-            (good && one.low != Some(one.destination)).then_some((0, 0))
-        }
-        Operation::Transfer(one) => {
-            let twice =
-                one.moves_base() && (one.register == one.base || one.offset.reads(one.base));
-            let good = !one.load || writes(one.register);
-            let stack_moves = one.base == 13 && one.moves_base();
-            of_base(one.base).filter(|_| good && !twice && !stack_moves)
-        }
-        Operation::BlockTransfer(one) => {
-            let twice = one.load && one.write_back && one.list >> one.base & 1 != 0;
-            let good = one.list >> 13 == 0 && !one.status && one.list & 1 << BASES[0] == 0;
-            let stack_moves = one.base == 13 && one.write_back;
-            of_base(one.base).filter(|_| good && !twice && !stack_moves)
-        }
-        Operation::Swap {
-            destination,
-            source,
-            base,
-            ..
-        } => {
-            let good = writes(destination) && source < 15 && base != destination;
-            of_base(base).filter(|_| good && base != source)
-        }
-        Operation::ReadStatus { destination, saved } => {
-            (!saved && writes(destination)).then_some((0, 0))
-        }
-        Operation::WriteStatus {
-            saved,
-            control,
-            flags,
-            operand,
-        } => {
-            let good = !saved && !control && flags && !operand.reads(15);
-            good.then_some((0, 0))
-        }
-        _ => None,
-    }
-}
-
-/// An ARM opcode of a kind that compilers use.
-fn arm(random: &mut Random) -> u32 {
-    let bits = random.word();
-    let condition = if bits & 1 == 0 {
-        14
-    } else {
-        random.word() % 15
-    };
-    let small = random.word() % 9;
-    let number = |random: &mut Random| random.word() % 8;
-    let (first, destination) = (number(random) << 16, number(random) << 12);
-    let base = if bits & 2 == 0 {
-        6 + (bits >> 2 & 1)
-    } else {
-        13
-    } << 16;
-    let offset = (random.word() % 7 * 4) & if bits & 8 == 0 { 0xC } else { 0x1F };
-    let body = match random.word() % 16 {
-        0..=2 => 0x0200_0000 | bits & 0x01F0_0000 | first | destination | small,
-        3 => 0x0200_0000 | bits & 0x01F0_0FFF | first | destination,
-        4..=6 => bits & 0x01F0_0000 | first | destination | number(random),
-        7 if bits & 4 == 0 => bits & 0x01F0_0060 | first | destination | number(random),
-        7 => bits & 0x01F0_0FE0 | first | destination | number(random),
-        8 => bits & 0x01F0_0F60 | 0x10 | first | destination | number(random),
-        9 => bits & 0x00FF_FF0F & !0x0000_8808 | 0x90,
-        10 if small == 0 => 0x0500_F000 | base | offset,
-        10 | 11 => 0x0400_0000 | bits & 0x01F0_0000 | base | destination | offset,
-        12 => 0x0040_0090 | bits & 0x01B0_0060 | base | destination | offset,
-        13 => 0x0800_0000 | bits & 0x01B0_00FF | base,
-        14 if bits & 0xC0 == 0 => {
-            0x0100_0090 | bits & 0x0040_0000 | base | destination | (small % 8)
-        }
-        14 => 0x0128_F000 | number(random),
-        _ => 0x010F_0000 | destination,
-    };
-    condition << 28 | body
-}
-
-/// A Thumb opcode of one of the formats 1 to 5, 7 to 12 and 15 (DDI 0029E, chapter 5).
-fn thumb(random: &mut Random) -> u32 {
-    let bits = random.word();
-    let base = (6 + (bits >> 16 & 1)) << 3;
-    match random.word() % 12 {
-        0..=2 => bits & 0x1FFF,
-        3..=5 => 0x2000 | bits & 0x1F00 | (random.word() % 9),
-        6 => 0x4000 | bits & 0x07FF,
-        7 => 0x4600 | bits & 0xFF,
-        8 => 0x6000 | bits & 0x1E07 | base | bits & 0x01C0,
-        9 => 0x8000 | bits & 0x0E07 | base | bits & 0x00C0,
-        10 => 0x9000 | bits & 0x0F00 | (random.word() % 4),
-        _ => 0xC600 | bits & 0x08FF,
-    }
-}
-
-/// An ELF file without code or data.
-fn nothing() -> Vec<u8> {
-    let mut file = vec![0x7F, b'E', b'L', b'F', 1, 1, 1, 0];
-    file.resize(52, 0);
-    for (place, byte) in [(16, 2), (18, 40), (20, 1), (40, 52), (46, 40)] {
-        file[place] = byte;
-    }
-    file
-}
-
-fn sequence(world: World<'_>, seed: u32, thumb_code: bool) {
+fn sequence(environment: Environment<'_>, seed: u32, thumb_code: bool) {
     let mut random = Random::new(seed);
     let mut pair = Pair::new(&mut random, thumb_code, seed % 2 == 0);
     let (mut told, mut done, mut before) = (Vec::new(), 0, pair.state.clone());
@@ -470,7 +356,7 @@ fn sequence(world: World<'_>, seed: u32, thumb_code: bool) {
         let joined = (random.word() % 8 == 0).then(|| before.clone());
         let here = pair.state.clone();
         told.push(format!("{at:#x}: {opcode:#x}, joined {}", joined.is_some()));
-        if !pair.step(world, at, opcode, joined) {
+        if !pair.step(environment, at, opcode, joined) {
             told.pop();
             continue;
         }
@@ -491,16 +377,21 @@ fn sequence(world: World<'_>, seed: u32, thumb_code: bool) {
 
 #[test]
 fn what_is_known_after_random_instructions_holds_on_the_core() {
-    let image = Image::read(&nothing()).unwrap();
-    let (map, conventions) = (MemoryMap::without_wait_states(), Conventions::default());
-    let world = World {
+    let without_sections = image::Image::binary(&[0], 0).unwrap();
+    let image = Image::of_file(without_sections).unwrap();
+    let (map, conventions) = (
+        MemoryMap::without_wait_states(),
+        KernelConventions::default(),
+    );
+    let environment = Environment {
         image: &image,
         map: &map,
         conventions: &conventions,
+        facts: None,
     };
     for seed in 0..SEQUENCES {
         for thumb_code in [false, true] {
-            sequence(world, seed, thumb_code);
+            sequence(environment, seed, thumb_code);
         }
     }
 }

@@ -33,7 +33,7 @@ SIGNAL_PERIOD_US = 100_000
 
 @dataclass
 class Spread:
-    """Values that came by: how many, their sum and ends, and counts by bins of a microsecond."""
+    """Statistics of values: count, sum, extremes, and a histogram in bins of a microsecond."""
 
     count: int = 0
     total: int = 0
@@ -73,7 +73,7 @@ class _TaskFigures:
 
 @dataclass
 class LongRun:
-    """What a long run showed; by the names of tasks and of interrupt sources."""
+    """Observations of a long run, by the names of tasks and of interrupt sources."""
 
     seconds: float = 0.0
     repetitions: int = 0

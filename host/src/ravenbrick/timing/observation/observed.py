@@ -16,8 +16,8 @@ from ravenbrick.project.robot import Robot
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import Facts, InterruptLoad
-from ravenbrick.timing.own_time import interruption_cycles
-from ravenbrick.timing.started import ALARM_SOURCE
+from ravenbrick.timing.initial_state import ALARM_SOURCE
+from ravenbrick.timing.observation.net_execution_time import interruption_cycles
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
@@ -67,8 +67,8 @@ def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np
     return (releases >= since_cycles) & (np.arange(releases.size) > 0)
 
 
-def _own(recording: Recording, found: TaskDynamics) -> NDArray[np.int64]:
-    """Own time of each completed job, without what interrupts add to it."""
+def _net_execution_times(recording: Recording, found: TaskDynamics) -> NDArray[np.int64]:
+    """Net execution time of each completed job, without what interrupts add to it."""
     thread = [thread.name for thread in recording.threads].index(found.name)
     done = [
         (job.release_cycles, job.completion_cycles)
@@ -96,7 +96,7 @@ def observe(robot: Robot, recording: Recording) -> dict[str, Observed]:
         result[task.name] = Observed(
             jobs=int(np.count_nonzero(chosen)),
             response_cycles=_largest(found, "response_time_cycles", chosen),
-            execution_cycles=int(_own(recording, found)[chosen].max()),
+            execution_cycles=int(_net_execution_times(recording, found)[chosen].max()),
             interference_cycles=_largest(found, "interference_cycles", chosen),
             blocking_cycles=_largest(found, "blocking_cycles", chosen),
             interrupt_cycles=_largest(found, "interrupt_cycles", chosen),
@@ -140,7 +140,7 @@ def _expiries(robot: Robot, recording: Recording) -> NDArray[np.int64]:
 def check_event_rates(robot: Robot, facts: Facts, recording: Recording) -> None:
     """Raise `ExecutionTimeError` when timing events expired more often than the facts say.
 
-    Calls of the alarm do not tell which event expired, and come late by what holds them up, so the
+    Calls of the alarm do not tell which event expired, and come late by what delays them, so the
     sum over all handlers is looked at, in stretches of many windows.
     """
     if not facts.events:
@@ -220,7 +220,7 @@ def ratio(bound: int, observed: int) -> float | None:
 def exceeded(
     analysis: Analysis, observed: dict[str, Observed], long_run: dict[str, Any] | None = None
 ) -> list[str]:
-    """What lies above its bound, in words: responses, own times and stacks."""
+    """Observations above their bounds, in words: responses, net execution times and stacks."""
     found = []
     for timing in analysis.tasks:
         name = timing.task.name

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the elaboration of a program sets up for good: interrupt handlers and ceilings.
+"""The state after the elaboration of a program that no longer changes: interrupt handlers and
+ceilings.
 
 The handlers are read from the memory of a brick on which the program has been elaborated; the
 ceilings are constants in the calls that set up protected objects.
@@ -85,7 +86,7 @@ class ProtectedObject:
 
     @property
     def urgency(self) -> int:
-        """Of a protected action, as the kernel counts it."""
+        """Urgency of a protected action: twice the ceiling, plus one."""
         return 2 * self.ceiling + 1
 
 
@@ -157,7 +158,7 @@ def _name_of(image: ElfImage, address: int) -> str:
 
 
 def initializers(image: ElfImage) -> tuple[str, ...]:
-    """What sets up protected objects, and the linker's veneers to it from the other code state."""
+    """Functions that set up protected objects, and the linker's veneers to them."""
     veneers = (f"__{name}{suffix}" for name in INITIALIZERS for suffix in VENEERS)
     return (*INITIALIZERS, *(name for name in veneers if name in image.symbols))
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Own times of jobs, without the way in and out of the interrupts that they were interrupted by.
+"""Net execution times of jobs: without the entry and exit of the interrupts during them.
 
 A trace notes an interrupt when the controller hands it over and when it is told the end. What the
 processor does before and after for the interrupt lies in the segments of the interrupted task.
@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from ravenbrick.trace.recording import EventKind, Recording
 
-__all__ = ["PASSAGE_CYCLES", "PREEMPTION_CYCLES", "interruption_cycles"]
+__all__ = ["ENTRY_EXIT_CYCLES", "PREEMPTION_CYCLES", "interruption_cycles"]
 
 # Least that lies outside of the noted interrupt (runtime/arm7tdmi/interrupt.S, from RAM at address
-# 0 in every image): 19 cycles before it and 31 after it; a preemption on the way out and the later
+# 0 in every image): 19 cycles before it and 31 after it; a preemption in the exit and the later
 # return to the task take 86 more.
-PASSAGE_CYCLES = 50
+ENTRY_EXIT_CYCLES = 50
 PREEMPTION_CYCLES = 86
-# Within this time of an interrupt's end, another task is selected by its way out only: a return to
+# Within this time of an interrupt's end, another task is selected by its exit only: a return to
 # the task, which then gives the processor away, takes longer.
-WAY_OUT_CYCLES = 100
+EXIT_CYCLES = 100
 
 
 def interruption_cycles(
@@ -40,9 +40,9 @@ def interruption_cycles(
     running = (latest >= 0) & (events["subject"][np.maximum(latest, 0)] == thread)
     outermost = entered & (depth == 1) & running
     soon = np.zeros(at.size, bool)
-    soon[:-1] = selected[1:] & (np.diff(at) < WAY_OUT_CYCLES)
+    soon[:-1] = selected[1:] & (np.diff(at) < EXIT_CYCLES)
     preempted = left & (depth == 0) & running & soon
-    cycles = np.where(outermost, PASSAGE_CYCLES, 0) + np.where(preempted, PREEMPTION_CYCLES, 0)
+    cycles = np.where(outermost, ENTRY_EXIT_CYCLES, 0) + np.where(preempted, PREEMPTION_CYCLES, 0)
     spent = np.concatenate(([0], np.cumsum(cycles)))
     found = spent[np.searchsorted(at, end)] - spent[np.searchsorted(at, release)]
     return np.asarray(found, np.int64)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What may keep an interrupt waiting, and which services of the run-time mask interrupts."""
+"""What may keep an interrupt blocking, and which services of the run-time mask interrupts."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import pytest
 
 from ravenbrick.project.robot import Task, read_robot
 from ravenbrick.timing.bounds import Bound
+from ravenbrick.timing.initial_state import ALARM_SOURCE, Handler
+from ravenbrick.timing.interrupt_blocking import InterruptBlocking
 from ravenbrick.timing.kernel import MASKING, InterruptCost, Services
-from ravenbrick.timing.masked import Masking
-from ravenbrick.timing.started import ALARM_SOURCE, Handler
 
 ROOT = Path(__file__).resolve().parents[3]
 SERVICES = Services(delay_until=0, resume=30, masking={"set_true": 100, "delay": 50})
-PASSAGE = 180
+ENTRY_EXIT = 180
 LEVEL = 38
 
 # Elsewhere than in services: before the tasks begin, behind their end, in handlers, inside of the
@@ -53,33 +53,33 @@ def handler(level: int, body: Bound, source: int = 0) -> InterruptCost:
     return InterruptCost(Handler(source, level, "handle"), 500, body)
 
 
-def waiting(bodies: list[Bound], *handlers: InterruptCost) -> int:
+def blocking(bodies: list[Bound], *handlers: InterruptCost) -> int:
     """Of an interrupt at `LEVEL` above tasks with these jobs."""
     task: Task = read_robot(ROOT / "examples" / "vehicle").tasks[0]
     jobs = [(replace(task, name=f"t{n}"), body) for n, body in enumerate(bodies)]
-    return Masking(SERVICES, PASSAGE, handlers, ()).waiting(LEVEL, jobs)
+    return InterruptBlocking(SERVICES, ENTRY_EXIT, handlers, ()).longest_cycles(LEVEL, jobs)
 
 
 def test_masked_services_of_all_tasks_follow_a_way_out() -> None:
     """A task that masks nothing cannot go on masked."""
     jobs = [job("set_true"), job("delay"), job()]
-    assert waiting(jobs) == PASSAGE + (100 + 30) + (50 + 30)
+    assert blocking(jobs) == ENTRY_EXIT + (100 + 30) + (50 + 30)
 
 
 def test_a_protected_action_stands_without_the_masked_services() -> None:
-    assert waiting([job("delay", section_cycles=200), job("delay")]) == PASSAGE + 2 * (50 + 30)
-    assert waiting([job("delay", section_cycles=900), job("delay")]) == 900
+    assert blocking([job("delay", section_cycles=200), job("delay")]) == ENTRY_EXIT + 2 * (50 + 30)
+    assert blocking([job("delay", section_cycles=900), job("delay")]) == 900
 
 
 def test_the_alarm_s_handler_masks_for_the_whole_of_a_release() -> None:
-    assert waiting([job()], handler(31, job(), ALARM_SOURCE)) == PASSAGE + 70
-    assert waiting([job()], handler(31, job("delay"))) == PASSAGE + 50
+    assert blocking([job()], handler(31, job(), ALARM_SOURCE)) == ENTRY_EXIT + 70
+    assert blocking([job()], handler(31, job("delay"))) == ENTRY_EXIT + 50
 
 
-@pytest.mark.parametrize(("levels", "passages"), [(1, 1), (4, 1), (5, 2), (7, 4)])
-def test_ways_out_of_many_levels_are_counted_one_by_one(levels: int, passages: int) -> None:
+@pytest.mark.parametrize(("levels", "entries_exits"), [(1, 1), (4, 1), (5, 2), (7, 4)])
+def test_ways_out_of_many_levels_are_counted_one_by_one(levels: int, entries_exits: int) -> None:
     below = [handler(LEVEL - 1 - level, job()) for level in range(levels)]
-    assert waiting([job()], *below, handler(LEVEL, job("set_true"))) == passages * PASSAGE
+    assert blocking([job()], *below, handler(LEVEL, job("set_true"))) == entries_exits * ENTRY_EXIT
 
 
 def test_each_operation_of_the_run_time_that_masks_interrupts_is_a_known_service() -> None:

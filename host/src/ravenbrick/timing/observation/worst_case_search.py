@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The longest response times, hunted: the inputs of a scenario are moved in time, added and
+"""The longest response times, searched: the inputs of a scenario are moved in time, added and
 changed, at random and from the best variant found so far. In every other variant the link to the
 co-processor is disturbed too, so that jobs set it up again."""
 
@@ -21,11 +21,11 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.project.stimuli import TimedInput
-from ravenbrick.timing.long_run import cyclic_begin
-from ravenbrick.timing.observed import Observed, observe
+from ravenbrick.timing.observation.long_run import cyclic_begin
+from ravenbrick.timing.observation.observed import Observed, observe
 from ravenbrick.trace.recording import EventKind, Recording, decode_events
 
-__all__ = ["Catch", "Hunt", "hunt", "largest"]
+__all__ = ["WorstCaseSearch", "WorstSample", "largest", "search_worst_case"]
 
 SHIFT_MS = 20
 FRESH = 0.3
@@ -40,45 +40,45 @@ MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
 
 
 @dataclass(frozen=True)
-class Catch:
+class WorstSample:
     """The longest response of one task, the inputs that led to it, and the run with them."""
 
     task: str
     response_cycles: int
-    attempt: int
+    variant: int
     inputs: tuple[TimedInput, ...]
     observed: Observed | None = None
     recording: Recording | None = None
 
 
 @dataclass(frozen=True)
-class Hunt:
-    """All catches, those of the variants without disturbances, and the longest responses of the
+class WorstCaseSearch:
+    """The worst samples, those of variants without disturbances, and the longest responses of the
     scenario as it is, by the task's name."""
 
-    attempts: int
-    catches: Mapping[str, Catch]
-    calm: Mapping[str, Catch]
+    variants: int
+    worst: Mapping[str, WorstSample]
+    undisturbed: Mapping[str, WorstSample]
     unvaried: Mapping[str, int]
 
     def plain(self) -> dict[str, Any]:
         """For JSON; cycles."""
         return {
-            "attempts": self.attempts,
+            "variants": self.variants,
             "tasks": {
                 name: {
                     "response_cycles": found.response_cycles,
                     "unvaried_cycles": self.unvaried.get(name),
                     "undisturbed_cycles": self._undisturbed(name),
-                    "attempt": found.attempt,
+                    "variant": found.variant,
                     "inputs": [[i.at_cycles, i.name, i.value] for i in found.inputs],
                 }
-                for name, found in self.catches.items()
+                for name, found in self.worst.items()
             },
         }
 
     def _undisturbed(self, name: str) -> int | None:
-        return self.calm[name].response_cycles if name in self.calm else None
+        return self.undisturbed[name].response_cycles if name in self.undisturbed else None
 
 
 def _varied(
@@ -131,7 +131,7 @@ def _taken(brick: Any, inputs: Sequence[TimedInput]) -> tuple[TimedInput, ...]:
     return tuple(found)
 
 
-class _Hunter:
+class _VariantRunner:
     """Plays variants of one scenario."""
 
     def __init__(
@@ -141,16 +141,16 @@ class _Hunter:
         period_us = SIGNAL_PERIOD_US
         self._quiet = replace(scenario, inputs=(), signal_period_us=period_us, pictures_ms=())
         self.end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
-        self._judge = self._target.prepare(robot, replace(self._quiet, stimuli=()), image)
-        presses = _taken(self._judge, [TimedInput(1, name, 1.0) for name in SWITCHES])
+        self._probe = self._target.prepare(robot, replace(self._quiet, stimuli=()), image)
+        presses = _taken(self._probe, [TimedInput(1, name, 1.0) for name in SWITCHES])
         self.switches = [timed.name for timed in presses]
 
-    def variant(
+    def vary(
         self, base: Sequence[TimedInput], disturbed: bool, rng: random.Random
     ) -> tuple[TimedInput, ...]:
         """Inputs that differ a little from others."""
         inputs = _varied(base, self.end, self.switches, rng)
-        return _taken(self._judge, _disturbed(inputs, self.end, rng) if disturbed else inputs)
+        return _taken(self._probe, _disturbed(inputs, self.end, rng) if disturbed else inputs)
 
     def recording(self, inputs: Sequence[TimedInput]) -> Recording:
         """The whole run; the scenario's peer or monitor, if any, runs beside."""
@@ -181,58 +181,60 @@ class _Hunter:
         return found
 
 
-def _keep(catches: dict[str, Catch], found: Mapping[str, int], attempt: int, inputs: Any) -> None:
+def _keep(
+    worst: dict[str, WorstSample], found: Mapping[str, int], variant: int, inputs: Any
+) -> None:
     for name, response in found.items():
-        known = catches.get(name)
+        known = worst.get(name)
         if known is None or known.response_cycles < response:
-            catches[name] = Catch(name, response, attempt, inputs)
+            worst[name] = WorstSample(name, response, variant, inputs)
 
 
-def hunt(
+def search_worst_case(
     robot: Robot,
     scenario: Scenario,
     image: ElfImage,
-    attempts: int,
+    variants: int,
     progress: Progress = no_progress,
     seed: int = 1,
     target: VirtualTarget | None = None,
-) -> Hunt:
+) -> WorstCaseSearch:
     """Play variants of a scenario and keep, for each task, those with its longest responses."""
     rng = random.Random(seed)
-    hunter = _Hunter(robot, scenario, image, target or VirtualTarget())
+    runner = _VariantRunner(robot, scenario, image, target or VirtualTarget())
     original = scenario.timed_inputs()
-    catches: dict[str, Catch] = {}
-    calm: dict[str, Catch] = {}
+    worst: dict[str, WorstSample] = {}
+    undisturbed: dict[str, WorstSample] = {}
     unvaried: dict[str, int] = {}
-    rounds = attempts + 2 * len(robot.tasks)
-    for attempt in range(attempts):
-        disturbed = attempt % 2 == 1
-        best = [catch.inputs for catch in (catches if disturbed else calm).values()]
+    rounds = variants + 2 * len(robot.tasks)
+    for variant in range(variants):
+        disturbed = variant % 2 == 1
+        best = [sample.inputs for sample in (worst if disturbed else undisturbed).values()]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
-        inputs = hunter.variant(base, disturbed, rng) if attempt else original
-        responses = hunter.responses(inputs)
+        inputs = runner.vary(base, disturbed, rng) if variant else original
+        responses = runner.responses(inputs)
         unvaried = unvaried or responses
-        _keep(catches, responses, attempt, inputs)
+        _keep(worst, responses, variant, inputs)
         if not disturbed:
-            _keep(calm, responses, attempt, inputs)
-        progress((attempt + 1) / rounds)
+            _keep(undisturbed, responses, variant, inputs)
+        progress((variant + 1) / rounds)
     seen: dict[int, tuple[Mapping[str, Observed], Recording]] = {}
-    for count, (kept, name) in enumerate((k, n) for k in (catches, calm) for n in sorted(k)):
-        catch = kept[name]
-        if catch.attempt not in seen:
-            recording = hunter.recording(catch.inputs)
-            seen[catch.attempt] = observe(robot, recording), recording
-        values, recording = seen[catch.attempt]
-        kept[name] = replace(catch, observed=values.get(name), recording=recording)
-        progress((attempts + count + 1) / rounds)
-    return Hunt(attempts, catches, calm, unvaried)
+    for count, (kept, name) in enumerate((k, n) for k in (worst, undisturbed) for n in sorted(k)):
+        sample = kept[name]
+        if sample.variant not in seen:
+            recording = runner.recording(sample.inputs)
+            seen[sample.variant] = observe(robot, recording), recording
+        values, recording = seen[sample.variant]
+        kept[name] = replace(sample, observed=values.get(name), recording=recording)
+        progress((variants + count + 1) / rounds)
+    return WorstCaseSearch(variants, worst, undisturbed, unvaried)
 
 
-def largest(seen: Mapping[str, Observed], catches: Mapping[str, Catch]) -> dict[str, Observed]:
+def largest(seen: Mapping[str, Observed], worst: Mapping[str, WorstSample]) -> dict[str, Observed]:
     """The larger of both, value by value; numbers of jobs and misses are added."""
     result = dict(seen)
-    for name, catch in catches.items():
-        more, known = catch.observed, seen.get(name)
+    for name, sample in worst.items():
+        more, known = sample.observed, seen.get(name)
         if more is None or known is None:
             continue
         both = {key: max(value, getattr(more, key)) for key, value in vars(known).items()}

@@ -15,7 +15,7 @@ import pytest
 
 from ravenbrick.control import write_loop_results
 from ravenbrick.errors import DesignError
-from ravenbrick.timing.loop import Loop, phase_margin, read_loop
+from ravenbrick.timing.results.phase_margin import Loop, phase_margin, read_loop
 
 SAMPLE_TIME = 0.004
 

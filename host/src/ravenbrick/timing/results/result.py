@@ -10,8 +10,9 @@ from typing import Any
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
-from ravenbrick.timing.analysis import Analysis, ModeBounds, TaskTiming
-from ravenbrick.timing.observed import Observed, ratio
+from ravenbrick.timing.analysis import Analysis, ModeBounds
+from ravenbrick.timing.observation.observed import Observed, ratio
+from ravenbrick.timing.scheduled_tasks import TaskTiming
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = ["advice", "microseconds", "result_of"]
@@ -52,7 +53,7 @@ def _terms(analysis: Analysis, timing: TaskTiming) -> dict[str, Any] | None:
 
 
 def _task(
-    analysis: Analysis, timing: TaskTiming, seen: Observed | None, calm: Observed | None
+    analysis: Analysis, timing: TaskTiming, seen: Observed | None, undisturbed: Observed | None
 ) -> dict[str, Any]:
     name = timing.task.name
     found = analysis.bounds[name]
@@ -77,7 +78,7 @@ def _task(
         "terms": _terms(analysis, timing),
         "observed": None if seen is None else dict(vars(seen)),
         "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
-        "modes": [_in_mode(found, name, calm) for found in analysis.modes],
+        "modes": [_in_mode(found, name, undisturbed) for found in analysis.modes],
         "stack_bytes": timing.task.stack_bytes,
         "stack_bound_bytes": timing.stack_bound_bytes,
     }
@@ -102,11 +103,11 @@ def result_of(
     observed: dict[str, Observed],
     undisturbed: dict[str, Observed] | None = None,
 ) -> dict[str, Any]:
-    """All of it; times in cycles unless the name says otherwise.
+    """The result as data; times in cycles unless the name says otherwise.
 
     `undisturbed` stands beside the bounds of modes, where it is not `observed`.
     """
-    calm = observed if undisturbed is None else undisturbed
+    in_modes = observed if undisturbed is None else undisturbed
     scaling = largest_scaling(analysis.task_set, analysis.overheads)
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
@@ -120,7 +121,7 @@ def result_of(
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
         "tasks": [
-            _task(analysis, t, observed.get(t.task.name), calm.get(t.task.name)) for t in order
+            _task(analysis, t, observed.get(t.task.name), in_modes.get(t.task.name)) for t in order
         ],
         "interrupts": [
             {
@@ -161,12 +162,12 @@ def _shown(cycles: int) -> str:
 
 
 def advice(result: dict[str, Any]) -> list[str]:
-    """What does not fit and what would make it fit; else how much room there is."""
+    """Deadlines and stacks that do not fit with remedies; otherwise the margins."""
     return [*_stack_lines(result), *_deadline_lines(result)]
 
 
 def _largest_term(task: dict[str, Any]) -> str:
-    """Where to begin when no single job can be shortened enough."""
+    """The largest term of a bound, for when no single job can be shortened enough."""
     if task["terms"] is None:
         return f"{task['name']} and what is more urgent need more than the whole processor"
     keys = ("own", "interference", "interrupts", "blocking", "overheads")

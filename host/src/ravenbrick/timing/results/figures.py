@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures: critical instant beside the worst window of the run; what delay does to the loop."""
+"""Pictures: critical instant beside the worst window of the run; phase margin against delay."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from ravenbrick.report.plots.style import COLOURS, legend, new_figure, task_colo
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.simulation import simulate
-from ravenbrick.timing.analysis import Analysis, TaskTiming
+from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.chain import ChainDelay
-from ravenbrick.timing.loop import Loop, phase_margin
-from ravenbrick.timing.observed import worst_job
-from ravenbrick.timing.result import microseconds
+from ravenbrick.timing.observation.observed import worst_job
+from ravenbrick.timing.results.phase_margin import Loop, phase_margin
+from ravenbrick.timing.results.result import microseconds
+from ravenbrick.timing.scheduled_tasks import TaskTiming
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, stretches
 
@@ -59,7 +60,7 @@ def terms_figure(result: dict[str, Any]) -> Figure:
 
 
 def _share_bars(axis: Axes, tasks: list[dict[str, Any]]) -> None:
-    """What each bound consists of, and how much of it was seen."""
+    """Terms of each bound, and the observed maximum."""
     shown = [term for term in TERMS if any(task["terms"][term[0]] for task in tasks)]
     left = [0.0] * len(tasks)
     for key, label, colour in shown:

@@ -1,21 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Which loops a given number of iterations holds for.
+//! Flow facts: the loops that a number of iterations in an annotation holds for.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
 mod support;
 
 use support::toolchain::{build, program, VARIANTS};
-use wcet::{Annotations, Error, Image, MemoryMap, Program, Report};
-
-fn bound(elf: &[u8], symbol: &str, facts: &str) -> Result<u64, Error> {
-    let image = Image::read(elf)?;
-    let map = MemoryMap::without_wait_states();
-    let annotations = Annotations::parse(facts, "facts.toml")?;
-    let program = Program::new(&image, &map, &annotations)?;
-    Ok(Report::new(&program, symbol)?.bound_cycles)
-}
+use support::{bound, refusal};
 
 fn on_all(check: impl Fn(&[u8])) {
     on_levels(&["-O0", "-O1", "-O2", "-Os"], check);
@@ -27,10 +19,6 @@ fn on_levels(levels: &[&str], check: impl Fn(&[u8])) {
             check(&elf);
         }
     }
-}
-
-fn refusal(elf: &[u8], symbol: &str, facts: &str) -> String {
-    bound(elf, symbol, facts).expect_err(symbol).to_string()
 }
 
 #[test]

@@ -15,7 +15,7 @@ from ravenbrick.project.robot import read_robot
 from ravenbrick.timing.analysis import analyse
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import read_facts
-from ravenbrick.timing.started import attached_handlers, main_rests
+from ravenbrick.timing.initial_state import attached_handlers, main_rests
 
 VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
 IMAGE = ElfImage(Path("robot.elf"), b"", "ram", 0, (), {})

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""In words, why a bound lies above what was seen: by the terms that differ most."""
+"""Causes of overestimation, in words: the terms by which a bound lies most above observations."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from ravenbrick.clock import MASTER_CLOCK
 
-__all__ = ["why_apart"]
+__all__ = ["overestimation"]
 
 # Terms with a smaller share of the difference are not mentioned.
 LEAST_SHARE = 0.1
@@ -49,14 +49,14 @@ def _blocking(task: dict[str, Any]) -> tuple[int, str]:
     bound, seen = task["terms"]["blocking_cycles"], task["observed"]["blocking_cycles"]
     cause = task["terms"]["blocked_by"]
     what = f"{cause['task']} may just have begun ({cause['kind']})"
-    return bound - seen, f"{what} and hold it up for {bound} cycles, seen {seen}"
+    return bound - seen, f"{what} and block it for {bound} cycles, seen {seen}"
 
 
 def _overheads(task: dict[str, Any]) -> str:
-    """All of them: a run does not show them apart."""
+    """All of them: a run does not show them separately."""
     cycles = task["terms"]["overheads_cycles"] + task["terms"]["release_jitter_cycles"]
     what = "releases by the alarm, returns of preempted tasks and release jitter"
-    return f"{what} are charged {cycles} cycles, which the run does not show apart"
+    return f"{what} are charged {cycles} cycles, which the run does not show separately"
 
 
 def _of_task(task: dict[str, Any], handlers: set[str]) -> str:
@@ -73,7 +73,7 @@ def _of_task(task: dict[str, Any], handlers: set[str]) -> str:
     return f"{head} the longest response seen: " + "; ".join(shown)
 
 
-def why_apart(result: dict[str, Any]) -> list[str]:
+def overestimation(result: dict[str, Any]) -> list[str]:
     """A sentence for each task that has a bound and was seen; cycles.
 
     The bound takes all terms at their worst in one job, which a run seldom meets.

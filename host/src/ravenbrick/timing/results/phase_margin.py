@@ -12,7 +12,7 @@ from typing import Any
 
 from ravenbrick.errors import DesignError
 from ravenbrick.timing.chain import ChainDelay
-from ravenbrick.timing.result import microseconds
+from ravenbrick.timing.results.result import microseconds
 
 __all__ = ["Loop", "margin_words", "margins_of", "phase_margin", "read_loop"]
 

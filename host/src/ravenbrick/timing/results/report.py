@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.report.page import page
 from ravenbrick.report.plots.style import data_uri, png_bytes
-from ravenbrick.timing.explanation import why_apart
-from ravenbrick.timing.result import advice, microseconds
+from ravenbrick.timing.results.explanation import overestimation
+from ravenbrick.timing.results.result import advice, microseconds
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,9 +28,15 @@ __all__ = [
     "write_timing_report",
 ]
 
-SHORT_HEAD = ("task", "deadline", "job", "bound", "seen", "ratio", "stack", "seen", "size")
-INTERRUPT_HEAD = ("interrupt", "handler", "priority", "at most, all in all", "handler alone")
-EVENT_HEAD = ("timing event's handler", "at most, all in all", "done after its time")
+SHORT_HEAD = ("task", "deadline", "job", "bound", "observed", "ratio", "stack", "observed", "size")
+INTERRUPT_HEAD = (
+    "interrupt",
+    "handler",
+    "priority",
+    "bound with entry and exit",
+    "handler's bound",
+)
+EVENT_HEAD = ("timing event's handler", "bound with entry and exit", "response bound")
 
 
 def _text(value: Any) -> str:
@@ -114,7 +120,7 @@ def write_timing_report(
         responses=short_rows(result),
         figures=[(text, data_uri(png_bytes(figure), "image/png")) for text, figure in figures],
         terms=_observed_rows(result),
-        differences=why_apart(result),
+        differences=overestimation(result),
         interrupt_head=INTERRUPT_HEAD,
         interrupts=interrupt_rows(result),
         event_head=EVENT_HEAD,

@@ -1,0 +1,284 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The task set of an image for the response-time analysis: tasks with their blocking, interrupts,
+timing events and transfers of the data controller as tasks of their own. Times are in cycles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Task
+from ravenbrick.schedule.model import Overheads, TaskSet
+from ravenbrick.schedule.model import Task as ScheduledTask
+from ravenbrick.schedule.response_time import ResponseTimeBound, response_time_bounds
+from ravenbrick.timing.alarm import AlarmCosts, coarse_alarm, exact_cycles
+from ravenbrick.timing.bounds import Bound, ExecutionTimeError
+from ravenbrick.timing.events import EventCost
+from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, TransferLoad
+from ravenbrick.timing.initial_state import ALARM_SOURCE
+from ravenbrick.timing.interrupt_blocking import InterruptBlocking
+from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
+from ravenbrick.trace.interrupts import source_name
+
+__all__ = [
+    "WAITS",
+    "BlockingCause",
+    "TaskTiming",
+    "blocking_cause",
+    "periods_us",
+    "scheduled_bounds",
+    "transfer_tasks",
+]
+
+PREEMPTION_BYTES = 68
+# By one transfer of the data controller, by timing profile (`pdc_steal_cycles`).
+STOLEN_CYCLES = {"optimistic": 1, "nominal": 1, "pessimistic": 4}
+WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
+
+
+@dataclass(frozen=True)
+class BlockingCause:
+    """The cause of a job's blocking: a protected action or masked interrupts of `task`."""
+
+    cycles: int
+    task: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class TaskTiming:
+    """A task's job with its bounds; cycles."""
+
+    task: Task
+    job: Bound
+    suspension_cycles: int
+    suspension_count: int
+    blocking: BlockingCause
+
+    @property
+    def stack_bound_bytes(self) -> int | None:
+        """Deepest stack, with what a preemption saves."""
+        deepest = self.job.stack_bytes
+        return None if deepest is None else deepest + PREEMPTION_BYTES
+
+
+def _suspension(facts: Facts, task: Task, job: Bound) -> tuple[int, int]:
+    waits = {ENTRY_CALL, SUSPEND, DELAY_UNTIL} - set(WAITS[task.release])
+    waiting = sorted(waits & job.reached)
+    stated = facts.suspension(task.name)
+    if stated is not None:
+        return MASTER_CLOCK.cycles_of_us(stated.longest_us), stated.count
+    if waiting:
+        raise ExecutionTimeError(
+            f"a job of '{task.name}' may wait in {waiting[0]}; say in {facts.name} for how long at "
+            f'most: [[suspension]] task = "{task.name}", longest_us = ..., reason = "..."'
+        )
+    return 0, 0
+
+
+def blocking_cause(
+    priority: int, name: str, jobs: Sequence[tuple[Task, Bound]], costs: Services
+) -> BlockingCause:
+    """The longest blocking of this priority by less urgent tasks.
+
+    One of them may be in a protected action or a masked service. Each of the others may add a
+    masked service: it gave the processor away with interrupts masked to a thread that was
+    interrupted just as it masked them (`masked.InterruptBlocking`).
+    """
+    found, masked_cycles = [BlockingCause(0, "", "none")], {}
+    for task, job in jobs:
+        if task.priority < priority and task.name != name:
+            section = job.longest_critical_section(2 * priority)
+            found.append(BlockingCause(section, task.name, "protected action"))
+            masked, service = costs.longest_masked(job.reached)
+            found.append(BlockingCause(masked, task.name, f"interrupts masked in {service}"))
+            masked_cycles[task.name] = costs.resumed_masked_cycles(job.reached)
+    return max((_after_others(cause, masked_cycles) for cause in found), key=lambda c: c.cycles)
+
+
+def _after_others(cause: BlockingCause, masked_cycles: dict[str, int]) -> BlockingCause:
+    """The cause at the end of the masked services of other tasks."""
+    before = sum(cycles for task, cycles in masked_cycles.items() if task != cause.task)
+    if not cause.task or not before:
+        return cause
+    kind = f"{cause.kind}, after others masked interrupts"
+    return BlockingCause(cause.cycles + before, cause.task, kind)
+
+
+def _scheduled_tasks(timings: Sequence[TaskTiming]) -> list[ScheduledTask]:
+    found = []
+    for timing in timings:
+        task = timing.task
+        found.append(
+            ScheduledTask(
+                name=task.name,
+                period=exact_cycles(task.period_us or 0),
+                deadline=exact_cycles(task.deadline_us or task.period_us or 0),
+                wcet=timing.job.cycles + timing.suspension_cycles,
+                priority=task.priority,
+                release="cyclic" if task.release == "cyclic" else "sporadic",
+                blocking=timing.blocking.cycles * (1 + timing.suspension_count),
+            )
+        )
+    return found
+
+
+def periods_us(tasks: Sequence[Task]) -> list[int]:
+    """Periods of the cyclic tasks, in microseconds."""
+    return [task.period_us for task in tasks if task.release == "cyclic" and task.period_us]
+
+
+def _scheduled_interrupts(
+    blocking: InterruptBlocking,
+    facts: Facts,
+    jobs: Sequence[tuple[Task, Bound]],
+) -> list[ScheduledTask]:
+    found, costs = [], blocking.handlers
+    for cost in costs:
+        source = cost.handler.source
+        if source == ALARM_SOURCE:
+            continue
+        loads = facts.loads(source)
+        if not loads:
+            name = source_name(source)
+            raise ExecutionTimeError(
+                f"{cost.handler.symbol} handles {name}: say in {facts.name} how often it comes at "
+                f'most: [[interrupt]] source = "{name}", at_most = ..., window_us = ..., '
+                'reason = "..."'
+            )
+        found.append(_interrupt(cost, loads, blocking.longest_cycles(cost.handler.priority, jobs)))
+    periods = periods_us([task for task, _ in jobs])
+    alarm = next(cost for cost in costs if cost.handler.source == ALARM_SOURCE)
+    return [*found, *coarse_alarm(periods, alarm.cycles, alarm.handler.priority)]
+
+
+def _interrupt(cost: InterruptCost, loads: Sequence[InterruptLoad], blocking: int) -> ScheduledTask:
+    name, level = source_name(cost.handler.source), cost.handler.priority
+    return _bursts(name, cost.cycles, level, loads, blocking)
+
+
+def _bursts(
+    name: str,
+    cycles: int,
+    priority: int,
+    loads: Sequence[InterruptLoad] | Sequence[EventLoad] | Sequence[TransferLoad],
+    blocking: int,
+    release_jitter: int = 0,
+) -> ScheduledTask:
+    """Calls of a handler, or transfers, the longest window first."""
+    load, *shorter = loads
+    limits = [(Fraction(s.at_most, load.at_most), exact_cycles(s.window_us)) for s in shorter]
+    return ScheduledTask(
+        name=name,
+        period=exact_cycles(load.window_us),
+        limits=tuple(limits),
+        wcet=load.at_most * cycles,
+        priority=priority,
+        release="interrupt",
+        blocking=blocking,
+        release_jitter=release_jitter,
+    )
+
+
+def transfer_tasks(
+    image: ElfImage, blocking: InterruptBlocking, facts: Facts
+) -> list[ScheduledTask]:
+    """Cycles that the data controller takes, whatever the processor executes, also while the alarm
+    is late (the tasks' release jitter): data sheet 6175M, chapters PDC and memory controller."""
+    first = 1 + max(cost.handler.priority for cost in blocking.handlers)
+    late, cycles = blocking.kernel.release_jitter, STOLEN_CYCLES[blocking.kernel.timing]
+    return [
+        _bursts(f"{peripheral} transfers", cycles, first, loads, 0, late)
+        for peripheral, loads in facts.transfer_loads(image).items()
+    ]
+
+
+def _expiries(events: Sequence[EventCost], alarm: AlarmCosts, blocking: int) -> list[ScheduledTask]:
+    """Timing events: each a call of the alarm, and an early one before."""
+    return [
+        _bursts(
+            event.name,
+            event.cycles + alarm.early,
+            event.handler.priority,
+            event.loads,
+            blocking,
+        )
+        for event in events
+    ]
+
+
+def _waits_inside(
+    timings: Sequence[TaskTiming], alarm: AlarmCosts, priority: int
+) -> list[ScheduledTask]:
+    """The alarm's calls for sporadic tasks that also wait for a time inside their jobs."""
+    return [
+        ScheduledTask(
+            f"alarm inside {timing.task.name}",
+            exact_cycles(timing.task.period_us or 0),
+            timing.suspension_count * (alarm.first + alarm.early),
+            priority,
+            release="interrupt",
+        )
+        for timing in timings
+        if timing.suspension_count
+        and timing.task.release == "sporadic"
+        and DELAY_UNTIL in timing.job.reached
+    ]
+
+
+def scheduled_bounds(
+    blocking: InterruptBlocking,
+    alarm: AlarmCosts,
+    facts: Facts,
+    jobs: Sequence[tuple[Task, Bound]],
+    transfers: Sequence[ScheduledTask],
+) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
+    """The tasks with their blocking, the task set, its overheads, and bounds by the task's name."""
+    costs, kernel = blocking.handlers, blocking.kernel
+    timings = tuple(
+        TaskTiming(
+            task,
+            job,
+            *_suspension(facts, task, job),
+            blocking_cause(task.priority, task.name, jobs, kernel),
+        )
+        for task, job in jobs
+    )
+    overheads = alarm.overheads(kernel)
+    level = costs[0].handler.priority
+    interrupts = _scheduled_interrupts(blocking, facts, jobs)
+    interrupts += _expiries(blocking.events, alarm, blocking.longest_cycles(level, jobs))
+    interrupts += _waits_inside(timings, alarm, level)
+    interrupts += transfers
+    tasks = _scheduled_tasks(timings)
+    task_set = TaskSet((*interrupts, *tasks))
+    bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
+    for timing in timings:
+        special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
+        if special is not None:
+            seen = TaskSet((*special, *tasks))
+            own = {b.task.name: b for b in response_time_bounds(seen, overheads)}
+            bounds[timing.task.name] = own[timing.task.name]
+    return timings, task_set, overheads, bounds
+
+
+def _interrupts_seen_by(
+    task: str,
+    interrupts: Sequence[ScheduledTask],
+    costs: Sequence[InterruptCost],
+    facts: Facts,
+) -> list[ScheduledTask] | None:
+    """Interrupts as they come in windows from a task's releases on; None where nothing is said
+    about these."""
+    by_name = {source_name(cost.handler.source): cost for cost in costs}
+    found, special = [], False
+    for interrupt in interrupts:
+        cost = by_name.get(interrupt.name)
+        loads = () if cost is None else facts.loads(cost.handler.source, task)
+        special |= bool(loads)
+        found.append(_interrupt(cost, loads, 0) if cost and loads else interrupt)
+    return found if special else None

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Annotations looked up by address: which fact holds at a place of the image, and for which loops
+//! each loop bound was used.
+
+use crate::error::{Error, Place};
+use crate::inputs::annotations::{Annotations, Fact};
+use crate::inputs::image::{Entry, Image};
+use crate::inputs::memory_map::MemoryMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A loop for which a fact was used.
+#[derive(Clone, Debug)]
+pub struct FactUse {
+    /// The loop's first instruction.
+    pub place: Place,
+    /// Number of the loop within its symbol.
+    pub number: usize,
+    /// The loop is inside of another one for which the same fact was used.
+    pub nested: bool,
+}
+
+/// The user's facts about an image.
+pub struct Facts<'a> {
+    /// Symbols and source lines.
+    pub image: &'a Image,
+    /// All facts.
+    pub annotations: &'a Annotations,
+    /// Loops for which each loop bound was used: by its number, then by the header's address.
+    pub uses: RefCell<BTreeMap<usize, BTreeMap<u32, FactUse>>>,
+    map: &'a MemoryMap,
+    regions: RefCell<BTreeMap<u32, Option<u8>>>,
+}
+
+impl<'a> Facts<'a> {
+    /// Facts that name unknown regions or functions are errors.
+    pub fn new(
+        image: &'a Image,
+        map: &'a MemoryMap,
+        annotations: &'a Annotations,
+    ) -> Result<Self, Error> {
+        let mut regions = annotations
+            .accesses
+            .iter()
+            .filter_map(|f| f.region.as_ref());
+        regions.try_for_each(|region| map.find(region).map(drop))?;
+        for target in annotations.calls.iter().flat_map(|fact| &fact.targets) {
+            if image.function(target).is_none() {
+                return Err(Error::Input(format!(
+                    "[[call]] names '{target}', no function here"
+                )));
+            }
+        }
+        Ok(Self {
+            image,
+            annotations,
+            uses: RefCell::default(),
+            map,
+            regions: RefCell::default(),
+        })
+    }
+
+    fn find(&self, facts: &'a [Fact], address: u32) -> Option<&'a Fact> {
+        if facts.is_empty() {
+            return None;
+        }
+        let place = self.image.place(address);
+        let names = self.image.names_at(address);
+        facts.iter().find(|fact| fact.matches(&place, names, None))
+    }
+
+    /// Is the place declared never to be executed?
+    pub fn is_never_executed(&self, address: u32) -> bool {
+        self.find(&self.annotations.never, address).is_some()
+    }
+
+    /// Is the place executed, but not in what is bounded?
+    pub fn is_avoided(&self, address: u32) -> bool {
+        self.find(&self.annotations.avoided, address).is_some()
+    }
+
+    /// Does a branch to an unknown place end the analysis here?
+    pub fn leaves(&self, address: u32) -> bool {
+        self.find(&self.annotations.leaves, address).is_some()
+    }
+
+    /// Most activations of a recursive function in one call and at the same time.
+    pub fn recursion(&self, function: Entry) -> Option<(u64, u32)> {
+        let fact = self.find(&self.annotations.recursions, function.0)?;
+        Some((fact.calls?, fact.depth?))
+    }
+
+    /// Most cycles of a function.
+    pub fn cycles(&self, function: Entry) -> Option<u64> {
+        self.find(&self.annotations.costs, function.0)?.cycles
+    }
+
+    /// Functions that an indirect branch may reach.
+    pub fn call_targets(&self, address: u32) -> Option<Vec<Entry>> {
+        let fact = self.find(&self.annotations.calls, address)?;
+        let names = fact.targets.iter();
+        Some(names.filter_map(|name| self.image.function(name)).collect())
+    }
+
+    /// Region of an access.
+    pub fn region(&self, address: u32) -> Option<u8> {
+        if self.annotations.accesses.is_empty() {
+            return None;
+        }
+        *self.regions.borrow_mut().entry(address).or_insert_with(|| {
+            let accesses = &self.annotations.accesses;
+            let general = || accesses.iter().find(|fact| fact.is_general());
+            let fact = self.find(accesses, address).or_else(general)?;
+            self.map.find(fact.region.as_ref()?).ok()
+        })
+    }
+
+    /// Refuses loop bounds that were used for several loops without saying that they hold for each.
+    pub fn check_uses(&self) -> Result<(), Error> {
+        for (which, loops) in self.uses.borrow().iter() {
+            let fact = &self.annotations.loops[*which];
+            let named = fact.line.is_some() || fact.index.is_some();
+            let nested = loops.values().any(|found| found.nested);
+            let places: BTreeSet<_> = loops.values().map(FactUse::source_place).collect();
+            if fact.every || !(nested || (!named && places.len() > 1)) {
+                continue;
+            }
+            let each: Vec<String> = loops.values().map(FactUse::to_string).collect();
+            return Err(Error::Input(format!(
+                "{}: [[loop]] {} holds for {} loops: {}; give each its own with 'line', or with \
+                 'symbol' and 'index', or add 'every = true' if the number holds for each of them",
+                fact.source,
+                fact.place(),
+                loops.len(),
+                each.join(", ")
+            )));
+        }
+        Ok(())
+    }
+}
+
+impl FactUse {
+    /// File and line where they are known, so that copies of one loop count once.
+    fn source_place(&self) -> (Option<&(String, u32)>, u32) {
+        let line = self.place.line.as_ref();
+        (line, line.map_or(self.place.address, |_| 0))
+    }
+}
+
+impl std::fmt::Display for FactUse {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some((file, line)) = &self.place.line {
+            write!(f, "{file}:{line}, ")?;
+        }
+        let symbol = self.place.symbol.as_ref();
+        let symbol = symbol.map_or("?", |(name, _)| name);
+        write!(f, "loop {} of {symbol}", self.number)
+    }
+}

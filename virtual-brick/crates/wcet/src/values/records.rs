@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What all executions of an instruction or a block have in common: the joined knowledge on which
+//! the costs of blocks are based.
+
+use crate::inputs::image::Entry;
+use crate::values::value::Value;
+use std::collections::BTreeSet;
+
+/// What all executions of an instruction have in common.
+#[derive(Clone, Debug, Default)]
+pub struct InstructionRecord {
+    /// Flags that are possible before it.
+    pub flags: u16,
+    /// Dearest read.
+    pub read_cycles: u64,
+    /// Dearest write.
+    pub write_cycles: u64,
+    /// Most internal cycles, with what they and the accesses add to the next fetch.
+    pub internal_cycles: u32,
+    /// Some address was not known to lie in one region.
+    pub unknown_address: bool,
+}
+
+/// What all executions of a block have in common.
+#[derive(Clone, Debug, Default)]
+pub struct BlockRecord {
+    /// One for each instruction.
+    pub instructions: Vec<InstructionRecord>,
+    /// Edges that some execution takes.
+    pub feasible: Vec<bool>,
+    /// r0 to r3 at the call.
+    pub arguments: Option<[Value; 4]>,
+    /// Deepest stack in bytes below the function's entry; `None` when not known.
+    pub depth_bytes: Option<u32>,
+    /// Depth at the call.
+    pub call_depth_bytes: Option<u32>,
+    /// Highest urgency of a protected action that the block is in, at least in part.
+    pub urgency: Option<u32>,
+    /// Longest call at its end, where calls are analysed in their context.
+    pub callee_cycles: Option<u64>,
+    /// Functions that are really called at its end.
+    pub callees: BTreeSet<Entry>,
+}
