@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Bounds of execution times and stacks of ARM7TDMI programs, by static analysis of their ELF files.
+//! Bounds of execution times and stacks of ARM7TDMI programs, by static analysis of their ELF
+//! files.
 //!
-//! **In:** an [`Image`] (code, symbols, line table), a [`MemoryMap`] with the cycles of each kind of
-//! access, [`Annotations`] (flow facts, conventions of the kernel). **Out:** for a function or a job
-//! of a task, cycles and stack with the path that attains them ([`Report`], [`Response`]), or the
-//! [`Error`] that names the place that keeps it from being bounded. **Not known here:** the chip, its
-//! peripherals, the scheduler; interrupts and DMA are interference, which the caller adds.
+//! **In:** an [`Image`] (code, symbols, line table), a [`MemoryMap`] with the cycles of each kind
+//! of access, [`Annotations`] (flow facts, conventions of the kernel). **Out:** for a function or a
+//! job of a task, cycles and stack with the path that attains them ([`Report`], [`Response`]), or
+//! the [`Error`] that names the place that keeps it from being bounded. **Not known here:** the
+//! chip, its peripherals, the scheduler; interrupts and DMA are interference, which the caller
+//! adds.
 //!
 //! The rooms, each knowing only those before it:
 //!

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Bounds of a function: abstract execution of its graph and, where that cannot follow, the longest
-//! path over its blocks. `Program::bound` and the calls in `context_sensitive_calls` need each other:
-//! a call that is not analysed in its context costs what `Program::bound` says for its arguments.
+//! path over its blocks. `Program::bound` and the calls in `context_sensitive_calls` need each
+//! other: a call that is not analysed in its context costs what `Program::bound` says for its
+//! arguments.
 
 use crate::error::Error;
 use crate::functions::context_sensitive_calls::ContextSensitiveCalls;
@@ -278,7 +279,7 @@ fn repeats(findings: &[LoopFinding], forest: &LoopForest) -> Vec<Option<u64>> {
     all.collect()
 }
 
-/// Bounds of the functions callee_bounds at the end of each block, and the blocks whose calls never
+/// Bounds of the functions called at the end of each block, and the blocks whose calls never
 /// return with the arguments they have.
 type CalleeBounds = (Vec<Vec<Rc<FunctionBound>>>, BTreeSet<usize>);
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Context-sensitive interprocedural analysis: a callee is executed in the state of its caller, with
-//! its frame, its arguments and, where it is known, memory. The cycles of the callee are added to the
-//! path on which it is called. The context is the whole call string, as far as the budget of steps
-//! reaches; beyond, a callee costs what it costs for its arguments alone.
+//! Context-sensitive interprocedural analysis: a callee is executed in the state of its caller,
+//! with its frame, its arguments and, where it is known, memory. The cycles of the callee are added
+//! to the path on which it is called. The context is the whole call string, as far as the budget of
+//! steps reaches; beyond, a callee costs what it costs for its arguments alone.
 
 use crate::error::Error;
 use crate::functions::function_summary::FunctionSummary;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Annotations of the user (flow facts): loop bounds, targets of calls, regions of accesses, places never executed.
+//! Annotations of the user (flow facts): loop bounds, targets of calls, regions of accesses, places
+//! never executed.
 
 use crate::error::{Error, Place};
 use serde::Deserialize;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The longest path through a reducible graph whose loops have bounds.
 //!
-//! A loop whose header executes at most n times costs at most n - 1 times its most expensive
-//! path back and one path out. From the innermost loop outwards that is the optimum of implicit path
+//! A loop whose header executes at most n times costs at most n - 1 times its most expensive path
+//! back and one path out. From the innermost loop outwards that is the optimum of implicit path
 //! enumeration (Li and Malik 1995) under these bounds, found without a solver. Where an inner loop
 //! is known to repeat less often in all than its bound times the outer loop's, its repetitions are
 //! charged to the outer loop as a whole.

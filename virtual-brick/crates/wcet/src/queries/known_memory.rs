@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Bounds with known memory, of programs that nothing else disturbs: they begin with memory as the image says, no interrupt or
-//! other thread writes to it, and what they read was written by themselves. Loops, recursion and
-//! branches that depend on such data only need no fact; what cannot be executed is bounded for any
-//! data.
+//! Bounds with known memory, of programs that nothing else disturbs: they begin with memory as the
+//! image says, no interrupt or other thread writes to it, and what they read was written by
+//! themselves. Loops, recursion and branches that depend on such data only need no fact; what
+//! cannot be executed is bounded for any data.
 
 use crate::error::Error;
 use crate::functions::context_sensitive_calls::{ContextSensitiveCalls, STACK_BYTES};

@@ -74,7 +74,7 @@ pub fn compute(
     }
 }
 
-/// What a subtraction of two registers gives that differ by a known known_distance, whatever they hold.
+/// What a subtraction of two registers gives that differ by a known distance, whatever they hold.
 fn known_distance(
     state: &State,
     processing: &DataProcessing,

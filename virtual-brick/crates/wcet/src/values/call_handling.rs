@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The call at the end of a block: which functions it reaches in a state, what it does to the state,
-//! and which protected actions it enters and leaves.
+//! The call at the end of a block: which functions it reaches in a state, what it does to the
+//! state, and which protected actions it enters and leaves.
 
 use crate::inputs::image::Entry;
 use crate::values::block_interpreter::{BlockInterpreter, CallOutcome};

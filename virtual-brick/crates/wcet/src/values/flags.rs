@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Sets of the condition flags N, Z, C and V: bit n of a set stands for the combination n (NZCV as a
-//! number). Results of single elements come from the core's own adder.
+//! Sets of the condition flags N, Z, C and V: bit n of a set stands for the combination n (NZCV as
+//! a number). Results of single elements come from the core's own adder.
 
 use crate::values::value::Value;
 use arm7tdmi::alu::add;

@@ -25,7 +25,7 @@ pub struct ShifterOperand {
     pub register: Option<u32>,
 }
 
-/// The second operand, with `read` giving the value of shift_elements register.
+/// The second operand, with `read` giving the value of each register.
 pub fn shifter_operand(
     state: &State,
     operand: Operand,
