@@ -22,6 +22,23 @@ fn elf(flags: &[&str]) -> Option<Vec<u8>> {
     build("calls", &[program("calls.c")], flags)
 }
 
+/// Runs a check on the code of all flags.
+fn on_all(check: impl Fn([&str; 2], &[u8])) {
+    for flags in FLAGS {
+        if let Some(elf) = elf(&flags) {
+            check(flags, &elf);
+        }
+    }
+}
+
+/// Cycles of a call on the core with a word in a variable.
+fn seen_with(elf: &[u8], (variable, value): (&str, u32), symbol: &str) -> u64 {
+    let mut machine = Machine::new(elf);
+    let address = machine.address(variable);
+    machine.set_word(address, value);
+    machine.call(symbol, [0; 4]).cycles
+}
+
 /// What is found about the last of some calls for all contents of the inputs, with the two fetches
 /// after its return.
 fn last_call(
@@ -46,45 +63,41 @@ fn last_call(
 
 #[test]
 fn a_loop_is_bounded_by_what_its_caller_left_in_the_frame() {
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
-        let seen = Machine::new(&elf).call("framed", [3, 0, 0, 0]);
-        assert_eq!(bound(&elf, "framed", "").unwrap(), seen.cycles, "{flags:?}");
-    }
+    on_all(|flags, elf| {
+        let seen = Machine::new(elf).call("framed", [3, 0, 0, 0]);
+        assert_eq!(bound(elf, "framed", "").unwrap(), seen.cycles, "{flags:?}");
+    });
 }
 
 #[test]
 fn each_call_costs_what_it_costs_and_not_what_the_longest_does() {
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
-        let seen = Machine::new(&elf).call("rising", [0; 4]);
-        let most = bound(&elf, "rising", "").unwrap();
+    on_all(|flags, elf| {
+        let seen = Machine::new(elf).call("rising", [0; 4]);
+        let most = bound(elf, "rising", "").unwrap();
         // The multiplier's size is known for each call, too.
         assert_eq!(most, seen.cycles, "{flags:?}");
-    }
+    });
 }
 
 #[test]
 fn a_program_that_nothing_disturbs_is_bounded_as_it_is_recursion_included() {
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
-        let mut machine = Machine::new(&elf);
+    on_all(|flags, elf| {
+        let mut machine = Machine::new(elf);
         machine.call("prepare", [0; 4]);
         let seen = machine.call("stored", [0; 4]);
-        let found = last_call(&elf, &["prepare", "stored"], &[], "").unwrap();
+        let found = last_call(elf, &["prepare", "stored"], &[], "").unwrap();
         assert_eq!(found.cycles, seen.cycles, "{flags:?}");
-    }
+    });
 }
 
 #[test]
 fn a_bound_for_any_content_of_an_input_holds_for_each_and_is_nearly_reached() {
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
+    on_all(|flags, elf| {
         let items = Input::any("items".into());
-        let found = last_call(&elf, &["prepare", "highest"], &[items], "").unwrap();
+        let found = last_call(elf, &["prepare", "highest"], &[items], "").unwrap();
         let mut most = 0;
         for rises in [false, true] {
-            let mut machine = Machine::new(&elf);
+            let mut machine = Machine::new(elf);
             let items = machine.address("items");
             for place in 0..8 {
                 let value = if rises { place } else { 8 - place };
@@ -99,7 +112,7 @@ fn a_bound_for_any_content_of_an_input_holds_for_each_and_is_nearly_reached() {
         );
         let comparison = found.lines.iter().find(|l| l.line.ends_with("calls.c:83"));
         assert_eq!(comparison.map(|line| line.executions), Some(8), "{flags:?}");
-    }
+    });
 }
 
 #[test]
@@ -139,10 +152,7 @@ fn a_jump_table_ends_where_the_counter_ends_that_is_its_index() {
                  [[loop]]\nsymbol = \"turned\"\nindex = 1\niterations = 8\n";
     for flags in [["-mthumb", "-O1"], ["-mthumb", "-O2"], ["-marm", "-O2"]] {
         let Some(elf) = elf(&flags) else { return };
-        let mut machine = Machine::new(&elf);
-        let turns = machine.address("turns");
-        machine.set_word(turns, 8);
-        let seen = machine.call("turned", [0; 4]).cycles;
+        let seen = seen_with(&elf, ("turns", 8), "turned");
         let most = bound(&elf, "turned", facts).unwrap();
         assert!(seen <= most, "{flags:?}: {seen} of {most}");
         let own = last_call(&elf, &["turned"], &[], "").unwrap();
@@ -155,23 +165,21 @@ fn a_jump_table_ends_where_the_counter_ends_that_is_its_index() {
 fn a_call_through_a_pointer_comes_back_to_the_caller_of_the_piece_of_code_that_makes_it() {
     let call = "[[call]]\nsymbol = \"through\"\ntargets = [\"counted\"]\n";
     let count = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 6\n";
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
-        let mut machine = Machine::new(&elf);
+    on_all(|flags, elf| {
+        let mut machine = Machine::new(elf);
         let callee = machine.address("counted");
         let seen = machine.call("through", [callee, 6, 0, 0]).cycles;
-        let most = bound(&elf, "through", &format!("{call}{count}")).unwrap();
+        let most = bound(elf, "through", &format!("{call}{count}")).unwrap();
         assert!(
             seen <= most && most < seen * 3 / 2,
             "{flags:?}: {seen} of {most}"
         );
-    }
+    });
 }
 
 #[test]
 fn a_byte_that_may_be_anything_leaves_the_rest_of_its_word_known() {
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
+    on_all(|flags, elf| {
         let second = Input {
             offset_bytes: 1,
             size_bytes: Some(1),
@@ -179,60 +187,50 @@ fn a_byte_that_may_be_anything_leaves_the_rest_of_its_word_known() {
             range: Some((0, 4)),
             ..Input::any("portions".into())
         };
-        let most = last_call(&elf, &["portion", "portioned"], &[second], "")
+        let most = last_call(elf, &["portion", "portioned"], &[second], "")
             .unwrap()
             .cycles;
-        let mut machine = Machine::new(&elf);
+        let mut machine = Machine::new(elf);
         machine.call("portion", [0; 4]);
         let portions = machine.address("portions");
         machine.set_bytes(portions + 1, &[4]);
         let seen = machine.call("portioned", [0; 4]).cycles;
         assert_eq!(most, seen, "{flags:?}");
-    }
+    });
 }
 
 #[test]
 fn what_is_compared_is_known_of_what_differs_from_it_by_a_constant() {
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
+    on_all(|flags, elf| {
         let input = Input {
             range: Some((2, 20)),
             ..Input::any("stairs".into())
         };
-        let most = last_call(&elf, &["portion", "climbed"], &[input], "")
+        let most = last_call(elf, &["portion", "climbed"], &[input], "")
             .unwrap()
             .cycles;
-        let longest = (2..=20).map(|count| {
-            let mut machine = Machine::new(&elf);
-            let stairs = machine.address("stairs");
-            machine.set_word(stairs, count);
-            machine.call("climbed", [0; 4]).cycles
-        });
-        let longest = longest.max().unwrap();
+        let runs = (2..=20).map(|count| seen_with(elf, ("stairs", count), "climbed"));
+        let longest = runs.max().unwrap();
         assert!(
             longest <= most && most <= longest + 3,
             "{flags:?}: {longest} {most}"
         );
-    }
+    });
 }
 
 #[test]
 fn steps_that_exclude_each_other_are_not_both_charged() {
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
+    on_all(|flags, elf| {
         let input = Input {
             range: Some((0, 5)),
             ..Input::any("marks".into())
         };
-        let most = last_call(&elf, &["portion", "exclusive"], &[input], "")
+        let most = last_call(elf, &["portion", "exclusive"], &[input], "")
             .unwrap()
             .cycles;
-        let mut machine = Machine::new(&elf);
-        let marks = machine.address("marks");
-        machine.set_word(marks, 5);
-        let seen = machine.call("exclusive", [0; 4]).cycles;
+        let seen = seen_with(elf, ("marks", 5), "exclusive");
         assert_eq!(most, seen, "{flags:?}");
-    }
+    });
 }
 
 #[test]
@@ -251,17 +249,16 @@ fn a_recursion_that_depends_on_an_input_is_refused() {
 #[test]
 fn memory_is_still_known_after_a_loop_that_ends_because_the_user_says_so() {
     let facts = "[[loop]]\nsymbol = \"awaited\"\nindex = 0\niterations = 5\n";
-    for flags in FLAGS {
-        let Some(elf) = elf(&flags) else { return };
+    on_all(|flags, elf| {
         let once = "[[loop]]\nsymbol = \"awaited\"\nindex = 0\niterations = 4\n";
         let wait = |facts| {
             let input = Input::any("signals".into());
-            last_call(&elf, &["portion", "awaited"], &[input], facts)
+            last_call(elf, &["portion", "awaited"], &[input], facts)
                 .unwrap()
                 .cycles
         };
         let (four, five) = (wait(once), wait(facts));
-        let mut machine = Machine::new(&elf);
+        let mut machine = Machine::new(elf);
         machine.call("portion", [0; 4]);
         let least = machine.call("awaited", [0; 4]).cycles;
         let bound = least + 5 * (five - four);
@@ -269,7 +266,7 @@ fn memory_is_still_known_after_a_loop_that_ends_because_the_user_says_so() {
             five.abs_diff(bound) <= 6,
             "{flags:?}: {least} {four} {five}"
         );
-    }
+    });
 }
 
 #[test]

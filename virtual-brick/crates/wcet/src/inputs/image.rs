@@ -26,7 +26,7 @@ pub struct Image {
 impl Image {
     /// Reads a linked 32-bit little-endian ELF file for ARM.
     pub fn read(elf: &[u8]) -> Result<Self, Error> {
-        let wrong = |error: image::ImageError| Error::Input(error.to_string());
+        let wrong = |error: image::ImageError| Error::Input(format!("ELF file: {error}"));
         Self::of_file(image::Image::parse(elf).map_err(wrong)?).map_err(wrong)
     }
 

@@ -143,7 +143,7 @@ impl Effort {
 pub struct Response {
     /// What the times are of.
     pub timing: String,
-    /// Dearest fetches after a return.
+    /// Most expensive fetches after a return.
     pub return_cycles: u64,
     /// Bounds of functions.
     pub functions: Vec<Answer>,

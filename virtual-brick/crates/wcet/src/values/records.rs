@@ -12,9 +12,9 @@ use std::collections::BTreeSet;
 pub struct InstructionRecord {
     /// Flags that are possible before it.
     pub flags: u16,
-    /// Dearest read.
+    /// Most expensive read.
     pub read_cycles: u64,
-    /// Dearest write.
+    /// Most expensive write.
     pub write_cycles: u64,
     /// Most internal cycles, with what they and the accesses add to the next fetch.
     pub internal_cycles: u32,
