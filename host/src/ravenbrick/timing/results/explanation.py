@@ -17,13 +17,13 @@ CLOSE = 1.1
 
 def _own(task: dict[str, Any]) -> tuple[int, str]:
     bound, seen = task["execution_bound_cycles"], task["observed"]["execution_cycles"]
-    text = f"the longest path of its job needs {bound} cycles, the longest job seen {seen}"
+    text = f"the longest path of its job takes {bound} cycles, the longest observed job {seen}"
     least = LEAST_SHARE * (bound - seen)
     modes = [mode for mode in task["modes"] if bound - mode["execution_bound_cycles"] > least]
     if modes:
         mode = min(modes, key=lambda mode: int(mode["execution_bound_cycles"]))
         path = f"{mode['execution_bound_cycles']} in mode '{mode['name']}' ({mode['reason']})"
-        text += f"; that path needs only {path}"
+        text += f"; that path takes only {path}"
     return bound - seen, text
 
 
@@ -32,7 +32,7 @@ def _interference(task: dict[str, Any], handlers: set[str]) -> tuple[int, str]:
     seen = task["observed"]["interference_cycles"]
     parts = [p for p in task["terms"]["interference"] if p["task"] not in handlers]
     names = ", ".join(f"{p['jobs']:g} x {p['task']}" for p in parts)
-    text = f"more urgent jobs, all at their longest, take {bound} cycles ({names}), seen {seen}"
+    text = f"more urgent jobs, all at their longest, take {bound} cycles ({names}), observed {seen}"
     return bound - seen, text
 
 
@@ -41,15 +41,15 @@ def _interrupts(task: dict[str, Any], handlers: set[str]) -> tuple[int, str]:
     seen = task["observed"]["interrupt_cycles"]
     parts = [p for p in task["terms"]["interference"] if p["task"] in handlers]
     names = ", ".join(f"{p['task']} {p['cycles']}" for p in parts)
-    text = f"interrupts may come as often as allowed and take {bound} cycles ({names}), seen {seen}"
+    text = f"interrupts at their maximum rates take {bound} cycles ({names}), observed {seen}"
     return bound - seen, text
 
 
 def _blocking(task: dict[str, Any]) -> tuple[int, str]:
     bound, seen = task["terms"]["blocking_cycles"], task["observed"]["blocking_cycles"]
     cause = task["terms"]["blocked_by"]
-    what = f"{cause['task']} may just have begun ({cause['kind']})"
-    return bound - seen, f"{what} and block it for {bound} cycles, seen {seen}"
+    what = f"{cause['task']} may block it ({cause['kind']})"
+    return bound - seen, f"{what} for {bound} cycles, observed {seen}"
 
 
 def _overheads(task: dict[str, Any]) -> str:
@@ -62,15 +62,15 @@ def _overheads(task: dict[str, Any]) -> str:
 def _of_task(task: dict[str, Any], handlers: set[str]) -> str:
     bound, seen = task["response_bound_cycles"], task["observed"]["response_cycles"]
     apart_us = float((bound - seen) * 1_000_000 / MASTER_CLOCK.hertz)
-    head = f"{task['name']}: the bound lies {bound - seen} cycles ({apart_us:.0f} us) above"
+    head = f"{task['name']}: the bound is {bound - seen} cycles ({apart_us:.0f} us) above"
     if bound <= CLOSE * seen:
-        return f"{head} the longest response seen, which is close"
+        return f"{head} the longest observed response, which is close"
     terms = [_own(task), _interference(task, handlers), _interrupts(task, handlers)]
     terms.append(_blocking(task))
     least = LEAST_SHARE * (bound - seen)
     shown = [text for gap, text in sorted(terms, key=lambda term: -term[0]) if gap >= least]
     shown = shown or [_overheads(task)]
-    return f"{head} the longest response seen: " + "; ".join(shown)
+    return f"{head} the longest observed response: " + "; ".join(shown)
 
 
 def overestimation(result: dict[str, Any]) -> list[str]:

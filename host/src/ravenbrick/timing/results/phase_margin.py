@@ -61,7 +61,7 @@ def phase_margin(loop: Loop, delay: float) -> float:
 
 
 def margins_of(loop: Loop, chain: ChainDelay) -> dict[str, float | None]:
-    """Phase margins in degrees: as designed, with the longest delay seen, with the bound."""
+    """Phase margins in degrees: as designed, with the longest observed delay, with the bound."""
 
     def at(cycles: int | None) -> float | None:
         return None if cycles is None else phase_margin(loop, microseconds(cycles) / 1e6)
@@ -75,7 +75,7 @@ def margins_of(loop: Loop, chain: ChainDelay) -> dict[str, float | None]:
 
 def margin_words(margins: dict[str, Any]) -> str:
     """The margins in a line."""
-    names = (("designed", "designed_deg"), ("with the longest delay seen", "seen_deg"))
+    names = (("designed", "designed_deg"), ("with the longest observed delay", "seen_deg"))
     parts = [(text, margins[key]) for text, key in (*names, ("with the bound", "bound_deg"))]
     text = ", ".join(f"{value:.1f} degrees {what}" for what, value in parts if value is not None)
     lost = margins["bound_deg"] is not None and margins["bound_deg"] <= 0
