@@ -190,7 +190,7 @@ def _example(name: str, result: dict[str, Any]) -> list[str]:
         lines += [_line(_mode_row(mode)) for mode in task["modes"]]
     handlers = ", ".join(f"{row['source']} {row['bound_cycles']}" for row in result["interrupts"])
     verdict = "All deadlines are met." if result["schedulable"] else "A deadline can be missed."
-    lines += ["", f"{verdict} Calls of handlers, all in all, at most: {handlers}."]
+    lines += ["", f"{verdict} Bounds of complete handler calls: {handlers}."]
     for chain in result["chains"]:
         edge, margins = chain["edge_max_cycles"], chain["phase_margin"]
         lines.append(
@@ -225,17 +225,20 @@ def _programs(found: dict[str, Any]) -> list[str]:
     lines = [
         f"{found['programs']} generated Ada programs with {found['tasks']} tasks: "
         f"{len(found['above_bound'])} responses above their bounds. All tasks are released",
-        "together once; the bound of the least urgent one's response then lies above the run's by",
-        f"{mean - 1:.2%} in the mean and {most - 1:.2%} at most.",
+        "together once; the bound of the least urgent task is then above its response by",
+        f"{mean - 1:.2%} on average and {most - 1:.2%} at most.",
         "",
         "| least urgent task: bound over response | programs |",
         "| --- | ---: |",
-        f"| at most 1.05 at the release of all together | {within} |",
+        f"| at most 1.05 at the common release | {within} |",
     ]
     far = found["lowest_task_beyond"]
     for reason, text in (
-        (REACHED, "at most 1.05 in a run with other phases, which were searched"),
-        (MISSED, "the run ends just before a release of a more urgent task, the bound behind it"),
+        (REACHED, "at most 1.05 in a run with other phases, found by a search"),
+        (
+            MISSED,
+            "the response ends just before a release of a more urgent task, the bound after it",
+        ),
         (UNEXPLAINED, "not explained"),
     ):
         chosen = [one for one in far if one["reason"] == reason]
@@ -246,9 +249,9 @@ def _programs(found: dict[str, Any]) -> list[str]:
         longer, ratio = (max(one[key] for one in missed) for key in ("longer", "ratio"))
         lines += [
             "",
-            "Why the last ones are far from their bounds: a job that is longer by at most "
-            f"{longer:.2%} of the response runs into",
-            f"that release on the brick too, and its bound then lies at most {ratio - 1:.2%} above "
+            "Reason for the last distances: if the job is longer by at most "
+            f"{longer:.2%} of the response, it reaches",
+            f"that release on the brick too, and its bound is then at most {ratio - 1:.2%} above "
             "the response.",
         ]
     return lines
