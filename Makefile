@@ -61,11 +61,16 @@ test-rust: ## Tests of the virtual brick's crates
 	@cargo test $(CARGO_OPTIONS) --quiet --no-fail-fast --workspace \
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
-.PHONY: test-python
-test-python: ## Tests of run-time, drivers, control, tools and examples
+.PHONY: test-python test-host test-brick
+test-python: ## Tests of the host package, tools, run-time, drivers and examples
 	@.venv/bin/ravenbrick build examples/vehicle
-	@$(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests runtime/tests \
-		drivers/tests examples verification
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync test-host test-brick
+
+test-host:
+	@env -u MAKEFLAGS $(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests
+
+test-brick:
+	@env -u MAKEFLAGS $(PYTHON) -m pytest -q runtime/tests drivers/tests examples verification
 
 .PHONY: test-page
 test-page: ## Tests of the page: units in Node.js, the shipped page in headless Chromium
