@@ -14,8 +14,6 @@ with System;
 
 package body Following is
 
-   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
-
    use NXT;
 
    --  Readings of the paper and of the line under the lamp
@@ -28,6 +26,8 @@ package body Following is
      NXT.Light_Sensors.Ctors.Make (Sensor_3, Floodlight_On => True);
    Touch   : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
    Touched : Boolean := True;
+
+   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    Brightness_Seen : Float := 0.0 with
      Volatile, Export, Convention => C, External_Name => "follow_brightness";

@@ -16,8 +16,6 @@ with System;
 
 package body Bench is
 
-   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
-
    use NXT;
 
    Target_Angle : constant := 360;
@@ -26,6 +24,8 @@ package body Bench is
 
    Sensor  : NXT.Touch_Sensors.Touch_Sensor (Sensor_1);
    Touched : Boolean := True;
+
+   package Shared is new NXT.Shared_State (Status, Ceiling => System.Priority'First + 2);
 
    --  Symbols for an observer; the program only writes them
 
