@@ -2,7 +2,6 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with NXT.AVR;
-with NXT.Battery;
 with NXT.Buttons;
 with NXT.Motor_Controls;
 with NXT.Motor_Encoders;
