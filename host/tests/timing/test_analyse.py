@@ -282,7 +282,7 @@ def test_the_report_says_what_the_bound_holds_that_the_run_did_not_show(
     rest = {**first, "observed": {**first["observed"], **met}}
     (line,) = overestimation({"tasks": [rest]})
     charged = terms["overheads_cycles"] + terms["release_jitter_cycles"]
-    assert line.endswith(f"are charged {charged} cycles, which the run does not show apart")
+    assert line.endswith(f"are charged {charged} cycles, which the run does not show separately")
 
 
 def test_an_image_older_than_the_run_time_is_named_with_what_to_do(image: ElfImage) -> None:
