@@ -269,8 +269,8 @@ def test_the_report_says_what_the_bound_holds_that_the_run_did_not_show(
 ) -> None:
     result = result_of(analysis, observe(robot, recording))
     link, *_, display = overestimation(result)
-    assert link.startswith("coprocessor_task: the bound lies")
-    assert "that path needs only" in link and "in mode 'link up' (the link was set up" in link
+    assert link.startswith("coprocessor_task: the bound is")
+    assert "that path takes only" in link and "in mode 'link up' (the link was set up" in link
     assert "2 x coprocessor_task" in display or "1 x coprocessor_task" in display
     first = result["tasks"][0]
     seen = {**first["observed"], "response_cycles": first["response_bound_cycles"]}
