@@ -13,7 +13,7 @@ use crate::serial::spi::{self, Spi};
 use crate::serial::ssc::{self, Ssc};
 use crate::serial::twi::{self, Twi};
 use crate::serial::udp::{self, Udp};
-use crate::system::aic::{Aic, Outcome};
+use crate::system::aic::Aic;
 use crate::system::pmc::Pmc;
 use crate::system::rstc::{ResetRequest, Rstc};
 use crate::timers::pit::Pit;
@@ -100,11 +100,10 @@ fn decode_system(address: u32) -> Access<(Peripheral, u32)> {
     Ok((peripheral, address - base))
 }
 
-/// Effect of a register access beyond its peripheral.
+/// Effect of a write to a register beyond its peripheral.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effect {
     Nothing,
-    Interrupt(Outcome),
     IntervalTimerStarted,
     Reset(ResetRequest),
     Watchdog(Expiry),
@@ -171,15 +170,6 @@ impl Peripherals {
     #[inline]
     pub(crate) fn state(&self, peripheral: Peripheral) -> Option<(EventKind, Cycles, u8, bool)> {
         Some(match peripheral {
-            Peripheral::Twi => {
-                let twi = &self.twi;
-                (
-                    EventKind::Twi,
-                    twi.next_event(),
-                    twi::IDENTIFIER,
-                    twi.interrupt(),
-                )
-            }
             Peripheral::Spi => {
                 let spi = &self.spi;
                 (
@@ -239,20 +229,15 @@ impl Peripherals {
             || self.rstc.interrupt()
     }
 
-    /// Read a register of any peripheral but PIOA and MC.
-    #[inline]
+    /// Read a register of any peripheral but AIC, PIOA and MC.
     pub(crate) fn read(
         &mut self,
         peripheral: Peripheral,
         offset: u32,
         now: Cycles,
         configuration: &ChipConfiguration,
-    ) -> Access<(u32, Effect)> {
-        let value = match peripheral {
-            Peripheral::Aic => {
-                let (value, outcome) = self.aic.read(offset, now)?;
-                return Ok((value, Effect::Interrupt(outcome)));
-            }
+    ) -> Access<u32> {
+        Ok(match peripheral {
             Peripheral::Twi => self.twi.read(offset)?,
             Peripheral::Tc => self.tc.read(offset, now)?,
             Peripheral::Adc => self.adc.read(offset)?,
@@ -269,13 +254,13 @@ impl Peripherals {
             Peripheral::Pit => self.pit.read(offset, now)?,
             Peripheral::Wdt => self.wdt.read(offset)?,
             Peripheral::Vreg => self.regulator_mode,
-            Peripheral::Pioa | Peripheral::Mc => return Err(FaultKind::NoPeripheral),
-        };
-        Ok((value, Effect::Nothing))
+            Peripheral::Aic | Peripheral::Pioa | Peripheral::Mc => {
+                return Err(FaultKind::NoPeripheral)
+            }
+        })
     }
 
-    /// Write a register of any peripheral but PIOA, PMC and MC.
-    #[inline]
+    /// Write a register of any peripheral but AIC, PIOA, PMC and MC.
     pub(crate) fn write(
         &mut self,
         peripheral: Peripheral,
@@ -285,7 +270,6 @@ impl Peripherals {
     ) -> Access<Effect> {
         let clocked = |identifier| self.pmc.clocked(identifier);
         match peripheral {
-            Peripheral::Aic => return self.aic.write(offset, value, now).map(Effect::Interrupt),
             Peripheral::Twi => {
                 let clocked = clocked(twi::IDENTIFIER);
                 self.twi.write(offset, value, now, clocked)?;
@@ -322,7 +306,7 @@ impl Peripherals {
             }
             Peripheral::Wdt => return self.wdt.write(offset, value, now).map(Effect::Watchdog),
             Peripheral::Vreg => self.regulator_mode = value & 1,
-            Peripheral::Pioa | Peripheral::Pmc | Peripheral::Mc => {
+            Peripheral::Aic | Peripheral::Pioa | Peripheral::Pmc | Peripheral::Mc => {
                 return Err(FaultKind::NoPeripheral)
             }
         }

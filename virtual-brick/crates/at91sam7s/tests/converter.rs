@@ -3,18 +3,15 @@
 //! Analogue to digital converter.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::Width;
 use common::{read, run_to, running_chip, try_write, wait_for, write, TestChip, ADC, AIC, TC0};
 
-const CR: u32 = ADC;
-const MR: u32 = ADC + 0x04;
-const CHER: u32 = ADC + 0x10;
-const SR: u32 = ADC + 0x1C;
-const LCDR: u32 = ADC + 0x20;
-const IER: u32 = ADC + 0x24;
-const CDR: u32 = ADC + 0x30;
+registers! {
+    ADC; CR = 0x00, MR = 0x04, CHER = 0x10, SR = 0x1C, LCDR = 0x20, IER = 0x24, CDR = 0x30,
+}
 const DRDY: u32 = 1 << 16;
 const GOVRE: u32 = 1 << 17;
 

@@ -3,24 +3,17 @@
 //! Advanced interrupt controller and the path to the core.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::Bus;
 use at91sam7s::board::ChipEvent;
 use common::{chip_events, read, run_to, running_chip, write, TestChip, AIC, PIT, TC0, TWI};
 
-const IVR: u32 = AIC + 0x100;
-const FVR: u32 = AIC + 0x104;
-const ISR: u32 = AIC + 0x108;
-const IPR: u32 = AIC + 0x10C;
-const CISR: u32 = AIC + 0x114;
-const IECR: u32 = AIC + 0x120;
-const IDCR: u32 = AIC + 0x124;
-const ICCR: u32 = AIC + 0x128;
-const ISCR: u32 = AIC + 0x12C;
-const EOICR: u32 = AIC + 0x130;
-const SPU: u32 = AIC + 0x134;
-const DCR: u32 = AIC + 0x138;
+registers! {
+    AIC; IVR = 0x100, FVR = 0x104, ISR = 0x108, IPR = 0x10C, CISR = 0x114, IECR = 0x120,
+    IDCR = 0x124, ICCR = 0x128, ISCR = 0x12C, EOICR = 0x130, SPU = 0x134, DCR = 0x138,
+}
 const EDGE: u32 = 1 << 5;
 
 /// Enable a source with vector 0x1000 + source.

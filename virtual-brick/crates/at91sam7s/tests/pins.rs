@@ -3,29 +3,18 @@
 //! Parallel input/output controller against a board that drives pins.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::Bus;
 use at91sam7s::board::{Board, PinLevels};
 use common::{cold_chip, read, run_to, running_chip, write, Seen, TestChip, AIC, PIOA, PMC};
 
-const PDR: u32 = PIOA + 0x04;
-const OER: u32 = PIOA + 0x10;
-const ODR: u32 = PIOA + 0x14;
-const IFER: u32 = PIOA + 0x20;
-const SODR: u32 = PIOA + 0x30;
-const CODR: u32 = PIOA + 0x34;
-const ODSR: u32 = PIOA + 0x38;
-const PDSR: u32 = PIOA + 0x3C;
-const IER: u32 = PIOA + 0x40;
-const ISR: u32 = PIOA + 0x4C;
-const MDER: u32 = PIOA + 0x50;
-const PPUDR: u32 = PIOA + 0x60;
-const PPUER: u32 = PIOA + 0x64;
-const PUSR: u32 = PIOA + 0x68;
-const BSR: u32 = PIOA + 0x74;
-const ABSR: u32 = PIOA + 0x78;
-const OWER: u32 = PIOA + 0xA0;
+registers! {
+    PIOA; PDR = 0x04, OER = 0x10, ODR = 0x14, IFER = 0x20, SODR = 0x30, CODR = 0x34,
+    ODSR = 0x38, PDSR = 0x3C, IER = 0x40, ISR = 0x4C, MDER = 0x50, PPUDR = 0x60, PPUER = 0x64,
+    PUSR = 0x68, BSR = 0x74, ABSR = 0x78, OWER = 0xA0,
+}
 
 fn drive(chip: &mut TestChip, driven: u32, level: u32) {
     chip.board_mut().levels = PinLevels { driven, level };

@@ -3,23 +3,17 @@
 //! Pulse width modulation controller: periods and their interrupts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::Width;
 use common::{read, run_to, running_chip, try_write, write, TestChip, AIC};
 
 const PWMC: u32 = 0xFFFC_C000;
-const MR: u32 = PWMC;
-const ENA: u32 = PWMC + 0x04;
-const DIS: u32 = PWMC + 0x08;
-const SR: u32 = PWMC + 0x0C;
-const IER: u32 = PWMC + 0x10;
-const ISR: u32 = PWMC + 0x1C;
-const CMR0: u32 = PWMC + 0x200;
-const CDTY0: u32 = PWMC + 0x204;
-const CPRD0: u32 = PWMC + 0x208;
-const CCNT0: u32 = PWMC + 0x20C;
-const CUPD0: u32 = PWMC + 0x210;
+registers! {
+    PWMC; MR = 0x00, ENA = 0x04, DIS = 0x08, SR = 0x0C, IER = 0x10, ISR = 0x1C, CMR0 = 0x200,
+    CDTY0 = 0x204, CPRD0 = 0x208, CCNT0 = 0x20C, CUPD0 = 0x210,
+}
 const CALG: u32 = 1 << 8;
 const CPD: u32 = 1 << 10;
 

@@ -3,6 +3,7 @@
 //! Serial peripheral interface with its data controller channel.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::Bus;
@@ -11,21 +12,11 @@ use common::{
     bus_log, read, run_to, running_chip, wait_for, write, Seen, TestChip, PIOA, SPI, SRAM,
 };
 
-const CR: u32 = SPI;
-const MR: u32 = SPI + 0x04;
-const RDR: u32 = SPI + 0x08;
-const TDR: u32 = SPI + 0x0C;
-const SR: u32 = SPI + 0x10;
-const IER: u32 = SPI + 0x14;
-const CSR0: u32 = SPI + 0x30;
-const CSR2: u32 = SPI + 0x38;
-const RPR: u32 = SPI + 0x100;
-const RCR: u32 = SPI + 0x104;
-const TPR: u32 = SPI + 0x108;
-const TCR: u32 = SPI + 0x10C;
-const TNPR: u32 = SPI + 0x118;
-const TNCR: u32 = SPI + 0x11C;
-const PTCR: u32 = SPI + 0x120;
+registers! {
+    SPI; CR = 0x00, MR = 0x04, RDR = 0x08, TDR = 0x0C, SR = 0x10, IER = 0x14, CSR0 = 0x30,
+    CSR2 = 0x38, RPR = 0x100, RCR = 0x104, TPR = 0x108, TCR = 0x10C, TNPR = 0x118, TNCR = 0x11C,
+    PTCR = 0x120,
+}
 const TDRE: u32 = 1 << 1;
 const ENDTX: u32 = 1 << 5;
 const TXBUFE: u32 = 1 << 7;

@@ -3,6 +3,7 @@
 //! Synchronous serial controller: the sound line.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::{Bus, Width};
@@ -11,18 +12,10 @@ use at91sam7s::FaultKind;
 use common::{bus_log, read, run_to, running_chip, try_write, write, Seen, TestChip, PIOA, SRAM};
 
 const SSC: u32 = 0xFFFD_4000;
-const CR: u32 = SSC;
-const CMR: u32 = SSC + 0x04;
-const TCMR: u32 = SSC + 0x18;
-const TFMR: u32 = SSC + 0x1C;
-const THR: u32 = SSC + 0x24;
-const SR: u32 = SSC + 0x40;
-const IER: u32 = SSC + 0x44;
-const TNPR: u32 = SSC + 0x118;
-const TNCR: u32 = SSC + 0x11C;
-const TPR: u32 = SSC + 0x108;
-const TCR: u32 = SSC + 0x10C;
-const PTCR: u32 = SSC + 0x120;
+registers! {
+    SSC; CR = 0x00, CMR = 0x04, TCMR = 0x18, TFMR = 0x1C, THR = 0x24, SR = 0x40, IER = 0x44,
+    TNPR = 0x118, TNCR = 0x11C, TPR = 0x108, TCR = 0x10C, PTCR = 0x120,
+}
 const TXRDY: u32 = 1;
 const TXEMPTY: u32 = 2;
 const ENDTX: u32 = 4;

@@ -3,6 +3,7 @@
 //! Timer counters: waveform and capture modes.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::{Bus, Width};
@@ -10,14 +11,10 @@ use at91sam7s::board::PinLevels;
 use at91sam7s::FaultKind;
 use common::{cold_chip, read, run_to, running_chip, try_write, write, TestChip, PIOA, TC0};
 
-const CCR: u32 = TC0;
-const CMR: u32 = TC0 + 0x04;
-const CV: u32 = TC0 + 0x10;
-const RA: u32 = TC0 + 0x14;
-const RB: u32 = TC0 + 0x18;
-const RC: u32 = TC0 + 0x1C;
-const SR: u32 = TC0 + 0x20;
-const IER: u32 = TC0 + 0x24;
+registers! {
+    TC0; CCR = 0x00, CMR = 0x04, CV = 0x10, RA = 0x14, RB = 0x18, RC = 0x1C, SR = 0x20,
+    IER = 0x24,
+}
 const CLKEN: u32 = 1;
 const CLKDIS: u32 = 2;
 const SWTRG: u32 = 4;

@@ -3,6 +3,7 @@
 //! Two-wire interface against a scripted slave: exact bus log and timing.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::Width;
@@ -13,13 +14,9 @@ use common::{
     PIOA, TWI,
 };
 
-const CR: u32 = TWI;
-const MMR: u32 = TWI + 0x04;
-const CWGR: u32 = TWI + 0x10;
-const SR: u32 = TWI + 0x20;
-const IER: u32 = TWI + 0x24;
-const RHR: u32 = TWI + 0x30;
-const THR: u32 = TWI + 0x34;
+registers! {
+    TWI; CR = 0x00, MMR = 0x04, CWGR = 0x10, SR = 0x20, IER = 0x24, RHR = 0x30, THR = 0x34,
+}
 const START: u32 = 1 << 0;
 const STOP: u32 = 1 << 1;
 const MSEN: u32 = 1 << 2;

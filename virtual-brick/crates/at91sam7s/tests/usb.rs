@@ -3,6 +3,7 @@
 //! USB device port: bus, control transfers, banks.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[macro_use]
 mod common;
 
 use arm7tdmi::bus::{Bus, Width};
@@ -11,13 +12,10 @@ use at91sam7s::FaultKind;
 use common::{bus_log, read, running_chip, try_write, write, Seen, TestChip, AIC, PMC};
 
 const UDP: u32 = 0xFFFB_0000;
-const FRM_NUM: u32 = UDP;
-const GLB_STAT: u32 = UDP + 0x04;
-const FADDR: u32 = UDP + 0x08;
-const IER: u32 = UDP + 0x10;
-const ISR: u32 = UDP + 0x1C;
-const ICR: u32 = UDP + 0x20;
-const RST_EP: u32 = UDP + 0x28;
+registers! {
+    UDP; FRM_NUM = 0x00, GLB_STAT = 0x04, FADDR = 0x08, IER = 0x10, ISR = 0x1C, ICR = 0x20,
+    RST_EP = 0x28,
+}
 const CSR: [u32; 4] = [UDP + 0x30, UDP + 0x34, UDP + 0x38, UDP + 0x3C];
 const FDR: [u32; 4] = [UDP + 0x50, UDP + 0x54, UDP + 0x58, UDP + 0x5C];
 const TXVC: u32 = UDP + 0x74;

@@ -26,16 +26,26 @@ impl<B: Board> Chip<B> {
     pub(super) fn read_register(&mut self, address: u32) -> Access<u32> {
         let (peripheral, offset) = decode(address)?;
         let now = self.now;
-        let (value, effect) = match peripheral {
-            Peripheral::Pioa => (self.pins.pio.read(offset)?, Effect::Nothing),
-            Peripheral::Mc => (self.memories.read_register(offset, now)?, Effect::Nothing),
+        let value = match peripheral {
+            Peripheral::Aic => {
+                let (value, outcome) = self.peripherals.aic.read(offset, now)?;
+                self.interrupt_acknowledged(outcome);
+                return Ok(value);
+            }
+            Peripheral::Twi => {
+                let value = self.peripherals.twi.read(offset)?;
+                self.refresh_twi(now);
+                return Ok(value);
+            }
+            Peripheral::Pioa => self.pins.pio.read(offset)?,
+            Peripheral::Mc => self.memories.read_register(offset, now)?,
             _ => {
                 let configuration = &self.configuration;
                 self.peripherals
                     .read(peripheral, offset, now, configuration)?
             }
         };
-        self.follow_access(peripheral, offset, effect);
+        self.refresh_after_access(peripheral, offset);
         Ok(value)
     }
 
@@ -44,6 +54,11 @@ impl<B: Board> Chip<B> {
         let (peripheral, offset) = decode(address)?;
         let now = self.now;
         let effect = match peripheral {
+            Peripheral::Aic => {
+                let outcome = self.peripherals.aic.write(offset, value, now)?;
+                self.interrupt_acknowledged(outcome);
+                return Ok(());
+            }
             Peripheral::Pioa => {
                 self.pins.pio.write(offset, value)?;
                 self.update_pins(now);
@@ -56,17 +71,14 @@ impl<B: Board> Chip<B> {
             }
             _ => self.peripherals.write(peripheral, offset, value, now)?,
         };
-        self.follow_access(peripheral, offset, effect);
+        self.follow_effect(effect);
+        self.refresh_after_access(peripheral, offset);
         Ok(())
     }
 
-    fn follow_access(&mut self, peripheral: Peripheral, offset: u32, effect: Effect) {
+    fn follow_effect(&mut self, effect: Effect) {
         let now = self.now;
         match effect {
-            Effect::Interrupt(outcome) => {
-                self.reschedule_wake(now);
-                return self.report(outcome);
-            }
             Effect::IntervalTimerStarted => {
                 self.board.observe(now, ChipEvent::IntervalTimerStarted);
             }
@@ -79,6 +91,10 @@ impl<B: Board> Chip<B> {
             Effect::Watchdog(expiry) => self.watchdog_expired(expiry, now),
             Effect::Nothing => {}
         }
+    }
+
+    fn refresh_after_access(&mut self, peripheral: Peripheral, offset: u32) {
+        let now = self.now;
         match peripheral {
             Peripheral::Tc => {
                 let numbers = tc::channels_at(offset);
@@ -88,7 +104,10 @@ impl<B: Board> Chip<B> {
         }
     }
 
-    fn report(&mut self, outcome: Outcome) {
+    /// After an access to the interrupt controller.
+    #[inline]
+    fn interrupt_acknowledged(&mut self, outcome: Outcome) {
+        self.reschedule_wake(self.now);
         let event = match outcome {
             Outcome::Nothing => return,
             Outcome::Entered(source) => ChipEvent::InterruptEntered { source },

@@ -11,6 +11,7 @@ use crate::pins::{INTERRUPT_PINS, PIOA};
 use crate::schedule::EventKind;
 use crate::serial::pdc;
 use crate::serial::ports::{SerialPorts, DEBUG_UNIT, IDENTIFIERS};
+use crate::serial::twi;
 use crate::system::rstc::ResetCause;
 use crate::timers::tc;
 use crate::timers::wdt::{Expiry, Wdt};
@@ -101,7 +102,7 @@ impl<B: Board> Chip<B> {
         let connected = pio.is_peripheral_a(3) && pio.is_peripheral_a(4);
         self.peripherals.twi.serve(at, &mut self.board, connected);
         self.refresh_board(at);
-        self.refresh(Peripheral::Twi, at);
+        self.refresh_twi(at);
     }
 
     fn serve_spi(&mut self, at: Cycles) {
@@ -201,12 +202,23 @@ impl<B: Board> Chip<B> {
         self.schedule.set(EventKind::Board, next);
     }
 
+    #[inline]
+    pub(super) fn refresh_twi(&mut self, at: Cycles) {
+        let (next, level) = (
+            self.peripherals.twi.next_event(),
+            self.peripherals.twi.interrupt(),
+        );
+        self.schedule.set(EventKind::Twi, next);
+        self.set_line(twi::IDENTIFIER, level, at, 0);
+    }
+
     /// After a change in a peripheral: its transfers, its interrupt line and its next event.
     #[inline]
     pub(super) fn refresh(&mut self, peripheral: Peripheral, at: Cycles) {
         match peripheral {
             Peripheral::Spi => self.feed_spi(at),
             Peripheral::Ssc => self.feed_ssc(at),
+            Peripheral::Twi => return self.refresh_twi(at),
             Peripheral::Usart(number) => return self.refresh_usart(number, at),
             Peripheral::Pioa => return self.refresh_pio(at, 0),
             _ => {}

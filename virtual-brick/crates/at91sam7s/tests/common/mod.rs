@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! A scripted board that logs what the chip does, and short forms of bus accesses.
-#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(dead_code, unused_macros)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::VecDeque;
 
@@ -11,6 +12,13 @@ use at91sam7s::board::{
     UsbAnswer, UsbSignal,
 };
 use at91sam7s::{Chip, ChipConfiguration};
+
+/// Constants for registers by their offsets from a base address.
+macro_rules! registers {
+    ($base:expr; $($name:ident = $offset:literal),* $(,)?) => {
+        $(const $name: u32 = $base + $offset;)*
+    };
+}
 
 pub const SRAM: u32 = 0x0020_0000;
 pub const AIC: u32 = 0xFFFF_F000;
