@@ -8,7 +8,7 @@
 
    Handlers run in Supervisor mode on the handlers' stack with interrupts of higher levels
    unmasked; the interrupted registers wait on the stack of IRQ mode, one frame per nesting level.
-   The way out of the outermost handler preempts the interrupted thread when a more urgent one
+   The exit of the outermost handler preempts the interrupted thread when a more urgent one
    has become ready. */
 
 #include "layout.h"

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Execution time of interrupt handlers (Ada RM D.14.3): from the interrupt entry to its way out,
+--  Execution time of interrupt handlers (Ada RM D.14.3): from the interrupt entry to its exit,
 --  without handlers of higher levels that come in between
 
 with Ada.Interrupts;

@@ -22,7 +22,7 @@ from tools.style.constants import second_copies
 
 ROOT = Path(__file__).resolve().parents[2]
 WORDS = Path(__file__).resolve().with_name("words.toml")
-FILE_LINES = 700
+FILE_LINES = 500
 FUNCTION_LINES = 70
 COLUMNS = 100
 BLOB_BYTES = 2_500_000
@@ -68,9 +68,9 @@ def lengths(path: Path, lines: list[str]) -> Iterator[Complaint]:
 
 
 @cache
-def words() -> dict[re.Pattern[str], str]:
-    """Patterns of words.toml, and what to write instead."""
-    content = tomllib.loads(WORDS.read_text())
+def words(table: str) -> dict[re.Pattern[str], str]:
+    """Patterns of a table of words.toml, and what to write instead."""
+    content = tomllib.loads(WORDS.read_text())[table]
     return {re.compile(pattern, re.IGNORECASE): say for pattern, say in content.items()}
 
 
@@ -78,8 +78,10 @@ def banned_words(path: Path, lines: list[str]) -> Iterator[Complaint]:
     """Words and names of words.toml."""
     if path in (WORDS, ROOT / "CHANGELOG.md"):
         return
+    tables = ["everywhere"] + ["markdown"] * (path.suffix == ".md")
+    patterns = {p: say for table in tables for p, say in words(table).items()}
     for number, line in enumerate(lines, 1):
-        for pattern, instead in words().items():
+        for pattern, instead in patterns.items():
             if found := pattern.search(line):
                 yield path, number, f"'{found.group().strip()}': write '{instead}'"
 

@@ -180,7 +180,7 @@ def test_a_full_disk_is_named(workspace: Workspace, robot: Robot) -> None:
 def test_a_folder_that_cannot_be_written_is_named(
     workspace: Workspace, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With the way out."""
+    """The sentence says what to do."""
     (workspace.project / "file").touch()
     monkeypatch.setenv("RAVENBRICK_BUILD", str(workspace.project / "file"))
     with pytest.raises(UsageError, match=r"cannot be written .*RAVENBRICK_BUILD"):

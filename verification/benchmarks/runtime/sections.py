@@ -49,7 +49,7 @@ NO_SECTION = (
     *("__gnat_last_chance_handler", "preempt", "resume", "ravenbrick_reset"),
     "ravenbrick__execution_times",
 )
-"""The end of the program, parts of the way out of an interrupt, the start, and what the ordinary
+"""The end of the program, parts of the exit of an interrupt, the start, and what the ordinary
 kernel does not link."""
 MASK = re.compile(r"\tmsr\tCPSR_c, #(?:223|211|210)\b|\torr\tr\d+, r\d+, #128\b")
 FUNCTION = re.compile(r"^[0-9a-f]+ <([^>]+)>:$", re.MULTILINE)

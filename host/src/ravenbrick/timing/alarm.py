@@ -23,7 +23,7 @@ from ravenbrick.timing.kernel import INTERRUPT, InterruptCost, Services, interru
 
 __all__ = ["COARSE_ALARM", "AlarmCosts", "alarm_costs", "coarse_alarm", "exact_cycles"]
 
-# Where the way out of an interrupt goes when a more urgent thread has become ready.
+# Where the exit of an interrupt goes when a more urgent thread has become ready.
 PREEMPTION = "preempt"
 COARSE_ALARM = "alarm, coarse stretch"
 # A coarse stretch is set when at least 57 000 of the kernel's units of 1/21.024 us remain, for at

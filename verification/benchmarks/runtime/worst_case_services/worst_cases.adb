@@ -221,8 +221,8 @@ package body Worst_Cases is
       Touch_Masking;
    end Play_Protected_Actions;
 
-   --  The last actor becomes ready at each phase of a way out of a protected action, also where the
-   --  director is about to give the processor to the others: then the interrupt's way out does it
+   --  The last actor becomes ready at each phase of an exit from a protected action, also where the
+   --  director is about to give the processor to the others: then the interrupt's exit does it
 
    procedure Play_Phases is
    begin

@@ -84,12 +84,12 @@ impl Corpus {
 
     /// Everything undamaged: whether it passes.
     fn passes(&self) -> bool {
-        let calm = catch_unwind(|| {
+        let unharmed = catch_unwind(|| {
             self.images.iter().for_each(|elf| try_image(elf));
             let texts = self.configurations.iter();
             texts.for_each(|json| try_configuration(json));
         });
-        calm.is_ok()
+        unharmed.is_ok()
     }
 }
 
@@ -142,13 +142,13 @@ fn main() -> ExitCode {
 }
 
 fn case(name: &str, seed: u64, run: impl FnOnce() + std::panic::UnwindSafe) -> bool {
-    let calm = catch_unwind(run).is_ok();
+    let unharmed = catch_unwind(run).is_ok();
     let bounded = resident_bytes() < RESIDENT_BYTES_MAX;
-    if !calm || !bounded {
-        let what = if calm { "memory" } else { "panic" };
+    if !unharmed || !bounded {
+        let what = if unharmed { "memory" } else { "panic" };
         eprintln!("{name}, seed {seed}: {what}");
     }
-    calm && bounded
+    unharmed && bounded
 }
 
 /// Resident memory of the process where the system tells it, else 0.

@@ -161,7 +161,7 @@ def check_event_rates(robot: Robot, facts: Facts, recording: Recording) -> None:
             begin = float(MASTER_CLOCK.seconds(int(at[int(spans.argmin())])))
             raise ExecutionTimeError(
                 f"{facts.name}: timing events expire more than {allowed} times in {window_us} us, "
-                f"{begin:.6f} s after the begin of the run '{recording.scenario}'; correct the "
+                f"{begin:.6f} s after the start of the run '{recording.scenario}'; correct the "
                 "rates in [[timing_event]]"
             )
 
@@ -187,7 +187,7 @@ def check_interrupt_rates(robot: Robot, facts: Facts, recording: Recording) -> N
             begin = float(MASTER_CLOCK.seconds(int(at[int(spans.argmin())])))
             raise ExecutionTimeError(
                 f"{load.file}: {source_name(load.source)} interrupts more than {load.at_most} "
-                f"times in {load.window_us} us, {begin:.6f} s after the begin of the run "
+                f"times in {load.window_us} us, {begin:.6f} s after the start of the run "
                 f"'{recording.scenario}'; correct the fact or slow the source down"
             )
 

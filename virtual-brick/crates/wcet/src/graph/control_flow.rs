@@ -77,7 +77,7 @@ pub struct Block {
     pub calls: Vec<Entry>,
     /// The last instruction is an indirect or direct transfer of this kind.
     pub transfer: Option<ControlTransfer>,
-    /// Ways out.
+    /// Edges that leave it.
     pub edges: Vec<Edge>,
 }
 

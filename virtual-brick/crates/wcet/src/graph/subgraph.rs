@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// A part of a graph.
 pub struct Subgraph {
-    /// Its blocks, the entry first. Ways out of the part are returns.
+    /// Its blocks, the entry first. Edges that leave the part are returns.
     pub flow: ControlFlowGraph,
     /// Their numbers in the whole graph.
     pub origin: Vec<usize>,

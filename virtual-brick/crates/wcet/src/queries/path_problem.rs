@@ -24,7 +24,7 @@ pub struct GraphBlock {
     pub address: u32,
     /// Source lines of its instructions.
     pub lines: Vec<String>,
-    /// Ways out.
+    /// Edges that leave it.
     pub edges: Vec<GraphEdge>,
 }
 
