@@ -58,8 +58,9 @@ def header(path: Path, lines: list[str]) -> Iterator[Complaint]:
 
 def lengths(path: Path, lines: list[str]) -> Iterator[Complaint]:
     """Limits of lines and columns."""
-    if len(lines) > FILE_LINES:
-        yield path, len(lines), f"{len(lines)} lines; at most {FILE_LINES}"
+    count = len(lines) - (lines[-1] == "")
+    if count > FILE_LINES:
+        yield path, count, f"{count} lines; at most {FILE_LINES}"
     for number, line in enumerate(lines, 1):
         if len(line) > COLUMNS and "://" not in line:
             yield path, number, f"{len(line)} columns; at most {COLUMNS}"
