@@ -19,7 +19,7 @@ use crate::system::rstc::{ResetRequest, Rstc};
 use crate::timers::pit::Pit;
 use crate::timers::pwmc::{self, Pwmc};
 use crate::timers::rtt::Rtt;
-use crate::timers::tc::TimerBlock;
+use crate::timers::tc::block::TimerBlock;
 use crate::timers::wdt::{Expiry, Wdt};
 use crate::timing::ChipConfiguration;
 

@@ -12,15 +12,15 @@ use std::ops::Range;
 
 use crate::clock::{Cycles, NEVER};
 use crate::fault::{clock_disabled, no_register, not_modelled, Access};
-use crate::pins::pio::PeripheralLines;
 use crate::registers::registers;
 
+pub(crate) mod block;
 mod capture;
 mod waveform;
 
 registers! {
     TC_CCR = 0x00, TC_CMR = 0x04, TC_CV = 0x10, TC_RA = 0x14, TC_RB = 0x18, TC_RC = 0x1C,
-    TC_SR = 0x20, TC_IER = 0x24, TC_IDR = 0x28, TC_IMR = 0x2C, TC_BCR = 0xC0, TC_BMR = 0xC4,
+    TC_SR = 0x20, TC_IER = 0x24, TC_IDR = 0x28, TC_IMR = 0x2C,
 }
 
 /// Bytes of a channel's registers, and the last one of all channels.
@@ -482,69 +482,4 @@ pub(crate) fn channels_at(offset: u32) -> Range<usize> {
     }
     let number = (offset / CHANNEL_BYTES) as usize;
     number..number + 1
-}
-
-/// The three channels and the block registers.
-#[derive(Clone, Debug)]
-pub(crate) struct TimerBlock {
-    pub(crate) channels: [Channel; 3],
-    block_mode: u32,
-}
-
-impl TimerBlock {
-    pub(crate) fn new() -> Self {
-        Self {
-            channels: [Channel::new(0), Channel::new(1), Channel::new(2)],
-            block_mode: 0,
-        }
-    }
-
-    /// Levels that the channels drive.
-    pub(crate) fn lines(&self) -> PeripheralLines {
-        let mut lines = PeripheralLines::default();
-        for (channel, (pin_a, pin_b)) in self.channels.iter().zip(PINS) {
-            let (out_a, out_b) = channel.output_lines();
-            for (pin, level) in [(pin_a, out_a), (pin_b, out_b)] {
-                if let Some(level) = level {
-                    lines.driven |= 1 << pin;
-                    lines.level |= u32::from(level) << pin;
-                }
-            }
-        }
-        lines
-    }
-
-    pub(crate) fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
-        match offset {
-            TC_CCR..=CHANNELS_LAST => {
-                self.channels[(offset / CHANNEL_BYTES) as usize].read(offset % CHANNEL_BYTES, now)
-            }
-            TC_BCR => Ok(0),
-            TC_BMR => Ok(self.block_mode),
-            _ => no_register("TC", offset),
-        }
-    }
-
-    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
-        match offset {
-            TC_CCR..=CHANNELS_LAST => {
-                return self.channels[(offset / CHANNEL_BYTES) as usize].write(
-                    offset % CHANNEL_BYTES,
-                    value,
-                    now,
-                )
-            }
-            TC_BCR => {
-                if value & 1 != 0 {
-                    for channel in &mut self.channels {
-                        channel.advance(now);
-                        channel.trigger(now, false);
-                    }
-                }
-            }
-            TC_BMR => self.block_mode = value & 0x3F,
-            _ => return no_register("TC", offset),
-        }
-        Ok(())
-    }
 }
