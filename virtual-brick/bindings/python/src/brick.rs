@@ -29,6 +29,9 @@ pub(crate) struct VirtualBrick(virtual_brick_facade::VirtualBrick);
 #[pyclass(module = "virtual_brick", frozen)]
 pub(crate) struct Snapshot(virtual_brick_facade::Snapshot);
 
+/// Function, argument, callers, place in the source, cycles of call and return.
+type TracedCall = (String, u32, Vec<String>, Option<String>, (u64, u64));
+
 #[pymethods]
 impl VirtualBrick {
     #[new]
@@ -352,7 +355,7 @@ impl VirtualBrick {
         self.0.trace_calls(&functions);
     }
 
-    fn traced_calls(&self) -> Vec<(String, u32, Vec<String>, Option<String>, (u64, u64))> {
+    fn traced_calls(&self) -> Vec<TracedCall> {
         let calls = self.0.traced_calls().into_iter();
         calls
             .map(|call| {

@@ -24,6 +24,7 @@ pub struct Robot {
 
 /// The coordinates that a step has, with what is known of the last one.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // one for a robot, and the common case stays in place
 enum Solver {
     /// Without play and pitch: half the work.
     Gears(ImpulseResponses<MOTORS>),

@@ -139,6 +139,7 @@ macro_rules! sensors {
         }
 
         impl Sensor {
+            /// Kinds of the catalogue that have a device.
             #[cfg(test)]
             pub const KINDS: &'static [&'static str] = &[$($kind,)*];
 
