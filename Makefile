@@ -55,6 +55,7 @@ style: ## Check style, types, spelling, borders between the parts, and generated
 	@$(PYTHON) -m ruff format --quiet --check $(PYTHON_FOLDERS)
 	@$(PYTHON) -m mypy --no-error-summary --config-file mypy.ini $(PYTHON_FOLDERS)
 	@cargo fmt --manifest-path virtual-brick/Cargo.toml --all --check
+	@cargo clippy $(CARGO_OPTIONS) --quiet --workspace --all-targets -- --deny warnings
 
 .PHONY: test-rust
 test-rust: ## Tests of the virtual brick's crates
