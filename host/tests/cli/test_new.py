@@ -58,7 +58,7 @@ def test_what_exists_is_never_touched(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["My Robot", "9lives", "robot!"])
 def test_a_name_that_is_none_is_refused(name: str, tmp_path: Path) -> None:
     """The image and the folder of results are called like the robot."""
-    with pytest.raises(UsageError, match="no name for a robot"):
+    with pytest.raises(UsageError, match="is not a valid robot name"):
         create_project(tmp_path / name, "blank")
     assert not any(tmp_path.iterdir())
 
