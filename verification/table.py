@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-__all__ = ["BENCHMARKS", "SUITES", "Need", "Suite", "TableError", "chosen", "read_suites"]
+__all__ = ["BENCHMARKS", "SUITES", "Suite", "TableError", "chosen", "read_suites"]
 
 HERE = Path(__file__).resolve().parent
 SUITES = HERE / "suites.toml"

@@ -99,23 +99,23 @@ async def page_is_served(port: int) -> None:
     raise TimeoutError("the monitor's page is not served")
 
 
-async def look(page: int, debugger: int, seconds: float) -> bytes:
+async def look(page: int, debugger: int) -> bytes:
     """Open the page, wait, drag the set-point to about 3 V, wait, and take the picture."""
     browser = Browser(await websocket_connect(await first_page(debugger), max_message_size=1 << 26))
     await page_is_served(page)
     size = {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
     await browser.call("Emulation.setDeviceMetricsOverride", **size)
     await browser.call("Page.navigate", url=f"http://127.0.0.1:{page}/")
-    await asyncio.sleep(seconds)
+    await asyncio.sleep(12)
     x = SLIDER_X + SLIDER_WIDTH * 0.8
     for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
         await browser.mouse(kind, x, SLIDER_Y)
         await asyncio.sleep(0.5)
-    await asyncio.sleep(seconds / 2)
+    await asyncio.sleep(6)
     return await browser.picture()
 
 
-def monitor_picture(seconds: float = 12.0) -> tuple[bytes, dict[str, Any]]:
+def monitor_picture() -> tuple[bytes, dict[str, Any]]:
     """The picture, and what the monitor says at its end."""
     chromium = shutil.which("chromium")
     if chromium is None:
@@ -143,7 +143,7 @@ def monitor_picture(seconds: float = 12.0) -> tuple[bytes, dict[str, Any]]:
                 *(f"--remote-debugging-port={debugger}", "about:blank"),
             ]
         )
-        picture = asyncio.run(look(page, debugger, seconds))
+        picture = asyncio.run(look(page, debugger))
         told, _ = monitor.communicate(timeout=SECONDS + PATIENCE_S)
     return picture, json.loads(told)
 

@@ -31,7 +31,7 @@ from verification.commands import Counts
 from verification.support.bricks.runtime_programs import RUNTIMES, make_runtime
 from verification.support.paths import BUILD
 
-__all__ = ["ADAPTED", "REJECTED", "Outcome", "SuiteMissingError", "adapted", "run", "whole"]
+__all__ = ["REJECTED", "Outcome", "SuiteMissingError", "adapted", "run", "whole"]
 
 HERE = Path(__file__).resolve().parent
 TABLE = HERE / "results.md"

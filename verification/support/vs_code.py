@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-__all__ = ["VSCode", "matcher_problems", "problems_in", "talk_mi"]
+__all__ = ["VSCode", "matcher_problems", "problems_in"]
 
 
 def matcher_problems(matcher: Mapping[str, Any]) -> list[str]:

@@ -38,7 +38,7 @@ from verification.benchmarks.runtime.measure import image_of
 from verification.benchmarks.runtime.steps import steps_in
 from verification.support.paths import ROOT
 
-__all__ = ["LARGEST_RATIO", "ServiceTime", "service_times"]
+__all__ = ["service_times"]
 
 TABLE = ROOT / "docs" / "reference" / "kernel-services.md"
 LARGEST_RATIO = 1.10

@@ -15,7 +15,7 @@ from ravenbrick.timing.scheduled_tasks import WAITS
 
 from verification.support.paths import ROOT
 
-__all__ = ["KnownExample", "known_example"]
+__all__ = ["known_example"]
 
 
 @dataclass(frozen=True)

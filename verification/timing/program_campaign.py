@@ -50,7 +50,6 @@ from verification.timing.unreached_bounds import CLOSE, Outcome, explain
 
 SLOTS = 8
 FIRST_PRIORITY = 11
-CEILING = 18
 BODY = "workers__workerTB"
 COMPUTE = "workers__compute"
 RING = Handler(12, 31, "ravenbrick__delays__ring")

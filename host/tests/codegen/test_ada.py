@@ -138,7 +138,11 @@ def test_every_statement_names_its_block() -> None:
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("Bad__Name", "is not an Ada name"), ("Tail_", "is not an Ada name"), ("Work", "has a meaning")],
+    [
+        ("Bad__Name", "is not an Ada name"),
+        ("Tail_", "is not an Ada name"),
+        ("Work", "has a meaning"),
+    ],
 )
 def test_a_name_that_ada_does_not_know_is_refused(name: str, message: str) -> None:
     """By name, before anything is written."""

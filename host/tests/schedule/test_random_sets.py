@@ -18,7 +18,6 @@ from verification.support.timing.random_task_sets import (
 )
 
 from ravenbrick.schedule.assignment import audsley
-from ravenbrick.schedule.blocking import inheritance_blocking, longest_blocking
 from ravenbrick.schedule.bounds import passes_hyperbolic_bound, passes_liu_layland_bound
 from ravenbrick.schedule.chains import sampled_chain_bound
 from ravenbrick.schedule.edf import (
@@ -40,7 +39,6 @@ from ravenbrick.schedule.simulation import simulate
 
 SEEDS = range(60)
 ABOVE = Fraction(1_000_001, 1_000_000)
-EIGHTH = Fraction(1, 8)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -238,14 +236,6 @@ def test_smallest_period_is_the_border_of_schedulability(seed: int) -> None:
         if found > 1:
             less = replace(task, period=found - 1, deadline=found - 1)
             assert not is_schedulable(task_set.with_task(less))
-
-
-@pytest.mark.parametrize("seed", range(30))
-def test_ceiling_blocking_is_never_longer_than_inheritance_blocking(seed: int) -> None:
-    """One section blocks under immediate ceilings where inheritance may add several."""
-    task_set = with_sections(random_task_set(seed), seed)
-    for task in task_set:
-        assert longest_blocking(task_set, task).time <= inheritance_blocking(task_set, task)
 
 
 def reactions(task_set: TaskSet, chain: list[str], end: int, seed: int) -> list[Time]:

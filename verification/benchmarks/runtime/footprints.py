@@ -24,7 +24,7 @@ from verification.benchmarks.runtime.measure import image_of
 from verification.support.bricks.runtime_programs import build
 from verification.support.paths import ROOT
 
-__all__ = ["PAGE", "feature_bytes", "footprints", "linked_bytes", "object_bytes", "page"]
+__all__ = ["PAGE", "footprints", "linked_bytes", "object_bytes", "page"]
 
 PAGE = ROOT / "docs" / "reference" / "footprint.md"
 STACK_BYTES = 512

@@ -23,7 +23,7 @@ from verification.support.bricks.programs import gprbuild
 from verification.support.bricks.runtime_programs import RUNTIMES, make_runtime
 from verification.support.paths import BUILD
 
-__all__ = ["LONGEST_MASKED_CYCLES", "FigureRow", "figures", "image_of"]
+__all__ = ["LONGEST_MASKED_CYCLES", "figures", "image_of"]
 
 HERE = Path(__file__).resolve().parent
 

@@ -22,7 +22,7 @@ from verification.benchmarks.runtime import measure
 from verification.benchmarks.runtime.steps import IRQ_VECTOR, VECTORS_SIZE, Steps, steps_of
 from verification.support.paths import ROOT
 
-__all__ = ["PAGE", "Stretch", "page", "paths"]
+__all__ = ["PAGE", "page", "paths"]
 
 PAGE = ROOT / "docs" / "internals" / "run-time-paths.md"
 LAST_CYCLE = 400_000

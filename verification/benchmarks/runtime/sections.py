@@ -14,7 +14,6 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -23,7 +22,7 @@ from verification.benchmarks.runtime.steps import IRQ_VECTOR, Steps, steps_of
 from verification.support.bricks.runtime_programs import RUNTIMES, build
 from verification.support.paths import ROOT
 
-__all__ = ["PAGE", "Section", "growth", "longest_sections", "maskers", "page"]
+__all__ = ["PAGE", "Section", "growth", "page"]
 
 PAGE = ROOT / "docs" / "reference" / "critical-sections.md"
 PROGRAMS = (
@@ -87,10 +86,10 @@ def _name(steps: Steps, begin: int) -> str:
     return f"{name}, {'entry' if begin == IRQ_VECTOR else 'exit'}"
 
 
-def longest_sections(programs: Iterable[tuple[str, str, int]] = PROGRAMS) -> dict[str, Section]:
-    """Sections by function from `programs`: name, library, cycles."""
+def longest_sections() -> dict[str, Section]:
+    """Sections by function from `PROGRAMS`."""
     found: dict[str, Section] = {}
-    for program, kind, cycles in programs:
+    for program, kind, cycles in PROGRAMS:
         steps = steps_of(_image(program, kind), 0, cycles)
         for length, begin, end in steps.masked():
             name = _name(steps, begin)

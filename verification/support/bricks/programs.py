@@ -11,7 +11,7 @@ from pathlib import Path
 
 from verification.support.paths import ROOT
 
-__all__ = ["CONFIGURATION", "gprbuild", "make_run_time"]
+__all__ = ["CONFIGURATION", "gprbuild"]
 
 CONFIGURATION = ROOT / "tools" / "ravenbrick.cgpr"
 

@@ -34,14 +34,14 @@ def host_library(folder: Path, *sources: str, level: str = "-O2") -> ctypes.CDLL
 ADA_WARNINGS = ("-gnat2012", "-gnatwa", "-gnatwe", "-gnaty3aAbcefhiklnprtuM100")
 
 
-def ada_object(folder: Path, body: str, *, checks: bool = True, level: str = "-O2") -> Path:
+def ada_object(folder: Path, body: str, *, checks: bool = True) -> Path:
     """Object of an Ada body in `folder`; with `checks`, contracts and ranges are tested as it runs.
 
     All warnings and the drivers' style checks are errors.
     """
     target = folder / f"{Path(body).stem}.o"
     tested = ("-gnata", "-gnato") if checks else ("-gnatp",)
-    command = ("arm-linux-gnueabi-gcc-12", "-c", "-x", "ada", level, *tested, *ADA_WARNINGS)
+    command = ("arm-linux-gnueabi-gcc-12", "-c", "-x", "ada", "-O2", *tested, *ADA_WARNINGS)
     plain = (*WORD_FLAGS, "-mfloat-abi=soft", "-fno-pic", "-fno-stack-protector")
     no_tables = ("-fno-unwind-tables", "-fno-asynchronous-unwind-tables", "-fno-exceptions")
     arm = ("-mcpu=arm7tdmi", "-marm", *plain, *no_tables, "-ffunction-sections", "-fdata-sections")

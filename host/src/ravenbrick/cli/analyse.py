@@ -71,7 +71,7 @@ __all__ = ["analyse_command"]
 def _scenario(workspace: Workspace, robot: Robot, name: str | None) -> Scenario:
     if name is not None:
         return read_scenario(scenario_path(robot.directory, name), robot)
-    scenarios = project_scenarios(workspace, robot)
+    scenarios = project_scenarios(robot)
     if not scenarios:
         raise UsageError(f"'{workspace.project}' has no scenario; add one below scenarios/")
     return scenarios[0]

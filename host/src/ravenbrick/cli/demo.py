@@ -112,7 +112,7 @@ def demo_command(
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
-    scenarios = project_scenarios(workspace, robot)
+    scenarios = project_scenarios(robot)
     if not scenarios:
         raise ScenarioError(f"{directory}/scenarios: there is no scenario; write one")
     target = VirtualTarget()

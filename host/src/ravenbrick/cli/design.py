@@ -97,7 +97,7 @@ def _with_schedule(
         [[str(row["schedule"]), *(f"{row[n]:.4f}" for n in names)] for row in rows],
     )
     figure = {"schedule": schedule_figure(cases, measured)}
-    written = _written(figure, workspace.results / "design", workspace, reporter)
+    written = _written(figure, workspace.results / "design", reporter)
     return {"schedule": {**timing_row(measured), "cases": rows, "picture": written[0]}}
 
 
@@ -152,7 +152,7 @@ def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
                 "nyquist": nyquist_figure(open_loop, "Open loop"),
                 "root-locus": root_locus_figure(open_loop, "Closed loop"),
             }
-        return {"plots": _written(figures, folder, workspace, reporter)}
+        return {"plots": _written(figures, folder, reporter)}
     loop = DesignedLoop.read(content)
     with reporter.step("frequency response, root locus"):
         figures = {**loop.frequency_figures(), "discretisation": loop.discretisation_figure()}
@@ -176,7 +176,7 @@ def _draw(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
         [[str(row["figure"]), *(f"{row[n]:.6g}" for n in ("least", "median", "largest"))]
          for row in spread],
     )  # fmt: skip
-    plots = _written(figures, folder, workspace, reporter)
+    plots = _written(figures, folder, reporter)
     return {"plots": plots, "family": rows, "robustness": spread}
 
 
@@ -185,9 +185,7 @@ def _counted(step: Step) -> Any:
     return lambda done, total: step.progress(done / total)
 
 
-def _written(
-    figures: dict[str, Any], folder: Path, workspace: Workspace, reporter: Reporter
-) -> list[str]:
+def _written(figures: dict[str, Any], folder: Path, reporter: Reporter) -> list[str]:
     from ravenbrick.control.design.design_plots import write_figure  # slow to load
 
     paths = [folder / f"{name}.svg" for name in figures]

@@ -144,7 +144,7 @@ def peer_runs(runs: Sequence[Run]) -> list[Run]:
     return found
 
 
-def project_scenarios(workspace: Workspace, robot: Robot) -> list[Scenario]:
+def project_scenarios(robot: Robot) -> list[Scenario]:
     """All scenarios of a project, in the order of their files' names."""
     files = sorted((robot.directory / "scenarios").glob("*.toml"))
     return [read_scenario(file, robot) for file in files]

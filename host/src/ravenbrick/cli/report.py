@@ -61,7 +61,7 @@ def _elsewhere(robot: Robot, name: str) -> Scenario:
 
 
 def _runs(workspace: Workspace, robot: Robot) -> list[Run]:
-    scenarios = project_scenarios(workspace, robot)
+    scenarios = project_scenarios(robot)
     order = [scenario.name for scenario in scenarios]
     files = sorted(
         workspace.recording("any").parent.glob("*.npz"),

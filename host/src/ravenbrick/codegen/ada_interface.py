@@ -164,6 +164,6 @@ STEP = [
 ]
 
 
-def imported(symbol: str, indent: int = 5) -> str:
+def imported(symbol: str) -> str:
     """The aspects of something that C provides."""
-    return f'{" " * indent}Import, Convention => C, External_Name => "{symbol}";'
+    return f'     Import, Convention => C, External_Name => "{symbol}";'

@@ -18,7 +18,7 @@ from ravenbrick.codegen.c_declarations import (
 )
 from ravenbrick.errors import DesignError
 
-__all__ = ["KEPT_ROLES", "CField", "EntryPoint", "ModelHeader", "read_header"]
+__all__ = ["KEPT_ROLES", "CField", "ModelHeader", "read_header"]
 
 # What a structure is for, by the name of its type: the names of 2012 and those of today. The
 # model's name stands behind it, or nothing where the names are short.

@@ -30,15 +30,7 @@ from ravenbrick.model.program import (
     expression_type,
 )
 
-__all__ = [
-    "ACCUMULATOR",
-    "C_KEYWORDS",
-    "c_literal",
-    "c_statement",
-    "c_type",
-    "c_variable",
-    "format_suffix",
-]
+__all__ = ["ACCUMULATOR", "C_KEYWORDS", "c_literal", "c_statement", "c_type", "format_suffix"]
 
 C_KEYWORDS = frozenset(
     """auto break case char const continue default do double else enum extern float for goto if

@@ -49,7 +49,6 @@ __all__ = [
     "find_tool",
     "gprbuild_call",
     "manifest_file",
-    "require_tools",
 ]
 
 PROJECT_FILE = "robot.gpr"

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ravenbrick.atomic_write import atomic_write
 
-__all__ = ["ORIGIN_FILE", "Origin", "read_origin", "replace_controller"]
+__all__ = ["ORIGIN_FILE", "read_origin", "replace_controller"]
 
 ORIGIN_FILE = "controller.json"
 # What each file of ours says in its first lines.

@@ -19,7 +19,7 @@ from ravenbrick.project.robot import ROBOT_FILE
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.subprocesses import run_child
 
-__all__ = ["DESIGN_SCRIPT", "design_is_due", "remember_design", "run_design"]
+__all__ = ["DESIGN_SCRIPT", "design_is_due", "run_design"]
 
 DESIGN_SCRIPT = "design.py"
 RECORD = "designed.json"

@@ -21,7 +21,6 @@ __all__ = [
     "REGIONS",
     "ElfImage",
     "ImageKind",
-    "Region",
     "Section",
     "Symbol",
     "read_binary",

@@ -29,8 +29,6 @@ class TwoWheeledBalancer:
     wheel_mass: float
     wheel_radius: float
     body_mass: float
-    body_width: float
-    body_depth: float
     body_height: float
     body_friction: float
     floor_friction: float
@@ -85,8 +83,6 @@ def _nxtway_gs() -> TwoWheeledBalancer:
         wheel_mass=body["wheel_mass"],
         wheel_radius=body["wheel_radius"],
         body_mass=body["mass"],
-        body_width=body["track"],
-        body_depth=0.04,
         body_height=2 * body["centre_height"],
         body_friction=motor["viscous_friction"],
         floor_friction=0.0,

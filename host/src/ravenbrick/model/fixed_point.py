@@ -71,16 +71,14 @@ class FixedPointOptions:
 class FixedPoint:
     """A fixed-point `program`, the `source` it computes, and what was found out on the way.
 
-    `accumulator_fraction` is that of sums and states in 32 bits. `raw_ranges` bounds every
-    variable for all 16-bit inputs, in raw units; no intermediate result exceeds 32 bits.
-    `ranges` are those of the source for the declared inputs; `constants` gives the value that a
-    literal of a block was rounded from.
+    `raw_ranges` bounds every variable for all 16-bit inputs, in raw units; no intermediate result
+    exceeds 32 bits. `ranges` are those of the source for the declared inputs; `constants` gives
+    the value that a literal of a block was rounded from.
     """
 
     program: Program
     source: Program
     options: FixedPointOptions
-    accumulator_fraction: int
     ranges: Mapping[Key, Interval]
     raw_ranges: Mapping[Key, Interval]
     constants: Mapping[tuple[str, Literal], float]
@@ -123,7 +121,7 @@ def to_fixed_point(diagram: Diagram | Program, options: FixedPointOptions) -> Fi
             reason = str(error)
             continue
         constants = rewriting.constants
-        return FixedPoint(program, source, options, fraction, ranges, raw_ranges, constants)
+        return FixedPoint(program, source, options, ranges, raw_ranges, constants)
     raise DesignError(
         f"diagram '{source.name}': no accumulator of 32 bits holds all sums ({reason}); "
         "lower the ranges or the gains"

@@ -21,7 +21,7 @@ from ravenbrick.project.criteria import (
 )
 from ravenbrick.units import UNITS, signal_unit
 
-__all__ = ["MEASURES", "PIN", "ExpectationSyntaxError", "expected_pins", "parse_expectation"]
+__all__ = ["PIN", "ExpectationSyntaxError", "expected_pins", "parse_expectation"]
 
 # A pin's level is the signal of this name and its number.
 PIN = "pin."

@@ -27,12 +27,9 @@ __all__ = [
     "MonitorWindow",
     "Peer",
     "Scenario",
-    "StepWindow",
-    "StraightDrive",
     "check_expectations",
     "check_stimuli",
     "input_check",
-    "read_expectations",
     "read_scenario",
     "scenario_path",
 ]

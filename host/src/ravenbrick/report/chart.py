@@ -120,9 +120,7 @@ class Drawing:
             f'stroke-linejoin="round"{dashes}/>'
         )
 
-    def rectangles(
-        self, boxes: Sequence[tuple[float, float, float, float]], colour: str, opacity: float = 1
-    ) -> None:
+    def rectangles(self, boxes: Sequence[tuple[float, float, float, float]], colour: str) -> None:
         """Filled boxes of one colour: x, y, width, height."""
         if not boxes:
             return
@@ -130,8 +128,7 @@ class Drawing:
             f"M{_number(x)} {_number(y)}h{_number(w)}v{_number(h)}h-{_number(w)}z"
             for x, y, w, h in boxes
         )
-        pale = f' fill-opacity="{opacity:g}"' if opacity < 1 else ""
-        self.add(f'<path d="{data}" fill="{colour}"{pale}/>')
+        self.add(f'<path d="{data}" fill="{colour}"/>')
 
     def svg(self) -> str:
         """The picture as an element of HTML, and as a file when written alone."""

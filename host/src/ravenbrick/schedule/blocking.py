@@ -4,20 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from ravenbrick.schedule.model import NO_OVERHEADS, CriticalSection, Overheads, Task, TaskSet
+from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
 from ravenbrick.schedule.quantity import Time
 
-__all__ = [
-    "Blocking",
-    "blocking_candidates",
-    "ceilings",
-    "inheritance_blocking",
-    "longest_blocking",
-]
+__all__ = ["Blocking", "blocking_candidates", "ceilings"]
 
 Cause = Literal["none", "section", "stated", "masked"]
 
@@ -44,14 +37,6 @@ def ceilings(task_set: TaskSet) -> dict[str, int]:
     return dict(sorted(found.items()))
 
 
-def _blocking_sections(task_set: TaskSet, task: Task) -> Iterator[tuple[Task, CriticalSection]]:
-    ceiling_of = ceilings(task_set)
-    for lower in task_set.lower(task):
-        for section in lower.sections:
-            if ceiling_of[section.resource] >= task.priority:
-                yield lower, section
-
-
 def blocking_candidates(
     task_set: TaskSet, task: Task, overheads: Overheads = NO_OVERHEADS
 ) -> tuple[Blocking, ...]:
@@ -61,34 +46,16 @@ def blocking_candidates(
     section of a less urgent task whose object's ceiling is at least the job's priority
     (Baker 1991; Sha, Rajkumar, Lehoczky 1990). A masked section blocks in the same way.
     """
+    ceiling_of = ceilings(task_set)
     found = [NO_BLOCKING]
     found += [
         Blocking(section.duration, "section", lower.name, section.resource)
-        for lower, section in _blocking_sections(task_set, task)
+        for lower in task_set.lower(task)
+        for section in lower.sections
+        if ceiling_of[section.resource] >= task.priority
     ]
     if task.blocking:
         found.append(Blocking(task.blocking, "stated"))
     if overheads.masked_section:
         found.append(Blocking(overheads.masked_section, "masked"))
     return tuple(found)
-
-
-def longest_blocking(
-    task_set: TaskSet, task: Task, overheads: Overheads = NO_OVERHEADS
-) -> Blocking:
-    """The longest of `blocking_candidates`; the first of equal ones."""
-    return max(blocking_candidates(task_set, task, overheads), key=lambda blocking: blocking.time)
-
-
-def inheritance_blocking(task_set: TaskSet, task: Task) -> Time:
-    """Bound of blocking under basic priority inheritance, for comparison.
-
-    Each less urgent task blocks by at most one section, and each object at most once: the smaller
-    of both sums (Sha, Rajkumar, Lehoczky 1990, theorems on the basic protocol).
-    """
-    by_task: dict[str, Time] = {}
-    by_resource: dict[str, Time] = {}
-    for lower, section in _blocking_sections(task_set, task):
-        by_task[lower.name] = max(by_task.get(lower.name, 0), section.duration)
-        by_resource[section.resource] = max(by_resource.get(section.resource, 0), section.duration)
-    return min(sum(by_task.values()), sum(by_resource.values()))

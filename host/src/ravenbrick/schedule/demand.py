@@ -14,7 +14,7 @@ from ravenbrick.schedule.blocking import Blocking, blocking_candidates
 from ravenbrick.schedule.model import Overheads, Task, TaskSet
 from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
 
-__all__ = ["AnalysisLimitError", "ClockLoad", "Source", "Window", "window_of"]
+__all__ = ["AnalysisLimitError", "Source", "Window", "window_of"]
 
 STEP_LIMIT = 1_000_000
 

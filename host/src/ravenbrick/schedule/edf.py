@@ -11,14 +11,7 @@ from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError
 from ravenbrick.schedule.model import Task, TaskSet
 from ravenbrick.schedule.quantity import Time, ceiling, exact
 
-__all__ = [
-    "DemandTest",
-    "EarliestDeadlineBound",
-    "earliest_deadline_bounds",
-    "processor_demand",
-    "processor_demand_test",
-    "stack_policy_blocking",
-]
+__all__ = ["earliest_deadline_bounds", "processor_demand", "processor_demand_test"]
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["gantt_figure", "shown_until"]
+__all__ = ["gantt_figure"]
 
 MOST_JOBS = 120
 PANELS: tuple[tuple[Scheduler, str], ...] = (

@@ -13,7 +13,7 @@ from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, TaskSet, TaskSetE
 from ravenbrick.schedule.quantity import Time, common_multiple, exact
 from ravenbrick.schedule.response_time import is_schedulable
 
-__all__ = ["ScalingLimit", "largest_scaling", "largest_wcet", "smallest_period"]
+__all__ = ["largest_scaling", "largest_wcet", "smallest_period"]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from xml.parsers import expat
 
 from ravenbrick.errors import DesignError
 
-__all__ = ["SimulinkBlock", "SimulinkLine", "SimulinkSystem", "read_simulink"]
+__all__ = ["SimulinkBlock", "SimulinkSystem", "read_simulink"]
 
 _LARGEST_BYTES = 64 << 20
 _MOST_FILES = 4000

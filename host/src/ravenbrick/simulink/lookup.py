@@ -18,8 +18,8 @@ __all__ = ["LOOKUP"]
 _LARGEST = 2000
 
 
-def _points(b: Builder, name: str, default: str = "[0 1]") -> tuple[float, ...]:
-    return b.dialog().numbers(name, default)
+def _points(b: Builder, name: str) -> tuple[float, ...]:
+    return b.dialog().numbers(name, "[0 1]")
 
 
 def _even(b: Builder, prefix: str, count: int) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.shapes import demux_sizes, selected
 from ravenbrick.simulink.signals import Bus, Wire, plain, size_of
 
-__all__ = ["ROUTING", "pick"]
+__all__ = ["ROUTING"]
 
 
 def _mux(b: Builder) -> None:

@@ -15,7 +15,7 @@ from ravenbrick.clock import Clock
 from ravenbrick.telemetry.messages import Sample, SignalDescription, unpack_value
 from ravenbrick.trace.recording import EVENT_TYPE, Recording, Signal, Stop
 
-__all__ = ["MICROSECONDS", "GroupLog", "RunLog"]
+__all__ = ["RunLog"]
 
 MICROSECONDS = Clock(Fraction(1_000_000))
 _NUMBERS = 1 << 16

@@ -31,7 +31,6 @@ __all__ = [
     "Verdict",
     "decode",
     "encode",
-    "pack_value",
     "unpack_value",
 ]
 

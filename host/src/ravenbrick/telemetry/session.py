@@ -32,7 +32,7 @@ from ravenbrick.telemetry.messages import (
     encode,
 )
 
-__all__ = ["KEEP_ALIVE_S", "Session", "VersionError"]
+__all__ = ["Session", "VersionError"]
 
 KEEP_ALIVE_S = 1.0
 """How often the host speaks when it has nothing to say; the brick waits three times as long."""

@@ -21,7 +21,7 @@ from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.kernel import INTERRUPT, InterruptCost, Services, interrupt_costs
 
-__all__ = ["COARSE_ALARM", "AlarmCosts", "alarm_costs", "coarse_alarm", "exact_cycles"]
+__all__ = ["AlarmCosts", "alarm_costs", "coarse_alarm", "exact_cycles"]
 
 # Where the exit of an interrupt goes when a more urgent thread has become ready.
 PREEMPTION = "preempt"

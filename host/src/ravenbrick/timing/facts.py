@@ -26,7 +26,6 @@ __all__ = [
     "Facts",
     "InterruptLoad",
     "Mode",
-    "Suspension",
     "TransferLoad",
     "annotations_of",
     "read_facts",

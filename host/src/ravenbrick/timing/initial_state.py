@@ -28,7 +28,6 @@ from ravenbrick.timing.bounds import Call
 __all__ = [
     "ALARM_SOURCE",
     "ENVIRONMENT",
-    "FIRST_INTERRUPT_PRIORITY",
     "Handler",
     "ProtectedObject",
     "attached_handlers",

@@ -24,7 +24,6 @@ from ravenbrick.trace.schedule import INTERRUPT_OWNER, by_priority, jobs_of, mea
 
 __all__ = [
     "HandlerDynamics",
-    "Histogram",
     "TaskDynamics",
     "dynamics_summary",
     "handler_dynamics",

@@ -33,7 +33,6 @@ from ravenbrick.trace.schedule import (
 from ravenbrick.trace.verdict import ALIVE, Verdict, expects_fault, judge
 
 __all__ = [
-    "RADIANS_PER_COUNT",
     "CriterionResult",
     "RunMeasures",
     "StepRecord",

@@ -26,7 +26,6 @@ __all__ = [
     "KERNEL_OWNER",
     "Job",
     "Segment",
-    "Stretches",
     "TaskMeasures",
     "Utilization",
     "all_jobs",

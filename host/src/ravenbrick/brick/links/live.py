@@ -23,7 +23,7 @@ from ravenbrick.brick.links.usbip import UsbIpServer
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import PeerError, UsageError
 
-__all__ = ["AirSignal", "CableSignal", "LiveRecord", "LiveRun", "replay_live"]
+__all__ = ["LiveRecord", "LiveRun", "replay_live"]
 
 _FORMAT = "ravenbrick live run 1"
 _SLICE_MS = 5

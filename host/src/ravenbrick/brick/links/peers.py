@@ -205,10 +205,9 @@ class UsbComputer:
         endpoint: int = 0,
         data: bytes = b"",
         length: int = 0,
-        timeout_ms: int = USB_MS,
     ) -> bytes:
         """A transfer from begin to end. Raises PeerError when it fails."""
-        begun = self.begin(kind, endpoint, data, length, timeout_ms)
+        begun = self.begin(kind, endpoint, data, length)
         while True:
             _run(self._brick, STEP_MS)
             completed = self._brick.usb_completed()

@@ -29,7 +29,7 @@ from ravenbrick.control.synthesis.tuning import DiscretePi, PiGains
 from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linear_system
 from ravenbrick.model.lazy import linalg
 
-__all__ = ["Design", "EstimatorComparison", "compare_estimators", "finish_design"]
+__all__ = ["Design", "EstimatorComparison", "finish_design"]
 
 ENCODER_PHASES = 4
 RUN_DURATION = 2.0

@@ -13,7 +13,7 @@ from ravenbrick.control.estimation.estimator import LoopSpecification, pi_with_e
 from ravenbrick.control.synthesis.tuning import PiGains, pi_by_damping, pi_by_lambda, pi_direct
 from ravenbrick.model import IntegrationMethod, SpeedLoop
 
-__all__ = ["DAMPINGS", "FamilyMember", "gain_family"]
+__all__ = ["FamilyMember", "gain_family"]
 
 DAMPINGS = (0.9, 1.0, 1.1, 1.2)
 

@@ -25,7 +25,7 @@ from ravenbrick.model.lazy import control
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ScheduleCase", "schedule_effect", "schedule_figure", "timing_row"]
+__all__ = ["schedule_effect", "schedule_figure", "timing_row"]
 
 _PHASES = (0.0, 0.25, 0.5, 0.75)
 _DURATION = 1.0

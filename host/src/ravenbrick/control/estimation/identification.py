@@ -17,7 +17,6 @@ from ravenbrick.model.lazy import optimize, stats
 
 __all__ = [
     "IdentifiedMotor",
-    "Interval95",
     "MotorData",
     "Validation",
     "fit_motor",

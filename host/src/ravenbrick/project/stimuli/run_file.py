@@ -16,7 +16,7 @@ from typing import Any
 from ravenbrick.errors import ProjectFileError, ScenarioError
 from ravenbrick.project.stimuli import Channels, Sequence, TimedInput
 
-__all__ = ["RunFile", "read", "read_run_file"]
+__all__ = ["read", "read_run_file"]
 
 FORMAT = "ravenbrick run"
 VERSION = 1

@@ -18,7 +18,7 @@ from ravenbrick.errors import ProjectFileError
 from ravenbrick.installation import optional_module
 from ravenbrick.project.stimuli import Channels, Sequence
 
-__all__ = ["INPUT_SCOPE", "read"]
+__all__ = ["read"]
 
 INPUT_SCOPE = "inputs"
 _EXPONENTS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}

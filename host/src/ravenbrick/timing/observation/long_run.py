@@ -23,7 +23,7 @@ from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, decode_events
 
-__all__ = ["LongRun", "Spread", "cyclic_begin", "long_run"]
+__all__ = ["cyclic_begin", "long_run"]
 
 Cycles = NDArray[np.int64]
 PIECE_MS = 5_000

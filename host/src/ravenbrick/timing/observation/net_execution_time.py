@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ravenbrick.trace.recording import EventKind, Recording
 
-__all__ = ["ENTRY_EXIT_CYCLES", "PREEMPTION_CYCLES", "interruption_cycles"]
+__all__ = ["interruption_cycles"]
 
 # Least that lies outside of the noted interrupt (runtime/arm7tdmi/interrupt.S, from RAM at address
 # 0 in every image): 19 cycles before it and 31 after it; a preemption in the exit and the later

@@ -25,7 +25,7 @@ from ravenbrick.timing.observation.long_run import cyclic_begin
 from ravenbrick.timing.observation.observed import Observed, observe
 from ravenbrick.trace.recording import EventKind, Recording, decode_events
 
-__all__ = ["WorstCaseSearch", "WorstSample", "largest", "search_worst_case"]
+__all__ = ["WorstSample", "largest", "search_worst_case"]
 
 SHIFT_MS = 20
 FRESH = 0.3

@@ -18,7 +18,7 @@ import numpy as np
 from ravenbrick.installation import optional_module
 from ravenbrick.trace.export.timeline import Timeline, nanoseconds
 
-__all__ = ["tables_of", "write_csv", "write_parquet"]
+__all__ = ["write_csv", "write_parquet"]
 
 # Columns by name; integers and texts as lists, None for what there is not.
 Table = dict[str, list[Any]]

@@ -28,7 +28,7 @@ from ravenbrick.trace.schedule import (
 )
 from ravenbrick.units import signal_unit
 
-__all__ = ["Lane", "Mark", "Series", "Timeline", "nanoseconds", "timeline_of"]
+__all__ = ["Lane", "Series", "Timeline", "nanoseconds", "timeline_of"]
 
 Cycles = NDArray[np.int64]
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ravenbrick.installation import optional_module
 from ravenbrick.trace.export.timeline import Lane, Series, Timeline, nanoseconds
 
-__all__ = ["vcd_name", "write_vcd"]
+__all__ = ["write_vcd"]
 
 Column = tuple[NDArray[np.int64], NDArray[np.float64], Any]
 SCOPES = {"interrupt": "interrupts", "processor": "processor"}
