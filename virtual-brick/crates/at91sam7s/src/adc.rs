@@ -159,7 +159,7 @@ impl Adc {
         })
     }
 
-    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access {
         match offset {
             ADC_CR => {
                 if value & 1 != 0 {

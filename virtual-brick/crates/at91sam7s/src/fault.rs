@@ -103,7 +103,7 @@ impl fmt::Display for Fault {
 impl std::error::Error for Fault {}
 
 /// Result of a register access inside a peripheral.
-pub(crate) type Access<T> = Result<T, FaultKind>;
+pub(crate) type Access<T = ()> = Result<T, FaultKind>;
 
 /// The register at `offset` is not modelled or does not exist.
 pub(crate) fn no_register<T>(peripheral: &'static str, offset: u32) -> Access<T> {

@@ -50,46 +50,18 @@ fn traces_that_differ_in_one_field() -> Vec<Trace> {
             )
         })
         .collect();
-    traces.push(build(
-        "display",
-        NameSpace::Thread,
-        base,
-        "motor.B.angle",
-        20,
-        0.5,
-    ));
-    traces.push(build(
-        "control",
-        NameSpace::Motor,
-        base,
-        "motor.B.angle",
-        20,
-        0.5,
-    ));
-    traces.push(build(
-        "control",
-        NameSpace::Thread,
-        base,
-        "motor.C.angle",
-        20,
-        0.5,
-    ));
-    traces.push(build(
-        "control",
-        NameSpace::Thread,
-        base,
-        "motor.B.angle",
-        21,
-        0.5,
-    ));
-    traces.push(build(
-        "control",
-        NameSpace::Thread,
-        base,
-        "motor.B.angle",
-        20,
-        0.25,
-    ));
+    traces.extend(
+        [
+            ("display", NameSpace::Thread, "motor.B.angle", 20, 0.5),
+            ("control", NameSpace::Motor, "motor.B.angle", 20, 0.5),
+            ("control", NameSpace::Thread, "motor.C.angle", 20, 0.5),
+            ("control", NameSpace::Thread, "motor.B.angle", 21, 0.5),
+            ("control", NameSpace::Thread, "motor.B.angle", 20, 0.25),
+        ]
+        .map(|(name, space, signal, at_cycles, value)| {
+            build(name, space, base, signal, at_cycles, value)
+        }),
+    );
     traces
 }
 

@@ -50,7 +50,7 @@ impl<B: Board> Chip<B> {
     }
 
     /// Write the register at a word address; effects take place now.
-    pub(super) fn write_register(&mut self, address: u32, value: u32) -> Access<()> {
+    pub(super) fn write_register(&mut self, address: u32, value: u32) -> Access {
         let (peripheral, offset) = decode(address)?;
         let now = self.now;
         let effect = match peripheral {
@@ -116,7 +116,7 @@ impl<B: Board> Chip<B> {
         self.board.observe(self.now, event);
     }
 
-    fn write_memory_controller(&mut self, offset: u32, value: u32) -> Access<()> {
+    fn write_memory_controller(&mut self, offset: u32, value: u32) -> Access {
         let command = memory::flash_command(offset, value);
         if let Some((code, number)) = command {
             self.board.flash_command(self.now, code, number);
@@ -129,7 +129,7 @@ impl<B: Board> Chip<B> {
     }
 
     /// A clock register: the change reaches the processor, the timers and the pin sampling.
-    fn write_clocks(&mut self, offset: u32, value: u32) -> Access<()> {
+    fn write_clocks(&mut self, offset: u32, value: u32) -> Access {
         let now = self.now;
         if Pmc::only_stops_processor(offset, value) {
             self.follow_board_pins(now);

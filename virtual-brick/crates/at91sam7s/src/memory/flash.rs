@@ -311,7 +311,7 @@ impl Flash {
     }
 
     /// `MC_FCR`: key 0x5A, page or bit number, command.
-    pub(crate) fn command(&mut self, now: Cycles, value: u32) -> Access<()> {
+    pub(crate) fn command(&mut self, now: Cycles, value: u32) -> Access {
         let page = value >> 8 & 0x3FF;
         if value >> 24 != 0x5A || now < self.ready_at {
             self.errors |= PROGE;

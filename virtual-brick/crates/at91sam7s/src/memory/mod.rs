@@ -217,7 +217,7 @@ impl Memories {
     }
 
     /// Write a register of the memory controller or the flash controller.
-    pub(crate) fn write_register(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+    pub(crate) fn write_register(&mut self, offset: u32, value: u32, now: Cycles) -> Access {
         match offset {
             MC_RCR => {
                 self.mc.write_remap(value);

@@ -162,7 +162,7 @@ impl Pio {
         })
     }
 
-    pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access {
         match offset {
             PIO_PER => self.pio_control |= value,
             PIO_PDR => self.pio_control &= !value,

@@ -119,12 +119,7 @@ impl Pdc {
     }
 
     /// Write a register; `offset` counts from the peripheral's base.
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        peripheral: &'static str,
-    ) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, peripheral: &'static str) -> Access {
         let count = value & 0xFFFF;
         match offset {
             PERIPH_RPR => self.receive.pointer = value,
@@ -168,7 +163,7 @@ pub(crate) trait Stream {
     /// The data controller may write the transmit register.
     fn wants_data(&self) -> bool;
     /// Put a word in the transmit register.
-    fn transmit(&mut self, value: u32, now: Cycles) -> Access<()>;
+    fn transmit(&mut self, value: u32, now: Cycles) -> Access;
     /// The data controller may read the receive register.
     fn has_data(&self) -> bool {
         false

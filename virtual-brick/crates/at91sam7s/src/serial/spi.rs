@@ -160,7 +160,7 @@ impl Spi {
     }
 
     /// Begin a frame if the shifter is free and a word waits.
-    fn start(&mut self, now: Cycles) -> Access<()> {
+    fn start(&mut self, now: Cycles) -> Access {
         if !matches!(self.phase, Phase::Idle) {
             return Ok(());
         }
@@ -259,7 +259,7 @@ impl Spi {
     }
 
     /// End the delay after a frame and begin the next.
-    pub(crate) fn continue_at(&mut self, at: Cycles) -> Access<()> {
+    pub(crate) fn continue_at(&mut self, at: Cycles) -> Access {
         if matches!(self.phase, Phase::Delay { end } if end <= at) {
             self.phase = Phase::Idle;
             return self.start(at);
@@ -284,13 +284,7 @@ impl Spi {
         })
     }
 
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        now: Cycles,
-        clocked: bool,
-    ) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
         match offset {
             SPI_CR => return self.control(value, clocked),
             SPI_MR => self.mode = value & 0xFF0F_009F,
@@ -305,7 +299,7 @@ impl Spi {
         Ok(())
     }
 
-    fn control(&mut self, value: u32, clocked: bool) -> Access<()> {
+    fn control(&mut self, value: u32, clocked: bool) -> Access {
         if value & 1 << 7 != 0 {
             self.software_reset();
         }
@@ -347,7 +341,7 @@ impl Stream for Spi {
         self.enabled && self.transmit.is_none() && self.pdc.transmit.ready()
     }
 
-    fn transmit(&mut self, value: u32, now: Cycles) -> Access<()> {
+    fn transmit(&mut self, value: u32, now: Cycles) -> Access {
         if !self.enabled {
             return Ok(());
         }

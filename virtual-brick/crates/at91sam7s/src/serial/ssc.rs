@@ -192,13 +192,7 @@ impl Ssc {
         })
     }
 
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        now: Cycles,
-        clocked: bool,
-    ) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
         match offset {
             SSC_CR => return self.control(value, now, clocked),
             SSC_CMR => {
@@ -226,7 +220,7 @@ impl Ssc {
         Ok(())
     }
 
-    fn set_clock(&mut self, value: u32) -> Access<()> {
+    fn set_clock(&mut self, value: u32) -> Access {
         if value & 3 != 0 {
             return not_modelled(NAME, "a transmit clock from RK or TK");
         }
@@ -240,7 +234,7 @@ impl Ssc {
         Ok(())
     }
 
-    fn control(&mut self, value: u32, now: Cycles, clocked: bool) -> Access<()> {
+    fn control(&mut self, value: u32, now: Cycles, clocked: bool) -> Access {
         if value & 1 << 15 != 0 {
             self.software_reset();
             return Ok(());
@@ -283,7 +277,7 @@ impl Stream for Ssc {
         self.enabled && self.holding.is_none() && self.pdc.transmit.ready()
     }
 
-    fn transmit(&mut self, value: u32, now: Cycles) -> Access<()> {
+    fn transmit(&mut self, value: u32, now: Cycles) -> Access {
         if !self.enabled {
             return Ok(());
         }

@@ -310,13 +310,7 @@ impl Twi {
         })
     }
 
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        now: Cycles,
-        clocked: bool,
-    ) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
         match offset {
             TWI_CR => self.control(value, now),
             TWI_MMR => self.mode = value & 0x007F_1300,

@@ -157,13 +157,7 @@ impl Pwmc {
         })
     }
 
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        now: Cycles,
-        clocked: bool,
-    ) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
         self.advance(now);
         if let Some((number, register)) = channel_register(offset) {
             return self.write_channel(number, register, value);
@@ -185,7 +179,7 @@ impl Pwmc {
         Ok(())
     }
 
-    fn write_channel(&mut self, number: usize, register: u32, value: u32) -> Access<()> {
+    fn write_channel(&mut self, number: usize, register: u32, value: u32) -> Access {
         let channel = &mut self.channels[number];
         if channel.enabled && register == 0x08 && value & COUNT != channel.period {
             return not_modelled(NAME, "writing CPRD of an enabled channel (use CUPD)");
@@ -204,7 +198,7 @@ impl Pwmc {
         Ok(())
     }
 
-    fn enable(&mut self, value: u32, now: Cycles, clocked: bool) -> Access<()> {
+    fn enable(&mut self, value: u32, now: Cycles, clocked: bool) -> Access {
         if value & CHANNELS != 0 && !clocked {
             return clock_disabled(NAME, IDENTIFIER);
         }

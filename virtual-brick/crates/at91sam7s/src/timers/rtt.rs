@@ -108,7 +108,7 @@ impl Rtt {
         }
     }
 
-    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access {
         self.advance(now);
         match offset {
             RTT_MR => {

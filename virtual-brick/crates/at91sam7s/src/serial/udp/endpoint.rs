@@ -94,7 +94,7 @@ impl Endpoint {
 
     /// A write of the control register, effective at `at`. One that has not crossed yet is
     /// carried out first.
-    pub(super) fn write_control(&mut self, value: u32, at: Cycles) -> Access<()> {
+    pub(super) fn write_control(&mut self, value: u32, at: Cycles) -> Access {
         if matches!(value >> 8 & 7, 1 | 5) {
             return not_modelled(NAME, "isochronous endpoints");
         }
@@ -148,7 +148,7 @@ impl Endpoint {
     }
 
     /// Write a byte of the next packet for the host.
-    pub(super) fn put(&mut self, value: u32) -> Access<()> {
+    pub(super) fn put(&mut self, value: u32) -> Access {
         if self.filling.data().len() == self.capacity || !self.filling.push(value as u8) {
             return not_modelled(NAME, "more bytes than the endpoint's memory holds");
         }

@@ -170,13 +170,7 @@ impl Udp {
         })
     }
 
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        now: Cycles,
-        clocked: bool,
-    ) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
         self.advance(now);
         match offset {
             UDP_GLB_STAT => self.global = value & 0x1F,

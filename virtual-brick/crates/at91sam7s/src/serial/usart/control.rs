@@ -12,7 +12,7 @@ const RESET_STATUS: u32 = OVRE | FRAME;
 
 impl Usart {
     /// Write of the control register; `clocked` is the identifier of a clock that is off.
-    pub(super) fn control(&mut self, value: u32, now: Cycles, unclocked: Option<u8>) -> Access<()> {
+    pub(super) fn control(&mut self, value: u32, now: Cycles, unclocked: Option<u8>) -> Access {
         let bit = |number: u32| value >> number & 1 != 0;
         if bit(9) {
             return not_modelled(self.name(), "sending a break");
@@ -78,7 +78,7 @@ impl Usart {
         }
     }
 
-    pub(super) fn set_mode(&mut self, value: u32, now: Cycles) -> Access<()> {
+    pub(super) fn set_mode(&mut self, value: u32, now: Cycles) -> Access {
         if value >> 9 & 7 > 5 {
             return not_modelled(self.name(), "multidrop mode");
         }

@@ -329,7 +329,7 @@ impl Stream for Usart {
     }
 
     /// A character that waits already stays.
-    fn transmit(&mut self, value: u32, now: Cycles) -> Access<()> {
+    fn transmit(&mut self, value: u32, now: Cycles) -> Access {
         if self.transmitter && self.holding.is_none() {
             self.holding = Some((value & ((1 << self.data_bits()) - 1)) as u16);
             self.start(now);

@@ -51,7 +51,7 @@ impl Usart {
         value: u32,
         now: Cycles,
         unclocked: Option<u8>,
-    ) -> Access<()> {
+    ) -> Access {
         match offset {
             US_CR => return self.control(value, now, unclocked),
             US_MR => return self.set_mode(value, now),

@@ -51,7 +51,7 @@ impl TimerBlock {
         }
     }
 
-    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access {
         match offset {
             0..=CHANNELS_LAST => {
                 return self.channels[(offset / CHANNEL_BYTES) as usize].write(

@@ -407,7 +407,7 @@ impl Channel {
         value
     }
 
-    fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<()> {
+    fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access {
         self.advance(now);
         match offset {
             TC_CCR => return self.control(value, now),
@@ -428,7 +428,7 @@ impl Channel {
         self.rebase(now, change);
     }
 
-    fn control(&mut self, value: u32, now: Cycles) -> Access<()> {
+    fn control(&mut self, value: u32, now: Cycles) -> Access {
         let enable = value & 1 << 0 != 0;
         let disable = value & 1 << 1 != 0;
         if enable && !disable && !self.clocked {
@@ -446,7 +446,7 @@ impl Channel {
         Ok(())
     }
 
-    fn set_mode(&mut self, value: u32, now: Cycles) -> Access<()> {
+    fn set_mode(&mut self, value: u32, now: Cycles) -> Access {
         if value & 7 > 4 {
             return not_modelled(
                 NAMES[usize::from(self.number)],
