@@ -12,25 +12,7 @@ import pytest
 from verification.support.telemetry_program import SIGNALS, Program, sent
 
 from ravenbrick.errors import UsageError
-from ravenbrick.telemetry import Session, VersionError
-from ravenbrick.telemetry.messages import (
-    Answer,
-    Ask,
-    Hello,
-    KeepAlive,
-    Kind,
-    Message,
-    ParameterDescription,
-    Refused,
-    Sample,
-    SetParameter,
-    SignalDescription,
-    Status,
-    Stop,
-    Verdict,
-    decode,
-    encode,
-)
+from ravenbrick.telemetry import Session, VersionError, messages
 from ravenbrick.trace.export import Format, export
 from ravenbrick.trace.recording import Recording
 
@@ -43,37 +25,39 @@ def talking(program: Program) -> Session:
     return session
 
 
-EXAMPLES: list[Message] = [
-    Hello(1, 3, 2, 5_000_000_000, "vehicle"),
+EXAMPLES: list[messages.Message] = [
+    messages.Hello(1, 3, 2, 5_000_000_000, "vehicle"),
     *SIGNALS,
-    ParameterDescription(3, -1.0, 1.0, 0.25, "kp", "V/rad"),
-    Sample(2, 65_535, 4_294_967_295, (b"abcd", b"efgh")),
-    Answer(1, Verdict.OUT_OF_RANGE, 0.5),
-    Status(1, 2, 3),
-    Refused(2),
-    Ask(),
-    SetParameter(1, 2.5),
-    KeepAlive(),
-    Stop(),
+    messages.ParameterDescription(3, -1.0, 1.0, 0.25, "kp", "V/rad"),
+    messages.Sample(2, 65_535, 4_294_967_295, (b"abcd", b"efgh")),
+    messages.Answer(1, messages.Verdict.OUT_OF_RANGE, 0.5),
+    messages.Status(1, 2, 3),
+    messages.Refused(2),
+    messages.Ask(),
+    messages.SetParameter(1, 2.5),
+    messages.KeepAlive(),
+    messages.Stop(),
 ]
 
 
 @pytest.mark.parametrize("message", EXAMPLES, ids=lambda m: type(m).__name__)
-def test_messages_survive(message: Message) -> None:
+def test_messages_survive(message: messages.Message) -> None:
     """What is encoded is decoded, and no part of it is."""
-    content = encode(message)
-    assert decode(content) == message
-    if not isinstance(message, Sample):
-        assert decode(content + b"x") is None
-    assert all(decode(content[:end]) is None for end in range(1, len(content)) if end % 4 != 0)
+    content = messages.encode(message)
+    assert messages.decode(content) == message
+    if not isinstance(message, messages.Sample):
+        assert messages.decode(content + b"x") is None
+    assert all(
+        messages.decode(content[:end]) is None for end in range(1, len(content)) if end % 4 != 0
+    )
 
 
 def test_random_contents_are_messages_or_nothing() -> None:
     """No content raises anything."""
     rng = random.Random(1)
     for _ in range(20_000):
-        message = decode(rng.randbytes(rng.randint(0, 40)))
-        assert message is None or decode(encode(message)) is not None
+        message = messages.decode(rng.randbytes(rng.randint(0, 40)))
+        assert message is None or messages.decode(messages.encode(message)) is not None
 
 
 def test_samples_become_a_recording(tmp_path: Path) -> None:
@@ -126,7 +110,7 @@ def test_the_brick_has_the_last_word() -> None:
     session.set_parameter("kp", 7.0)
     session.receive(program.receive(session.connected(0.0)))
     session.receive(program.receive(session.pending(0.1)))
-    assert session.answers == [Answer(0, Verdict.OUT_OF_RANGE, 0.5)]
+    assert session.answers == [messages.Answer(0, messages.Verdict.OUT_OF_RANGE, 0.5)]
     assert program.gains[0] == session.values[0] == 0.5
 
 
@@ -177,7 +161,7 @@ def test_a_silent_host_keeps_alive_and_asks_again() -> None:
     assert session.described
     assert session.pending(1.5) == b""
     program.receive(session.pending(1.7))
-    assert isinstance(program.heard[-1], KeepAlive)
+    assert isinstance(program.heard[-1], messages.KeepAlive)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -185,12 +169,12 @@ def test_hostile_bytes_do_no_harm(seed: int) -> None:
     """Random frames with right check values, and random bytes: counted, never raised."""
     rng = random.Random(seed)
     session = talking(Program())
-    strange: list[Message] = [
-        Sample(9, 1, 1, (b"abcd",)),
-        Sample(1, 1, 1, (b"abcd",) * 3),
-        Answer(77, Verdict.ACCEPTED, float("nan")),
-        SignalDescription(1, 0, Kind.TRUTH, "speed", ""),
-        Ask(),
+    strange: list[messages.Message] = [
+        messages.Sample(9, 1, 1, (b"abcd",)),
+        messages.Sample(1, 1, 1, (b"abcd",) * 3),
+        messages.Answer(77, messages.Verdict.ACCEPTED, float("nan")),
+        messages.SignalDescription(1, 0, messages.Kind.TRUTH, "speed", ""),
+        messages.Ask(),
     ]
     for _ in range(300):
         session.receive(rng.randbytes(rng.randint(0, 30)) + sent(rng.choice(strange)))

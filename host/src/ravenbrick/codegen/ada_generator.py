@@ -20,19 +20,10 @@ from ravenbrick.codegen.ada_text import (
 from ravenbrick.codegen.generator import GeneratedCode, block_title
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
+from ravenbrick.model import program as ir
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.integer_ranges import integer_ranges, key
 from ravenbrick.model.number_format import FixedFormat, Interval
-from ravenbrick.model.program import (
-    Clamp,
-    Expression,
-    Kind,
-    Literal,
-    Program,
-    Read,
-    Slot,
-    is_fixed_point,
-)
 
 __all__ = ["generate_ada"]
 
@@ -43,7 +34,9 @@ _HIDING = frozenset(
 )
 
 
-def generate_ada(source: Diagram | Program | FixedPoint, *, c_names: bool = False) -> GeneratedCode:
+def generate_ada(
+    source: Diagram | ir.Program | FixedPoint, *, c_names: bool = False
+) -> GeneratedCode:
     """`<model>.ads` and `<model>.adb`: one step of the diagram as procedure `Step`.
 
     Names, statements and results are those of `generate_c`. Floating point uses Float and
@@ -69,19 +62,19 @@ def generate_ada(source: Diagram | Program | FixedPoint, *, c_names: bool = Fals
     return GeneratedCode({f"{file}.ads": spec, f"{file}.adb": body}, digest)
 
 
-def _program(source: Diagram | Program | FixedPoint) -> Program:
+def _program(source: Diagram | ir.Program | FixedPoint) -> ir.Program:
     if isinstance(source, FixedPoint):
         return source.program
     return source.lower() if isinstance(source, Diagram) else source
 
 
 class _Package:
-    def __init__(self, program: Program, *, c_names: bool) -> None:
+    def __init__(self, program: ir.Program, *, c_names: bool) -> None:
         if not program.inputs or not program.outputs:
             raise DesignError(f"diagram '{program.name}' needs at least one Inport and one Outport")
         self._program = program
         self._c_names = c_names
-        self._fixed = is_fixed_point(program)
+        self._fixed = ir.is_fixed_point(program)
         self._ranges = integer_ranges(program) if self._fixed else {}
         self._name = ada_name(program.name)
         self._text = AdaText(program, self._checked_names())
@@ -93,7 +86,7 @@ class _Package:
         names: dict[str, str] = {}
         groups = (program.inputs, program.outputs, program.states, program.parameters)
         for group in (*groups, program.signals):
-            taken: dict[str, Slot] = {}
+            taken: dict[str, ir.Slot] = {}
             for slot in group:
                 own = ada_name(slot.name)
                 other = taken.setdefault(own.lower(), slot)
@@ -102,7 +95,7 @@ class _Package:
                         f"'{slot.name}' of block '{slot.block}' and '{other.name}' of block "
                         f"'{other.block}' are one name in Ada; rename one of them"
                     )
-                if own.lower() in _HIDING and slot.kind in (Kind.SIGNAL, Kind.PARAMETER):
+                if own.lower() in _HIDING and slot.kind in (ir.Kind.SIGNAL, ir.Kind.PARAMETER):
                     raise DesignError(
                         f"block '{slot.block}': '{slot.name}' has a meaning in the generated Ada; "
                         "rename it"
@@ -110,19 +103,19 @@ class _Package:
                 names[slot.name] = own
         return names
 
-    def _typed(self, slot: Slot) -> str:
+    def _typed(self, slot: ir.Slot) -> str:
         """The type of a variable, in fixed point with its proved range."""
         form = stored_format(slot)
         text = ada_type(form)
         proved = self._ranges.get(key(slot))
-        if not isinstance(form, FixedFormat) or slot.kind is Kind.INPUT or proved is None:
+        if not isinstance(form, FixedFormat) or slot.kind is ir.Kind.INPUT or proved is None:
             return text
         if proved == Interval(*form.limits):
             return text
         low, high = (ada_literal(end, form) for end in (proved.low, proved.high))
         return f"{text} range {low} .. {high}"
 
-    def _record(self, name: str, slots: Sequence[Slot], about: str) -> list[str]:
+    def _record(self, name: str, slots: Sequence[ir.Slot], about: str) -> list[str]:
         lines = [f"   type {name} is record"]
         for slot in slots:
             lines += wrapped(f"{ada_name(slot.name)} : {self._typed(slot)};", 6)
@@ -223,15 +216,17 @@ class _Package:
 
     def _limited_outputs(self) -> list[tuple[str, str]]:
         """Outputs that a saturation feeds, with its limit."""
-        limits: dict[str, Expression] = {}
+        limits: dict[str, ir.Expression] = {}
         found = []
         for statement in self._program.statements:
             target, expression = statement.target, statement.expression
-            if isinstance(expression, Clamp) and isinstance(expression.limit, Literal | Read):
+            if isinstance(expression, ir.Clamp) and isinstance(
+                expression.limit, ir.Literal | ir.Read
+            ):
                 limits[target.name] = expression.limit
-            elif target.kind is Kind.OUTPUT and isinstance(expression, Read):
+            elif target.kind is ir.Kind.OUTPUT and isinstance(expression, ir.Read):
                 limit = limits.get(expression.slot.name)
-                if limit is not None and expression.slot.kind is Kind.SIGNAL:
+                if limit is not None and expression.slot.kind is ir.Kind.SIGNAL:
                     found.append((self._text.variable(target), self._text.expression(limit)))
         return found
 

@@ -13,17 +13,8 @@ from ravenbrick.codegen.ada_text import (
     wrapped,
 )
 from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import Rounding
-from ravenbrick.model.program import (
-    Call,
-    DataType,
-    Expression,
-    Program,
-    Rescale,
-    Rounded,
-    Table,
-    expression_type,
-)
 
 __all__ = ["ada_helpers", "needs_interfaces"]
 
@@ -92,9 +83,9 @@ _LOOK_UP = """\
 """
 
 
-def _words(expression: Expression) -> dict[str, str]:
-    form = expression_type(expression)
-    single = form is DataType.REAL32
+def _words(expression: ir.Expression) -> dict[str, str]:
+    form = ir.expression_type(expression)
+    single = form is ir.DataType.REAL32
     return {
         "real": ada_type(form),
         "suffix": nearest_name(form),
@@ -103,30 +94,30 @@ def _words(expression: Expression) -> dict[str, str]:
     }
 
 
-def needs_interfaces(program: Program) -> bool:
+def needs_interfaces(program: ir.Program) -> bool:
     """Whether the body works on the integers behind fixed-point values."""
-    return any(isinstance(node, Rescale) for node in expressions(program))
+    return any(isinstance(node, ir.Rescale) for node in expressions(program))
 
 
-def ada_helpers(program: Program) -> list[str]:
+def ada_helpers(program: ir.Program) -> list[str]:
     """Declarations before the step procedure, each once, with the tables' numbers."""
     found: dict[str, None] = {}
     tables: dict[str, None] = {}
     for node in expressions(program):
-        if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
+        if isinstance(node, ir.Rescale) and node.rounding is Rounding.NEAREST:
             found[_NEAREST_QUOTIENT] = None
-        elif isinstance(node, Rounded):
+        elif isinstance(node, ir.Rounded):
             found[_NEAREST.format(**_words(node.value))] = None
-        elif isinstance(node, Table):
+        elif isinstance(node, ir.Table):
             found[_LOOK_UP.format(**_words(node.value))] = None
             for text in _arrays(node):
                 tables[text] = None
-        elif isinstance(node, Call):
+        elif isinstance(node, ir.Call):
             found[_twin(node)] = None
     return [*found, *tables]
 
 
-def _twin(call: Call) -> str:
+def _twin(call: ir.Call) -> str:
     real, name = ada_type(call.data_type), ada_name(call.name)
     if not call.ada:
         raise DesignError(
@@ -138,8 +129,8 @@ def _twin(call: Call) -> str:
     return f"   {head};\n\n   {head} is\n   begin\n{body}\n   end {name};\n"
 
 
-def _arrays(table: Table) -> list[str]:
-    form = expression_type(table.value)
+def _arrays(table: ir.Table) -> list[str]:
+    form = ir.expression_type(table.value)
     texts = []
     for part, numbers in (
         ("Breakpoints", table.breakpoints),

@@ -10,30 +10,9 @@ from fractions import Fraction
 
 from ravenbrick.codegen.c_text import c_literal
 from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
 from ravenbrick.model.linearisation import fraction_of
 from ravenbrick.model.number_format import FixedFormat, Rounding
-from ravenbrick.model.program import (
-    Binary,
-    Bounded,
-    Call,
-    Cast,
-    Clamp,
-    DataType,
-    Expression,
-    Kind,
-    Literal,
-    NumberFormat,
-    Program,
-    Read,
-    Rescale,
-    Rounded,
-    Select,
-    Slot,
-    Statement,
-    Table,
-    children,
-    expression_type,
-)
 
 __all__ = [
     "AdaText",
@@ -47,7 +26,7 @@ __all__ = [
 ]
 
 _WIDTH = 96
-_REAL_TYPES = {DataType.REAL32: "Float", DataType.REAL64: "Long_Float"}
+_REAL_TYPES = {ir.DataType.REAL32: "Float", ir.DataType.REAL64: "Long_Float"}
 _RESERVED = frozenset(
     """abort abs abstract accept access aliased all and array at begin body case constant declare
     delay delta digits do else elsif end entry exception exit for function generic goto if in
@@ -70,7 +49,7 @@ def ada_name(name: str) -> str:
     return "_".join(word[0].upper() + word[1:] for word in words)
 
 
-def ada_type(form: NumberFormat) -> str:
+def ada_type(form: ir.NumberFormat) -> str:
     """The Ada type of a number format."""
     if isinstance(form, FixedFormat):
         name = str(form)
@@ -78,7 +57,7 @@ def ada_type(form: NumberFormat) -> str:
     return _REAL_TYPES[form]
 
 
-def ada_literal(value: float, form: NumberFormat) -> str:
+def ada_literal(value: float, form: ir.NumberFormat) -> str:
     """Text that is exactly the number of the format; of a fixed-point one `value` is raw."""
     if not isinstance(form, FixedFormat):
         return c_literal(value, form).removesuffix("F").replace("e", "E")
@@ -89,10 +68,10 @@ def ada_literal(value: float, form: NumberFormat) -> str:
     return f"{'-' if exact < 0 else ''}{int(whole)}.{decimals}"
 
 
-def stored_format(slot: Slot) -> NumberFormat:
+def stored_format(slot: ir.Slot) -> ir.NumberFormat:
     """The format that a variable is kept in; local integers take a word."""
     form = slot.data_type
-    if slot.kind is Kind.SIGNAL and isinstance(form, FixedFormat):
+    if slot.kind is ir.Kind.SIGNAL and isinstance(form, FixedFormat):
         return FixedFormat(32, form.fraction)
     return form
 
@@ -109,24 +88,24 @@ def wrapped(text: str, indent: int) -> list[str]:
     )
 
 
-def nearest_name(form: NumberFormat) -> str:
+def nearest_name(form: ir.NumberFormat) -> str:
     """The last part of a helper's name: Real32 or Real64."""
-    return "Real32" if form is DataType.REAL32 else "Real64"
+    return "Real32" if form is ir.DataType.REAL32 else "Real64"
 
 
-def expressions(program: Program) -> Iterator[Expression]:
+def expressions(program: ir.Program) -> Iterator[ir.Expression]:
     """All expressions of a program with those inside them."""
     waiting = [statement.expression for statement in reversed(program.statements)]
     while waiting:
         node = waiting.pop()
         yield node
-        waiting.extend(reversed(children(node)))
+        waiting.extend(reversed(ir.children(node)))
 
 
-def _is_one(expression: Expression) -> bool:
+def _is_one(expression: ir.Expression) -> bool:
     """Whether a factor only shifts: a literal that stands for 1 with fractional bits."""
     return (
-        isinstance(expression, Literal)
+        isinstance(expression, ir.Literal)
         and isinstance(expression.data_type, FixedFormat)
         and expression.value == 2.0**expression.data_type.fraction
         and expression.data_type.width == 32
@@ -136,95 +115,95 @@ def _is_one(expression: Expression) -> bool:
 class AdaText:
     """Statements of one program; `formats` collects the fixed-point types that they need."""
 
-    def __init__(self, program: Program, names: Mapping[str, str]) -> None:
+    def __init__(self, program: ir.Program, names: Mapping[str, str]) -> None:
         self._names = names
         self.formats: set[FixedFormat] = set()
         slots = (*program.inputs, *program.outputs, *program.parameters, *program.states)
         for slot in (*slots, *program.signals):
             self._seen(stored_format(slot))
 
-    def _seen(self, form: NumberFormat) -> NumberFormat:
+    def _seen(self, form: ir.NumberFormat) -> ir.NumberFormat:
         if isinstance(form, FixedFormat):
             self.formats.add(form)
         return form
 
-    def variable(self, slot: Slot) -> str:
+    def variable(self, slot: ir.Slot) -> str:
         """How the step procedure names a variable."""
         name = self._names[slot.name]
         match slot.kind:
-            case Kind.INPUT:
+            case ir.Kind.INPUT:
                 return f"Inputs.{name}"
-            case Kind.OUTPUT:
+            case ir.Kind.OUTPUT:
                 return f"Outputs.{name}"
-            case Kind.STATE:
+            case ir.Kind.STATE:
                 return f"Work.{name}"
-            case Kind.PARAMETER if not isinstance(slot.data_type, FixedFormat):
+            case ir.Kind.PARAMETER if not isinstance(slot.data_type, FixedFormat):
                 return f"Parameters.{name}"
             case _:
                 return name
 
-    def literal(self, value: float, form: NumberFormat) -> str:
+    def literal(self, value: float, form: ir.NumberFormat) -> str:
         """A number of the format, negative ones in parentheses."""
         text = ada_literal(value, form)
         if isinstance(form, FixedFormat):
             return f"{ada_type(self._seen(form))}'({text})"
         return f"({text})" if text.startswith("-") else text
 
-    def expression(self, expression: Expression, *, nested: bool = False) -> str:
+    def expression(self, expression: ir.Expression, *, nested: bool = False) -> str:
         """Ada for the expression; in parentheses if `nested` and it has an operator."""
         match expression:
-            case Read(slot=slot):
+            case ir.Read(slot=slot):
                 return self.variable(slot)
-            case Literal(value=value, data_type=form):
+            case ir.Literal(value=value, data_type=form):
                 return self.literal(value, form)
-            case Cast(value=value, data_type=form):
+            case ir.Cast(value=value, data_type=form):
                 return f"{ada_type(form)} ({self.expression(value)})"
-            case Binary() if isinstance(expression_type(expression), FixedFormat):
+            case ir.Binary() if isinstance(ir.expression_type(expression), FixedFormat):
                 return self._fixed_binary(expression, nested=nested)
-            case Binary(operator=operator, left=left, right=right):
+            case ir.Binary(operator=operator, left=left, right=right):
                 text = self._infix(operator, left, right)
-            case Select() if isinstance(expression_type(expression), FixedFormat):
+            case ir.Select() if isinstance(ir.expression_type(expression), FixedFormat):
                 return self._fixed_choice(expression)
-            case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
                 test = self._infix(condition.operator, condition.left, condition.right)
                 first = self.expression(chosen, nested=True)
                 return f"(if {test} then {first} else {self.expression(otherwise, nested=True)})"
-            case Call(name=name, arguments=arguments):
+            case ir.Call(name=name, arguments=arguments):
                 return f"{ada_name(name)} ({', '.join(map(self.expression, arguments))})"
-            case Rounded(value=value):
-                name = nearest_name(expression_type(value))
+            case ir.Rounded(value=value):
+                name = nearest_name(ir.expression_type(value))
                 return f"Nearest_{name} ({self.expression(value)})"
-            case Table(value=value, name=name):
+            case ir.Table(value=value, name=name):
                 own = ada_name(name)
                 arrays = f"{own}_Breakpoints, {own}_Values, {own}_Slopes"
-                helper = f"Look_Up_{nearest_name(expression_type(value))}"
+                helper = f"Look_Up_{nearest_name(ir.expression_type(value))}"
                 return f"{helper} ({arrays}, {self.expression(value)})"
-            case Rescale():
+            case ir.Rescale():
                 return self._rescale(expression)
-            case Clamp() | Bounded():
+            case ir.Clamp() | ir.Bounded():
                 raise DesignError("a limit inside an expression cannot become Ada")
         return f"({text})" if nested else text
 
-    def _infix(self, operator: str, left: Expression, right: Expression) -> str:
+    def _infix(self, operator: str, left: ir.Expression, right: ir.Expression) -> str:
         first = self.expression(left, nested=True)
         return f"{first} {operator} {self.expression(right, nested=True)}"
 
-    def _word(self, expression: Expression) -> FixedFormat:
+    def _word(self, expression: ir.Expression) -> FixedFormat:
         """The 32-bit format with the expression's fraction."""
         form = FixedFormat(32, fraction_of(expression))
         self.formats.add(form)
         return form
 
-    def _in_word(self, expression: Expression) -> str:
+    def _in_word(self, expression: ir.Expression) -> str:
         """The expression in its 32-bit format."""
         text = self.expression(expression, nested=True)
-        if isinstance(expression, Read | Literal):
+        if isinstance(expression, ir.Read | ir.Literal):
             form = _format_of(expression)
             if isinstance(form, FixedFormat) and form.width != 32:
                 return f"{ada_type(self._word(expression))} ({text})"
         return text
 
-    def _fixed_binary(self, expression: Binary, *, nested: bool) -> str:
+    def _fixed_binary(self, expression: ir.Binary, *, nested: bool) -> str:
         if expression.operator == "*":
             own = ada_type(self._word(expression))
             if _is_one(expression.right):
@@ -235,17 +214,17 @@ class AdaText:
         text = f"{left} {expression.operator} {right}"
         return f"({text})" if nested else text
 
-    def _fixed_choice(self, select: Select) -> str:
+    def _fixed_choice(self, select: ir.Select) -> str:
         condition = select.condition
         test = f"{self._in_word(condition.left)} {condition.operator} "
         test += self._in_word(condition.right)
         chosen, otherwise = self._in_word(select.chosen), self._in_word(select.otherwise)
         return f"(if {test} then {chosen} else {otherwise})"
 
-    def _rescale(self, expression: Rescale) -> str:
+    def _rescale(self, expression: ir.Rescale) -> str:
         """The integer behind the value, divided: conversions of Ada may round either way."""
         inner = self.expression(expression.value)
-        if isinstance(expression.value, Select):  # whose type the attribute does not tell
+        if isinstance(expression.value, ir.Select):  # whose type the attribute does not tell
             inner = f"{ada_type(self._word(expression.value))}'{inner}"
         value = f"Integer_32'Integer_Value ({inner})"
         own = ada_type(self._word(expression))
@@ -253,14 +232,14 @@ class AdaText:
             return f"{own}'Fixed_Value (Nearest_Quotient ({value}, 2 ** {expression.bits}))"
         return f"{own}'Fixed_Value ({value} / 2 ** {expression.bits})"
 
-    def statement(self, statement: Statement) -> list[str]:
+    def statement(self, statement: ir.Statement) -> list[str]:
         """Statements that do what the program's statement does, without indentation."""
         target = self.variable(statement.target)
         expression = statement.expression
         match expression:
-            case Bounded(value=value, low=low, high=high):
+            case ir.Bounded(value=value, low=low, high=high):
                 return self._bounded(statement, value, low, high)
-            case Clamp(value=value, limit=limit):
+            case ir.Clamp(value=value, limit=limit):
                 whole = isinstance(statement.target.data_type, FixedFormat)
                 inner, bound = (
                     self._in_word(side) if whole else self.expression(side, nested=True)
@@ -270,17 +249,21 @@ class AdaText:
             case _:
                 return [f"{target} := {self._assigned(expression, statement.target)};"]
 
-    def _assigned(self, expression: Expression, target: Slot) -> str:
+    def _assigned(self, expression: ir.Expression, target: ir.Slot) -> str:
         text = self.expression(expression)
         form = stored_format(target)
         if not isinstance(form, FixedFormat):
             return text
-        if isinstance(expression, Literal):
+        if isinstance(expression, ir.Literal):
             return ada_literal(expression.value, form)
-        given = _format_of(expression) if isinstance(expression, Read) else self._word(expression)
+        given = (
+            _format_of(expression) if isinstance(expression, ir.Read) else self._word(expression)
+        )
         return text if given == form else f"{ada_type(form)} ({text})"
 
-    def _bounded(self, statement: Statement, value: Expression, low: int, high: int) -> list[str]:
+    def _bounded(
+        self, statement: ir.Statement, value: ir.Expression, low: int, high: int
+    ) -> list[str]:
         target, form = statement.target, stored_format(statement.target)
         word = self._word(value)
         cast = _ACCUMULATOR if word == form else f"{ada_type(form)} ({_ACCUMULATOR})"
@@ -294,8 +277,8 @@ class AdaText:
 _ACCUMULATOR = "Accumulator"
 
 
-def _format_of(expression: Read | Literal) -> NumberFormat:
-    if isinstance(expression, Read):
+def _format_of(expression: ir.Read | ir.Literal) -> ir.NumberFormat:
+    if isinstance(expression, ir.Read):
         return stored_format(expression.slot)
     return expression.data_type
 

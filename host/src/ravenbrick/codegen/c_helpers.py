@@ -7,18 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ravenbrick.codegen.c_text import c_literal, format_suffix
+from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import Rounding
-from ravenbrick.model.program import (
-    Call,
-    DataType,
-    Expression,
-    Program,
-    Rescale,
-    Rounded,
-    Table,
-    children,
-    expression_type,
-)
 
 __all__ = ["helper_functions", "table_arrays"]
 
@@ -67,18 +57,18 @@ static {real} {model}_look_up_{suffix}(const {real} breakpoints[], const {real} 
 """
 
 
-def _nodes(program: Program) -> Iterator[Expression]:
+def _nodes(program: ir.Program) -> Iterator[ir.Expression]:
     waiting = [statement.expression for statement in reversed(program.statements)]
     while waiting:
         node = waiting.pop()
         yield node
-        waiting.extend(reversed(children(node)))
+        waiting.extend(reversed(ir.children(node)))
 
 
-def _words(expression: Expression) -> dict[str, str]:
-    single = expression_type(expression) is DataType.REAL32
+def _words(expression: ir.Expression) -> dict[str, str]:
+    single = ir.expression_type(expression) is ir.DataType.REAL32
     return {
-        "real": expression_type(expression).value,
+        "real": ir.expression_type(expression).value,
         "suffix": format_suffix(expression),
         "integer": "int32_T" if single else "int64_T",
         "limit": "8388608.0F" if single else "4503599627370496.0",
@@ -87,35 +77,35 @@ def _words(expression: Expression) -> dict[str, str]:
     }
 
 
-def helper_functions(program: Program) -> list[str]:
+def helper_functions(program: ir.Program) -> list[str]:
     """Lines with the static functions that the step function calls, each once."""
     found: dict[str, None] = {}
     for node in _nodes(program):
-        if isinstance(node, Rescale) and node.rounding is Rounding.NEAREST:
+        if isinstance(node, ir.Rescale) and node.rounding is Rounding.NEAREST:
             found[_NEAREST_QUOTIENT.format(model=program.name)] = None
-        elif isinstance(node, Rounded):
+        elif isinstance(node, ir.Rounded):
             found[_NEAREST.format(model=program.name, **_words(node.value))] = None
-        elif isinstance(node, Table):
+        elif isinstance(node, ir.Table):
             found[_LOOK_UP.format(model=program.name, **_words(node.value))] = None
-        elif isinstance(node, Call):
+        elif isinstance(node, ir.Call):
             found[_twin(program, node)] = None
     return list(found)
 
 
-def _twin(program: Program, call: Call) -> str:
+def _twin(program: ir.Program, call: ir.Call) -> str:
     real = call.data_type.value
     given = ", ".join(f"{real} {name}" for name in call.parameters)
     body = "\n".join(f"  {line}".rstrip() for line in call.c.strip().splitlines())
     return f"static {real} {program.name}_{call.name}({given})\n{{\n{body}\n}}\n"
 
 
-def table_arrays(program: Program) -> list[str]:
+def table_arrays(program: ir.Program) -> list[str]:
     """Lines inside the step function with the tables' numbers."""
     lines: dict[str, None] = {}
     for node in _nodes(program):
-        if not isinstance(node, Table):
+        if not isinstance(node, ir.Table):
             continue
-        form = expression_type(node.value)
+        form = ir.expression_type(node.value)
         for part, numbers in (
             ("breakpoints", node.breakpoints),
             ("values", node.values),

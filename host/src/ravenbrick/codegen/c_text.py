@@ -7,28 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import FixedFormat, Rounding
-from ravenbrick.model.program import (
-    Binary,
-    Bounded,
-    Call,
-    Cast,
-    Clamp,
-    DataType,
-    Expression,
-    Kind,
-    Literal,
-    NumberFormat,
-    Program,
-    Read,
-    Rescale,
-    Rounded,
-    Select,
-    Slot,
-    Statement,
-    Table,
-    expression_type,
-)
 
 __all__ = ["ACCUMULATOR", "C_KEYWORDS", "c_literal", "c_statement", "c_type", "format_suffix"]
 
@@ -40,7 +20,7 @@ C_KEYWORDS = frozenset(
 ACCUMULATOR = "accumulator"
 
 
-def c_literal(value: float, data_type: NumberFormat) -> str:
+def c_literal(value: float, data_type: ir.NumberFormat) -> str:
     """The shortest decimal text that reads back as the same number of the format.
 
     Of a fixed-point format the value is the raw one.
@@ -53,95 +33,97 @@ def c_literal(value: float, data_type: NumberFormat) -> str:
     text = np.format_float_positional(number, unique=True, trim="0")
     if len(text) > 17:
         text = np.format_float_scientific(number, unique=True, trim="0")
-    return f"{text}F" if data_type is DataType.REAL32 else text
+    return f"{text}F" if data_type is ir.DataType.REAL32 else text
 
 
-def c_type(slot: Slot) -> str:
+def c_type(slot: ir.Slot) -> str:
     """The C type of a variable; local integers take a word, which the processor prefers."""
-    if slot.kind is Kind.SIGNAL and isinstance(slot.data_type, FixedFormat):
+    if slot.kind is ir.Kind.SIGNAL and isinstance(slot.data_type, FixedFormat):
         return "int32_T"
     return slot.data_type.value
 
 
-def c_variable(program: Program, slot: Slot) -> str:
+def c_variable(program: ir.Program, slot: ir.Slot) -> str:
     """How the step function names a variable."""
     match slot.kind:
-        case Kind.INPUT:
+        case ir.Kind.INPUT:
             return f"u->{slot.name}"
-        case Kind.OUTPUT:
+        case ir.Kind.OUTPUT:
             return f"y->{slot.name}"
-        case Kind.STATE:
+        case ir.Kind.STATE:
             return f"work->{slot.name}"
-        case Kind.PARAMETER:
+        case ir.Kind.PARAMETER:
             return f"{program.name}_P.{slot.name}"
-        case Kind.SIGNAL:
+        case ir.Kind.SIGNAL:
             return slot.name
 
 
-def format_suffix(expression: Expression) -> str:
+def format_suffix(expression: ir.Expression) -> str:
     """The last part of a helper's name: the expression's format, such as real32."""
-    return expression_type(expression).value.removesuffix("_T")
+    return ir.expression_type(expression).value.removesuffix("_T")
 
 
-def _c_expression(program: Program, expression: Expression, *, nested: bool = False) -> str:
+def _c_expression(program: ir.Program, expression: ir.Expression, *, nested: bool = False) -> str:
     match expression:
-        case Read(slot=slot):
+        case ir.Read(slot=slot):
             text = c_variable(program, slot)
             narrow = c_type(slot) == "int16_T"
             return f"(int32_T){text}" if nested and narrow else text
-        case Literal(value=value, data_type=data_type):
+        case ir.Literal(value=value, data_type=data_type):
             text = c_literal(value, data_type)
             return f"({text})" if text.startswith("-") else text
-        case Cast(value=value, data_type=data_type):
+        case ir.Cast(value=value, data_type=data_type):
             return f"({data_type.value})({_c_expression(program, value)})"
-        case Binary(operator="-", left=Literal(value=0, data_type=FixedFormat()), right=right):
+        case ir.Binary(
+            operator="-", left=ir.Literal(value=0, data_type=FixedFormat()), right=right
+        ):
             text = f"-{_c_expression(program, right, nested=True)}"
-        case Binary(operator=operator, left=left, right=right):
+        case ir.Binary(operator=operator, left=left, right=right):
             text = _c_infix(program, operator, left, right)
-        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+        case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
             test = _c_infix(program, condition.operator, condition.left, condition.right)
             first, second = (_c_branch(program, branch) for branch in (chosen, otherwise))
             text = f"({test}) ? {first} : {second}"
-        case Call(name=name, arguments=arguments):
+        case ir.Call(name=name, arguments=arguments):
             given = ", ".join(_c_expression(program, one) for one in arguments)
             return f"{program.name}_{name}({given})"
-        case Rounded(value=value):
+        case ir.Rounded(value=value):
             return f"{program.name}_nearest_{format_suffix(value)}({_c_expression(program, value)})"
-        case Table(value=value, name=name, breakpoints=breakpoints):
+        case ir.Table(value=value, name=name, breakpoints=breakpoints):
             arrays = f"{name}_breakpoints, {name}_values, {name}_slopes"
             inner = _c_expression(program, value)
             head = f"{program.name}_look_up_{format_suffix(value)}"
             return f"{head}({arrays}, {len(breakpoints)}U, {inner})"
-        case Rescale(value=value, bits=bits, rounding=Rounding.NEAREST):
+        case ir.Rescale(value=value, bits=bits, rounding=Rounding.NEAREST):
             inner = _c_expression(program, value)
             return f"{program.name}_nearest_quotient({inner}, {1 << bits})"
-        case Rescale(value=value, bits=bits):
+        case ir.Rescale(value=value, bits=bits):
             text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
-        case Clamp() | Bounded():
+        case ir.Clamp() | ir.Bounded():
             raise DesignError("a limit inside an expression cannot become C; give it its own block")
     return f"({text})" if nested else text
 
 
-def _c_branch(program: Program, branch: Expression) -> str:
+def _c_branch(program: ir.Program, branch: ir.Expression) -> str:
     """One side of a choice; a small integer alone would have a narrower type than a variable."""
     text = _c_expression(program, branch, nested=True)
-    whole = isinstance(branch, Literal) and isinstance(branch.data_type, FixedFormat)
+    whole = isinstance(branch, ir.Literal) and isinstance(branch.data_type, FixedFormat)
     return f"(int32_T){text}" if whole else text
 
 
-def _c_infix(program: Program, operator: str, left: Expression, right: Expression) -> str:
+def _c_infix(program: ir.Program, operator: str, left: ir.Expression, right: ir.Expression) -> str:
     first = _c_expression(program, left, nested=True)
     second = _c_expression(program, right, nested=True)
     return f"{first} {operator} {second}"
 
 
-def c_statement(program: Program, statement: Statement) -> list[str]:
+def c_statement(program: ir.Program, statement: ir.Statement) -> list[str]:
     """Lines of C, without indentation, that do what the statement does."""
     target = c_variable(program, statement.target)
     expression = statement.expression
-    if isinstance(expression, Bounded):
+    if isinstance(expression, ir.Bounded):
         return _c_bounded(program, statement, expression)
-    if not isinstance(expression, Clamp):
+    if not isinstance(expression, ir.Clamp):
         return [f"{target} = {_c_assigned(program, expression, statement.target)};"]
     value = _c_expression(program, expression.value, nested=True)
     limit = _c_expression(program, expression.limit, nested=True)
@@ -156,20 +138,20 @@ def c_statement(program: Program, statement: Statement) -> list[str]:
     ]
 
 
-def _c_assigned(program: Program, expression: Expression, target: Slot) -> str:
+def _c_assigned(program: ir.Program, expression: ir.Expression, target: ir.Slot) -> str:
     """The expression converted to the target's type; only integers need it."""
     text = _c_expression(program, expression)
     form = target.data_type
-    if not isinstance(form, FixedFormat) or isinstance(expression, Literal):
+    if not isinstance(form, FixedFormat) or isinstance(expression, ir.Literal):
         return text
-    given = c_type(expression.slot) if isinstance(expression, Read) else "int32_T"
+    given = c_type(expression.slot) if isinstance(expression, ir.Read) else "int32_T"
     if given == c_type(target):
         return text
-    simple = isinstance(expression, Read)
+    simple = isinstance(expression, ir.Read)
     return f"({c_type(target)}){text}" if simple else f"({c_type(target)})({text})"
 
 
-def _c_bounded(program: Program, statement: Statement, bounded: Bounded) -> list[str]:
+def _c_bounded(program: ir.Program, statement: ir.Statement, bounded: ir.Bounded) -> list[str]:
     target = c_variable(program, statement.target)
     form = statement.target.data_type
     cast = f"({form.value})" if c_type(statement.target) == "int16_T" else ""

@@ -10,19 +10,10 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from ravenbrick.errors import DesignError, ToolMissingError
+from ravenbrick.model import program as ir
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.linearisation import fraction_of
 from ravenbrick.model.number_format import FixedFormat, Rounding
-from ravenbrick.model.program import (
-    Binary,
-    Expression,
-    Kind,
-    Literal,
-    Read,
-    Rescale,
-    Slot,
-    children,
-)
 
 __all__ = ["check_with_gappa", "gappa_script"]
 
@@ -61,19 +52,19 @@ class _Script:
         self._real = {slot.name: slot.initial for slot in fixed.source.parameters}
         self._needed = self._reachable()
 
-    def _reachable(self) -> set[tuple[Kind, str]]:
+    def _reachable(self) -> set[tuple[ir.Kind, str]]:
         """What the outputs depend on in this step."""
         program = self._fixed.program
         needed = {(s.kind, s.name) for s in program.outputs if s.name in self._goals}
         for statement in reversed(program.statements):
-            if statement.target.kind is Kind.STATE:
+            if statement.target.kind is ir.Kind.STATE:
                 continue
             if (statement.target.kind, statement.target.name) in needed:
-                waiting: list[Expression] = [statement.expression]
+                waiting: list[ir.Expression] = [statement.expression]
                 while waiting:
                     node = waiting.pop()
-                    waiting.extend(children(node))
-                    if isinstance(node, Read):
+                    waiting.extend(ir.children(node))
+                    if isinstance(node, ir.Read):
                         needed.add((node.slot.kind, node.slot.name))
         return needed
 
@@ -90,7 +81,7 @@ class _Script:
             return "\n".join([*lines, "# No bound is stated: a block decides or rounds.", ""])
         for statement in program.statements:
             target = statement.target
-            if target.kind is Kind.STATE or (target.kind, target.name) not in self._needed:
+            if target.kind is ir.Kind.STATE or (target.kind, target.name) not in self._needed:
                 continue
             self._block = statement.block
             lines.append(f"{target.name}_f = {self._fixed_text(statement.expression)};")
@@ -110,50 +101,50 @@ class _Script:
         lines.append(f"{{ {separator.join(givens)} ->\n  {separator.join(goals)} }}")
         return "\n".join(lines) + "\n"
 
-    def _variable(self, slot: Slot, suffix: str) -> str:
-        given = slot.kind in (Kind.INPUT, Kind.STATE)
+    def _variable(self, slot: ir.Slot, suffix: str) -> str:
+        given = slot.kind in (ir.Kind.INPUT, ir.Kind.STATE)
         return f"{slot.name}_g" if given else f"{slot.name}{suffix}"
 
-    def _fixed_text(self, expression: Expression) -> str:
+    def _fixed_text(self, expression: ir.Expression) -> str:
         match expression:
-            case Read(slot=slot) if slot.kind is Kind.PARAMETER:
+            case ir.Read(slot=slot) if slot.kind is ir.Kind.PARAMETER:
                 return f"{int(slot.initial)}b{-fraction_of(expression)}"
-            case Read(slot=slot):
+            case ir.Read(slot=slot):
                 return self._variable(slot, "_f")
-            case Literal(value=value):
+            case ir.Literal(value=value):
                 return f"{int(value)}b{-fraction_of(expression)}"
-            case Binary(operator=operator, left=left, right=right):
+            case ir.Binary(operator=operator, left=left, right=right):
                 if _is_one(right):
                     return self._fixed_text(left)
                 return f"({self._fixed_text(left)} {operator} {self._fixed_text(right)})"
-            case Rescale(value=value, rounding=rounding):
+            case ir.Rescale(value=value, rounding=rounding):
                 fraction = -fraction_of(expression)
                 form = f"fixed<{fraction}, {_DIRECTIONS[rounding]}>"
                 return f"{form}({self._fixed_text(value)})"
             case _:
-                return self._fixed_text(children(expression)[0])
+                return self._fixed_text(ir.children(expression)[0])
 
-    def _real_text(self, expression: Expression) -> str:
+    def _real_text(self, expression: ir.Expression) -> str:
         match expression:
-            case Read(slot=slot) if slot.kind is Kind.PARAMETER:
+            case ir.Read(slot=slot) if slot.kind is ir.Kind.PARAMETER:
                 return _decimal(self._real[slot.name])
-            case Read(slot=slot):
+            case ir.Read(slot=slot):
                 return self._variable(slot, "_r")
-            case Literal(value=value, data_type=form):
+            case ir.Literal(value=value, data_type=form):
                 assert isinstance(form, FixedFormat)
                 own = form.real(int(value))
                 return _decimal(self._fixed.constants.get((self._block, expression), own))
-            case Binary(operator=operator, left=left, right=right):
+            case ir.Binary(operator=operator, left=left, right=right):
                 if _is_one(right):
                     return self._real_text(left)
                 return f"({self._real_text(left)} {operator} {self._real_text(right)})"
             case _:
-                return self._real_text(children(expression)[0])
+                return self._real_text(ir.children(expression)[0])
 
 
-def _is_one(expression: Expression) -> bool:
+def _is_one(expression: ir.Expression) -> bool:
     """Whether the expression only shifts: the literal 1 with fractional bits."""
-    return isinstance(expression, Literal) and (
+    return isinstance(expression, ir.Literal) and (
         expression.value == 1 << max(fraction_of(expression), 0)
     )
 

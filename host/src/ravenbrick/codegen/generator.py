@@ -16,16 +16,8 @@ from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS, c_literal, c_stat
 from ravenbrick.codegen.rtwtypes import RTWTYPES, used_types
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
+from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import FixedFormat
-from ravenbrick.model.program import (
-    Bounded,
-    Kind,
-    Program,
-    Slot,
-    Statement,
-    is_fixed_point,
-    with_constants,
-)
 
 __all__ = ["GeneratedCode", "block_title", "generate_c"]
 
@@ -52,7 +44,7 @@ class GeneratedCode:
 
 
 def generate_c(
-    diagram: Diagram | Program, *, only_used: bool = False, tunable: bool = True
+    diagram: Diagram | ir.Program, *, only_used: bool = False, tunable: bool = True
 ) -> GeneratedCode:
     """C99 for one step of the diagram; the same diagram gives the same bytes.
 
@@ -69,7 +61,7 @@ def generate_c(
     parameters are numbers in the statements: less to load, nothing to set at run time.
     """
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
-    program = program if tunable else with_constants(program)
+    program = program if tunable else ir.with_constants(program)
     _check_names(program)
     digest = hashlib.sha256(repr(program).encode()).hexdigest()
     head = _head(program, digest)
@@ -86,9 +78,9 @@ def generate_c(
     )
 
 
-def _check_names(program: Program) -> None:
+def _check_names(program: ir.Program) -> None:
     slots = (*program.inputs, *program.outputs, *program.parameters, *program.states)
-    reserved = C_KEYWORDS | {ACCUMULATOR} if is_fixed_point(program) else C_KEYWORDS
+    reserved = C_KEYWORDS | {ACCUMULATOR} if ir.is_fixed_point(program) else C_KEYWORDS
     for slot in (*slots, *program.signals):
         if slot.name in reserved:
             raise DesignError(f"block '{slot.block}': '{slot.name}' is a word of C; rename it")
@@ -104,7 +96,7 @@ def _title(text: str) -> str:
     )
 
 
-def _head(program: Program, digest: str) -> str:
+def _head(program: ir.Program, digest: str) -> str:
     return (
         _title(f"Diagram '{program.name}'.")
         + f"/* Input digest: {digest} */\n"
@@ -112,7 +104,7 @@ def _head(program: Program, digest: str) -> str:
     )
 
 
-def _structure(name: str, slots: Sequence[Slot], *, with_values: bool = False) -> list[str]:
+def _structure(name: str, slots: Sequence[ir.Slot], *, with_values: bool = False) -> list[str]:
     lines = ["typedef struct {"]
     for slot in slots:
         about = (
@@ -126,7 +118,7 @@ def _structure(name: str, slots: Sequence[Slot], *, with_values: bool = False) -
     return [*lines, f"}} {name};", ""]
 
 
-def _header_file(program: Program, *, only_used: bool) -> str:
+def _header_file(program: ir.Program, *, only_used: bool) -> str:
     name = program.name
     guard = f"{name.upper()}_H"
     lines = [f"#ifndef {guard}", f"#define {guard}", "", '#include "rtwtypes.h"', ""]
@@ -162,9 +154,9 @@ def _header_file(program: Program, *, only_used: bool) -> str:
     return "\n".join([*lines, " */", "", f"#endif /* {guard} */", ""])
 
 
-def _source_file(program: Program, *, only_used: bool) -> str:
+def _source_file(program: ir.Program, *, only_used: bool) -> str:
     name = program.name
-    traced = only_used or is_fixed_point(program)
+    traced = only_used or ir.is_fixed_point(program)
     lines = [f'#include "{name}.h"', ""]
     if not only_used:
         lines = ["#include <stddef.h>", "", *lines]
@@ -192,7 +184,7 @@ def _source_file(program: Program, *, only_used: bool) -> str:
     return "\n".join(lines)
 
 
-def _layout_checks(structure: str, slots: Sequence[Slot]) -> list[str]:
+def _layout_checks(structure: str, slots: Sequence[ir.Slot]) -> list[str]:
     """Array types of negative size where an offset is not what an importing language expects."""
     lines, offset, widest = [], 0, 1
     for slot in slots:
@@ -210,7 +202,7 @@ def _layout_checks(structure: str, slots: Sequence[Slot]) -> list[str]:
     return lines
 
 
-def _parameters(program: Program, traced: bool) -> list[str]:
+def _parameters(program: ir.Program, traced: bool) -> list[str]:
     lines = [f"Parameters_{program.name} {program.name}_P = {{"]
     for index, slot in enumerate(program.parameters):
         comma = "," if index + 1 < len(program.parameters) else ""
@@ -222,22 +214,22 @@ def _parameters(program: Program, traced: bool) -> list[str]:
     return [*lines, "};", ""]
 
 
-def _block_type(statement: Statement) -> str:
+def _block_type(statement: ir.Statement) -> str:
     """The class name as words: DiscreteIntegrator becomes 'Discrete integrator'."""
     first, *others = re.findall("[A-Z][a-z0-9]*", statement.block_type)
     return " ".join([_ABBREVIATIONS.get(first, first), *map(str.lower, others)])
 
 
-def block_title(statement: Statement) -> str:
+def block_title(statement: ir.Statement) -> str:
     """What a statement is to its block: its type, or the update of its state."""
     kind = _block_type(statement)
-    if statement.target.kind is not Kind.STATE:
+    if statement.target.kind is not ir.Kind.STATE:
         return kind
     own = kind if kind.startswith(tuple(_ABBREVIATIONS.values())) else kind[0].lower() + kind[1:]
     return f"Update of {own}"
 
 
-def _origin(slot: Slot, traced: bool) -> str:
+def _origin(slot: ir.Slot, traced: bool) -> str:
     """A comment with the block that a variable belongs to, and its scaling."""
     if not traced:
         return ""
@@ -245,7 +237,7 @@ def _origin(slot: Slot, traced: bool) -> str:
     return f" /* '<Root>/{slot.block}'{scaling} */"
 
 
-def _step(program: Program, traced: bool) -> list[str]:
+def _step(program: ir.Program, traced: bool) -> list[str]:
     name = program.name
     lines = [
         f"void {name}_step_instance(D_Work_{name} *work, const ExternalInputs_{name} *u,",
@@ -255,7 +247,7 @@ def _step(program: Program, traced: bool) -> list[str]:
     lines += table_arrays(program)
     for slot in program.signals:
         lines.append(f"  {c_type(slot)} {slot.name};{_origin(slot, traced)}")
-    if any(isinstance(statement.expression, Bounded) for statement in program.statements):
+    if any(isinstance(statement.expression, ir.Bounded) for statement in program.statements):
         lines.append(f"  int32_T {ACCUMULATOR};")
     for statement in program.statements:
         lines += ["", f"  /* {block_title(statement)}: '<Root>/{statement.block}' */"]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -115,20 +116,7 @@ typedef union {{
   uint32_t bits[{width}];
 }} Check_Result;
 
-static const Check_Step check_steps[{count}] = {{
-{("," + chr(10)).join(rows)}
-}};
-
-volatile uint32_t {name}_check_steps;
-volatile uint32_t {name}_check_failures;
-
-extern void {name}_check(void);
-
-void {name}_check(void)
-{{
-  D_Work_{name} work;
-  uint32_t step;
-  uint32_t port;
+{_steps_and_counters(name, rows)}  uint32_t port;
   {name}_check_steps = 0U;
   {name}_check_failures = 0U;
   {name}_initialize_instance(&work);
@@ -153,6 +141,25 @@ void {name}_check(void)
 """
 
 
+def _steps_and_counters(name: str, rows: Sequence[str]) -> str:
+    """The table of steps, the counters, and the check up to its variables."""
+    return f"""\
+static const Check_Step check_steps[{len(rows)}] = {{
+{("," + chr(10)).join(rows)}
+}};
+
+volatile uint32_t {name}_check_steps;
+volatile uint32_t {name}_check_failures;
+
+extern void {name}_check(void);
+
+void {name}_check(void)
+{{
+  D_Work_{name} work;
+  uint32_t step;
+"""
+
+
 def _integer_check_program(vectors: StepVectors) -> str:
     name, count = vectors.model, len(vectors.inputs)
     rows = [
@@ -173,20 +180,7 @@ typedef struct {{
   ExternalOutputs_{name} outputs;
 }} Check_Step;
 
-static const Check_Step check_steps[{count}] = {{
-{("," + chr(10)).join(rows)}
-}};
-
-volatile uint32_t {name}_check_steps;
-volatile uint32_t {name}_check_failures;
-
-extern void {name}_check(void);
-
-void {name}_check(void)
-{{
-  D_Work_{name} work;
-  uint32_t step;
-  {name}_check_steps = 0U;
+{_steps_and_counters(name, rows)}  {name}_check_steps = 0U;
   {name}_check_failures = 0U;
   {name}_initialize_instance(&work);
   for (step = 0U; step < {count}U; step++) {{

@@ -12,21 +12,9 @@ from itertools import pairwise
 from typing import TypeVar
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
 from ravenbrick.model.blocks.basic import Block, Inport, Outport, Parameter, parameter_slot
 from ravenbrick.model.number_format import FixedFormat
-from ravenbrick.model.program import (
-    Binary,
-    Clamp,
-    Comparison,
-    Expression,
-    Kind,
-    Literal,
-    Program,
-    Read,
-    Select,
-    Slot,
-    Statement,
-)
 
 __all__ = ["Diagram", "DiagramError"]
 
@@ -216,8 +204,8 @@ class Diagram:
             "put a UnitDelay into it"
         )
 
-    def _parameters(self) -> tuple[Slot, ...]:
-        found: dict[str, tuple[Parameter, Slot]] = {}
+    def _parameters(self) -> tuple[ir.Slot, ...]:
+        found: dict[str, tuple[Parameter, ir.Slot]] = {}
         for block in self.blocks:
             for value in block.values():
                 if not isinstance(value, Parameter):
@@ -233,13 +221,13 @@ class Diagram:
                     )
         return tuple(slot for _, slot in found.values())
 
-    def lower(self) -> Program:
+    def lower(self) -> ir.Program:
         """The program of one step: outputs in order of need, then the states' updates."""
         lowering = _Lowering(self)
         signals = lowering.signals
         states = (*(state for b in self.blocks for state in b.states()), *lowering.held)
         self._check_names_of(signals, states)
-        return Program(
+        return ir.Program(
             name=self.name,
             sample_time=self.sample_time,
             inputs=tuple(b.slot for b in self.blocks if isinstance(b, Inport)),
@@ -250,7 +238,7 @@ class Diagram:
             statements=tuple(lowering.statements),
         )
 
-    def _check_names_of(self, signals: Sequence[Slot], states: Sequence[Slot]) -> None:
+    def _check_names_of(self, signals: Sequence[ir.Slot], states: Sequence[ir.Slot]) -> None:
         """Blocks with several values share their name with a suffix; none may be met twice."""
         for slots in (signals, states):
             seen: dict[str, str] = {}
@@ -272,12 +260,12 @@ class _Lowering:
 
     def __init__(self, diagram: Diagram) -> None:
         self._diagram = diagram
-        self._values: dict[str, Expression] = {}
-        self._counters: dict[int, Slot] = {}
-        self._begun: dict[str, Slot] = {}
-        self.signals: list[Slot] = []
-        self.held: list[Slot] = []
-        self.statements: list[Statement] = []
+        self._values: dict[str, ir.Expression] = {}
+        self._counters: dict[int, ir.Slot] = {}
+        self._begun: dict[str, ir.Slot] = {}
+        self.signals: list[ir.Slot] = []
+        self.held: list[ir.Slot] = []
+        self.statements: list[ir.Statement] = []
         ordered = diagram.order()
         for block in ordered:
             self._outputs(block)
@@ -286,7 +274,7 @@ class _Lowering:
         for divisor, counter in sorted(self._counters.items()):
             self._count(divisor, counter)
         for name, was in self._begun.items():
-            self.statements.append(Statement(was, self._values[name], name, "Enable"))
+            self.statements.append(ir.Statement(was, self._values[name], name, "Enable"))
 
     def _outputs(self, block: Block) -> None:
         inputs = self._inputs(block)
@@ -302,36 +290,36 @@ class _Lowering:
         assert block.output_type is not None
         expression = block.output(inputs)
         if self._diagram.divisor(block) == 1:
-            target = Slot(Kind.SIGNAL, block.name, block.output_type, block.name)
+            target = ir.Slot(ir.Kind.SIGNAL, block.name, block.output_type, block.name)
             self._signal(block, target, expression)
         else:
-            target = Slot(Kind.STATE, f"{block.name}_held", block.output_type, block.name)
+            target = ir.Slot(ir.Kind.STATE, f"{block.name}_held", block.output_type, block.name)
             self.held.append(target)
             self._assign_in_turn(block, target, expression)
-        self._values[block.name] = Read(target)
+        self._values[block.name] = ir.Read(target)
 
     def _updates(self, block: Block) -> None:
         inputs = self._inputs(block)
-        pending = Read(Slot(Kind.SIGNAL, "", block.data_type, ""))
+        pending = ir.Read(ir.Slot(ir.Kind.SIGNAL, "", block.data_type, ""))
         output = self._values.get(block.name, pending)
         for target, expression in block.updates(inputs, output):
-            if target.kind is Kind.SIGNAL:
+            if target.kind is ir.Kind.SIGNAL:
                 self._signal(block, target, expression)
             elif self._conditions(block):
                 self._assign_in_turn(block, target, expression)
             else:
                 self.statements.append(_of(block, target, expression))
 
-    def _conditions(self, block: Block) -> list[Comparison]:
+    def _conditions(self, block: Block) -> list[ir.Comparison]:
         """What must hold for the block's states to change."""
         found = []
         if self._diagram.divisor(block) != 1:
-            count = Read(self._counter(self._diagram.divisor(block)))
-            found.append(Comparison("<=", count, _count_of(0)))
+            count = ir.Read(self._counter(self._diagram.divisor(block)))
+            found.append(ir.Comparison("<=", count, _count_of(0)))
         enabled = self._diagram.enabled_by(block)
         if enabled is not None:
-            half = Literal(0.5, enabled[0].data_type)
-            found.append(Comparison(">=", self._values[enabled[0].name], half))
+            half = ir.Literal(0.5, enabled[0].data_type)
+            found.append(ir.Comparison(">=", self._values[enabled[0].name], half))
         return found
 
     def _reset(self, block: Block) -> None:
@@ -340,57 +328,57 @@ class _Lowering:
         if enabled is None or not enabled[1] or not block.states():
             return
         by = enabled[0]
-        half, zero = Literal(0.5, by.data_type), Literal(0.0, by.data_type)
-        begun = Slot(Kind.SIGNAL, f"{by.name}_begins", by.data_type, by.name)
+        half, zero = ir.Literal(0.5, by.data_type), ir.Literal(0.0, by.data_type)
+        begun = ir.Slot(ir.Kind.SIGNAL, f"{by.name}_begins", by.data_type, by.name)
         if by.name not in self._begun:
-            was = Slot(Kind.STATE, f"{by.name}_was", by.data_type, by.name)
+            was = ir.Slot(ir.Kind.STATE, f"{by.name}_was", by.data_type, by.name)
             self._begun[by.name] = was
             self.held.append(was)
-            test = Comparison(">=", Read(was), half)
-            self._signal(by, begun, Select(test, zero, self._values[by.name]))
+            test = ir.Comparison(">=", ir.Read(was), half)
+            self._signal(by, begun, ir.Select(test, zero, self._values[by.name]))
         for state in block.states():
-            first = Literal(state.initial, state.data_type)
-            chosen = Select(Comparison(">=", Read(begun), half), first, Read(state))
+            first = ir.Literal(state.initial, state.data_type)
+            chosen = ir.Select(ir.Comparison(">=", ir.Read(begun), half), first, ir.Read(state))
             self.statements.append(_of(block, state, chosen))
 
-    def _signal(self, block: Block, target: Slot, expression: Expression) -> None:
+    def _signal(self, block: Block, target: ir.Slot, expression: ir.Expression) -> None:
         self.signals.append(target)
         self.statements.append(_of(block, target, expression))
 
-    def _assign_in_turn(self, block: Block, target: Slot, expression: Expression) -> None:
-        if isinstance(expression, Clamp):
-            limited = Slot(Kind.SIGNAL, f"{block.name}_limited", target.data_type, block.name)
+    def _assign_in_turn(self, block: Block, target: ir.Slot, expression: ir.Expression) -> None:
+        if isinstance(expression, ir.Clamp):
+            limited = ir.Slot(ir.Kind.SIGNAL, f"{block.name}_limited", target.data_type, block.name)
             self._signal(block, limited, expression)
-            expression = Read(limited)
+            expression = ir.Read(limited)
         for condition in self._conditions(block):
-            expression = Select(condition, expression, Read(target))
+            expression = ir.Select(condition, expression, ir.Read(target))
         self.statements.append(_of(block, target, expression))
 
-    def _counter(self, divisor: int) -> Slot:
+    def _counter(self, divisor: int) -> ir.Slot:
         if divisor not in self._counters:
             name = f"every_{divisor}_steps"
-            self._counters[divisor] = Slot(Kind.STATE, f"{name}_count", _COUNT, name)
+            self._counters[divisor] = ir.Slot(ir.Kind.STATE, f"{name}_count", _COUNT, name)
             self.held.append(self._counters[divisor])
         return self._counters[divisor]
 
-    def _count(self, divisor: int, counter: Slot) -> None:
-        last = Comparison(">=", Read(counter), _count_of(divisor - 1))
-        following = Select(last, _count_of(0), Binary("+", Read(counter), _count_of(1)))
-        self.statements.append(Statement(counter, following, counter.block, "Rate"))
+    def _count(self, divisor: int, counter: ir.Slot) -> None:
+        last = ir.Comparison(">=", ir.Read(counter), _count_of(divisor - 1))
+        following = ir.Select(last, _count_of(0), ir.Binary("+", ir.Read(counter), _count_of(1)))
+        self.statements.append(ir.Statement(counter, following, counter.block, "Rate"))
 
-    def _inputs(self, block: Block) -> list[Expression]:
+    def _inputs(self, block: Block) -> list[ir.Expression]:
         """Values at the inputs; those not yet computed are without feed-through."""
         inputs = []
         for port in range(len(block.input_types)):
             name = self._diagram.source(block, port).name
-            pending = Read(Slot(Kind.SIGNAL, name, block.input_types[port], name))
+            pending = ir.Read(ir.Slot(ir.Kind.SIGNAL, name, block.input_types[port], name))
             inputs.append(self._values.get(name, pending))
         return inputs
 
 
-def _count_of(value: int) -> Literal:
-    return Literal(value, _COUNT)
+def _count_of(value: int) -> ir.Literal:
+    return ir.Literal(value, _COUNT)
 
 
-def _of(block: Block, target: Slot, expression: Expression) -> Statement:
-    return Statement(target, expression, block.name, type(block).__name__)
+def _of(block: Block, target: ir.Slot, expression: ir.Expression) -> ir.Statement:
+    return ir.Statement(target, expression, block.name, type(block).__name__)

@@ -9,33 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram
-from ravenbrick.model.program import (
-    Binary,
-    Bounded,
-    Call,
-    Cast,
-    Clamp,
-    Comparison,
-    Expression,
-    Kind,
-    Literal,
-    Program,
-    Read,
-    Rescale,
-    Rounded,
-    Select,
-    Slot,
-    Table,
-    expression_type,
-)
 
 __all__ = ["Execution"]
 
-_Key = tuple[Kind, str]
+_Key = tuple[ir.Kind, str]
 
 
-def _key(slot: Slot) -> _Key:
+def _key(slot: ir.Slot) -> _Key:
     return slot.kind, slot.name
 
 
@@ -48,7 +30,7 @@ class Execution:
     formats promise that there is none.
     """
 
-    def __init__(self, diagram: Diagram | Program) -> None:
+    def __init__(self, diagram: Diagram | ir.Program) -> None:
         self.program = diagram.lower() if isinstance(diagram, Diagram) else diagram
         self._values: dict[_Key, Any] = {}
         for slot in self.program.parameters:
@@ -92,32 +74,32 @@ class Execution:
         return {slot.name: values[_key(slot)] for slot in self.program.outputs}
 
 
-def _evaluate(expression: Expression, values: Mapping[_Key, Any]) -> Any:
+def _evaluate(expression: ir.Expression, values: Mapping[_Key, Any]) -> Any:
     match expression:
-        case Read(slot=slot):
+        case ir.Read(slot=slot):
             return values[slot.kind, slot.name]
-        case Literal(value=value, data_type=data_type):
+        case ir.Literal(value=value, data_type=data_type):
             return data_type.scalar(value)
-        case Binary(operator=operator, left=left, right=right):
+        case ir.Binary(operator=operator, left=left, right=right):
             return _operate(operator, _evaluate(left, values), _evaluate(right, values))
-        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+        case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
             return _evaluate(chosen if _holds(condition, values) else otherwise, values)
-        case Clamp(value=inner, limit=limit):
+        case ir.Clamp(value=inner, limit=limit):
             number, bound = _evaluate(inner, values), _evaluate(limit, values)
             if number > bound:
                 return bound
             return -bound if number < -bound else number
-        case Cast(value=inner, data_type=data_type):
+        case ir.Cast(value=inner, data_type=data_type):
             return data_type.scalar(_evaluate(inner, values))
-        case Call(arguments=arguments, data_type=data_type, function=function):
+        case ir.Call(arguments=arguments, data_type=data_type, function=function):
             return data_type.scalar(function(*(_evaluate(a, values) for a in arguments)))
-        case Rounded(value=inner):
+        case ir.Rounded(value=inner):
             return _nearest(_evaluate(inner, values))
-        case Table(value=inner):
+        case ir.Table(value=inner):
             return _look_up(expression, _evaluate(inner, values))
-        case Rescale(value=inner, bits=bits, rounding=rounding):
+        case ir.Rescale(value=inner, bits=bits, rounding=rounding):
             return rounding.divide(_evaluate(inner, values), bits)
-        case Bounded(value=inner, low=low, high=high):
+        case ir.Bounded(value=inner, low=low, high=high):
             return min(max(_evaluate(inner, values), low), high)
 
 
@@ -131,7 +113,7 @@ def _operate(operator: str, first: Any, second: Any) -> Any:
     return result
 
 
-def _holds(condition: Comparison, values: Mapping[_Key, Any]) -> bool:
+def _holds(condition: ir.Comparison, values: Mapping[_Key, Any]) -> bool:
     left, right = _evaluate(condition.left, values), _evaluate(condition.right, values)
     match condition.operator:
         case "<":
@@ -156,8 +138,8 @@ def _nearest(value: Any) -> Any:
     return whole - kind(1.0) if rest <= kind(-0.5) else whole
 
 
-def _look_up(table: Table, value: Any) -> Any:
-    data_type = expression_type(table)
+def _look_up(table: ir.Table, value: Any) -> Any:
+    data_type = ir.expression_type(table)
     index = 0
     while index + 1 < len(table.breakpoints) and value >= data_type.scalar(
         table.breakpoints[index + 1]

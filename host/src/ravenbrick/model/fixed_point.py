@@ -9,28 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.integer_ranges import Key, expression_range, integer_ranges, key
 from ravenbrick.model.number_format import FixedFormat, Interval, Rounding, finest_fraction
-from ravenbrick.model.program import (
-    Binary,
-    Bounded,
-    Cast,
-    Clamp,
-    Comparison,
-    Expression,
-    Kind,
-    Literal,
-    Program,
-    Read,
-    Rescale,
-    Rounded,
-    Select,
-    Slot,
-    Statement,
-    Table,
-    as_choices,
-)
 from ravenbrick.model.ranges import real_ranges
 
 __all__ = ["FixedPoint", "FixedPointOptions", "to_fixed_point"]
@@ -76,14 +58,14 @@ class FixedPoint:
     the value that a literal of a block was rounded from.
     """
 
-    program: Program
-    source: Program
+    program: ir.Program
+    source: ir.Program
     options: FixedPointOptions
     ranges: Mapping[Key, Interval]
     raw_ranges: Mapping[Key, Interval]
-    constants: Mapping[tuple[str, Literal], float]
+    constants: Mapping[tuple[str, ir.Literal], float]
 
-    def format(self, kind: Kind, name: str) -> FixedFormat:
+    def format(self, kind: ir.Kind, name: str) -> FixedFormat:
         """The format of a variable."""
         program = self.program
         slots = program.inputs + program.outputs + program.parameters + program.states
@@ -94,7 +76,7 @@ class FixedPoint:
         raise KeyError(f"no {kind.value} '{name}'")
 
 
-def to_fixed_point(diagram: Diagram | Program, options: FixedPointOptions) -> FixedPoint:
+def to_fixed_point(diagram: Diagram | ir.Program, options: FixedPointOptions) -> FixedPoint:
     """Choose formats, rewrite the program with integers, prove that nothing overflows.
 
     Inputs, outputs and gains have 16 bits, sums and states 32. The accumulator is as fine as the
@@ -128,12 +110,12 @@ def to_fixed_point(diagram: Diagram | Program, options: FixedPointOptions) -> Fi
     )
 
 
-def _without_idle_limits(program: Program, ranges: Mapping[Key, Interval]) -> Program:
+def _without_idle_limits(program: ir.Program, ranges: Mapping[Key, Interval]) -> ir.Program:
     """Leave out limits that no value reaches; beside one that is reached stands the range's."""
     statements = []
     for statement in program.statements:
         bounded = statement.expression
-        if isinstance(bounded, Bounded):
+        if isinstance(bounded, ir.Bounded):
             allowed = Interval(bounded.low, bounded.high)
             reached = expression_range(bounded.value, ranges, statement.block)
             low, high = max(bounded.low, int(reached.low)), min(bounded.high, int(reached.high))
@@ -149,7 +131,7 @@ def _without_idle_limits(program: Program, ranges: Mapping[Key, Interval]) -> Pr
 class _Scaled:
     """An integer expression that stands for itself times 2**-fraction, with its real range."""
 
-    expression: Expression
+    expression: ir.Expression
     fraction: int
     interval: Interval
 
@@ -158,8 +140,8 @@ class _Scaled:
         if fraction == self.fraction:
             return self
         bits = fraction - self.fraction
-        factor = Literal(1 << bits, FixedFormat(32, bits))
-        return _Scaled(Binary("*", self.expression, factor), fraction, self.interval)
+        factor = ir.Literal(1 << bits, FixedFormat(32, bits))
+        return _Scaled(ir.Binary("*", self.expression, factor), fraction, self.interval)
 
 
 class _Rewriting:
@@ -167,7 +149,7 @@ class _Rewriting:
 
     def __init__(
         self,
-        source: Program,
+        source: ir.Program,
         options: FixedPointOptions,
         ranges: Mapping[Key, Interval],
         fraction: int,
@@ -176,9 +158,9 @@ class _Rewriting:
         self._options = options
         self._ranges = ranges
         self._fraction = fraction
-        self._slots: dict[Key, Slot] = {}
+        self._slots: dict[Key, ir.Slot] = {}
         self._block = ""
-        self.constants: dict[tuple[str, Literal], float] = {}
+        self.constants: dict[tuple[str, ir.Literal], float] = {}
         self._narrow = _multiplied_sums(source)
         for slot in source.inputs:
             self._declare(slot, 16, finest_fraction(ranges[key(slot)], 16))
@@ -188,8 +170,8 @@ class _Rewriting:
             finest = finest_fraction(ranges[key(slot)], width)
             self._declare(slot, width, finest if width == 16 else min(finest, fraction))
 
-    def _declare(self, slot: Slot, width: int, fraction: int) -> Slot:
-        chosen = self._options.formats.get(slot.block if slot.kind is not Kind.PARAMETER else "")
+    def _declare(self, slot: ir.Slot, width: int, fraction: int) -> ir.Slot:
+        chosen = self._options.formats.get(slot.block if slot.kind is not ir.Kind.PARAMETER else "")
         chosen = chosen or self._options.formats.get(slot.name) or FixedFormat(width, fraction)
         known = self._slots.get(key(slot))
         if known is not None:
@@ -207,14 +189,14 @@ class _Rewriting:
         self._slots[key(slot)] = replace(slot, data_type=chosen, initial=initial, unit=unit)
         return self._slots[key(slot)]
 
-    def program(self) -> Program:
+    def program(self) -> ir.Program:
         """The fixed-point program."""
         statements = tuple(self._statement(statement) for statement in self._source.statements)
         source, slots = self._source, self._slots
         for slot in source.parameters:
             if key(slot) not in slots:
                 raise DesignError(f"parameter '{slot.name}' is not used")
-        return Program(
+        return ir.Program(
             name=source.name,
             sample_time=source.sample_time,
             inputs=tuple(slots[key(slot)] for slot in source.inputs),
@@ -225,17 +207,17 @@ class _Rewriting:
             statements=statements,
         )
 
-    def _statement(self, statement: Statement) -> Statement:
+    def _statement(self, statement: ir.Statement) -> ir.Statement:
         self._block = statement.block
         target = statement.target
         value = self._convert(statement.expression)
-        if target.kind is Kind.STATE:
+        if target.kind is ir.Kind.STATE:
             slot = self._slots[key(target)]
-        elif target.kind is Kind.OUTPUT:
+        elif target.kind is ir.Kind.OUTPUT:
             slot = self._declare(target, 16, finest_fraction(self._ranges[key(target)], 16))
         else:
             slot = self._declare(target, 32, value.fraction)
-            if target.name in self._narrow and not isinstance(statement.expression, Read):
+            if target.name in self._narrow and not isinstance(statement.expression, ir.Read):
                 finest = finest_fraction(self._ranges[key(target)], 16)
                 if finest < value.fraction:
                     self._slots.pop(key(target))
@@ -243,59 +225,61 @@ class _Rewriting:
         expression = self._fit(value, slot)
         return replace(statement, target=slot, expression=expression)
 
-    def _fit(self, value: _Scaled, slot: Slot) -> Expression:
+    def _fit(self, value: _Scaled, slot: ir.Slot) -> ir.Expression:
         """The value in the target's format; states are limited to their ranges."""
         wanted = slot.data_type
         assert isinstance(wanted, FixedFormat)
         expression = self._at_fraction(value, wanted.fraction).expression
         low, high = wanted.limits
-        if slot.kind is Kind.STATE:
+        if slot.kind is ir.Kind.STATE:
             range_ = self._ranges[key(slot)]
             low = max(low, math.floor(math.ldexp(range_.low, wanted.fraction)))
             high = min(high, math.ceil(math.ldexp(range_.high, wanted.fraction)))
-        if isinstance(expression, Literal) or (slot.kind is Kind.SIGNAL and wanted.width == 32):
+        if isinstance(expression, ir.Literal) or (
+            slot.kind is ir.Kind.SIGNAL and wanted.width == 32
+        ):
             return expression
-        return Bounded(expression, low, high)
+        return ir.Bounded(expression, low, high)
 
     def _at_fraction(self, value: _Scaled, fraction: int) -> _Scaled:
         if fraction >= value.fraction:
             return value.finer(fraction)
         bits = value.fraction - fraction
-        expression = Rescale(value.expression, bits, self._options.rounding)
+        expression = ir.Rescale(value.expression, bits, self._options.rounding)
         return _Scaled(expression, fraction, value.interval)
 
-    def _convert(self, expression: Expression) -> _Scaled:
+    def _convert(self, expression: ir.Expression) -> _Scaled:
         match expression:
-            case Read(slot=slot):
+            case ir.Read(slot=slot):
                 own = self._slots[key(slot)]
                 assert isinstance(own.data_type, FixedFormat)
-                return _Scaled(Read(own), own.data_type.fraction, self._ranges[key(slot)])
-            case Literal(value=number):
+                return _Scaled(ir.Read(own), own.data_type.fraction, self._ranges[key(slot)])
+            case ir.Literal(value=number):
                 return self._constant(expression, self._literal_fraction(number))
-            case Cast(value=inner):
+            case ir.Cast(value=inner):
                 return self._convert(inner)
-            case Binary(operator="*", left=left, right=right):
+            case ir.Binary(operator="*", left=left, right=right):
                 return self._product(left, right)
-            case Binary(operator=operator, left=left, right=right):
+            case ir.Binary(operator=operator, left=left, right=right):
                 return self._sum(operator, left, right)
-            case Clamp(value=inner, limit=limit):
+            case ir.Clamp(value=inner, limit=limit):
                 value = self._convert(inner)
                 bound = self._constant(limit, value.fraction, 32)
                 size = bound.interval.size
-                clamp = Clamp(value.expression, bound.expression)
+                clamp = ir.Clamp(value.expression, bound.expression)
                 return _Scaled(clamp, value.fraction, value.interval.limited(-size, size))
-            case Rounded(value=inner):
+            case ir.Rounded(value=inner):
                 exact = self._convert(inner)
-                whole = Rescale(exact.expression, exact.fraction, Rounding.NEAREST)
+                whole = ir.Rescale(exact.expression, exact.fraction, Rounding.NEAREST)
                 low, high = exact.interval.low - 0.5, exact.interval.high + 0.5
                 return _Scaled(whole, 0, Interval(low, high))
-            case Table():
-                return self._convert(as_choices(expression))
-            case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            case ir.Table():
+                return self._convert(ir.as_choices(expression))
+            case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
                 one, other = self._aligned(condition.left, condition.right)
-                test = Comparison(condition.operator, one.expression, other.expression)
+                test = ir.Comparison(condition.operator, one.expression, other.expression)
                 first, second = self._aligned(chosen, otherwise)
-                select = Select(test, first.expression, second.expression)
+                select = ir.Select(test, first.expression, second.expression)
                 return _Scaled(select, first.fraction, first.interval.hull(second.interval))
             case _:
                 raise DesignError(
@@ -303,7 +287,7 @@ class _Rewriting:
                     "or a LookupTable of the function"
                 )
 
-    def _aligned(self, left: Expression, right: Expression) -> tuple[_Scaled, _Scaled]:
+    def _aligned(self, left: ir.Expression, right: ir.Expression) -> tuple[_Scaled, _Scaled]:
         """Two values with the same fraction, so that their integers can be compared."""
         sides = (left, right)
         values = [None if _is_constant(side) else self._convert(side) for side in sides]
@@ -318,7 +302,7 @@ class _Rewriting:
         )
         return first, second
 
-    def _source_range(self, expression: Expression) -> Interval:
+    def _source_range(self, expression: ir.Expression) -> Interval:
         if _is_constant(expression):
             return self._constant_range(expression)
         return self._convert(expression).interval
@@ -326,25 +310,25 @@ class _Rewriting:
     def _literal_fraction(self, value: float) -> int:
         return min(finest_fraction(Interval(value, value), 16), self._fraction)
 
-    def _constant(self, expression: Expression, fraction: int, width: int = 16) -> _Scaled:
+    def _constant(self, expression: ir.Expression, fraction: int, width: int = 16) -> _Scaled:
         """A literal or parameter with a certain fraction."""
-        if isinstance(expression, Literal):
+        if isinstance(expression, ir.Literal):
             form = FixedFormat(width, fraction)
             if finest_fraction(Interval(expression.value, expression.value), width) < fraction:
                 raise _TooFineError(f"block '{self._block}' has the number {expression.value:.6g}")
-            literal = Literal(form.raw(expression.value), form)
+            literal = ir.Literal(form.raw(expression.value), form)
             self.constants[self._block, literal] = expression.value
             return _Scaled(literal, fraction, Interval(expression.value, expression.value))
-        assert isinstance(expression, Read)
+        assert isinstance(expression, ir.Read)
         slot = self._declare(expression.slot, width, fraction)
         assert isinstance(slot.data_type, FixedFormat)
         if width == 32 and slot.data_type.fraction != fraction:
             raise DesignError(f"parameter '{slot.name}' must have {fraction} fractional bits")
-        return _Scaled(Read(slot), slot.data_type.fraction, self._ranges[key(expression.slot)])
+        return _Scaled(ir.Read(slot), slot.data_type.fraction, self._ranges[key(expression.slot)])
 
-    def _sum(self, operator: str, left: Expression, right: Expression) -> _Scaled:
+    def _sum(self, operator: str, left: ir.Expression, right: ir.Expression) -> _Scaled:
         operands = [None if _is_constant(side) else self._convert(side) for side in (left, right)]
-        if isinstance(left, Literal) and isinstance(right, Literal):
+        if isinstance(left, ir.Literal) and isinstance(right, ir.Literal):
             value = left.value + right.value if operator == "+" else left.value - right.value
             return self._constant(replace(left, value=value), self._literal_fraction(value), 32)
         fraction = max(
@@ -359,10 +343,10 @@ class _Rewriting:
             interval = first.interval - second.interval
         if finest_fraction(interval, 32) < fraction:
             raise _TooFineError(f"block '{self._block}' reaches {interval.size:.6g}")
-        expression = Binary(operator, first.expression, second.expression)
+        expression = ir.Binary(operator, first.expression, second.expression)
         return _Scaled(expression, fraction, interval)
 
-    def _product(self, left: Expression, right: Expression) -> _Scaled:
+    def _product(self, left: ir.Expression, right: ir.Expression) -> _Scaled:
         if _is_constant(right):
             left, right = right, left
         if not _is_constant(left):
@@ -382,14 +366,14 @@ class _Rewriting:
                 f"block '{self._block}': the gain {interval.size:.6g} keeps too few bits; "
                 "lower the ranges of the states that it drives, or use a LookupTable"
             )
-        expression = Binary("*", gain.expression, value.expression)
+        expression = ir.Binary("*", gain.expression, value.expression)
         return _Scaled(expression, gain.fraction + value.fraction, product)
 
-    def _signals_product(self, left: Expression, right: Expression) -> _Scaled:
+    def _signals_product(self, left: ir.Expression, right: ir.Expression) -> _Scaled:
         """Two signals with 16 bits each, so that the product fits into 32."""
         first, second = (self._in_16_bits(side) for side in (left, right))
         fraction = first.fraction + second.fraction
-        expression = Binary("*", first.expression, second.expression)
+        expression = ir.Binary("*", first.expression, second.expression)
         interval = first.interval * second.interval
         kept = min(fraction, self._fraction)
         if math.ldexp(interval.size, kept) < 1 << _LEAST_GAIN_BITS:
@@ -400,14 +384,14 @@ class _Rewriting:
             )
         return self._at_fraction(_Scaled(expression, fraction, interval), kept)
 
-    def _in_16_bits(self, side: Expression) -> _Scaled:
+    def _in_16_bits(self, side: ir.Expression) -> _Scaled:
         value = self._convert(side)
         return self._at_fraction(value, min(value.fraction, finest_fraction(value.interval, 16)))
 
-    def _constant_range(self, expression: Expression) -> Interval:
-        if isinstance(expression, Literal):
+    def _constant_range(self, expression: ir.Expression) -> Interval:
+        if isinstance(expression, ir.Literal):
             return Interval(expression.value, expression.value)
-        assert isinstance(expression, Read)
+        assert isinstance(expression, ir.Read)
         return self._ranges[key(expression.slot)]
 
     def _gain_fraction(self, interval: Interval) -> int:
@@ -415,54 +399,54 @@ class _Rewriting:
         return min(finest_fraction(interval, 16), max(self._options.gain_fraction, needed))
 
 
-def _is_constant(expression: Expression) -> bool:
-    if isinstance(expression, Read):
-        return expression.slot.kind is Kind.PARAMETER
-    return isinstance(expression, Literal)
+def _is_constant(expression: ir.Expression) -> bool:
+    if isinstance(expression, ir.Read):
+        return expression.slot.kind is ir.Kind.PARAMETER
+    return isinstance(expression, ir.Literal)
 
 
-def _multiplied_sums(program: Program) -> set[str]:
+def _multiplied_sums(program: ir.Program) -> set[str]:
     """Signals that a sum adds whose result is multiplied: they get 16 bits before the sum."""
     multiplied = {
         side.slot.name
         for statement in program.statements
-        if isinstance(statement.expression, Binary) and statement.expression.operator == "*"
+        if isinstance(statement.expression, ir.Binary) and statement.expression.operator == "*"
         for side in (statement.expression.left, statement.expression.right)
-        if isinstance(side, Read) and side.slot.kind is Kind.SIGNAL
+        if isinstance(side, ir.Read) and side.slot.kind is ir.Kind.SIGNAL
     }
     found: set[str] = set()
     for statement in program.statements:
         expression = statement.expression
-        if statement.target.name not in multiplied or statement.target.kind is not Kind.SIGNAL:
+        if statement.target.name not in multiplied or statement.target.kind is not ir.Kind.SIGNAL:
             continue
-        if not isinstance(expression, Binary) or expression.operator == "*":
+        if not isinstance(expression, ir.Binary) or expression.operator == "*":
             continue
         inner = [expression]
         while inner:
             node = inner.pop()
             for side in (node.left, node.right):
-                if isinstance(side, Binary) and side.operator != "*":
+                if isinstance(side, ir.Binary) and side.operator != "*":
                     inner.append(side)
-                elif isinstance(side, Read) and side.slot.kind is Kind.SIGNAL:
+                elif isinstance(side, ir.Read) and side.slot.kind is ir.Kind.SIGNAL:
                     found.add(side.slot.name)
     products = {
         statement.target.name
         for statement in program.statements
-        if isinstance(statement.expression, Binary) and statement.expression.operator == "*"
+        if isinstance(statement.expression, ir.Binary) and statement.expression.operator == "*"
     }
     return found & products
 
 
-def _plain_stores(program: Program) -> set[Key]:
+def _plain_stores(program: ir.Program) -> set[Key]:
     """States whose update only stores a value, as in a delay."""
     return {
         key(statement.target)
         for statement in program.statements
-        if statement.target.kind is Kind.STATE
-        and isinstance(statement.expression, Read)
+        if statement.target.kind is ir.Kind.STATE
+        and isinstance(statement.expression, ir.Read)
         and not _is_own_signal(statement.expression.slot, statement.block)
     }
 
 
-def _is_own_signal(slot: Slot, block: str) -> bool:
-    return slot.kind is Kind.SIGNAL and slot.block == block
+def _is_own_signal(slot: ir.Slot, block: str) -> bool:
+    return slot.kind is ir.Kind.SIGNAL and slot.block == block

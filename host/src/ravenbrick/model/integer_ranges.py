@@ -6,19 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
-from ravenbrick.model.program import (
-    Binary,
-    Bounded,
-    Clamp,
-    Expression,
-    Literal,
-    Program,
-    Read,
-    Rescale,
-    Select,
-    Slot,
-)
 from ravenbrick.model.ranges import Key, key
 
 __all__ = ["Key", "expression_range", "integer_ranges", "key"]
@@ -27,7 +16,7 @@ _WORD = Interval(-(2**31), 2**31 - 1)
 _ROUNDS = 60
 
 
-def integer_ranges(program: Program) -> dict[Key, Interval]:
+def integer_ranges(program: ir.Program) -> dict[Key, Interval]:
     """Raw ranges of all variables, for any inputs of their formats and any number of steps.
 
     By induction: the states' ranges grow from their initial values until one more step leaves
@@ -56,12 +45,12 @@ def integer_ranges(program: Program) -> dict[Key, Interval]:
     raise OverflowError(f"the range of state '{growing[0][1]}' has no end")
 
 
-def _format(slot: Slot) -> FixedFormat:
+def _format(slot: ir.Slot) -> FixedFormat:
     assert isinstance(slot.data_type, FixedFormat)
     return slot.data_type
 
 
-def _pass(program: Program, ranges: dict[Key, Interval]) -> None:
+def _pass(program: ir.Program, ranges: dict[Key, Interval]) -> None:
     for statement in program.statements:
         target = statement.target
         result = expression_range(statement.expression, ranges, statement.block)
@@ -71,15 +60,15 @@ def _pass(program: Program, ranges: dict[Key, Interval]) -> None:
 
 
 def expression_range(
-    expression: Expression, ranges: Mapping[Key, Interval], block: str
+    expression: ir.Expression, ranges: Mapping[Key, Interval], block: str
 ) -> Interval:
     """Raw range of an expression; raises `OverflowError` for a part beyond 32 bits."""
     match expression:
-        case Read(slot=slot):
+        case ir.Read(slot=slot):
             return ranges[slot.kind, slot.name]
-        case Literal(value=value):
+        case ir.Literal(value=value):
             result = Interval(value, value)
-        case Binary(operator=operator, left=left, right=right):
+        case ir.Binary(operator=operator, left=left, right=right):
             first, second = (
                 expression_range(left, ranges, block),
                 expression_range(right, ranges, block),
@@ -88,14 +77,14 @@ def expression_range(
                 result = first * second
             else:
                 result = first + second if operator == "+" else first - second
-        case Clamp(value=inner, limit=limit):
+        case ir.Clamp(value=inner, limit=limit):
             size = expression_range(limit, ranges, block).size
             result = expression_range(inner, ranges, block).limited(-size, size)
-        case Bounded(value=inner, low=low, high=high):
+        case ir.Bounded(value=inner, low=low, high=high):
             result = expression_range(inner, ranges, block).limited(low, high)
-        case Rescale(value=inner, bits=bits, rounding=rounding):
+        case ir.Rescale(value=inner, bits=bits, rounding=rounding):
             result = _rescaled(expression_range(inner, ranges, block), bits, rounding, block)
-        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+        case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
             for side in (condition.left, condition.right):
                 expression_range(side, ranges, block)
             first = expression_range(chosen, ranges, block)

@@ -10,26 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram, DiagramError
 from ravenbrick.model.lazy import control
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.number_format import FixedFormat
-from ravenbrick.model.program import (
-    Binary,
-    Bounded,
-    Cast,
-    Clamp,
-    Expression,
-    Kind,
-    Literal,
-    Program,
-    Read,
-    Rescale,
-    Select,
-    Slot,
-    Statement,
-    children,
-)
 
 __all__ = [
     "ErrorSource",
@@ -60,7 +45,7 @@ class ErrorSource:
     active: bool
 
 
-def linearise(diagram: Diagram | Program) -> control.StateSpace:
+def linearise(diagram: Diagram | ir.Program) -> control.StateSpace:
     """The linear system that the diagram is as long as no limit is reached.
 
     States, inputs and outputs in the program's order; those of a fixed-point program in raw units,
@@ -70,13 +55,15 @@ def linearise(diagram: Diagram | Program) -> control.StateSpace:
     return linear_system(diagram).for_control()
 
 
-def linear_system(diagram: Diagram | Program) -> LinearSystem:
+def linear_system(diagram: Diagram | ir.Program) -> LinearSystem:
     """The matrices of `linearise`."""
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
     return _Linearisation(program, 0).system()
 
 
-def linearise_with_errors(program: Program) -> tuple[control.StateSpace, tuple[ErrorSource, ...]]:
+def linearise_with_errors(
+    program: ir.Program,
+) -> tuple[control.StateSpace, tuple[ErrorSource, ...]]:
     """The linear system of a fixed-point program with one more input per source of rounding.
 
     Inputs are the program's, then one per rounding in order of execution, then one per state.
@@ -96,50 +83,50 @@ def linearise_with_errors(program: Program) -> tuple[control.StateSpace, tuple[E
     return system.for_control(), tuple(sources)
 
 
-def lsb_of(slot: Slot) -> float:
+def lsb_of(slot: ir.Slot) -> float:
     """What one raw unit of a fixed-point variable stands for."""
     assert isinstance(slot.data_type, FixedFormat)
     return slot.data_type.lsb
 
 
-def fraction_of(expression: Expression) -> int:
+def fraction_of(expression: ir.Expression) -> int:
     """Fractional bits of a fixed-point expression."""
     match expression:
-        case Read(slot=Slot(data_type=FixedFormat(fraction=fraction))):
+        case ir.Read(slot=ir.Slot(data_type=FixedFormat(fraction=fraction))):
             return fraction
-        case Literal(data_type=FixedFormat(fraction=fraction)):
+        case ir.Literal(data_type=FixedFormat(fraction=fraction)):
             return fraction
-        case Binary(operator="*", left=left, right=right):
+        case ir.Binary(operator="*", left=left, right=right):
             return fraction_of(left) + fraction_of(right)
-        case Rescale(value=value, bits=bits):
+        case ir.Rescale(value=value, bits=bits):
             return fraction_of(value) - bits
-        case Select(chosen=chosen):
+        case ir.Select(chosen=chosen):
             return fraction_of(chosen)
-        case _ if children(expression):
-            return fraction_of(children(expression)[0])
+        case _ if ir.children(expression):
+            return fraction_of(ir.children(expression)[0])
     raise DiagramError("the expression is not in fixed point")
 
 
-def _kind(statement: Statement) -> str:
-    return "update" if statement.target.kind is Kind.STATE else statement.target.kind.value
+def _kind(statement: ir.Statement) -> str:
+    return "update" if statement.target.kind is ir.Kind.STATE else statement.target.kind.value
 
 
-def _rescales(expression: Expression) -> list[Rescale]:
+def _rescales(expression: ir.Expression) -> list[ir.Rescale]:
     """In the order in which `_Linearisation` meets them."""
-    inner = [node for child in children(expression) for node in _rescales(child)]
-    return [*inner, expression] if isinstance(expression, Rescale) else inner
+    inner = [node for child in ir.children(expression) for node in _rescales(child)]
+    return [*inner, expression] if isinstance(expression, ir.Rescale) else inner
 
 
 class _Linearisation:
     """One pass of affine forms: columns are states, inputs, error inputs and the constant 1."""
 
-    def __init__(self, program: Program, error_inputs: int) -> None:
+    def __init__(self, program: ir.Program, error_inputs: int) -> None:
         self._program = program
         self._variables = (*program.states, *program.inputs)
         self._first_error = len(self._variables)
         self._errors = error_inputs
         self._width = self._first_error + error_inputs + 1
-        self._values: dict[tuple[Kind, str], _Vector] = {}
+        self._values: dict[tuple[ir.Kind, str], _Vector] = {}
         self.active: list[bool] = []
 
     def _unit(self, column: int) -> _Vector:
@@ -180,20 +167,20 @@ class _Linearisation:
             key = slot.kind, slot.name
             self._values[key] = self._values[key] + self._unit(first + index)
 
-    def _form(self, expression: Expression) -> _Vector:
+    def _form(self, expression: ir.Expression) -> _Vector:
         match expression:
-            case Read(slot=slot):
+            case ir.Read(slot=slot):
                 return self._values[slot.kind, slot.name]
-            case Literal(value=value):
+            case ir.Literal(value=value):
                 return np.asarray(value * self._unit(-1))
-            case Binary(operator="*", left=left, right=right):
+            case ir.Binary(operator="*", left=left, right=right):
                 return self._product(self._form(left), self._form(right))
-            case Binary(operator=operator, left=left, right=right):
+            case ir.Binary(operator=operator, left=left, right=right):
                 sign = 1.0 if operator == "+" else -1.0
                 return self._form(left) + sign * self._form(right)
-            case Clamp(value=inner) | Cast(value=inner) | Bounded(value=inner):
+            case ir.Clamp(value=inner) | ir.Cast(value=inner) | ir.Bounded(value=inner):
                 return self._form(inner)
-            case Rescale(value=inner, bits=bits):
+            case ir.Rescale(value=inner, bits=bits):
                 return self._rounded(self._form(inner) / 2.0**bits)
             case _:
                 raise DiagramError(f"a {type(expression).__name__.lower()} is not linear")

@@ -9,42 +9,26 @@ from collections.abc import Mapping
 import numpy as np
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import DiagramError
 from ravenbrick.model.linearisation import linearise
 from ravenbrick.model.number_format import Interval
-from ravenbrick.model.program import (
-    Binary,
-    Cast,
-    Clamp,
-    Comparison,
-    Expression,
-    Kind,
-    Literal,
-    Program,
-    Read,
-    Rounded,
-    Select,
-    Slot,
-    Table,
-    as_choices,
-    children,
-)
 
 __all__ = ["Key", "key", "real_ranges"]
 
-Key = tuple[Kind, str]
+Key = tuple[ir.Kind, str]
 
 _ROUNDS = 60
 _MOST_STEPS = 100_000
 _REMAINDER = 1e-6
 
 
-def key(slot: Slot) -> Key:
+def key(slot: ir.Slot) -> Key:
     """What identifies a variable."""
     return slot.kind, slot.name
 
 
-def real_ranges(program: Program, given: Mapping[str, Interval]) -> dict[Key, Interval]:
+def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key, Interval]:
     """The range of every variable.
 
     `given` by block: all Inports, and the states that neither interval analysis nor the peak gain
@@ -76,22 +60,22 @@ def real_ranges(program: Program, given: Mapping[str, Interval]) -> dict[Key, In
     return ranges
 
 
-def _landmarks(program: Program) -> list[float]:
+def _landmarks(program: ir.Program) -> list[float]:
     """Where a range that grows may end: the numbers that values are compared with, and one more."""
     found = {0.0}
     waiting = [statement.expression for statement in program.statements]
     while waiting:
         node = waiting.pop()
-        waiting.extend(children(node))
-        if isinstance(node, Literal):
+        waiting.extend(ir.children(node))
+        if isinstance(node, ir.Literal):
             found |= {abs(node.value), abs(node.value) + 1.0}
     return sorted(found)
 
 
 def _iterate(
-    program: Program,
+    program: ir.Program,
     ranges: dict[Key, Interval],
-    free: list[Slot],
+    free: list[ir.Slot],
     landmarks: list[float] | None = None,
 ) -> bool:
     """Grow the free states' ranges until none grows; False if that does not end.
@@ -120,34 +104,34 @@ def _widened(found: Interval, before: Interval, landmarks: list[float]) -> Inter
     return Interval(low, high)
 
 
-def _pass(program: Program, ranges: dict[Key, Interval], kept: frozenset[Key]) -> None:
+def _pass(program: ir.Program, ranges: dict[Key, Interval], kept: frozenset[Key]) -> None:
     for statement in program.statements:
         if key(statement.target) not in kept:
             ranges[key(statement.target)] = _range(statement.expression, ranges, statement.block)
 
 
-def _range(expression: Expression, ranges: Mapping[Key, Interval], block: str) -> Interval:
+def _range(expression: ir.Expression, ranges: Mapping[Key, Interval], block: str) -> Interval:
     match expression:
-        case Read(slot=slot):
+        case ir.Read(slot=slot):
             return ranges[key(slot)]
-        case Literal(value=value):
+        case ir.Literal(value=value):
             return Interval(value, value)
-        case Cast(value=inner):
+        case ir.Cast(value=inner):
             return _range(inner, ranges, block)
-        case Clamp(value=inner, limit=limit):
+        case ir.Clamp(value=inner, limit=limit):
             size = _range(limit, ranges, block).size
             return _range(inner, ranges, block).limited(-size, size)
-        case Binary(operator=operator, left=left, right=right):
+        case ir.Binary(operator=operator, left=left, right=right):
             first, second = _range(left, ranges, block), _range(right, ranges, block)
             if operator == "*":
                 return first * second
             return first + second if operator == "+" else first - second
-        case Rounded(value=inner):
+        case ir.Rounded(value=inner):
             found = _range(inner, ranges, block)
             return Interval(found.low - 0.5, found.high + 0.5)
-        case Table():
-            return _range(as_choices(expression), ranges, block)
-        case Select():
+        case ir.Table():
+            return _range(ir.as_choices(expression), ranges, block)
+        case ir.Select():
             return _choice(expression, ranges, block)
         case _:
             raise DesignError(
@@ -156,7 +140,7 @@ def _range(expression: Expression, ranges: Mapping[Key, Interval], block: str) -
             )
 
 
-def _choice(select: Select, ranges: Mapping[Key, Interval], block: str) -> Interval:
+def _choice(select: ir.Select, ranges: Mapping[Key, Interval], block: str) -> Interval:
     """The hull of both branches, each with what its condition says of a variable."""
     branches = []
     for holds, branch in ((True, select.chosen), (False, select.otherwise)):
@@ -167,21 +151,21 @@ def _choice(select: Select, ranges: Mapping[Key, Interval], block: str) -> Inter
 
 
 def _with_condition(
-    condition: Comparison, ranges: Mapping[Key, Interval], block: str, *, holds: bool
+    condition: ir.Comparison, ranges: Mapping[Key, Interval], block: str, *, holds: bool
 ) -> Mapping[Key, Interval] | None:
     """The ranges where the condition holds (or not); None if that cannot be."""
     left, right = (_range(side, ranges, block) for side in (condition.left, condition.right))
     below = (condition.operator in ("<", "<=")) == holds
     if (left.low > right.high) if below else (left.high < right.low):
         return None
-    if not isinstance(condition.left, Read):
+    if not isinstance(condition.left, ir.Read):
         return ranges
     low = left.low if below else max(left.low, right.low)
     high = min(left.high, right.high) if below else left.high
     return {**ranges, key(condition.left.slot): Interval(low, high)}
 
 
-def _use_peak_gains(program: Program, ranges: dict[Key, Interval], free: list[Slot]) -> None:
+def _use_peak_gains(program: ir.Program, ranges: dict[Key, Interval], free: list[ir.Slot]) -> None:
     """Bound the free states by the peak gains of the linear program."""
     try:
         system = linearise(program)

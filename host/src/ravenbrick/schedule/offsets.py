@@ -7,15 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Source, Window, window_of
+from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Window, window_of
 from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
 from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
 from ravenbrick.schedule.response_time import (
     ResponseTimeBound,
     Terms,
-    interference_parts,
-    overhead_parts,
     response_time_bound,
+    terms_of,
 )
 
 __all__ = ["phased_response_time_bounds", "synchronous_bound"]
@@ -119,21 +118,14 @@ class _Candidate:
     def terms(self, job: int, length: Time) -> Terms:
         """The worst job's response time by its parts."""
         window = self.window
-        own = Source(window.task, window.task.period, 0, 0, window.own_overhead)
-        counts = [(source, self.jobs(source.task, length)) for source in window.sources]
-        switches, entries = overhead_parts([*counts, (own, job + 1)])
         arrival = self.arrival(job)
-        return Terms(
+        return terms_of(
+            window,
             job,
-            window.task.wcet,
-            job * window.task.wcet,
-            interference_parts(counts),
-            window.blocking,
-            switches,
-            entries,
-            self.clock_time(length),
-            exact(max(0, -arrival)),
-            exact(max(0, arrival)),
+            [(source, self.jobs(source.task, length)) for source in window.sources],
+            clock=self.clock_time(length),
+            jitter=exact(max(0, -arrival)),
+            waited=exact(max(0, arrival)),
         )
 
 

@@ -17,12 +17,11 @@ __all__ = [
     "Interference",
     "ResponseTimeBound",
     "Terms",
-    "interference_parts",
     "is_schedulable",
     "non_preemptive_bounds",
-    "overhead_parts",
     "response_time_bound",
     "response_time_bounds",
+    "terms_of",
 ]
 
 
@@ -111,12 +110,12 @@ def _too_long(task: Task) -> AnalysisLimitError:
     )
 
 
-def interference_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Interference, ...]:
+def _interference_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Interference, ...]:
     """Execution of the interfering jobs, task by task; tasks without a job are left out."""
     return tuple(Interference(s.task.name, n, n * s.execution) for s, n in counts if n)
 
 
-def overhead_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Time, Time]:
+def _overhead_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Time, Time]:
     """What the jobs cost in context switches and in interrupt entries."""
     switches: Time = 0
     entries: Time = 0
@@ -128,21 +127,40 @@ def overhead_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Time, Time]:
     return switches, entries
 
 
-def _terms(window: Window, job: int, completion: Time) -> Terms:
-    counts = [(source, source.jobs(completion)) for source in window.sources]
+def terms_of(
+    window: Window,
+    job: int,
+    counts: Sequence[tuple[Source, Time]],
+    *,
+    clock: Time,
+    jitter: Time,
+    waited: Time,
+) -> Terms:
+    """The response time of a job by its parts; `counts` are the jobs that delay it."""
     own = Source(window.task, window.task.period, 0, 0, window.own_overhead)
-    switches, entries = overhead_parts([*counts, (own, job + 1)])
+    switches, entries = _overhead_parts([*counts, (own, job + 1)])
     return Terms(
         job,
         window.task.wcet,
         job * window.task.wcet,
-        interference_parts(counts),
+        _interference_parts(counts),
         window.blocking,
         switches,
         entries,
-        window.clock.time(completion),
-        window.jitter,
-        job * window.task.period,
+        clock,
+        jitter,
+        waited,
+    )
+
+
+def _terms(window: Window, job: int, completion: Time) -> Terms:
+    return terms_of(
+        window,
+        job,
+        [(source, source.jobs(completion)) for source in window.sources],
+        clock=window.clock.time(completion),
+        jitter=window.jitter,
+        waited=job * window.task.period,
     )
 
 

@@ -11,26 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ravenbrick.errors import UsageError
+from ravenbrick.telemetry import messages
 from ravenbrick.telemetry.frames import FRAME_END, FrameReader, frame
 from ravenbrick.telemetry.log import RunLog
-from ravenbrick.telemetry.messages import (
-    VERSION,
-    Answer,
-    Ask,
-    Hello,
-    KeepAlive,
-    Message,
-    ParameterDescription,
-    Refused,
-    Sample,
-    SetParameter,
-    SignalDescription,
-    Status,
-    Stop,
-    Verdict,
-    decode,
-    encode,
-)
 
 __all__ = ["Session", "VersionError"]
 
@@ -56,15 +39,15 @@ class _Request:
 class Session:
     """State of the conversation; `on_message` hears every message that arrives."""
 
-    on_message: Callable[[Message], None] = lambda _message: None
+    on_message: Callable[[messages.Message], None] = lambda _message: None
     runs: list[RunLog] = field(default_factory=list)
-    parameters: dict[int, ParameterDescription] = field(default_factory=dict)
+    parameters: dict[int, messages.ParameterDescription] = field(default_factory=dict)
     values: dict[int, float] = field(default_factory=dict)
-    answers: list[Answer] = field(default_factory=list)
-    status: Status = field(default_factory=lambda: Status(0, 0, 0))
+    answers: list[messages.Answer] = field(default_factory=list)
+    status: messages.Status = field(default_factory=lambda: messages.Status(0, 0, 0))
     unknown: int = 0
     _reader: FrameReader = field(default_factory=FrameReader)
-    _hello: Hello | None = None
+    _hello: messages.Hello | None = None
     _signals_known: set[tuple[int, int]] = field(default_factory=set)
     _requests: dict[str, _Request] = field(default_factory=dict)
     _spoke_at_s: float = 0.0
@@ -96,7 +79,7 @@ class Session:
         for request in self._requests.values():
             request.sent_at_s = None
         self._asked_at_s = now_s
-        return FRAME_END + self._say(Ask(), now_s)
+        return FRAME_END + self._say(messages.Ask(), now_s)
 
     def set_parameter(self, name: str, value: float) -> None:
         """Request a parameter's change; sent when the brick has described it, and again if lost.
@@ -123,30 +106,30 @@ class Session:
         if self._asked_at_s is not None and not self.described:
             if now_s - self._asked_at_s >= _RETRY_S:
                 self._asked_at_s = now_s
-                out += self._say(Ask(), now_s)
+                out += self._say(messages.Ask(), now_s)
         elif self.described:
             out += self._send_requests(now_s)
         if now_s - self._spoke_at_s >= KEEP_ALIVE_S:
-            out += self._say(KeepAlive(), now_s)
+            out += self._say(messages.KeepAlive(), now_s)
         return out
 
     def close(self, now_s: float) -> bytes:
         """The last message before the connection is closed on purpose."""
-        return self._say(Stop(), now_s)
+        return self._say(messages.Stop(), now_s)
 
     def receive(self, data: bytes) -> None:
         """Take what arrived; raises `VersionError` when the program is of another version."""
         for content in self._reader.feed(data):
-            message = decode(content)
+            message = messages.decode(content)
             if message is None:
                 self.unknown += 1
                 continue
             self._take(message)
             self.on_message(message)
 
-    def _say(self, message: Message, now_s: float) -> bytes:
+    def _say(self, message: messages.Message, now_s: float) -> bytes:
         self._spoke_at_s = now_s
-        return frame(encode(message))
+        return frame(messages.encode(message))
 
     def _send_requests(self, now_s: float) -> bytes:
         indices = {p.name: p.index for p in self.parameters.values()}
@@ -157,39 +140,39 @@ class Session:
                 raise UsageError(f"the program has no parameter '{name}'")
             if request.sent_at_s is None or now_s - request.sent_at_s >= _RETRY_S:
                 request.sent_at_s = now_s
-                out += self._say(SetParameter(indices[name], request.value), now_s)
+                out += self._say(messages.SetParameter(indices[name], request.value), now_s)
         return out
 
-    def _take(self, message: Message) -> None:
+    def _take(self, message: messages.Message) -> None:
         match message:
-            case Hello():
+            case messages.Hello():
                 self._introduce(message)
-            case Refused(version):
+            case messages.Refused(version):
                 self._differ(version)
-            case SignalDescription() if self.run is not None:
+            case messages.SignalDescription() if self.run is not None:
                 self._signals_known.add((message.group, message.position))
                 self.run.describe(message)
-            case ParameterDescription():
+            case messages.ParameterDescription():
                 self.parameters[message.index] = message
                 self.values[message.index] = message.value
-            case Sample() if self.run is not None:
+            case messages.Sample() if self.run is not None:
                 self.run.add(message)
-            case Answer():
+            case messages.Answer():
                 self._answered(message)
-            case Status():
+            case messages.Status():
                 self.status = message
             case _:
                 self.unknown += 1
 
     def _differ(self, version: int) -> None:
-        newer = "Ravenbrick" if version > VERSION else "the program on the brick"
+        newer = "Ravenbrick" if version > messages.VERSION else "the program on the brick"
         raise VersionError(
             f"the program speaks version {version} of the telemetry protocol, this Ravenbrick "
-            f"version {VERSION}; bring {newer} up to date"
+            f"version {messages.VERSION}; bring {newer} up to date"
         )
 
-    def _introduce(self, hello: Hello) -> None:
-        if hello.version != VERSION:
+    def _introduce(self, hello: messages.Hello) -> None:
+        if hello.version != messages.VERSION:
             self._differ(hello.version)
         run = self.run
         if run is None or run.name != hello.name or hello.time_us < run.last_us:
@@ -201,9 +184,9 @@ class Session:
         self._signals_known.clear()
         self._hello = hello
 
-    def _answered(self, answer: Answer) -> None:
+    def _answered(self, answer: messages.Answer) -> None:
         self.answers.append(answer)
         parameter = self.parameters.get(answer.index)
-        if answer.verdict is not Verdict.UNKNOWN and parameter is not None:
+        if answer.verdict is not messages.Verdict.UNKNOWN and parameter is not None:
             self.values[answer.index] = answer.value
             self._requests.pop(parameter.name, None)

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from ravenbrick.errors import UsageError
 
-__all__ = ["BytePort", "open_port"]
+__all__ = ["BytePort", "listening_socket", "open_port"]
 
 _LOOPBACK = "127.0.0.1"
 _CHUNK = 4096
@@ -38,18 +38,24 @@ class BytePort(Protocol):
         """No more clients."""
 
 
+def listening_socket(port: int, any_port: str) -> socket.socket:
+    """A socket on 127.0.0.1 that does not wait; `any_port` is how a user asks for a free one."""
+    try:
+        server = socket.create_server((_LOOPBACK, port))
+    except OSError as error:
+        raise UsageError(
+            f"port {port} of this computer cannot be used ({error.strerror}); name another "
+            f"one, or {any_port} for any"
+        ) from None
+    server.setblocking(False)
+    return server
+
+
 class TcpPort:
     """A listening socket on 127.0.0.1; a second client waits until the first has gone."""
 
     def __init__(self, port: int) -> None:
-        try:
-            self._server = socket.create_server((_LOOPBACK, port))
-        except OSError as error:
-            raise UsageError(
-                f"port {port} of this computer cannot be used ({error.strerror}); name another "
-                "one, or tcp:0 for any"
-            ) from None
-        self._server.setblocking(False)
+        self._server = listening_socket(port, any_port="tcp:0")
         self._client: socket.socket | None = None
         self._unsent = b""
         self.address = f"tcp:{self._server.getsockname()[1]}"

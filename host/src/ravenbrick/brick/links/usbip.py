@@ -15,12 +15,12 @@ import struct
 from dataclasses import dataclass
 from typing import Any
 
+from ravenbrick.brick.links.byte_ports import listening_socket
 from ravenbrick.brick.links.peers import DEVICE_DESCRIPTOR, UsbComputer
-from ravenbrick.errors import PeerError, UsageError
+from ravenbrick.errors import PeerError
 
 __all__ = ["UsbIpServer"]
 
-_LOOPBACK = "127.0.0.1"
 _VERSION = 0x0111
 _REQUEST_LIST, _REPLY_LIST = 0x8005, 0x0005
 _REQUEST_IMPORT, _REPLY_IMPORT = 0x8003, 0x0003
@@ -63,14 +63,7 @@ class UsbIpServer:
     """A listening socket on 127.0.0.1 in front of a brick's USB."""
 
     def __init__(self, port: int) -> None:
-        try:
-            self._server = socket.create_server((_LOOPBACK, port))
-        except OSError as error:
-            raise UsageError(
-                f"port {port} of this computer cannot be used ({error.strerror}); name another "
-                "one, or 0 for any"
-            ) from None
-        self._server.setblocking(False)
+        self._server = listening_socket(port, any_port="0")
         self.port: int = self._server.getsockname()[1]
         self._client: socket.socket | None = None
         self._received, self._unsent = bytearray(), bytearray()

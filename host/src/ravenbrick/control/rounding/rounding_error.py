@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ravenbrick.control.rounding.peak_gain import peak_gain
 from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.lazy import control
 from ravenbrick.model.linearisation import (
@@ -20,21 +21,6 @@ from ravenbrick.model.linearisation import (
     lsb_of,
 )
 from ravenbrick.model.number_format import FixedFormat, Interval
-from ravenbrick.model.program import (
-    Binary,
-    Clamp,
-    Expression,
-    Kind,
-    Literal,
-    Program,
-    Read,
-    Rescale,
-    Rounded,
-    Select,
-    Slot,
-    Table,
-    children,
-)
 
 __all__ = ["ClosedLoopBound", "PlantInLoop", "closed_loop_bound", "one_step_errors"]
 
@@ -170,15 +156,15 @@ def one_step_errors(fixed: FixedPoint) -> dict[str, float]:
     return _ErrorPass(fixed).outputs()
 
 
-def _deciding_blocks(source: Program) -> set[str]:
+def _deciding_blocks(source: ir.Program) -> set[str]:
     """Blocks whose output is not a linear function of what they read, limits aside."""
     found = set()
     for statement in source.statements:
-        waiting: list[Expression] = [statement.expression]
+        waiting: list[ir.Expression] = [statement.expression]
         while waiting:
             node = waiting.pop()
-            waiting.extend(children(node))
-            if isinstance(node, Select | Rounded | Table):
+            waiting.extend(ir.children(node))
+            if isinstance(node, ir.Select | ir.Rounded | ir.Table):
                 found.add(statement.block)
     return found
 
@@ -189,9 +175,9 @@ class _ErrorPass:
     def __init__(self, fixed: FixedPoint) -> None:
         self._fixed = fixed
         self._block = ""
-        self._errors: dict[tuple[Kind, str], float] = {}
+        self._errors: dict[tuple[ir.Kind, str], float] = {}
         self._deciding = _deciding_blocks(fixed.source)
-        self._open: set[tuple[Kind, str]] = set()
+        self._open: set[tuple[ir.Kind, str]] = set()
         real = {slot.name: slot.initial for slot in fixed.source.parameters}
         for slot in fixed.program.parameters:
             assert isinstance(slot.data_type, FixedFormat)
@@ -204,7 +190,7 @@ class _ErrorPass:
             self._block, target = statement.block, statement.target
             if statement.block in self._deciding or self._depends(statement.expression):
                 self._open.add((target.kind, target.name))
-            elif target.kind is not Kind.STATE:
+            elif target.kind is not ir.Kind.STATE:
                 self._errors[target.kind, target.name] = self._bound(statement.expression)[1]
         return {
             slot.name: self._errors[slot.kind, slot.name]
@@ -212,40 +198,40 @@ class _ErrorPass:
             if (slot.kind, slot.name) not in self._open
         }
 
-    def _depends(self, expression: Expression) -> bool:
+    def _depends(self, expression: ir.Expression) -> bool:
         """Whether an expression reads what has no bound."""
-        if isinstance(expression, Read):
+        if isinstance(expression, ir.Read):
             return (expression.slot.kind, expression.slot.name) in self._open
-        return any(self._depends(inner) for inner in children(expression))
+        return any(self._depends(inner) for inner in ir.children(expression))
 
-    def _bound(self, expression: Expression) -> tuple[Interval, float]:
+    def _bound(self, expression: ir.Expression) -> tuple[Interval, float]:
         match expression:
-            case Read(slot=slot):
+            case ir.Read(slot=slot):
                 return self._variable(slot)
-            case Literal(value=value, data_type=form):
+            case ir.Literal(value=value, data_type=form):
                 assert isinstance(form, FixedFormat)
                 own = form.real(int(value))
                 real = self._fixed.constants.get((self._block, expression), own)
                 return Interval(real, real), abs(own - real)
-            case Binary(operator="*", left=left, right=right):
+            case ir.Binary(operator="*", left=left, right=right):
                 (first, e), (second, f) = self._bound(left), self._bound(right)
                 return first * second, first.size * f + second.size * e + e * f
-            case Binary(operator=operator, left=left, right=right):
+            case ir.Binary(operator=operator, left=left, right=right):
                 (first, e), (second, f) = self._bound(left), self._bound(right)
                 return (first + second if operator == "+" else first - second), e + f
-            case Rescale(value=inner, rounding=rounding):
+            case ir.Rescale(value=inner, rounding=rounding):
                 interval, error = self._bound(inner)
                 return interval, error + rounding.largest_error * _lsb(expression)
-            case Clamp(value=inner, limit=limit):
+            case ir.Clamp(value=inner, limit=limit):
                 (interval, e), (bound, f) = self._bound(inner), self._bound(limit)
                 return interval.limited(-bound.size, bound.size), max(e, f)
             case _:
-                return self._bound(children(expression)[0])
+                return self._bound(ir.children(expression)[0])
 
-    def _variable(self, slot: Slot) -> tuple[Interval, float]:
+    def _variable(self, slot: ir.Slot) -> tuple[Interval, float]:
         key = slot.kind, slot.name
         return self._fixed.ranges[key], self._errors.get(key, 0.0)
 
 
-def _lsb(expression: Rescale) -> float:
+def _lsb(expression: ir.Rescale) -> float:
     return float(2.0 ** -fraction_of(expression))

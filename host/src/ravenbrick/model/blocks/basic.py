@@ -147,11 +147,26 @@ def _scaled(block: Block, factor: Value, value: Expression) -> Expression:
 
 
 @dataclass(frozen=True)
-class Inport(Block):
-    """An input of the diagram; `unit` and `description` go into the generated header."""
+class _Port(Block):
+    """A port of the diagram; `unit` and `description` go into the generated header."""
 
     unit: str = ""
     description: str = ""
+
+    def _variable(self, kind: Kind) -> Slot:
+        return Slot(
+            kind,
+            self.name,
+            self.data_type,
+            self.name,
+            unit=self.unit,
+            description=self.description,
+        )
+
+
+@dataclass(frozen=True)
+class Inport(_Port):
+    """An input of the diagram."""
 
     @property
     def input_types(self) -> tuple[DataType, ...]:
@@ -165,22 +180,12 @@ class Inport(Block):
     @property
     def slot(self) -> Slot:
         """The input variable."""
-        return Slot(
-            Kind.INPUT,
-            self.name,
-            self.data_type,
-            self.name,
-            unit=self.unit,
-            description=self.description,
-        )
+        return self._variable(Kind.INPUT)
 
 
 @dataclass(frozen=True)
-class Outport(Block):
+class Outport(_Port):
     """An output of the diagram."""
-
-    unit: str = ""
-    description: str = ""
 
     @property
     def output_type(self) -> DataType | None:
@@ -190,14 +195,7 @@ class Outport(Block):
     @property
     def slot(self) -> Slot:
         """The output variable."""
-        return Slot(
-            Kind.OUTPUT,
-            self.name,
-            self.data_type,
-            self.name,
-            unit=self.unit,
-            description=self.description,
-        )
+        return self._variable(Kind.OUTPUT)
 
 
 @dataclass(frozen=True)
