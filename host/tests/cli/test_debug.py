@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import shutil
 import socket
@@ -18,6 +17,7 @@ from tools.docs import gdb_session
 from tools.docs.gdb_session import talk
 from typer.testing import CliRunner
 from verification.support.gdb_replies import whole_reply
+from verification.support.needed_tools import NEEDS_VIRTUAL_BRICK
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
@@ -39,10 +39,7 @@ pytestmark = [
         shutil.which(GDB) is None,
         reason=f"{GDB} is not installed (Debian package gdb-multiarch)",
     ),
-    pytest.mark.skipif(
-        importlib.util.find_spec("virtual_brick") is None,
-        reason="the module virtual_brick is not built; 'make setup' builds it",
-    ),
+    NEEDS_VIRTUAL_BRICK,
     pytest.mark.skipif(
         not ELF.is_file(), reason="the vehicle is not built; 'ravenbrick build' builds it"
     ),

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
 from pathlib import Path
 from queue import Queue
@@ -13,12 +12,13 @@ from threading import Thread
 import pytest
 from tools.docs.gdb_session import talk
 from typer.testing import CliRunner, Result
+from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
 from ravenbrick.cli.debug import GDB, gdb_command
 from ravenbrick.errors import ExitCode
-from ravenbrick.image.build import TOOLS, build_image, find_tool
+from ravenbrick.image.build import build_image
 from ravenbrick.image.elf import DEBUGGING_BUILD, ElfImage
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario
@@ -26,12 +26,8 @@ from ravenbrick.project.templates import create_project
 from ravenbrick.project.workspace import Workspace
 
 pytestmark = [
-    pytest.mark.skipif(
-        importlib.util.find_spec("virtual_brick") is None, reason="virtual_brick is not built"
-    ),
-    pytest.mark.skipif(
-        any(find_tool(tool) is None for tool in TOOLS), reason="the toolchain is not installed"
-    ),
+    NEEDS_VIRTUAL_BRICK,
+    NEEDS_TOOLCHAIN,
 ]
 SHORT = """schema_version = 1
 name = "short"

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import shutil
 import subprocess
@@ -13,22 +12,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK
 from verification.support.projects import VEHICLE
 
-from ravenbrick.image.build import TOOLS, find_tool
 from ravenbrick.project.workspace import Workspace
 
 COMMAND = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 
 pytestmark = [
-    pytest.mark.skipif(
-        any(find_tool(tool) is None for tool in TOOLS),
-        reason="the cross toolchain is not installed; 'make setup' installs it",
-    ),
-    pytest.mark.skipif(
-        importlib.util.find_spec("virtual_brick") is None,
-        reason="the module virtual_brick is not built; 'make setup' builds it",
-    ),
+    NEEDS_TOOLCHAIN,
+    NEEDS_VIRTUAL_BRICK,
 ]
 
 

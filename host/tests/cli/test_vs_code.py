@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import shutil
 import socket
@@ -13,20 +12,16 @@ import sys
 from pathlib import Path
 
 import pytest
+from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK
 from verification.support.projects import VEHICLE
 from verification.support.vs_code import VSCode, matcher_problems, problems_in
 
 from ravenbrick.cli.debug import GDB
-from ravenbrick.image.build import TOOLS, find_tool
 
 pytestmark = [
     pytest.mark.skipif(shutil.which(GDB) is None, reason=f"{GDB} is not installed"),
-    pytest.mark.skipif(
-        importlib.util.find_spec("virtual_brick") is None, reason="virtual_brick is not built"
-    ),
-    pytest.mark.skipif(
-        any(find_tool(tool) is None for tool in TOOLS), reason="the toolchain is not installed"
-    ),
+    NEEDS_VIRTUAL_BRICK,
+    NEEDS_TOOLCHAIN,
 ]
 
 

@@ -13,15 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from verification.support.bricks.nxt_firmware import (
-    FLASH,
-    IMAGE,
-    MENU_MS,
-    brick_at_the_menu,
-    firmware_brick,
-    picture,
-    run_ms,
-)
+from verification.support.bricks import nxt_firmware
 from verification.support.bricks.played_usb import build_library, run_with_device
 
 from ravenbrick.brick.lcd_text import FONT_SIZE, FONT_SYMBOL, lcd_text
@@ -88,46 +80,52 @@ def display(brick: Any, file: Path) -> list[str]:
 
 def test_a_ram_image_is_loaded_and_runs(upload: Upload) -> None:
     """fwexec brings it to its place and jumps: the program counts a press of the sensor."""
-    file, brick = image_file("ram"), firmware_brick()
+    file, brick = image_file("ram"), nxt_firmware.firmware_brick()
     done = upload(brick, str(file))
     assert done.returncode == 0 and "the program runs" in done.stdout, done.stdout
-    run_ms(brick, START_MS)
+    nxt_firmware.run_ms(brick, START_MS)
     assert "presses 0" in display(brick, file)
     for value in (1, 0):
         brick.schedule_input(brick.cycles, "touch.1", value)
-        run_ms(brick, PRESS_MS)
-    run_ms(brick, START_MS)
+        nxt_firmware.run_ms(brick, PRESS_MS)
+    nxt_firmware.run_ms(brick, START_MS)
     assert "presses 1" in display(brick, file)
 
 
 @LONG
 def test_a_flash_image_is_written_and_starts(upload: Upload) -> None:
     """fwflash's own routine runs on the virtual processor; every byte is in the flash then."""
-    file, brick = image_file("flash"), firmware_brick()
+    file, brick = image_file("flash"), nxt_firmware.firmware_brick()
     done = upload(brick, str(file), "--image", "flash")
     assert done.returncode == 0 and "written and started" in done.stdout, done.stdout
     flat = flat_image(read_image(file))
-    assert (flat.address, brick.read_memory(FLASH, len(flat.content))) == (FLASH, flat.content)
-    run_ms(brick, START_MS)
+    assert (flat.address, brick.read_memory(nxt_firmware.FLASH, len(flat.content))) == (
+        nxt_firmware.FLASH,
+        flat.content,
+    )
+    nxt_firmware.run_ms(brick, START_MS)
     assert "presses 0" in display(brick, file)
 
 
 @LONG
 def test_the_firmware_is_restored(upload: Upload) -> None:
     """After the monitor took its first pages, LEGO's firmware is back and shows its menu."""
-    brick, firmware = firmware_brick(), IMAGE.read_bytes()
-    done = upload(brick, str(IMAGE), "--restore")
+    brick, firmware = nxt_firmware.firmware_brick(), nxt_firmware.IMAGE.read_bytes()
+    done = upload(brick, str(nxt_firmware.IMAGE), "--restore")
     assert done.returncode == 0, done.stdout
-    assert brick.read_memory(FLASH, len(firmware)) == firmware
-    run_ms(brick, MENU_MS)
-    assert picture(brick)[14:] == picture(brick_at_the_menu())[14:]
+    assert brick.read_memory(nxt_firmware.FLASH, len(firmware)) == firmware
+    nxt_firmware.run_ms(brick, nxt_firmware.MENU_MS)
+    assert (
+        nxt_firmware.picture(brick)[14:]
+        == nxt_firmware.picture(nxt_firmware.brick_at_the_menu())[14:]
+    )
 
 
 def test_a_brick_with_its_firmware_is_told_how_to_be_loaded(library: Path) -> None:
     """libnxt finds it by its identity, and its words become what to do."""
-    computer = UsbComputer(brick_at_the_menu())
+    computer = UsbComputer(nxt_firmware.brick_at_the_menu())
     computer.enumerate()
-    command = [sys.executable, "-c", COMMAND, "upload", str(IMAGE), "--restore"]
+    command = [sys.executable, "-c", COMMAND, "upload", str(nxt_firmware.IMAGE), "--restore"]
     done = run_with_device(command, computer, library)
     assert done.returncode == ExitCode.CONNECTION_FAILED
     assert "the brick runs its firmware" in done.stdout
@@ -136,7 +134,7 @@ def test_a_brick_with_its_firmware_is_told_how_to_be_loaded(library: Path) -> No
 @LONG
 def test_a_cable_that_is_pulled_is_told(library: Path) -> None:
     """In the middle of the image: exit code 11 and what to try."""
-    brick = firmware_brick()
+    brick = nxt_firmware.firmware_brick()
     brick.enter_boot_monitor()
     computer = UsbComputer(brick)
     computer.enumerate()

@@ -4,17 +4,16 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import ImageFileError, RavenbrickError
-from ravenbrick.image.build import TOOLS, find_tool
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
@@ -36,14 +35,8 @@ from ravenbrick.timing.results.result import advice, result_of
 from ravenbrick.trace.recording import Recording
 
 pytestmark = [
-    pytest.mark.skipif(
-        any(find_tool(tool) is None for tool in TOOLS),
-        reason="the cross toolchain is not installed; 'make setup' installs it",
-    ),
-    pytest.mark.skipif(
-        importlib.util.find_spec("virtual_brick") is None,
-        reason="the module virtual_brick is not built; 'make setup' builds it",
-    ),
+    NEEDS_TOOLCHAIN,
+    NEEDS_VIRTUAL_BRICK,
 ]
 
 

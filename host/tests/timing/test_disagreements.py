@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import shutil
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
+from verification.support.needed_tools import NEEDS_VIRTUAL_BRICK
 from verification.support.projects import VEHICLE, put_image
 
 from ravenbrick.brick.run import VirtualTarget
@@ -26,10 +26,7 @@ from ravenbrick.trace.task_set import check_task_set
 
 BUILT = Workspace.of(VEHICLE).image("ram", "vehicle")
 pytestmark = [
-    pytest.mark.skipif(
-        importlib.util.find_spec("virtual_brick") is None,
-        reason="the module virtual_brick is not built; 'make setup' builds it",
-    ),
+    NEEDS_VIRTUAL_BRICK,
     pytest.mark.skipif(
         not BUILT.is_file(),
         reason="the vehicle is not built; 'ravenbrick build examples/vehicle' builds it",

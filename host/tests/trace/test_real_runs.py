@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from verification.support.needed_tools import NEEDS_VIRTUAL_BRICK
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
@@ -32,10 +32,7 @@ IMAGE = Workspace.of(VEHICLE).image("ram", "vehicle")
 
 pytestmark = [
     pytest.mark.skipif(not IMAGE.is_file(), reason="the vehicle is not built; 'make demo' does it"),
-    pytest.mark.skipif(
-        importlib.util.find_spec("virtual_brick") is None,
-        reason="the module virtual_brick is not built; 'make setup' builds it",
-    ),
+    NEEDS_VIRTUAL_BRICK,
 ]
 
 

@@ -17,29 +17,24 @@ from typing import TypedDict
 
 import numpy as np
 import virtual_brick
-from ravenbrick.clock import MASTER_CLOCK
 
 from verification.support.bricks.programs import gprbuild
-from verification.support.bricks.runtime_programs import RUNTIMES, make_runtime
+from verification.support.bricks.runtime_programs import (
+    BENCH,
+    CYCLES_PER_SECOND,
+    EVENT,
+    RUNTIMES,
+    make_runtime,
+)
 from verification.support.paths import BUILD
 
 __all__ = ["LONGEST_MASKED_CYCLES", "figures", "image_of"]
 
 HERE = Path(__file__).resolve().parent
 
-CYCLES_PER_SECOND = float(MASTER_CLOCK.hertz)
 LONGEST_MASKED_CYCLES = 250
 LIMIT_SECONDS = 90
 LEAST_SAMPLES = 10_000
-IDLE = 0xFFFF_FFFF
-
-BENCH = {
-    "seed": 1,
-    "battery": {"kind": "li_ion", "voltage": 8.0, "internal_resistance": 0.0},
-    "body": {"kind": "bench"},
-}
-
-EVENT = np.dtype([("at", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")])
 
 # Order of the program's figures, and those that are reduced by what the measuring costs
 COSTS = (

@@ -22,6 +22,7 @@ __all__ = [
     "BENCH",
     "CYCLES_PER_MS",
     "CYCLES_PER_SECOND",
+    "EVENT",
     "IDLE",
     "PROGRAMS",
     "RUNTIMES",

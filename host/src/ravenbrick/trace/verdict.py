@@ -14,18 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.errors import ScenarioError
-from ravenbrick.project.criteria import (
-    DeadlinesMet,
-    Expectation,
-    FaultExpected,
-    LcdShows,
-    MeasureBound,
-    PathEnd,
-    PoweredOff,
-    ResponseBound,
-    SignalBound,
-    Window,
-)
+from ravenbrick.project import criteria
 from ravenbrick.trace.recording import Recording, Screen
 from ravenbrick.trace.schedule import TaskMeasures
 from ravenbrick.units import UNITS, signal_unit
@@ -50,7 +39,7 @@ class Measured(Protocol):
 class Verdict:
     """The value that decided (SI, or a text), when it was seen (s), and the judgement."""
 
-    expectation: Expectation
+    expectation: criteria.Expectation
     value: float | str | None
     unit: str
     at: float | None
@@ -85,18 +74,18 @@ class Verdict:
         }
 
 
-def expects_fault(expectations: Sequence[Expectation]) -> bool:
+def expects_fault(expectations: Sequence[criteria.Expectation]) -> bool:
     """Whether faults are judged by an expectation instead of ending the command."""
-    return any(isinstance(e, FaultExpected) for e in expectations)
+    return any(isinstance(e, criteria.FaultExpected) for e in expectations)
 
 
-def _unreachable(expectation: Expectation, problem: str) -> ScenarioError:
+def _unreachable(expectation: criteria.Expectation, problem: str) -> ScenarioError:
     return ScenarioError(f"{expectation.place}: '{expectation.text}': {problem}")
 
 
-def _span(expectation: Expectation, recording: Recording) -> tuple[float, float]:
+def _span(expectation: criteria.Expectation, recording: Recording) -> tuple[float, float]:
     """Begin and end of the window in s; raises `ScenarioError` when the run ended before."""
-    window: Window = expectation.window
+    window: criteria.Window = expectation.window
     end = recording.clock.seconds(recording.stop.at_cycles)
     if window.at_end:
         return end, end
@@ -109,7 +98,7 @@ def _span(expectation: Expectation, recording: Recording) -> tuple[float, float]
     return (window.begin or 0.0), (end if window.end is None else window.end)
 
 
-def _within(values: NDArray[np.float64], bound: SignalBound) -> NDArray[np.bool_]:
+def _within(values: NDArray[np.float64], bound: criteria.SignalBound) -> NDArray[np.bool_]:
     good = np.ones(values.shape, dtype=bool)
     if bound.minimum is not None:
         good &= values >= bound.minimum
@@ -118,7 +107,7 @@ def _within(values: NDArray[np.float64], bound: SignalBound) -> NDArray[np.bool_
     return good
 
 
-def _distance(values: NDArray[np.float64], bound: SignalBound) -> NDArray[np.float64]:
+def _distance(values: NDArray[np.float64], bound: criteria.SignalBound) -> NDArray[np.float64]:
     """How far values lie outside of the bounds; negative inside."""
     below = -np.inf if bound.minimum is None else bound.minimum - values
     above = -np.inf if bound.maximum is None else values - bound.maximum
@@ -126,13 +115,13 @@ def _distance(values: NDArray[np.float64], bound: SignalBound) -> NDArray[np.flo
 
 
 @functools.singledispatch
-def judge(expectation: Expectation, recording: Recording, measures: Measured) -> Verdict:
+def judge(expectation: criteria.Expectation, recording: Recording, measures: Measured) -> Verdict:
     """Judge one expectation; raises `ScenarioError` when the run can never show it."""
     raise TypeError(f"no judgement for {type(expectation).__name__}")
 
 
-@judge.register(SignalBound)
-def _signal(expectation: SignalBound, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.SignalBound)
+def _signal(expectation: criteria.SignalBound, recording: Recording, measures: Measured) -> Verdict:
     if expectation.signal not in recording.signals:
         known = ", ".join(sorted(recording.signals))
         raise _unreachable(
@@ -156,8 +145,10 @@ def _signal(expectation: SignalBound, recording: Recording, measures: Measured) 
     return Verdict(expectation, float(seen[index]) / size, unit, at, met)
 
 
-@judge.register(MeasureBound)
-def _measure(expectation: MeasureBound, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.MeasureBound)
+def _measure(
+    expectation: criteria.MeasureBound, recording: Recording, measures: Measured
+) -> Verdict:
     value = measures.value(expectation.measure)
     if value is None:
         raise _unreachable(
@@ -174,7 +165,7 @@ def _words(text: str) -> str:
     return " ".join(text.split())
 
 
-def _screens(expectation: Expectation, recording: Recording) -> list[tuple[float, Screen]]:
+def _screens(expectation: criteria.Expectation, recording: Recording) -> list[tuple[float, Screen]]:
     """The screens of the window with their instants; the one in force at its begin too."""
     begin, end = _span(expectation, recording)
     if not any(screen.text for screen in recording.screens):
@@ -187,8 +178,8 @@ def _screens(expectation: Expectation, recording: Recording) -> list[tuple[float
     return [*before[-1:], *(item for item in timed if begin < item[0] <= end)]
 
 
-@judge.register(LcdShows)
-def _lcd(expectation: LcdShows, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.LcdShows)
+def _lcd(expectation: criteria.LcdShows, recording: Recording, measures: Measured) -> Verdict:
     wanted = _words(expectation.wanted)
     seen = _screens(expectation, recording)
     for at, screen in seen:
@@ -204,7 +195,9 @@ def _text(screen: Screen) -> str:
     return " / ".join(_words(line) for line in screen.text if line.strip()) or "(empty)"
 
 
-def _tasks(expectation: Expectation, name: str | None, measures: Measured) -> list[TaskMeasures]:
+def _tasks(
+    expectation: criteria.Expectation, name: str | None, measures: Measured
+) -> list[TaskMeasures]:
     found = [t for t in measures.tasks if name is None or t.name.lower() == name.lower()]
     if not found:
         known = ", ".join(task.name for task in measures.tasks) or "none"
@@ -212,8 +205,10 @@ def _tasks(expectation: Expectation, name: str | None, measures: Measured) -> li
     return found
 
 
-@judge.register(DeadlinesMet)
-def _deadlines(expectation: DeadlinesMet, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.DeadlinesMet)
+def _deadlines(
+    expectation: criteria.DeadlinesMet, recording: Recording, measures: Measured
+) -> Verdict:
     tasks = _tasks(expectation, expectation.task, measures)
     bounded = [task for task in tasks if task.deadline_cycles is not None]
     if not bounded:
@@ -222,8 +217,10 @@ def _deadlines(expectation: DeadlinesMet, recording: Recording, measures: Measur
     return Verdict(expectation, float(missed), "missed", None, missed == 0)
 
 
-@judge.register(ResponseBound)
-def _response(expectation: ResponseBound, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.ResponseBound)
+def _response(
+    expectation: criteria.ResponseBound, recording: Recording, measures: Measured
+) -> Verdict:
     (task,) = _tasks(expectation, expectation.task, measures)[:1]
     if task.response_time_cycles_max is None:
         raise _unreachable(expectation, "no job of the task completed; lengthen the run")
@@ -231,8 +228,8 @@ def _response(expectation: ResponseBound, recording: Recording, measures: Measur
     return Verdict(expectation, longest, "s", None, longest <= expectation.limit)
 
 
-@judge.register(PathEnd)
-def _path(expectation: PathEnd, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.PathEnd)
+def _path(expectation: criteria.PathEnd, recording: Recording, measures: Measured) -> Verdict:
     if "body.x" not in recording.signals:
         raise _unreachable(expectation, "no vehicle drives: the scenario uses the bench")
     _, x = recording.signal("body.x")
@@ -242,8 +239,8 @@ def _path(expectation: PathEnd, recording: Recording, measures: Measured) -> Ver
     return Verdict(expectation, value, "", float(times[-1]), off <= expectation.radius)
 
 
-@judge.register(PoweredOff)
-def _power(expectation: PoweredOff, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.PoweredOff)
+def _power(expectation: criteria.PoweredOff, recording: Recording, measures: Measured) -> Verdict:
     end = recording.clock.seconds(recording.stop.at_cycles)
     off = recording.stop.reason == "power_off"
     window = expectation.window
@@ -252,8 +249,10 @@ def _power(expectation: PoweredOff, recording: Recording, measures: Measured) ->
     return Verdict(expectation, recording.stop.reason.replace("_", " "), "", end, met)
 
 
-@judge.register(FaultExpected)
-def _fault(expectation: FaultExpected, recording: Recording, measures: Measured) -> Verdict:
+@judge.register(criteria.FaultExpected)
+def _fault(
+    expectation: criteria.FaultExpected, recording: Recording, measures: Measured
+) -> Verdict:
     stop = recording.stop
     alive = stop.reason in ALIVE
     end: Any = None if alive else recording.clock.seconds(stop.at_cycles)

@@ -78,15 +78,15 @@ const fn bytes_of(width: Width) -> u32 {
 }
 
 impl Bus for Console {
-    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
         Ok(self.load(address, 4))
     }
 
-    fn fetch_halfword(&mut self, address: u32, _cycle: Cycle) -> Result<u16, Abort> {
+    fn fetch_halfword(&mut self, address: u32, _: Cycle) -> Result<u16, Abort> {
         Ok(self.load(address, 2) as u16)
     }
 
-    fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
         Ok(self.load(address, bytes_of(width)))
     }
 

@@ -69,15 +69,15 @@ impl ReadOnlyBus<'_> {
 }
 
 impl Bus for ReadOnlyBus<'_> {
-    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
         Ok(self.opcode(address))
     }
 
-    fn fetch_halfword(&mut self, address: u32, _cycle: Cycle) -> Result<u16, Abort> {
+    fn fetch_halfword(&mut self, address: u32, _: Cycle) -> Result<u16, Abort> {
         Ok((self.opcode(address) >> (8 * (address & 2))) as u16)
     }
 
-    fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
         let read = self.chip.plain_read(address, width);
         self.refused |= read.is_none();
         Ok(read.map_or(0, |read| read.value))

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from ravenbrick.errors import UsageError
 
-__all__ = ["BytePort", "listening_socket", "open_port"]
+__all__ = ["BytePort", "listening_socket", "open_port", "waiting_client"]
 
 _LOOPBACK = "127.0.0.1"
 _CHUNK = 4096
@@ -51,6 +51,16 @@ def listening_socket(port: int, any_port: str) -> socket.socket:
     return server
 
 
+def waiting_client(server: socket.socket) -> socket.socket | None:
+    """The next client that waits, which does not block either; None when there is none."""
+    try:
+        client, _ = server.accept()
+    except BlockingIOError:
+        return None
+    client.setblocking(False)
+    return client
+
+
 class TcpPort:
     """A listening socket on 127.0.0.1; a second client waits until the first has gone."""
 
@@ -64,13 +74,9 @@ class TcpPort:
     def in_use(self) -> bool:
         """A client is there; takes the next one that waits."""
         if self._client is None:
-            try:
-                self._client, _ = self._server.accept()
-            except BlockingIOError:
-                return False
-            self._client.setblocking(False)
+            self._client = waiting_client(self._server)
             self._unsent = b""
-        return True
+        return self._client is not None
 
     def read(self) -> bytes:
         """What the client has sent; notices when it has gone."""

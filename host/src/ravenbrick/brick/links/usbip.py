@@ -15,7 +15,7 @@ import struct
 from dataclasses import dataclass
 from typing import Any
 
-from ravenbrick.brick.links.byte_ports import listening_socket
+from ravenbrick.brick.links.byte_ports import listening_socket, waiting_client
 from ravenbrick.brick.links.peers import DEVICE_DESCRIPTOR, UsbComputer
 from ravenbrick.errors import PeerError
 
@@ -93,12 +93,8 @@ class UsbIpServer:
 
     def _accept(self) -> bool:
         if self._client is None:
-            try:
-                self._client, _ = self._server.accept()
-            except BlockingIOError:
-                return False
-            self._client.setblocking(False)
-        return True
+            self._client = waiting_client(self._server)
+        return self._client is not None
 
     def _drop(self) -> None:
         if self._client is not None:

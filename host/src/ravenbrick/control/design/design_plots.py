@@ -11,19 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ravenbrick.control.analysis.frequency_plots import (
-    bode_figure,
-    new_figure,
-    nyquist_figure,
-    root_locus_figure,
-)
-from ravenbrick.control.analysis.robustness import (
-    Extreme,
-    MonteCarlo,
-    Tolerance,
-    monte_carlo,
-    worst_case,
-)
+from ravenbrick.control.analysis import frequency_plots, robustness
 from ravenbrick.control.analysis.sampled import SampledLoop
 from ravenbrick.control.design.family import FamilyMember, gain_family
 from ravenbrick.control.estimation.estimator import LoopSpecification
@@ -65,8 +53,8 @@ def read_system(values: Mapping[str, Any]) -> control.StateSpace:
 class Robustness:
     """Figures over the plant's tolerances: random samples, and the worst case."""
 
-    samples: MonteCarlo
-    extremes: Mapping[str, tuple[Extreme, Extreme]]
+    samples: robustness.MonteCarlo
+    extremes: Mapping[str, tuple[robustness.Extreme, robustness.Extreme]]
 
     def rows(self) -> list[dict[str, float | str]]:
         """Least, median, largest of the samples and of the worst case by figure."""
@@ -126,9 +114,9 @@ class DesignedLoop:
         own = self.sampled().open_loop()
         ideal = self.loop.plant() * self.continuous.controller()
         return {
-            "bode": bode_figure(own, "Open loop", ideal),
-            "nyquist": nyquist_figure(own, "Open loop", ideal),
-            "root-locus": root_locus_figure(own, "Speed loop"),
+            "bode": frequency_plots.bode_figure(own, "Open loop", ideal),
+            "nyquist": frequency_plots.nyquist_figure(own, "Open loop", ideal),
+            "root-locus": frequency_plots.root_locus_figure(own, "Speed loop"),
         }
 
     def family(
@@ -139,7 +127,7 @@ class DesignedLoop:
 
     def family_figure(self, members: Sequence[FamilyMember]) -> Figure:
         """Step responses of the continuous members, and the band that they enter together."""
-        figure, axes = new_figure(8, 4.5)
+        figure, axes = frequency_plots.new_figure(8, 4.5)
         axis = axes[0, 0]
         time = np.linspace(0.0, _DURATION, 801)
         for member in members:
@@ -165,7 +153,7 @@ class DesignedLoop:
 
         The step is that of the loop with ideal speed samples and no delay.
         """
-        figure, axes = new_figure(10, 5.5, rows=2, columns=2)
+        figure, axes = frequency_plots.new_figure(10, 5.5, rows=2, columns=2)
         step_axis, error_axis = axes[0, 1], axes[1, 1]
         system, dt = self.continuous.controller(), self.specification.sample_time
         frequencies = np.geomspace(0.5, np.pi / dt * 0.999, 400)
@@ -214,8 +202,8 @@ class DesignedLoop:
             }
 
         tolerances = (
-            Tolerance.relative("gain", self.loop.gain, TOLERANCE),
-            Tolerance.relative("time_constant", self.loop.time_constant, TOLERANCE),
+            robustness.Tolerance.relative("gain", self.loop.gain, TOLERANCE),
+            robustness.Tolerance.relative("time_constant", self.loop.time_constant, TOLERANCE),
         )
 
         def second_half(done: int, total: int) -> None:
@@ -226,12 +214,12 @@ class DesignedLoop:
             if progress is not None:
                 progress(done, 2 * total)
 
-        found = monte_carlo(figures, tolerances, samples, seed=1, progress=first_half)
-        return Robustness(found, worst_case(figures, tolerances, second_half))
+        found = robustness.monte_carlo(figures, tolerances, samples, seed=1, progress=first_half)
+        return Robustness(found, robustness.worst_case(figures, tolerances, second_half))
 
     def robustness_figure(self, found: Robustness) -> Figure:
         """Settling time over the plant's gain, coloured by its time constant; its distribution."""
-        figure, axes = new_figure(10, 4.5, columns=2)
+        figure, axes = frequency_plots.new_figure(10, 4.5, columns=2)
         left, right = axes[0]
         samples = found.samples
         settling = 1000 * samples.figures["settling_time"]

@@ -9,19 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from ravenbrick.model.program import (
-    Binary,
-    Cast,
-    Clamp,
-    Comparison,
-    DataType,
-    Expression,
-    Kind,
-    Literal,
-    Read,
-    Select,
-    Slot,
-)
+from ravenbrick.model import program as ir
 
 __all__ = [
     "Block",
@@ -52,6 +40,12 @@ class Parameter:
 
 Value = float | Parameter
 
+Inputs = Sequence[ir.Expression]
+"""What stands at the input ports of a block, in order."""
+
+Assignments = tuple[tuple[ir.Slot, ir.Expression], ...]
+"""Variables with their new values, in order."""
+
 
 def number(value: Value) -> float:
     """The value to begin with."""
@@ -68,16 +62,16 @@ class Block:
     """
 
     name: str
-    data_type: DataType = DataType.REAL32
+    data_type: ir.DataType = ir.DataType.REAL32
     sample_time: float | None = None
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """Format of each input port, in order."""
         return (self.data_type,)
 
     @property
-    def output_type(self) -> DataType | None:
+    def output_type(self) -> ir.DataType | None:
         """Format of the output port; None for a block without one."""
         return self.data_type
 
@@ -89,21 +83,19 @@ class Block:
         """Numbers that may be parameters."""
         return ()
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """State variables with their initial values."""
         return ()
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """Values computed before the output, under names that begin with the block's."""
         return ()
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The output; inputs without feed-through must not be read."""
         raise NotImplementedError(f"block type {type(self).__name__} has no output")
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """New values of the states, in order of assignment.
 
         All updates run after all outputs. Values that must be kept while states change go into
@@ -111,25 +103,27 @@ class Block:
         """
         return ()
 
-    def _local(self, suffix: str) -> Slot:
-        return Slot(Kind.SIGNAL, f"{self.name}_{suffix}", self.data_type, self.name)
+    def _local(self, suffix: str) -> ir.Slot:
+        return ir.Slot(ir.Kind.SIGNAL, f"{self.name}_{suffix}", self.data_type, self.name)
 
-    def _literal(self, value: float) -> Expression:
-        return Literal(value, self.data_type)
+    def _literal(self, value: float) -> ir.Expression:
+        return ir.Literal(value, self.data_type)
 
-    def _state(self, suffix: str, initial: float) -> Slot:
-        return Slot(Kind.STATE, f"{self.name}_{suffix}", self.data_type, self.name, initial=initial)
+    def _state(self, suffix: str, initial: float) -> ir.Slot:
+        return ir.Slot(
+            ir.Kind.STATE, f"{self.name}_{suffix}", self.data_type, self.name, initial=initial
+        )
 
-    def _value(self, value: Value) -> Expression:
+    def _value(self, value: Value) -> ir.Expression:
         if isinstance(value, Parameter):
-            return Read(parameter_slot(value, self.data_type, self.name))
+            return ir.Read(parameter_slot(value, self.data_type, self.name))
         return self._literal(value)
 
 
-def parameter_slot(parameter: Parameter, data_type: DataType, block: str) -> Slot:
+def parameter_slot(parameter: Parameter, data_type: ir.DataType, block: str) -> ir.Slot:
     """The variable that holds a parameter."""
-    return Slot(
-        Kind.PARAMETER,
+    return ir.Slot(
+        ir.Kind.PARAMETER,
         parameter.name,
         data_type,
         block,
@@ -139,11 +133,11 @@ def parameter_slot(parameter: Parameter, data_type: DataType, block: str) -> Slo
     )
 
 
-def _scaled(block: Block, factor: Value, value: Expression) -> Expression:
+def _scaled(block: Block, factor: Value, value: ir.Expression) -> ir.Expression:
     """The product, or the value itself for the factor 1."""
     if factor == 1.0:
         return value
-    return Binary("*", block._value(factor), value)
+    return ir.Binary("*", block._value(factor), value)
 
 
 @dataclass(frozen=True)
@@ -153,8 +147,8 @@ class _Port(Block):
     unit: str = ""
     description: str = ""
 
-    def _variable(self, kind: Kind) -> Slot:
-        return Slot(
+    def _variable(self, kind: ir.Kind) -> ir.Slot:
+        return ir.Slot(
             kind,
             self.name,
             self.data_type,
@@ -169,18 +163,18 @@ class Inport(_Port):
     """An input of the diagram."""
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """No input port."""
         return ()
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The value given from outside."""
-        return Read(self.slot)
+        return ir.Read(self.slot)
 
     @property
-    def slot(self) -> Slot:
+    def slot(self) -> ir.Slot:
         """The input variable."""
-        return self._variable(Kind.INPUT)
+        return self._variable(ir.Kind.INPUT)
 
 
 @dataclass(frozen=True)
@@ -188,14 +182,14 @@ class Outport(_Port):
     """An output of the diagram."""
 
     @property
-    def output_type(self) -> DataType | None:
+    def output_type(self) -> ir.DataType | None:
         """No output port."""
         return None
 
     @property
-    def slot(self) -> Slot:
+    def slot(self) -> ir.Slot:
         """The output variable."""
-        return self._variable(Kind.OUTPUT)
+        return self._variable(ir.Kind.OUTPUT)
 
 
 @dataclass(frozen=True)
@@ -205,7 +199,7 @@ class Constant(Block):
     value: Value = 0.0
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """No input port."""
         return ()
 
@@ -213,7 +207,7 @@ class Constant(Block):
         """The value."""
         return (self.value,)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The value."""
         return self._value(self.value)
 
@@ -228,7 +222,7 @@ class Gain(Block):
         """The gain."""
         return (self.gain,)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One product."""
         return _scaled(self, self.gain, inputs[0])
 
@@ -246,15 +240,15 @@ class Sum(Block):
             )
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """One port per sign."""
         return (self.data_type,) * len(self.signs)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The sum, each addition rounded."""
         total = inputs[0]
         for sign, value in zip(self.signs[1:], inputs[1:], strict=True):
-            total = Binary(sign, total, value)
+            total = ir.Binary(sign, total, value)
         return total
 
 
@@ -286,15 +280,15 @@ class Saturation(Block):
         limits = (self.limit,) if self.lower is None else (self.limit, self.lower)
         return tuple(value for value in limits if math.isfinite(number(value)))
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The limited value."""
         if self.lower is None:
-            return Clamp(inputs[0], self._value(self.limit))
+            return ir.Clamp(inputs[0], self._value(self.limit))
         found = inputs[0]
         for limit, operator in ((self.lower, "<"), (self.limit, ">")):
             if math.isfinite(number(limit)):
                 bound = self._value(limit)
-                found = Select(Comparison(operator, inputs[0], bound), bound, found)
+                found = ir.Select(ir.Comparison(operator, inputs[0], bound), bound, found)
         return found
 
 
@@ -302,16 +296,16 @@ class Saturation(Block):
 class Conversion(Block):
     """The input in the format `data_type`; the input's format is `from_type`."""
 
-    from_type: DataType = DataType.REAL64
+    from_type: ir.DataType = ir.DataType.REAL64
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """The other format."""
         return (self.from_type,)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The rounded value."""
-        return Cast(inputs[0], self.data_type)
+        return ir.Cast(inputs[0], self.data_type)
 
 
 @dataclass(frozen=True)
@@ -324,17 +318,15 @@ class UnitDelay(Block):
         """The output is the state alone."""
         return False
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """The stored sample."""
         return (self._state("DSTATE", self.initial),)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The stored sample."""
-        return Read(self.states()[0])
+        return ir.Read(self.states()[0])
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Store the input."""
         return ((self.states()[0], inputs[0]),)
 
@@ -365,29 +357,27 @@ class DiscreteIntegrator(Block):
         """Only forward Euler leaves the present input out."""
         return self.method is not IntegrationMethod.FORWARD_EULER
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """The sum."""
         return (self._state("DSTATE", self.initial),)
 
-    def _increment(self, value: Expression) -> Expression:
+    def _increment(self, value: ir.Expression) -> ir.Expression:
         half = self.method is IntegrationMethod.TUSTIN
         return _scaled(self, self.gain / 2 if half else self.gain, value)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The sum so far, with the share of the present input that the method asks for."""
-        state: Expression = Read(self.states()[0])
+        state: ir.Expression = ir.Read(self.states()[0])
         if self.method is IntegrationMethod.FORWARD_EULER:
             return state
-        return Binary("+", state, self._increment(inputs[0]))
+        return ir.Binary("+", state, self._increment(inputs[0]))
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Add the present input's share for the next step."""
         state = self.states()[0]
         if self.method is IntegrationMethod.BACKWARD_EULER:
             return ((state, output),)
-        return ((state, Binary("+", output, self._increment(inputs[0]))),)
+        return ((state, ir.Binary("+", output, self._increment(inputs[0]))),)
 
 
 @dataclass(frozen=True)
@@ -417,35 +407,33 @@ class DiscreteTransferFunction(Block):
         """Only with as many zeros as poles."""
         return self.numerator[0] != 0.0
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """One state per pole."""
         return tuple(
             self._state(f"DSTATE{index}", 0.0) for index in range(1, len(self.denominator))
         )
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """`b0 u + s1`."""
-        state: Expression = Read(self.states()[0])
+        state: ir.Expression = ir.Read(self.states()[0])
         if not self.feedthrough(0):
             return state
-        return Binary("+", _scaled(self, self.numerator[0], inputs[0]), state)
+        return ir.Binary("+", _scaled(self, self.numerator[0], inputs[0]), state)
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """`s_i := s_(i+1) + b_i u - a_i y`, in rising order of i."""
         states = self.states()
         result = []
         for index, state in enumerate(states, 1):
-            terms: list[tuple[str, Expression]] = []
+            terms: list[tuple[str, ir.Expression]] = []
             if index < len(states):
-                terms.append(("+", Read(states[index])))
+                terms.append(("+", ir.Read(states[index])))
             if self.numerator[index] != 0.0:
                 terms.append(("+", _scaled(self, self.numerator[index], inputs[0])))
             if self.denominator[index] != 0.0:
                 terms.append(("+", _scaled(self, -self.denominator[index], output)))
-            total = terms[0][1] if terms else Literal(0.0, self.data_type)
+            total = terms[0][1] if terms else ir.Literal(0.0, self.data_type)
             for sign, term in terms[1:]:
-                total = Binary(sign, total, term)
+                total = ir.Binary(sign, total, term)
             result.append((state, total))
         return tuple(result)

@@ -9,14 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ravenbrick.model import program as ir
 from ravenbrick.model.blocks.basic import (
+    Assignments,
     Block,
     DiscreteTransferFunction,
+    Inputs,
     Parameter,
     Value,
 )
 from ravenbrick.model.lazy import control
-from ravenbrick.model.program import Binary, DataType, Expression, Read, Slot
 
 __all__ = [
     "ComplementaryFilter",
@@ -46,18 +48,16 @@ class _WithSamples(Block):
         """How many, and their initial value."""
         raise NotImplementedError
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """Earlier inputs, newest first."""
         count, initial = self._kept()
         return tuple(self._state(f"DSTATE{index}", initial) for index in range(1, count + 1))
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Each sample moves on by one, the oldest first."""
         states = self.states()
         moved = [
-            (states[index], Read(states[index - 1])) for index in range(len(states) - 1, 0, -1)
+            (states[index], ir.Read(states[index - 1])) for index in range(len(states) - 1, 0, -1)
         ]
         return (*moved, (states[0], inputs[0]))
 
@@ -79,9 +79,9 @@ class Delay(_WithSamples):
         """The output is a state alone."""
         return False
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The oldest sample."""
-        return Read(self.states()[-1])
+        return ir.Read(self.states()[-1])
 
 
 @dataclass(frozen=True)
@@ -100,12 +100,12 @@ class MovingAverage(_WithSamples):
     def _kept(self) -> tuple[int, float]:
         return self.length - 1, self.initial
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The sum times 1 / length."""
         total = inputs[0]
         for state in self.states():
-            total = Binary("+", total, Read(state))
-        return Binary("*", self._literal(1.0 / self.length), total)
+            total = ir.Binary("+", total, ir.Read(state))
+        return ir.Binary("*", self._literal(1.0 / self.length), total)
 
 
 @dataclass(frozen=True)
@@ -127,24 +127,22 @@ class ComplementaryFilter(Block):
             )
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """Rate, measurement."""
         return (self.data_type,) * 2
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """The last angle."""
         return (self._state("DSTATE", self.initial),)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Prediction and measurement, weighted."""
-        turned = Binary("*", self._literal(self.step), inputs[0])
-        predicted = Binary("+", Read(self.states()[0]), turned)
-        first = Binary("*", self._literal(self.weight), predicted)
-        return Binary("+", first, Binary("*", self._literal(1.0 - self.weight), inputs[1]))
+        turned = ir.Binary("*", self._literal(self.step), inputs[0])
+        predicted = ir.Binary("+", ir.Read(self.states()[0]), turned)
+        first = ir.Binary("*", self._literal(self.weight), predicted)
+        return ir.Binary("+", first, ir.Binary("*", self._literal(1.0 - self.weight), inputs[1]))
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Store the angle."""
         return ((self.states()[0], output),)
 
@@ -197,7 +195,7 @@ class PidController(Block):
         )
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """Error, and with tracking what the integrator is driven by besides."""
         return (self.data_type,) * (2 if self.tracking else 1)
 
@@ -209,33 +207,31 @@ class PidController(Block):
         """The gains."""
         return self.proportional, self.integral_step, self.derivative_gain
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """Integral, filtered error."""
         return self._state("ISTATE", 0.0), self._state("FSTATE", 0.0)
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """What the filter has not followed yet."""
-        return ((self._local("rest"), Binary("-", inputs[0], Read(self.states()[1]))),)
+        return ((self._local("rest"), ir.Binary("-", inputs[0], ir.Read(self.states()[1]))),)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The three parts from left to right."""
-        integral, rest = Read(self.states()[0]), Read(self._local("rest"))
-        first = Binary("*", self._value(self.proportional), inputs[0])
-        last = Binary("*", self._value(self.derivative_gain), rest)
-        return Binary("+", Binary("+", first, integral), last)
+        integral, rest = ir.Read(self.states()[0]), ir.Read(self._local("rest"))
+        first = ir.Binary("*", self._value(self.proportional), inputs[0])
+        last = ir.Binary("*", self._value(self.derivative_gain), rest)
+        return ir.Binary("+", ir.Binary("+", first, integral), last)
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Integral and filter."""
         integral, filtered = self.states()
-        step: Expression = Binary("*", self._value(self.integral_step), inputs[0])
+        step: ir.Expression = ir.Binary("*", self._value(self.integral_step), inputs[0])
         if self.tracking:
-            step = Binary("+", step, inputs[1])
-        follow = Binary("*", self._literal(self.filter_step), Read(self._local("rest")))
+            step = ir.Binary("+", step, inputs[1])
+        follow = ir.Binary("*", self._literal(self.filter_step), ir.Read(self._local("rest")))
         return (
-            (integral, Binary("+", Read(integral), step)),
-            (filtered, Binary("+", Read(filtered), follow)),
+            (integral, ir.Binary("+", ir.Read(integral), step)),
+            (filtered, ir.Binary("+", ir.Read(filtered), follow)),
         )
 
 
@@ -271,7 +267,7 @@ class DiscreteStateSpace(Block):
             )
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """One port per input."""
         return (self.data_type,) * len(self.d)
 
@@ -279,14 +275,14 @@ class DiscreteStateSpace(Block):
         """Where d is not 0."""
         return self.d[port] != 0.0
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """x."""
         start = self.initial or (0.0,) * len(self.a)
         return tuple(self._state(f"DSTATE{index}", value) for index, value in enumerate(start, 1))
 
-    def _row(self, weights: Sequence[float], values: Sequence[Expression]) -> Expression:
+    def _row(self, weights: Sequence[float], values: Sequence[ir.Expression]) -> ir.Expression:
         terms = [
-            Binary("*", self._literal(weight), value) if weight != 1.0 else value
+            ir.Binary("*", self._literal(weight), value) if weight != 1.0 else value
             for weight, value in zip(weights, values, strict=True)
             if weight != 0.0
         ]
@@ -294,29 +290,30 @@ class DiscreteStateSpace(Block):
             return self._literal(0.0)
         total = terms[0]
         for term in terms[1:]:
-            total = Binary("+", total, term)
+            total = ir.Binary("+", total, term)
         return total
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """C x + D u from left to right."""
-        return self._row((*self.c, *self.d), (*map(Read, self.states()), *inputs))
+        return self._row((*self.c, *self.d), (*map(ir.Read, self.states()), *inputs))
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """All next states are computed before the first is stored."""
         states = self.states()
-        sources = (*map(Read, states), *inputs)
+        sources = (*map(ir.Read, states), *inputs)
         computed, stored = [], []
         for index, (state, a, b) in enumerate(zip(states, self.a, self.b, strict=True), 1):
             following = self._local(f"next{index}")
             computed.append((following, self._row((*a, *b), sources)))
-            stored.append((state, Read(following)))
+            stored.append((state, ir.Read(following)))
         return (*computed, *stored)
 
 
 def state_space_block(
-    name: str, system: control.StateSpace, output: int = 0, data_type: DataType = DataType.REAL32
+    name: str,
+    system: control.StateSpace,
+    output: int = 0,
+    data_type: ir.DataType = ir.DataType.REAL32,
 ) -> DiscreteStateSpace:
     """One output of a discrete python-control system, such as an observer or an LQG controller."""
     if not control.isdtime(system, strict=True):
@@ -332,7 +329,7 @@ def state_space_block(
 
 
 def transfer_function_block(
-    name: str, system: control.TransferFunction, data_type: DataType = DataType.REAL32
+    name: str, system: control.TransferFunction, data_type: ir.DataType = ir.DataType.REAL32
 ) -> DiscreteTransferFunction:
     """A discrete python-control transfer function with one input and one output."""
     if not control.isdtime(system, strict=True):

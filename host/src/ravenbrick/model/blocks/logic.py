@@ -6,20 +6,11 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ravenbrick.model.blocks.basic import Block, Value
-from ravenbrick.model.program import (
-    Binary,
-    Call,
-    Comparison,
-    DataType,
-    Expression,
-    Read,
-    Select,
-    Slot,
-)
+from ravenbrick.model import program as ir
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, Value
 
 __all__ = ["CustomFunction", "MachineState", "StateMachine", "Transition", "ZeroOrderHold"]
 
@@ -32,7 +23,7 @@ _PARAMETER = re.compile(r"[a-z][a-z0-9_]*[a-z0-9]\Z|[a-z]\Z")
 class ZeroOrderHold(Block):
     """The input as it was at the last sample of the block's own, slower rate."""
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The input; the diagram holds it."""
         return inputs[0]
 
@@ -66,13 +57,13 @@ class CustomFunction(Block):
         return tuple(inspect.signature(self.function).parameters)
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """One port per parameter."""
         return (self.data_type,) * len(self.parameters)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One call."""
-        return Call(
+        return ir.Call(
             f"{self.name}_twin",
             self.parameters,
             tuple(inputs),
@@ -153,7 +144,7 @@ class StateMachine(Block):
             )
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """As many ports as the transitions look at."""
         return (self.data_type,) * self.ports
 
@@ -164,65 +155,63 @@ class StateMachine(Block):
             *(move.threshold for move in self.transitions),
         )
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """Number of the state, steps spent in it."""
         return self._state("DSTATE", 0.0), self._state("SINCE", 0.0)
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """For each state where it leads to, then the next state."""
-        found: list[tuple[Slot, Expression]] = []
+        found: list[tuple[ir.Slot, ir.Expression]] = []
         for index, state in enumerate(self.machine_states):
-            follow: Expression = self._literal(float(index))
+            follow: ir.Expression = self._literal(float(index))
             moves = [move for move in self.transitions if move.source == state.name]
             for move in reversed(moves):
                 kept = self._local(f"from{index}_{len(found)}")
                 found.append((kept, follow))
-                follow = self._move(move, inputs, Read(kept))
+                follow = self._move(move, inputs, ir.Read(kept))
             found.append((self._local(f"from{index}"), follow))
         last = len(self.machine_states) - 1
-        chosen: Expression = Read(self._local(f"from{last}"))
+        chosen: ir.Expression = ir.Read(self._local(f"from{last}"))
         for index in range(last - 1, -1, -1):
-            chosen = self._by_number(index, Read(self._local(f"from{index}")), chosen)
+            chosen = self._by_number(index, ir.Read(self._local(f"from{index}")), chosen)
         found.append((self._local("next"), chosen))
         return tuple(found)
 
-    def _by_number(self, index: int, own: Expression, others: Expression) -> Select:
+    def _by_number(self, index: int, own: ir.Expression, others: ir.Expression) -> ir.Select:
         """`own` in the states up to `index`, counted by the stored number."""
-        below = Comparison("<", Read(self.states()[0]), self._literal(index + 0.5))
-        return Select(below, own, others)
+        below = ir.Comparison("<", ir.Read(self.states()[0]), self._literal(index + 0.5))
+        return ir.Select(below, own, others)
 
-    def _move(
-        self, move: Transition, inputs: Sequence[Expression], otherwise: Expression
-    ) -> Expression:
+    def _move(self, move: Transition, inputs: Inputs, otherwise: ir.Expression) -> ir.Expression:
         names = [state.name for state in self.machine_states]
-        target: Expression = self._literal(float(names.index(move.target)))
+        target: ir.Expression = self._literal(float(names.index(move.target)))
         if move.port is not None:
-            wanted = Comparison(move.operator, inputs[move.port], self._value(move.threshold))
-            target = Select(wanted, target, otherwise)
+            wanted = ir.Comparison(move.operator, inputs[move.port], self._value(move.threshold))
+            target = ir.Select(wanted, target, otherwise)
         if move.after:
-            waited = Comparison(">=", Read(self.states()[1]), self._literal(float(move.after)))
-            target = Select(waited, target, otherwise)
+            waited = ir.Comparison(
+                ">=", ir.Read(self.states()[1]), self._literal(float(move.after))
+            )
+            target = ir.Select(waited, target, otherwise)
         return target
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The output of the next state."""
         chosen = self._value(self.machine_states[-1].output)
         for index in range(len(self.machine_states) - 2, -1, -1):
-            below = Comparison("<", Read(self._local("next")), self._literal(index + 0.5))
-            chosen = Select(below, self._value(self.machine_states[index].output), chosen)
+            below = ir.Comparison("<", ir.Read(self._local("next")), self._literal(index + 0.5))
+            chosen = ir.Select(below, self._value(self.machine_states[index].output), chosen)
         return chosen
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """The time begins anew with each transition."""
         number, since = self.states()
-        following = Read(self._local("next"))
+        following = ir.Read(self._local("next"))
         most = self._literal(float(_LONGEST_WAIT))
-        one = Binary("+", Read(since), self._literal(1.0))
-        counted = Select(Comparison(">=", Read(since), most), most, one)
-        moved = Binary("-", following, Read(number))
+        one = ir.Binary("+", ir.Read(since), self._literal(1.0))
+        counted = ir.Select(ir.Comparison(">=", ir.Read(since), most), most, one)
+        moved = ir.Binary("-", following, ir.Read(number))
         start, half = self._literal(1.0), self._literal(0.5)
-        down = Select(Comparison("<", moved, self._literal(-0.5)), start, counted)
-        spent = Select(Comparison(">", moved, half), start, down)
+        down = ir.Select(ir.Comparison("<", moved, self._literal(-0.5)), start, counted)
+        spent = ir.Select(ir.Comparison(">", moved, half), start, down)
         return ((since, spent), (number, following))

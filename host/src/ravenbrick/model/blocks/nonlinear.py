@@ -4,30 +4,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ravenbrick.model.blocks.basic import Block, Value, number
-from ravenbrick.model.program import (
-    Binary,
-    Comparison,
-    DataType,
-    Expression,
-    Read,
-    Rounded,
-    Select,
-    Slot,
-    Table,
-)
+from ravenbrick.model import program as ir
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, Value, number
 
 __all__ = ["Backlash", "DeadZone", "LookupTable", "Quantiser", "RateLimit", "Relay", "Switch"]
 
 
 def _if(
-    left: Expression, operator: str, right: Expression, chosen: Expression, otherwise: Expression
-) -> Select:
-    return Select(Comparison(operator, left, right), chosen, otherwise)
+    left: ir.Expression,
+    operator: str,
+    right: ir.Expression,
+    chosen: ir.Expression,
+    otherwise: ir.Expression,
+) -> ir.Select:
+    return ir.Select(ir.Comparison(operator, left, right), chosen, otherwise)
 
 
 @dataclass(frozen=True)
@@ -48,11 +41,11 @@ class DeadZone(Block):
         """Both ends."""
         return self.start, self.end
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Two tests."""
         value, start, end = inputs[0], self._value(self.start), self._value(self.end)
-        below = _if(value, "<", start, Binary("-", value, start), self._literal(0.0))
-        return _if(value, ">", end, Binary("-", value, end), below)
+        below = _if(value, "<", start, ir.Binary("-", value, start), self._literal(0.0))
+        return _if(value, ">", end, ir.Binary("-", value, end), below)
 
 
 class _WithMemory(Block):
@@ -61,13 +54,11 @@ class _WithMemory(Block):
     def _first(self) -> float:
         return 0.0
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """The last output."""
         return (self._state("DSTATE", self._first()),)
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Store the output."""
         return ((self.states()[0], output),)
 
@@ -97,18 +88,18 @@ class RateLimit(_WithMemory):
     def _first(self) -> float:
         return self.initial
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """The change that the input asks for."""
-        return ((self._local("change"), Binary("-", inputs[0], Read(self.states()[0]))),)
+        return ((self._local("change"), ir.Binary("-", inputs[0], ir.Read(self.states()[0]))),)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The input itself if it can be reached."""
-        change, last = Read(self._local("change")), Read(self.states()[0])
+        change, last = ir.Read(self._local("change")), ir.Read(self.states()[0])
         rising, falling = self._value(self.rising), self._value(self.falling)
-        down = Binary("-", last, falling)
-        fall = Binary("-", self._literal(0.0), falling)
+        down = ir.Binary("-", last, falling)
+        fall = ir.Binary("-", self._literal(0.0), falling)
         slow = _if(change, "<", fall, down, inputs[0])
-        return _if(change, ">", rising, Binary("+", last, rising), slow)
+        return _if(change, ">", rising, ir.Binary("+", last, rising), slow)
 
 
 @dataclass(frozen=True)
@@ -124,10 +115,10 @@ class Quantiser(Block):
         if not self.interval > 0:
             raise ValueError(f"block '{self.name}': the interval must be > 0, not {self.interval}")
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Two products around a rounding."""
-        steps = Binary("*", self._literal(1.0 / self.interval), inputs[0])
-        return Binary("*", self._literal(self.interval), Rounded(steps))
+        steps = ir.Binary("*", self._literal(1.0 / self.interval), inputs[0])
+        return ir.Binary("*", self._literal(self.interval), ir.Rounded(steps))
 
 
 @dataclass(frozen=True)
@@ -156,9 +147,9 @@ class Relay(_WithMemory):
     def _first(self) -> float:
         return number(self.off_value)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Two tests, on first."""
-        keep = Read(self.states()[0])
+        keep = ir.Read(self.states()[0])
         off = _if(inputs[0], "<=", self._value(self.off_below), self._value(self.off_value), keep)
         return _if(inputs[0], ">=", self._value(self.on_above), self._value(self.on_value), off)
 
@@ -177,18 +168,18 @@ class Backlash(_WithMemory):
     def _first(self) -> float:
         return self.initial
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """The outputs at which the input touches either side."""
         half = self._literal(self.width / 2)
         return (
-            (self._local("lower"), Binary("-", inputs[0], half)),
-            (self._local("upper"), Binary("+", inputs[0], half)),
+            (self._local("lower"), ir.Binary("-", inputs[0], half)),
+            (self._local("upper"), ir.Binary("+", inputs[0], half)),
         )
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The last output, pushed into the gap's new place."""
-        last = Read(self.states()[0])
-        lower, upper = Read(self._local("lower")), Read(self._local("upper"))
+        last = ir.Read(self.states()[0])
+        lower, upper = ir.Read(self._local("lower")), ir.Read(self._local("upper"))
         return _if(last, "<", lower, lower, _if(last, ">", upper, upper, last))
 
 
@@ -206,7 +197,7 @@ class Switch(Block):
             )
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """First value, control, second value."""
         return (self.data_type,) * 3
 
@@ -214,7 +205,7 @@ class Switch(Block):
         """The threshold."""
         return (self.threshold,)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One test, two for ~=."""
         control, threshold = inputs[1], self._value(self.threshold)
         if self.criterion != "~=":
@@ -249,7 +240,7 @@ class LookupTable(Block):
                     f"block '{self.name}': the breakpoints must rise, but {right} follows {left}"
                 )
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """A search and one line."""
         points, table = self.breakpoints, self.table
         slopes = [
@@ -258,7 +249,7 @@ class LookupTable(Block):
         ]
         if not self.interpolate:
             slopes = [0.0] * len(slopes)
-        lines = Table(inputs[0], self.name, points, table, (*slopes, slopes[-1]))
+        lines = ir.Table(inputs[0], self.name, points, table, (*slopes, slopes[-1]))
         if self.extrapolate and self.interpolate:
             return lines
         first, last = self._literal(points[0]), self._literal(points[-1])

@@ -10,18 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ravenbrick.model.blocks.basic import Block
-from ravenbrick.model.program import (
-    Binary,
-    Call,
-    Comparison,
-    DataType,
-    Expression,
-    Read,
-    Rounded,
-    Select,
-    Slot,
-)
+from ravenbrick.model import program as ir
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs
 
 __all__ = [
     "Abs",
@@ -38,9 +28,13 @@ _OPPOSITE = {"NAND": "AND", "NOR": "OR", "NXOR": "XOR", "NOT": "OR"}
 
 
 def _choose(
-    left: Expression, operator: str, right: Expression, chosen: Expression, otherwise: Expression
-) -> Select:
-    return Select(Comparison(operator, left, right), chosen, otherwise)
+    left: ir.Expression,
+    operator: str,
+    right: ir.Expression,
+    chosen: ir.Expression,
+    otherwise: ir.Expression,
+) -> ir.Select:
+    return ir.Select(ir.Comparison(operator, left, right), chosen, otherwise)
 
 
 def _check_choice(block: Block, what: str, given: str, allowed: Sequence[str]) -> None:
@@ -56,7 +50,7 @@ class _ManyPorts(Block):
     ports: int
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """All alike."""
         return (self.data_type,) * self.ports
 
@@ -75,11 +69,11 @@ class RelationalOperator(Block):
         _check_choice(self, "the operator", self.operator, ("==", "~=", "<", "<=", ">", ">="))
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """Both sides."""
         return (self.data_type,) * 2
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One test, two for (in)equality."""
         left, right = inputs
         yes, no = self._literal(1.0), self._literal(0.0)
@@ -103,33 +97,35 @@ class LogicalOperator(_ManyPorts):
         if self.operator == "NOT" and self.ports != 1:
             raise ValueError(f"block '{self.name}': NOT has one input, not {self.ports}")
 
-    def _is_true(self, value: Expression, yes: Expression, no: Expression) -> Expression:
+    def _is_true(
+        self, value: ir.Expression, yes: ir.Expression, no: ir.Expression
+    ) -> ir.Expression:
         zero = self._literal(0.0)
         return _choose(value, ">", zero, yes, _choose(value, "<", zero, yes, no))
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """Whether the inputs so far make it true, input by input."""
         kind = _OPPOSITE.get(self.operator, self.operator)
         one, zero = self._literal(1.0), self._literal(0.0)
-        found: list[tuple[Slot, Expression]] = []
+        found: list[tuple[ir.Slot, ir.Expression]] = []
         for port, value in enumerate(inputs):
             if not found:
                 held = self._is_true(value, one, zero)
             else:
-                last = Read(found[-1][0])
+                last = ir.Read(found[-1][0])
                 yes, no = {
                     "AND": (last, zero),
                     "OR": (one, last),
-                    "XOR": (Binary("-", one, last), last),
+                    "XOR": (ir.Binary("-", one, last), last),
                 }[kind]
                 held = self._is_true(value, yes, no)
             found.append((self._local(f"to_{port}"), held))
         return tuple(found)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """What is found, or its opposite."""
-        last = Read(self._local(f"to_{self.ports - 1}"))
-        return Binary("-", self._literal(1.0), last) if self.operator in _OPPOSITE else last
+        last = ir.Read(self._local(f"to_{self.ports - 1}"))
+        return ir.Binary("-", self._literal(1.0), last) if self.operator in _OPPOSITE else last
 
 
 @dataclass(frozen=True)
@@ -143,22 +139,22 @@ class MinMax(_ManyPorts):
         _check_choice(self, "the function", self.function, ("min", "max"))
         self._check_ports(2)
 
-    def _better(self, one: Expression, other: Expression) -> Expression:
+    def _better(self, one: ir.Expression, other: ir.Expression) -> ir.Expression:
         return _choose(one, "<" if self.function == "min" else ">", other, one, other)
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """The result for the inputs so far; the last one is the output's."""
-        found: list[tuple[Slot, Expression]] = []
+        found: list[tuple[ir.Slot, ir.Expression]] = []
         best = inputs[0]
         for port, value in enumerate(inputs[1:-1], 1):
             found.append((self._local(f"to_{port}"), self._better(best, value)))
-            best = Read(found[-1][0])
+            best = ir.Read(found[-1][0])
         return tuple(found)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The last test."""
         before = self._local(f"to_{self.ports - 2}")
-        best = inputs[0] if self.ports == 2 else Read(before)
+        best = inputs[0] if self.ports == 2 else ir.Read(before)
         return self._better(best, inputs[-1])
 
 
@@ -166,17 +162,17 @@ class MinMax(_ManyPorts):
 class Abs(Block):
     """The input's size."""
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One test."""
         zero = self._literal(0.0)
-        return _choose(inputs[0], "<", zero, Binary("-", zero, inputs[0]), inputs[0])
+        return _choose(inputs[0], "<", zero, ir.Binary("-", zero, inputs[0]), inputs[0])
 
 
 @dataclass(frozen=True)
 class Sign(Block):
     """1, 0 or -1."""
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Two tests."""
         zero, one = self._literal(0.0), self._literal(1.0)
         below = _choose(inputs[0], "<", zero, self._literal(-1.0), zero)
@@ -192,18 +188,18 @@ class RoundingFunction(Block):
     def __post_init__(self) -> None:
         _check_choice(self, "the function", self.function, ("floor", "ceil", "round", "fix"))
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """The nearest whole number."""
-        return ((self._local("nearest"), Rounded(inputs[0])),)
+        return ((self._local("nearest"), ir.Rounded(inputs[0])),)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The nearest whole number or its neighbour."""
-        value, near = inputs[0], Read(self._local("nearest"))
+        value, near = inputs[0], ir.Read(self._local("nearest"))
         one, zero = self._literal(1.0), self._literal(0.0)
-        floor = _choose(near, ">", value, Binary("-", near, one), near)
-        ceil = _choose(near, "<", value, Binary("+", near, one), near)
+        floor = _choose(near, ">", value, ir.Binary("-", near, one), near)
+        ceil = _choose(near, "<", value, ir.Binary("+", near, one), near)
         fix = _choose(value, "<", zero, ceil, floor)
-        found: dict[str, Expression] = {"floor": floor, "ceil": ceil, "round": near, "fix": fix}
+        found: dict[str, ir.Expression] = {"floor": floor, "ceil": ceil, "round": near, "fix": fix}
         return found[self.function]
 
 
@@ -221,19 +217,19 @@ class Product(Block):
             )
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """One per operator."""
         return (self.data_type,) * len(self.operators)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Each operation rounded."""
         total = inputs[0]
         for operator, value in zip(self.operators[1:], inputs[1:], strict=True):
             if operator == "*":
-                total = Binary("*", total, value)
+                total = ir.Binary("*", total, value)
             else:
                 name = f"quotient_{self.data_type.value.removesuffix('_T')}"
-                total = Call(name, ("a", "b"), (total, value), self.data_type,
+                total = ir.Call(name, ("a", "b"), (total, value), self.data_type,
                              "return a / b;", "return A / B;", lambda a, b: a / b)  # fmt: skip
         return total
 
@@ -254,29 +250,27 @@ class Merge(_ManyPorts):
         if self.ports % 2:
             raise ValueError(f"block '{self.name}': inputs are pairs of condition and value")
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """The last output."""
         return (self._state("DSTATE", self.initial),)
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """From the last pair to the second."""
-        found: list[tuple[Slot, Expression]] = []
+        found: list[tuple[ir.Slot, ir.Expression]] = []
         for port in range(self.ports - 2, 0, -2):
             found.append((self._local(f"from_{port}"), self._pair(inputs, port)))
         return tuple(found)
 
-    def _pair(self, inputs: Sequence[Expression], port: int) -> Expression:
+    def _pair(self, inputs: Inputs, port: int) -> ir.Expression:
         last = port + 2 == self.ports
         rest = self.states()[0] if last else self._local(f"from_{port + 2}")
         half = self._literal(0.5)
-        return _choose(inputs[port], ">=", half, inputs[port + 1], Read(rest))
+        return _choose(inputs[port], ">=", half, inputs[port + 1], ir.Read(rest))
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The first pair."""
         return self._pair(inputs, 0)
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Store the output."""
         return ((self.states()[0], output),)

@@ -4,20 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ravenbrick.model.blocks.basic import Block, Value
+from ravenbrick.model import program as ir
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, Value
 from ravenbrick.model.blocks.trigonometry import sine_of_turns
-from ravenbrick.model.program import (
-    Binary,
-    Comparison,
-    DataType,
-    Expression,
-    Read,
-    Select,
-    Slot,
-)
 
 __all__ = ["Pulse", "Ramp", "Sine", "Step"]
 
@@ -28,7 +19,7 @@ class _Counter(Block):
     """A block with the number of the step as its state; counts are exact in both formats."""
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """No input port."""
         return ()
 
@@ -48,19 +39,17 @@ class _Counter(Block):
                     f"samples, not {count}"
                 )
 
-    def states(self) -> tuple[Slot, ...]:
+    def states(self) -> tuple[ir.Slot, ...]:
         """The count."""
         return (self._state("DSTATE", 0.0),)
 
-    def updates(
-        self, inputs: Sequence[Expression], output: Expression
-    ) -> tuple[tuple[Slot, Expression], ...]:
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """Count on."""
         state = self.states()[0]
         last = self._literal(float(self._last()))
         after = self._literal(0.0) if self._repeats() else last
-        following = Binary("+", Read(state), self._literal(1.0))
-        return ((state, Select(Comparison(">=", Read(state), last), after, following)),)
+        following = ir.Binary("+", ir.Read(state), self._literal(1.0))
+        return ((state, ir.Select(ir.Comparison(">=", ir.Read(state), last), after, following)),)
 
 
 @dataclass(frozen=True)
@@ -84,10 +73,12 @@ class Step(_Counter):
     def _repeats(self) -> bool:
         return False
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One test."""
-        reached = Comparison(">=", Read(self.states()[0]), self._literal(float(self.at_sample)))
-        return Select(reached, self._value(self.after), self._value(self.before))
+        reached = ir.Comparison(
+            ">=", ir.Read(self.states()[0]), self._literal(float(self.at_sample))
+        )
+        return ir.Select(reached, self._value(self.after), self._value(self.before))
 
 
 @dataclass(frozen=True)
@@ -116,11 +107,15 @@ class Ramp(_Counter):
     def _repeats(self) -> bool:
         return False
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The count since the start times the slope: no sum of rounding errors."""
-        count, start = Read(self.states()[0]), self._literal(float(self.at_sample))
-        since = Select(Comparison(">", count, start), Binary("-", count, start), self._literal(0.0))
-        return Binary("+", self._value(self.initial), Binary("*", self._value(self.slope), since))
+        count, start = ir.Read(self.states()[0]), self._literal(float(self.at_sample))
+        since = ir.Select(
+            ir.Comparison(">", count, start), ir.Binary("-", count, start), self._literal(0.0)
+        )
+        return ir.Binary(
+            "+", self._value(self.initial), ir.Binary("*", self._value(self.slope), since)
+        )
 
 
 @dataclass(frozen=True)
@@ -146,10 +141,10 @@ class Pulse(_Counter):
     def _last(self) -> int:
         return self.period - 1
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One test."""
-        on = Comparison("<", Read(self.states()[0]), self._literal(float(self.width)))
-        return Select(on, self._value(self.amplitude), self._literal(0.0))
+        on = ir.Comparison("<", ir.Read(self.states()[0]), self._literal(float(self.width)))
+        return ir.Select(on, self._value(self.amplitude), self._literal(0.0))
 
 
 @dataclass(frozen=True)
@@ -173,25 +168,27 @@ class Sine(_Counter):
     def _last(self) -> int:
         return self.period - 1
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """Turns minus one half, folded into a quarter turn around 0, and their square."""
         turns, angle, square = (self._local(name) for name in ("turns", "angle", "square"))
-        share = Binary("*", self._literal(1.0 / self.period), Read(self.states()[0]))
-        half, value = self._literal(0.5), Read(turns)
-        low = Select(
-            Comparison("<", value, self._literal(-0.25)),
-            Binary("-", self._literal(-0.5), value),
+        share = ir.Binary("*", self._literal(1.0 / self.period), ir.Read(self.states()[0]))
+        half, value = self._literal(0.5), ir.Read(turns)
+        low = ir.Select(
+            ir.Comparison("<", value, self._literal(-0.25)),
+            ir.Binary("-", self._literal(-0.5), value),
             value,
         )
-        folded = Select(Comparison(">", value, self._literal(0.25)), Binary("-", half, value), low)
+        folded = ir.Select(
+            ir.Comparison(">", value, self._literal(0.25)), ir.Binary("-", half, value), low
+        )
         return (
-            (turns, Binary("-", share, half)),
+            (turns, ir.Binary("-", share, half)),
             (angle, folded),
-            (square, Binary("*", Read(angle), Read(angle))),
+            (square, ir.Binary("*", ir.Read(angle), ir.Read(angle))),
         )
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Minus the sine of the folded angle, by Horner's rule."""
-        angle, square = Read(self._local("angle")), Read(self._local("square"))
+        angle, square = ir.Read(self._local("angle")), ir.Read(self._local("square"))
         wave = sine_of_turns(self, angle, square, sign=-1.0)
-        return Binary("*", self._value(self.amplitude), wave)
+        return ir.Binary("*", self._value(self.amplitude), wave)

@@ -5,27 +5,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ravenbrick.model.blocks.basic import Block
-from ravenbrick.model.program import (
-    Binary,
-    Call,
-    Comparison,
-    DataType,
-    Expression,
-    Read,
-    Rounded,
-    Select,
-    Slot,
-)
+from ravenbrick.model import program as ir
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs
 
 __all__ = ["ArcTangent", "SquareRoot", "Trigonometry", "sine_of_turns"]
 
-_DEGREES = {DataType.REAL32: 11, DataType.REAL64: 21}
+_DEGREES = {ir.DataType.REAL32: 11, ir.DataType.REAL64: 21}
 _MOST_ROUNDS = 160
 _ROOT_C = """\
 {real} x = (a > 1.0{f}) ? a : 1.0{f};
@@ -60,8 +49,8 @@ def _coefficient(power: int) -> float:
 
 
 def sine_of_turns(
-    block: Block, angle: Expression, square: Expression, sign: float = 1.0
-) -> Expression:
+    block: Block, angle: ir.Expression, square: ir.Expression, sign: float = 1.0
+) -> ir.Expression:
     """`sign` sin(2 pi angle) by Horner's rule, `angle` within a quarter turn, with its square.
 
     A Taylor polynomial of degree 11 (error below 3e-7) or 21 (below 1e-15).
@@ -69,8 +58,10 @@ def sine_of_turns(
     degree = _DEGREES[block.data_type]
     total = block._literal(sign * _coefficient(degree))
     for power in range(degree - 2, 0, -2):
-        total = Binary("+", block._literal(sign * _coefficient(power)), Binary("*", square, total))
-    return Binary("*", angle, total)
+        total = ir.Binary(
+            "+", block._literal(sign * _coefficient(power)), ir.Binary("*", square, total)
+        )
+    return ir.Binary("*", angle, total)
 
 
 @dataclass(frozen=True)
@@ -89,30 +80,30 @@ class Trigonometry(Block):
                 f"block '{self.name}': the function must be sin or cos, not '{self.function}'"
             )
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """Turns, the part within half a turn, folded into a quarter, and the square."""
         names = ("turns", "part", "angle", "square")
         turns, part, angle, square = (self._local(name) for name in names)
-        scaled: Expression = Binary("*", self._literal(1 / math.tau), inputs[0])
+        scaled: ir.Expression = ir.Binary("*", self._literal(1 / math.tau), inputs[0])
         if self.function == "cos":
-            scaled = Binary("+", scaled, self._literal(0.25))
-        value, quarter, half = Read(part), self._literal(0.25), self._literal(0.5)
-        low = Select(
-            Comparison("<", value, self._literal(-0.25)),
-            Binary("-", self._literal(-0.5), value),
+            scaled = ir.Binary("+", scaled, self._literal(0.25))
+        value, quarter, half = ir.Read(part), self._literal(0.25), self._literal(0.5)
+        low = ir.Select(
+            ir.Comparison("<", value, self._literal(-0.25)),
+            ir.Binary("-", self._literal(-0.5), value),
             value,
         )
-        folded = Select(Comparison(">", value, quarter), Binary("-", half, value), low)
+        folded = ir.Select(ir.Comparison(">", value, quarter), ir.Binary("-", half, value), low)
         return (
             (turns, scaled),
-            (part, Binary("-", Read(turns), Rounded(Read(turns)))),
+            (part, ir.Binary("-", ir.Read(turns), ir.Rounded(ir.Read(turns)))),
             (angle, folded),
-            (square, Binary("*", Read(angle), Read(angle))),
+            (square, ir.Binary("*", ir.Read(angle), ir.Read(angle))),
         )
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """The polynomial."""
-        return sine_of_turns(self, Read(self._local("angle")), Read(self._local("square")))
+        return sine_of_turns(self, ir.Read(self._local("angle")), ir.Read(self._local("square")))
 
 
 @dataclass(frozen=True)
@@ -122,17 +113,17 @@ class SquareRoot(Block):
     The last place may be one off. The number of rounds grows with the distance from 1.
     """
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """One call."""
-        single = self.data_type is DataType.REAL32
+        single = self.data_type is ir.DataType.REAL32
         words = {"real": self.data_type.value, "f": "F" if single else "", "rounds": _MOST_ROUNDS}
         ada = {**words, "real": "Float" if single else "Long_Float"}
         name = f"square_root_{32 if single else 64}"
-        return Call(name, ("a",), (inputs[0],), self.data_type, _ROOT_C.format(**words),
+        return ir.Call(name, ("a",), (inputs[0],), self.data_type, _ROOT_C.format(**words),
                     _ROOT_ADA.format(**ada), _root_function(self.data_type))  # fmt: skip
 
 
-def _root_function(data_type: DataType):  # type: ignore[no-untyped-def]
+def _root_function(data_type: ir.DataType):  # type: ignore[no-untyped-def]
     real = data_type.scalar
 
     def root(a: np.floating) -> np.floating:
@@ -155,59 +146,64 @@ class ArcTangent(Block):
     """
 
     @property
-    def input_types(self) -> tuple[DataType, ...]:
+    def input_types(self) -> tuple[ir.DataType, ...]:
         """y and x."""
         return (self.data_type,) * 2
 
     def _choose(
-        self, left: Expression, right: float | Expression, yes: Expression, no: Expression
-    ) -> Select:
+        self,
+        left: ir.Expression,
+        right: float | ir.Expression,
+        yes: ir.Expression,
+        no: ir.Expression,
+    ) -> ir.Select:
         """`yes` where left > right."""
         other = self._literal(right) if isinstance(right, float) else right
-        return Select(Comparison(">", left, other), yes, no)
+        return ir.Select(ir.Comparison(">", left, other), yes, no)
 
-    def _quotient(self, top: Expression, bottom: Expression) -> Expression:
+    def _quotient(self, top: ir.Expression, bottom: ir.Expression) -> ir.Expression:
         name = f"quotient_{self.data_type.value.removesuffix('_T')}"
-        return Call(name, ("a", "b"), (top, bottom), self.data_type,
+        return ir.Call(name, ("a", "b"), (top, bottom), self.data_type,
                     "return a / b;", "return A / B;", lambda a, b: a / b)  # fmt: skip
 
-    def intermediates(self, inputs: Sequence[Expression]) -> tuple[tuple[Slot, Expression], ...]:
+    def intermediates(self, inputs: Inputs) -> Assignments:
         """Sizes, their ratio within 0 and 1, the ratio within 15 degrees, and the angle in it."""
         height, width = inputs
         names = ("high", "wide", "ratio", "small", "square", "angle", "steep")
         high, wide, ratio, small, square, angle, steep = (self._local(name) for name in names)
         zero, one, root = self._literal(0.0), self._literal(1.0), self._literal(math.sqrt(3.0))
-        swapped = self._quotient(Read(wide), Read(high))
-        flat = self._quotient(Read(high), self._choose(Read(wide), 0.0, Read(wide), one))
+        swapped = self._quotient(ir.Read(wide), ir.Read(high))
+        flat = self._quotient(ir.Read(high), self._choose(ir.Read(wide), 0.0, ir.Read(wide), one))
         turned = self._quotient(
-            Binary("-", Binary("*", root, Read(ratio)), one), Binary("+", root, Read(ratio))
+            ir.Binary("-", ir.Binary("*", root, ir.Read(ratio)), one),
+            ir.Binary("+", root, ir.Read(ratio)),
         )
         limit = math.tan(math.pi / 12)
-        base = self._choose(Read(ratio), limit, self._literal(math.pi / 6), zero)
+        base = self._choose(ir.Read(ratio), limit, self._literal(math.pi / 6), zero)
         right = self._literal(math.pi / 2)
+        steeper = ir.Binary("-", right, ir.Read(angle))
         return (
-            (high, self._choose(height, 0.0, height, Binary("-", zero, height))),
-            (wide, self._choose(width, 0.0, width, Binary("-", zero, width))),
-            (ratio, self._choose(Read(high), Read(wide), swapped, flat)),
-            (small, self._choose(Read(ratio), limit, turned, Read(ratio))),
-            (square, Binary("*", Read(small), Read(small))),
-            (angle, Binary("+", base, self._series(Read(small), Read(square)))),
-            (steep, self._choose(Read(high), Read(wide), Binary("-", right, Read(angle)),
-                                 Read(angle))),
-        )  # fmt: skip
+            (high, self._choose(height, 0.0, height, ir.Binary("-", zero, height))),
+            (wide, self._choose(width, 0.0, width, ir.Binary("-", zero, width))),
+            (ratio, self._choose(ir.Read(high), ir.Read(wide), swapped, flat)),
+            (small, self._choose(ir.Read(ratio), limit, turned, ir.Read(ratio))),
+            (square, ir.Binary("*", ir.Read(small), ir.Read(small))),
+            (angle, ir.Binary("+", base, self._series(ir.Read(small), ir.Read(square)))),
+            (steep, self._choose(ir.Read(high), ir.Read(wide), steeper, ir.Read(angle))),
+        )
 
-    def _series(self, value: Expression, square: Expression) -> Expression:
+    def _series(self, value: ir.Expression, square: ir.Expression) -> ir.Expression:
         degree = _DEGREES[self.data_type]
         total = self._literal((-1.0) ** (degree // 2) / degree)
         for power in range(degree - 2, 0, -2):
             coefficient = self._literal((-1.0) ** (power // 2) / power)
-            total = Binary("+", coefficient, Binary("*", square, total))
-        return Binary("*", value, total)
+            total = ir.Binary("+", coefficient, ir.Binary("*", square, total))
+        return ir.Binary("*", value, total)
 
-    def output(self, inputs: Sequence[Expression]) -> Expression:
+    def output(self, inputs: Inputs) -> ir.Expression:
         """Into the quadrant."""
         height, width = inputs
-        zero, steep = self._literal(0.0), Read(self._local("steep"))
-        behind = Binary("-", self._literal(math.pi), steep)
-        upper = Select(Comparison("<", width, zero), behind, steep)
-        return Select(Comparison("<", height, zero), Binary("-", zero, upper), upper)
+        zero, steep = self._literal(0.0), ir.Read(self._local("steep"))
+        behind = ir.Binary("-", self._literal(math.pi), steep)
+        upper = ir.Select(ir.Comparison("<", width, zero), behind, steep)
+        return ir.Select(ir.Comparison("<", height, zero), ir.Binary("-", zero, upper), upper)

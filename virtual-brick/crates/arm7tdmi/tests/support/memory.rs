@@ -71,19 +71,19 @@ impl Memory {
 
 impl Bus for Memory {
     #[inline(always)]
-    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
         self.cycles += 1;
         Ok(u32::from_le_bytes(self.load(address & !3)?))
     }
 
     #[inline(always)]
-    fn fetch_halfword(&mut self, address: u32, _cycle: Cycle) -> Result<u16, Abort> {
+    fn fetch_halfword(&mut self, address: u32, _: Cycle) -> Result<u16, Abort> {
         self.cycles += 1;
         Ok(u16::from_le_bytes(self.load(address & !1)?))
     }
 
     #[inline(always)]
-    fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
         self.cycles += 1;
         Ok(match width {
             Width::Byte => u32::from(self.load::<1>(address)?[0]),
@@ -93,13 +93,7 @@ impl Bus for Memory {
     }
 
     #[inline(always)]
-    fn write(
-        &mut self,
-        address: u32,
-        width: Width,
-        value: u32,
-        _cycle: Cycle,
-    ) -> Result<(), Abort> {
+    fn write(&mut self, address: u32, width: Width, value: u32, _: Cycle) -> Result<(), Abort> {
         self.cycles += 1;
         match width {
             Width::Byte => self.store(address, [value as u8]),

@@ -347,27 +347,21 @@ const fn bytes(width: Width) -> u32 {
 }
 
 impl Bus for SuiteBus<'_> {
-    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
         Ok(self.fetch(4, address))
     }
 
-    fn fetch_halfword(&mut self, address: u32, _cycle: Cycle) -> Result<u16, Abort> {
+    fn fetch_halfword(&mut self, address: u32, _: Cycle) -> Result<u16, Abort> {
         Ok(self.fetch(2, address) as u16)
     }
 
-    fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
         let size = bytes(width);
         self.transfer(1, size, address, 0);
         Ok(self.answer(1, size, address))
     }
 
-    fn write(
-        &mut self,
-        address: u32,
-        width: Width,
-        value: u32,
-        _cycle: Cycle,
-    ) -> Result<(), Abort> {
+    fn write(&mut self, address: u32, width: Width, value: u32, _: Cycle) -> Result<(), Abort> {
         let size = bytes(width);
         let mask = u32::MAX >> (32 - 8 * size);
         self.transfer(2, size, address, value & mask);

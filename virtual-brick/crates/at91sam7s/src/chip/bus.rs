@@ -139,7 +139,7 @@ impl<B: Board> Chip<B> {
 
 impl<B: Board> Bus for Chip<B> {
     #[inline(always)]
-    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
         if !self.memories.is_sram(address) {
             return self.fetch_elsewhere(address, Width::Word);
         }
@@ -148,7 +148,7 @@ impl<B: Board> Bus for Chip<B> {
     }
 
     #[inline(always)]
-    fn fetch_halfword(&mut self, address: u32, _cycle: Cycle) -> Result<u16, Abort> {
+    fn fetch_halfword(&mut self, address: u32, _: Cycle) -> Result<u16, Abort> {
         if !self.memories.is_sram(address) {
             let word = self.fetch_elsewhere(address, Width::Halfword)?;
             return Ok(word as u16);
@@ -158,7 +158,7 @@ impl<B: Board> Bus for Chip<B> {
     }
 
     #[inline(always)]
-    fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
         if misaligned(address, width) {
             let access = AbortedAccess::Read;
             return Err(self.abort(AbortCause::Misaligned, access, width, address));
@@ -175,13 +175,7 @@ impl<B: Board> Bus for Chip<B> {
     }
 
     #[inline(always)]
-    fn write(
-        &mut self,
-        address: u32,
-        width: Width,
-        value: u32,
-        _cycle: Cycle,
-    ) -> Result<(), Abort> {
+    fn write(&mut self, address: u32, width: Width, value: u32, _: Cycle) -> Result<(), Abort> {
         if misaligned(address, width) {
             let access = AbortedAccess::Write;
             return Err(self.abort(AbortCause::Misaligned, access, width, address));

@@ -43,15 +43,15 @@ impl Memory {
 }
 
 impl Bus for Memory {
-    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
         self.get(address).map(u32::from_le_bytes)
     }
 
-    fn fetch_halfword(&mut self, address: u32, _cycle: Cycle) -> Result<u16, Abort> {
+    fn fetch_halfword(&mut self, address: u32, _: Cycle) -> Result<u16, Abort> {
         self.get(address).map(u16::from_le_bytes)
     }
 
-    fn read(&mut self, address: u32, width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
         match width {
             Width::Byte => self.get::<1>(address).map(|[byte]| u32::from(byte)),
             Width::Halfword => self.get(address).map(|b| u32::from(u16::from_le_bytes(b))),

@@ -86,7 +86,7 @@ impl Machine {
 }
 
 impl Bus for Machine {
-    fn fetch_word(&mut self, address: u32, _cycle: Cycle) -> Result<u32, Abort> {
+    fn fetch_word(&mut self, address: u32, _: Cycle) -> Result<u32, Abort> {
         self.now += 1;
         self.words.get(address as usize / 4).copied().ok_or(Abort)
     }
@@ -96,7 +96,7 @@ impl Bus for Machine {
         Ok((word >> (8 * (address & 2))) as u16)
     }
 
-    fn read(&mut self, address: u32, _width: Width, _cycle: Cycle) -> Result<u32, Abort> {
+    fn read(&mut self, address: u32, _width: Width, _: Cycle) -> Result<u32, Abort> {
         self.now += 1;
         let word = self.words.get(address as usize / 4);
         Ok(word.map_or(self.now as u32, |&word| word))
