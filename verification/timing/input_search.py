@@ -26,14 +26,14 @@ from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
+from ravenbrick.timing.bounds import ExecutionTimeError
 
 from verification.timing.wcet_benchmarks import (
-    ROUNDS,
     STACK_POINTER,
     Facts,
     Outcome,
     analysis_digest,
+    answered,
     campaign_parser,
     closed_bound,
     compiled,
@@ -121,21 +121,9 @@ def bound_for_any(elf: bytes, name: str, facts: Facts, inputs: Sequence[str]) ->
 
 
 def _bound_of_case(elf: bytes, name: str, facts: Facts, case: Sequence[dict[str, Any]]) -> int:
-    for _ in range(ROUNDS):
-        try:
-            found = execution_times(
-                elf,
-                known_memory=((f"{name}_init", f"{name}_main"), STACK_POINTER),
-                inputs=case,
-                annotations=[("pragmas", facts.text())],
-                timing="plain",
-            )
-        except ExecutionTimeError as error:
-            if not facts.learn(error):
-                raise
-        else:
-            return found.known_memory_cycles or 0
-    raise ExecutionTimeError(f"{name}: too many questions")
+    calls = (f"{name}_init", f"{name}_main")
+    found = answered(elf, name, facts, known_memory=(calls, STACK_POINTER), inputs=case)
+    return found.known_memory_cycles or 0
 
 
 def _judge(folder: Path, elf: Path, content: bytes, outcome: Searched) -> None:

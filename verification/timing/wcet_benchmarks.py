@@ -36,7 +36,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
+from ravenbrick.timing.bounds import Bounds, ExecutionTimeError, execution_times
 from ravenbrick.timing.facts import annotations_of
 
 from verification.support.paths import ROOT
@@ -232,20 +232,15 @@ class Facts:
         return True
 
 
-def _analysed(elf: bytes, name: str, facts: Facts) -> Bound:
+def answered(elf: bytes, name: str, facts: Facts, **wanted: Any) -> Bounds:
+    """Bounds of what is `wanted`, with facts for all that the analysis asks for."""
     for _ in range(ROUNDS):
         try:
-            found = execution_times(
-                elf,
-                functions=[f"{name}_main"],
-                annotations=[("pragmas", facts.text())],
-                timing="plain",
-            )
+            annotations = [("pragmas", facts.text())]
+            return execution_times(elf, annotations=annotations, timing="plain", **wanted)
         except ExecutionTimeError as error:
             if not facts.learn(error):
                 raise
-        else:
-            return found.functions[0]
     raise ExecutionTimeError(f"{name}: too many questions")
 
 
@@ -273,7 +268,8 @@ def _judge(folder: Path, elf: Path, content: bytes, data: str, outcome: Outcome)
             cycles = closed_bound(content, folder.name)
         else:
             facts = Facts(elf, folder.name, source_loops(folder), outcome)
-            cycles = _analysed(content, folder.name, facts).cycles
+            found = answered(content, folder.name, facts, functions=[f"{folder.name}_main"])
+            cycles = found.functions[0].cycles
         # The run's return fills the pipeline at its caller: two fetches of one cycle.
         outcome.bound = cycles + 2
     except subprocess.CalledProcessError as error:

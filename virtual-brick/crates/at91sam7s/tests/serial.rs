@@ -9,7 +9,8 @@ mod common;
 use arm7tdmi::bus::Bus;
 use at91sam7s::FaultKind;
 use common::{
-    bus_log, read, run_to, running_chip, wait_for, write, Seen, TestChip, PIOA, SPI, SRAM,
+    bus_log, bus_sequence, read, run_to, running_chip, wait_for, write, Seen, TestChip, PIOA, SPI,
+    SRAM,
 };
 
 registers! {
@@ -228,12 +229,8 @@ fn variable_selection_takes_chip_select_and_size_with_the_data() {
     write(&mut chip, CSR0 + 4, 0x0882);
     write(&mut chip, TDR, 0x000D_CAFE);
     wait_for(&mut chip, SR, TXEMPTY);
-    let seen: Vec<_> = bus_log(&chip, 0)
-        .into_iter()
-        .map(|(_, seen)| seen)
-        .collect();
     assert_eq!(
-        seen,
+        bus_sequence(&chip),
         [Seen::Spi {
             selected: LINE_1,
             frame: 0xCAFE,

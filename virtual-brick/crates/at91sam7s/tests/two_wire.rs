@@ -10,8 +10,8 @@ use arm7tdmi::bus::Width;
 use at91sam7s::FaultKind;
 use common::Seen::{TwiRead, TwiStart, TwiStop, TwiWrite};
 use common::{
-    bus_log, cold_chip, read, run_to, running_chip, try_write, wait_for, write, Seen, TestChip,
-    PIOA, TWI,
+    bus_log, bus_sequence, cold_chip, read, run_to, running_chip, try_write, wait_for, write, Seen,
+    TestChip, PIOA, TWI,
 };
 
 registers! {
@@ -297,12 +297,8 @@ fn internal_address_bytes_go_first_and_a_read_repeats_the_start() {
     write(&mut chip, MMR, READ_FROM_1 | 2 << 8);
     write(&mut chip, CR, START | STOP);
     wait_for(&mut chip, SR, TXCOMP);
-    let seen: Vec<_> = bus_log(&chip, 0)
-        .into_iter()
-        .map(|(_, seen)| seen)
-        .collect();
     assert_eq!(
-        seen,
+        bus_sequence(&chip),
         [
             TwiStart {
                 address: 1,

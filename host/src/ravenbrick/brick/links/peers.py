@@ -199,13 +199,7 @@ class UsbComputer:
         """Bytes from a bulk endpoint, up to a packet that is not full."""
         return self.transfer("in", endpoint, length=length)
 
-    def transfer(
-        self,
-        kind: str,
-        endpoint: int = 0,
-        data: bytes = b"",
-        length: int = 0,
-    ) -> bytes:
+    def transfer(self, kind: str, endpoint: int = 0, data: bytes = b"", length: int = 0) -> bytes:
         """A transfer from begin to end. Raises PeerError when it fails."""
         begun = self.begin(kind, endpoint, data, length)
         while True:

@@ -133,6 +133,17 @@ def parameter_slot(parameter: Parameter, data_type: ir.DataType, block: str) -> 
     )
 
 
+def choose(
+    left: ir.Expression,
+    operator: str,
+    right: ir.Expression,
+    chosen: ir.Expression,
+    otherwise: ir.Expression,
+) -> ir.Select:
+    """`chosen` where the comparison holds."""
+    return ir.Select(ir.Comparison(operator, left, right), chosen, otherwise)
+
+
 def _scaled(block: Block, factor: Value, value: ir.Expression) -> ir.Expression:
     """The product, or the value itself for the factor 1."""
     if factor == 1.0:

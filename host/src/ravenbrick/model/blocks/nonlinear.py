@@ -8,19 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ravenbrick.model import program as ir
-from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, Value, number
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, Value, choose, number
 
 __all__ = ["Backlash", "DeadZone", "LookupTable", "Quantiser", "RateLimit", "Relay", "Switch"]
-
-
-def _if(
-    left: ir.Expression,
-    operator: str,
-    right: ir.Expression,
-    chosen: ir.Expression,
-    otherwise: ir.Expression,
-) -> ir.Select:
-    return ir.Select(ir.Comparison(operator, left, right), chosen, otherwise)
 
 
 @dataclass(frozen=True)
@@ -44,8 +34,8 @@ class DeadZone(Block):
     def output(self, inputs: Inputs) -> ir.Expression:
         """Two tests."""
         value, start, end = inputs[0], self._value(self.start), self._value(self.end)
-        below = _if(value, "<", start, ir.Binary("-", value, start), self._literal(0.0))
-        return _if(value, ">", end, ir.Binary("-", value, end), below)
+        below = choose(value, "<", start, ir.Binary("-", value, start), self._literal(0.0))
+        return choose(value, ">", end, ir.Binary("-", value, end), below)
 
 
 class _WithMemory(Block):
@@ -98,8 +88,8 @@ class RateLimit(_WithMemory):
         rising, falling = self._value(self.rising), self._value(self.falling)
         down = ir.Binary("-", last, falling)
         fall = ir.Binary("-", self._literal(0.0), falling)
-        slow = _if(change, "<", fall, down, inputs[0])
-        return _if(change, ">", rising, ir.Binary("+", last, rising), slow)
+        slow = choose(change, "<", fall, down, inputs[0])
+        return choose(change, ">", rising, ir.Binary("+", last, rising), slow)
 
 
 @dataclass(frozen=True)
@@ -150,8 +140,10 @@ class Relay(_WithMemory):
     def output(self, inputs: Inputs) -> ir.Expression:
         """Two tests, on first."""
         keep = ir.Read(self.states()[0])
-        off = _if(inputs[0], "<=", self._value(self.off_below), self._value(self.off_value), keep)
-        return _if(inputs[0], ">=", self._value(self.on_above), self._value(self.on_value), off)
+        off = choose(
+            inputs[0], "<=", self._value(self.off_below), self._value(self.off_value), keep
+        )
+        return choose(inputs[0], ">=", self._value(self.on_above), self._value(self.on_value), off)
 
 
 @dataclass(frozen=True)
@@ -180,7 +172,7 @@ class Backlash(_WithMemory):
         """The last output, pushed into the gap's new place."""
         last = ir.Read(self.states()[0])
         lower, upper = ir.Read(self._local("lower")), ir.Read(self._local("upper"))
-        return _if(last, "<", lower, lower, _if(last, ">", upper, upper, last))
+        return choose(last, "<", lower, lower, choose(last, ">", upper, upper, last))
 
 
 @dataclass(frozen=True)
@@ -209,9 +201,9 @@ class Switch(Block):
         """One test, two for ~=."""
         control, threshold = inputs[1], self._value(self.threshold)
         if self.criterion != "~=":
-            return _if(control, self.criterion, threshold, inputs[0], inputs[2])
-        below = _if(control, "<", threshold, inputs[0], inputs[2])
-        return _if(control, ">", threshold, inputs[0], below)
+            return choose(control, self.criterion, threshold, inputs[0], inputs[2])
+        below = choose(control, "<", threshold, inputs[0], inputs[2])
+        return choose(control, ">", threshold, inputs[0], below)
 
 
 @dataclass(frozen=True)
@@ -253,5 +245,5 @@ class LookupTable(Block):
         if self.extrapolate and self.interpolate:
             return lines
         first, last = self._literal(points[0]), self._literal(points[-1])
-        upper = _if(inputs[0], ">=", last, self._literal(table[-1]), lines)
-        return _if(inputs[0], "<=", first, self._literal(table[0]), upper)
+        upper = choose(inputs[0], ">=", last, self._literal(table[-1]), lines)
+        return choose(inputs[0], "<=", first, self._literal(table[0]), upper)

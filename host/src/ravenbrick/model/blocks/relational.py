@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ravenbrick.model import program as ir
-from ravenbrick.model.blocks.basic import Assignments, Block, Inputs
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, choose
 
 __all__ = [
     "Abs",
@@ -25,16 +25,6 @@ __all__ = [
 ]
 
 _OPPOSITE = {"NAND": "AND", "NOR": "OR", "NXOR": "XOR", "NOT": "OR"}
-
-
-def _choose(
-    left: ir.Expression,
-    operator: str,
-    right: ir.Expression,
-    chosen: ir.Expression,
-    otherwise: ir.Expression,
-) -> ir.Select:
-    return ir.Select(ir.Comparison(operator, left, right), chosen, otherwise)
 
 
 def _check_choice(block: Block, what: str, given: str, allowed: Sequence[str]) -> None:
@@ -78,10 +68,10 @@ class RelationalOperator(Block):
         left, right = inputs
         yes, no = self._literal(1.0), self._literal(0.0)
         if self.operator == "==":
-            return _choose(left, "<", right, no, _choose(left, ">", right, no, yes))
+            return choose(left, "<", right, no, choose(left, ">", right, no, yes))
         if self.operator == "~=":
-            return _choose(left, "<", right, yes, _choose(left, ">", right, yes, no))
-        return _choose(left, self.operator, right, yes, no)
+            return choose(left, "<", right, yes, choose(left, ">", right, yes, no))
+        return choose(left, self.operator, right, yes, no)
 
 
 @dataclass(frozen=True)
@@ -101,7 +91,7 @@ class LogicalOperator(_ManyPorts):
         self, value: ir.Expression, yes: ir.Expression, no: ir.Expression
     ) -> ir.Expression:
         zero = self._literal(0.0)
-        return _choose(value, ">", zero, yes, _choose(value, "<", zero, yes, no))
+        return choose(value, ">", zero, yes, choose(value, "<", zero, yes, no))
 
     def intermediates(self, inputs: Inputs) -> Assignments:
         """Whether the inputs so far make it true, input by input."""
@@ -140,7 +130,7 @@ class MinMax(_ManyPorts):
         self._check_ports(2)
 
     def _better(self, one: ir.Expression, other: ir.Expression) -> ir.Expression:
-        return _choose(one, "<" if self.function == "min" else ">", other, one, other)
+        return choose(one, "<" if self.function == "min" else ">", other, one, other)
 
     def intermediates(self, inputs: Inputs) -> Assignments:
         """The result for the inputs so far; the last one is the output's."""
@@ -165,7 +155,7 @@ class Abs(Block):
     def output(self, inputs: Inputs) -> ir.Expression:
         """One test."""
         zero = self._literal(0.0)
-        return _choose(inputs[0], "<", zero, ir.Binary("-", zero, inputs[0]), inputs[0])
+        return choose(inputs[0], "<", zero, ir.Binary("-", zero, inputs[0]), inputs[0])
 
 
 @dataclass(frozen=True)
@@ -175,8 +165,8 @@ class Sign(Block):
     def output(self, inputs: Inputs) -> ir.Expression:
         """Two tests."""
         zero, one = self._literal(0.0), self._literal(1.0)
-        below = _choose(inputs[0], "<", zero, self._literal(-1.0), zero)
-        return _choose(inputs[0], ">", zero, one, below)
+        below = choose(inputs[0], "<", zero, self._literal(-1.0), zero)
+        return choose(inputs[0], ">", zero, one, below)
 
 
 @dataclass(frozen=True)
@@ -196,9 +186,9 @@ class RoundingFunction(Block):
         """The nearest whole number or its neighbour."""
         value, near = inputs[0], ir.Read(self._local("nearest"))
         one, zero = self._literal(1.0), self._literal(0.0)
-        floor = _choose(near, ">", value, ir.Binary("-", near, one), near)
-        ceil = _choose(near, "<", value, ir.Binary("+", near, one), near)
-        fix = _choose(value, "<", zero, ceil, floor)
+        floor = choose(near, ">", value, ir.Binary("-", near, one), near)
+        ceil = choose(near, "<", value, ir.Binary("+", near, one), near)
+        fix = choose(value, "<", zero, ceil, floor)
         found: dict[str, ir.Expression] = {"floor": floor, "ceil": ceil, "round": near, "fix": fix}
         return found[self.function]
 
@@ -265,7 +255,7 @@ class Merge(_ManyPorts):
         last = port + 2 == self.ports
         rest = self.states()[0] if last else self._local(f"from_{port + 2}")
         half = self._literal(0.5)
-        return _choose(inputs[port], ">=", half, inputs[port + 1], ir.Read(rest))
+        return choose(inputs[port], ">=", half, inputs[port + 1], ir.Read(rest))
 
     def output(self, inputs: Inputs) -> ir.Expression:
         """The first pair."""

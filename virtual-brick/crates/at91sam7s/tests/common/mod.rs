@@ -251,6 +251,12 @@ pub fn bus_log(chip: &TestChip, start: Cycles) -> Vec<(Cycles, Seen)> {
         .collect()
 }
 
+/// The same without times.
+pub fn bus_sequence(chip: &TestChip) -> Vec<Seen> {
+    let log = bus_log(chip, 0).into_iter();
+    log.map(|(_, seen)| seen).collect()
+}
+
 /// Only the chip events of the log.
 pub fn chip_events(chip: &TestChip) -> Vec<(Cycles, ChipEvent)> {
     let pick = |(at, seen): &(Cycles, Seen)| match seen {

@@ -105,6 +105,12 @@ impl EncodedOperand {
             amount: 0,
             mode: 0,
         };
+        let of_register = |operand_kind, register, kind, amount| Self {
+            register: Register::number(register),
+            amount: amount as u8,
+            mode: kind as u8,
+            ..of_kind(operand_kind)
+        };
         match operand {
             Operand::Constant { value, carry } => Self {
                 value,
@@ -115,28 +121,21 @@ impl EncodedOperand {
                 register,
                 kind,
                 amount,
-            } => Self {
-                register: Register::number(register),
-                amount: amount as u8,
-                mode: kind as u8,
-                ..of_kind(match (kind, amount) {
+            } => {
+                let operand_kind = match (kind, amount) {
                     (0, 0) => REGISTER,
                     (0, _) => LEFT,
                     (1, 1..) => RIGHT,
                     (2, 1..) => RIGHT_ARITHMETIC,
                     _ => ANY_SHIFT,
-                })
-            },
+                };
+                of_register(operand_kind, register, kind, amount)
+            }
             Operand::ShiftedByRegister {
                 register,
                 kind,
                 amount,
-            } => Self {
-                register: Register::number(register),
-                amount: amount as u8,
-                mode: kind as u8,
-                ..of_kind(BY_REGISTER)
-            },
+            } => of_register(BY_REGISTER, register, kind, amount),
         }
     }
 }
