@@ -11,6 +11,7 @@ import argparse
 import math
 from pathlib import Path
 
+from ravenbrick import model
 from ravenbrick.catalogue import part_values
 from ravenbrick.codegen import NamedNumber, ada_package, generate_ada
 from ravenbrick.control import (
@@ -21,21 +22,11 @@ from ravenbrick.control import (
     pi_diagram,
     pi_with_estimator,
 )
-from ravenbrick.model import (
-    NXT_MOTOR,
-    Diagram,
-    Gain,
-    Inport,
-    Outport,
-    Parameter,
-    Saturation,
-    SpeedLoop,
-)
 
 GENERATED = Path(__file__).resolve().parent.parent / "generated"
 
 # A speed in the loop is the voltage that keeps it up without load.
-DEGREES_PER_VOLT = round(math.degrees(NXT_MOTOR.gain), 1)
+DEGREES_PER_VOLT = round(math.degrees(model.NXT_MOTOR.gain), 1)
 
 # The task runs every second exchange of the co-processor link.
 SAMPLE_TIME_MS = 4
@@ -55,7 +46,9 @@ LARGEST_SPEED = 700.0
 
 def design() -> Design:
     """The speed controller: PI, settled in 0.15 s with the estimator and the delay in the loop."""
-    loop = SpeedLoop(round(NXT_MOTOR.gain, 3), round(NXT_MOTOR.time_constant, 3), DEGREES_PER_VOLT)
+    loop = model.SpeedLoop(
+        round(model.NXT_MOTOR.gain, 3), round(model.NXT_MOTOR.time_constant, 3), DEGREES_PER_VOLT
+    )
     wanted = LoopSpecification(
         settling_time=0.15,
         overshoot=0.02,
@@ -77,15 +70,15 @@ def position_gain(result: Design) -> float:
     return round(1.0 / (4.0 * time_constant), 2)
 
 
-def position_diagram(gain: float) -> Diagram:
+def position_diagram(gain: float) -> model.Diagram:
     """From the angle to go (deg) to the speed wanted (deg/s)."""
-    diagram = Diagram("nxt_position_regulator", SAMPLE_TIME_MS / 1000)
-    error = diagram.add(Inport("Angle_To_Go", unit="deg", description="target less angle"))
-    parameter = Parameter("Gain", gain, "1/s", "speed per angle to go")
-    proportional = diagram.add(Gain("Proportional", gain=parameter))
-    limit = Parameter("Largest_Speed", LARGEST_SPEED, "deg/s", "that the motor keeps up")
-    saturation = diagram.add(Saturation("Limited", limit=limit))
-    wanted = diagram.add(Outport("Wanted_Speed", unit="deg/s", description="set-point"))
+    diagram = model.Diagram("nxt_position_regulator", SAMPLE_TIME_MS / 1000)
+    error = diagram.add(model.Inport("Angle_To_Go", unit="deg", description="target less angle"))
+    parameter = model.Parameter("Gain", gain, "1/s", "speed per angle to go")
+    proportional = diagram.add(model.Gain("Proportional", gain=parameter))
+    limit = model.Parameter("Largest_Speed", LARGEST_SPEED, "deg/s", "that the motor keeps up")
+    saturation = diagram.add(model.Saturation("Limited", limit=limit))
+    wanted = diagram.add(model.Outport("Wanted_Speed", unit="deg/s", description="set-point"))
     diagram.connect_chain(error, proportional, saturation, wanted)
     return diagram
 
