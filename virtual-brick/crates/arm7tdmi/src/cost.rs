@@ -92,12 +92,6 @@ impl BusCycles {
             ..Self::SKIPPED
         }
     }
-
-    /// Most cycles with a memory that answers every access in one, the first fetch included.
-    pub const fn most_without_wait_states(self) -> u32 {
-        let data = self.reads.count() + self.writes.count();
-        1 + 2 * self.refills + data + self.internal_max
-    }
 }
 
 impl MultiplyKind {

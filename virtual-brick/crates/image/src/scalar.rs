@@ -55,12 +55,6 @@ impl ScalarKind {
         }
     }
 
-    /// It is a floating-point type.
-    #[must_use]
-    pub const fn is_float(self) -> bool {
-        matches!(self, Self::F32 | Self::F64)
-    }
-
     pub(crate) fn integer(size: u64, signed: bool) -> Option<Self> {
         match (size, signed) {
             (1, true) => Some(Self::I8),

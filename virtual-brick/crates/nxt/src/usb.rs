@@ -339,12 +339,6 @@ impl UsbHost {
         std::mem::take(&mut self.completed)
     }
 
-    /// Some transfer has ended since the last call of [`Self::take_completed`].
-    #[must_use]
-    pub fn has_completed(&self) -> bool {
-        !self.completed.is_empty()
-    }
-
     /// When a transfer begins or fails next.
     pub fn next_event(&self) -> Cycles {
         let scheduled = self.scheduled.first_key_value();
