@@ -15,8 +15,6 @@ package Ravenbrick.Registers is
    type Source_Id is range 0 .. 31;
    --  Interrupt source: peripheral identifier
 
-   type Source_Set is array (Source_Id) of Boolean with Pack, Size => 32;
-
    type Source_Words is array (Source_Id) of Word;
 
    type Interrupt_Controller is limited record

@@ -33,7 +33,6 @@ package NXT.Bluetooth_Messages is
 
    --  Codes to the module
    Begin_Inquiry    : constant Byte := 16#00#;
-   Cancel_Inquiry   : constant Byte := 16#01#;
    Connect          : constant Byte := 16#02#;
    Open_Port        : constant Byte := 16#03#;
    Add_Device       : constant Byte := 16#05#;
@@ -45,7 +44,6 @@ package NXT.Bluetooth_Messages is
    Set_Discoverable : constant Byte := 16#1C#;
    Set_Name         : constant Byte := 16#21#;
    Get_Address      : constant Byte := 16#27#;
-   Get_Name         : constant Byte := 16#29#;
 
    --  Codes from the module
    Inquiry_Result     : constant Byte := 16#0F#;
@@ -58,11 +56,9 @@ package NXT.Bluetooth_Messages is
    List_Item          : constant Byte := 16#18#;
    List_Stopped       : constant Byte := 16#19#;
    Close_Result       : constant Byte := 16#1A#;
-   Port_Opened        : constant Byte := 16#1B#;
    Discoverable_Set   : constant Byte := 16#20#;
    Name_Set           : constant Byte := 16#22#;
    Address_Result     : constant Byte := 16#28#;
-   Name_Result        : constant Byte := 16#2C#;
 
    Listed : constant Byte := 16#50#;
    --  Argument of List_Result: success.

@@ -49,7 +49,6 @@ package NXT.Registers.USART is
    Reset_Receiver     : constant Word := Bit (2);             --  RSTRX
    Reset_Transmitter  : constant Word := Bit (3);             --  RSTTX
    Enable_Receiver    : constant Word := Bit (4);             --  RXEN
-   Disable_Receiver   : constant Word := Bit (5);             --  RXDIS
    Enable_Transmitter : constant Word := Bit (6);             --  TXEN
    Disable_Both       : constant Word := Bit (5) or Bit (7);  --  RXDIS, TXDIS
    Reset_Errors       : constant Word := Bit (8);             --  RSTSTA
