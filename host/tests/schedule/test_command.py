@@ -158,7 +158,7 @@ def test_an_output_that_takes_nothing_is_named(options: list[str], tmp_path: Pat
     with open("/dev/full", "w") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 2
-    assert done.stderr.startswith("ravenbrick: the output: No space left on device; free room")
+    assert done.stderr.startswith("ravenbrick: the output: No space left on device; free space")
     assert done.stderr.count("\n") == 1
 
 
