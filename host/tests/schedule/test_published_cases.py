@@ -17,7 +17,7 @@ from ravenbrick.schedule.bounds import (
     passes_hyperbolic_bound,
     passes_liu_layland_bound,
 )
-from ravenbrick.schedule.model import Overheads, Task, TaskSet, sections_of_program
+from ravenbrick.schedule.model import CriticalSection, Overheads, Task, TaskSet
 from ravenbrick.schedule.offsets import phased_response_time_bounds
 from ravenbrick.schedule.response_time import (
     ResponseTimeBound,
@@ -148,12 +148,12 @@ def test_resource_protocols_give_the_book_s_charts(
 ) -> None:
     """Four tasks sharing Q and V under three protocols: response times of a, b, c, d."""
     tasks = [
-        Task(name, 100, len(program), priority, phase=phase, sections=sections_of_program(program))
-        for name, priority, phase, program in (
-            ("a", 1, 0, "EQQQQE"),
-            ("b", 2, 2, "EE"),
-            ("c", 3, 2, "EVVE"),
-            ("d", 4, 4, "EEQVE"),
+        Task(name, 100, wcet, priority, phase=phase, sections=sections)
+        for name, wcet, priority, phase, sections in (
+            ("a", 6, 1, 0, (CriticalSection("Q", 4, 1),)),
+            ("b", 2, 2, 2, ()),
+            ("c", 4, 3, 2, (CriticalSection("V", 2, 1),)),
+            ("d", 5, 4, 4, (CriticalSection("Q", 1, 2), CriticalSection("V", 1, 3))),
         )
     ]
     run = simulate(TaskSet(tuple(tasks)), 100, protocol=protocol)

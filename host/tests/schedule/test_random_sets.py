@@ -11,6 +11,7 @@ from fractions import Fraction
 
 import pytest
 from verification.support.timing.random_task_sets import (
+    random_releases,
     random_task_set,
     with_jitter,
     with_phases,
@@ -28,7 +29,7 @@ from ravenbrick.schedule.edf import (
 from ravenbrick.schedule.model import Overheads, Task, TaskSet
 from ravenbrick.schedule.offsets import phased_response_time_bounds
 from ravenbrick.schedule.quantity import Time
-from ravenbrick.schedule.releases import critical_instant, random_releases
+from ravenbrick.schedule.releases import critical_instant
 from ravenbrick.schedule.response_time import (
     is_schedulable,
     response_time_bound,

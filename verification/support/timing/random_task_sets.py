@@ -5,11 +5,14 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Iterator
 from dataclasses import replace
 
-from ravenbrick.schedule.model import CriticalSection, TaskSet
+from ravenbrick.schedule.model import CriticalSection, Task, TaskSet
+from ravenbrick.schedule.quantity import Time
+from ravenbrick.schedule.releases import ReleasePattern
 
-__all__ = ["random_task_set", "with_jitter", "with_phases", "with_sections"]
+__all__ = ["random_releases", "random_task_set", "with_jitter", "with_phases", "with_sections"]
 
 PERIODS = (4, 5, 6, 8, 10, 12, 15, 20, 24, 30, 40, 60)
 
@@ -56,3 +59,28 @@ def with_sections(task_set: TaskSet, seed: int) -> TaskSet:
             position = start + length
         tasks.append(replace(task, sections=tuple(sections)))
     return TaskSet(tuple(tasks))
+
+
+def random_releases(seed: int) -> ReleasePattern:
+    """Random jitter and random extra separation of sporadic tasks, the same for each seed.
+
+    Cyclic tasks of unknown phase start anywhere in their period. Delays are eighths of the jitter
+    or the period, rounded down.
+    """
+
+    def pattern(task: Task) -> Iterator[tuple[Time, Time]]:
+        dice = random.Random(f"{seed} {task.name}")
+        arrival = task.phase if task.phase is not None else _part(task.period, dice)
+        release = arrival
+        while True:
+            release = max(release, arrival + _part(task.release_jitter, dice))
+            yield arrival, release
+            arrival += task.period
+            if task.release != "cyclic" and dice.random() < 0.5:
+                arrival += _part(task.period, dice)
+
+    return pattern
+
+
+def _part(time: Time, dice: random.Random) -> Time:
+    return time * dice.randint(0, 8) // 8

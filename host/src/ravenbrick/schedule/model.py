@@ -23,7 +23,6 @@ __all__ = [
     "Task",
     "TaskSet",
     "TaskSetError",
-    "sections_of_program",
 ]
 
 Release = Literal["cyclic", "sporadic", "interrupt"]
@@ -66,24 +65,6 @@ class CriticalSection:
     def end(self) -> Time:
         """Own execution at which the object is released."""
         return self.start + self.duration
-
-
-def sections_of_program(program: str) -> tuple[CriticalSection, ...]:
-    """Critical sections of a program drawn with one letter per time unit.
-
-    `E` is plain execution, any other letter holds the object of that name; equal neighbours are
-    one section: `EQQVE` holds Q for 2 units and then V for 1.
-    """
-    sections: list[CriticalSection] = []
-    for position, letter in enumerate(program):
-        last = sections[-1] if sections else None
-        if letter == "E":
-            continue
-        if last and last.resource == letter and last.end == position:
-            sections[-1] = replace(last, duration=last.duration + 1)
-        else:
-            sections.append(CriticalSection(letter, 1, position))
-    return tuple(sections)
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,12 @@ A pattern maps a task to its endless jobs (arrival, release), both never falling
 from __future__ import annotations
 
 import itertools
-import random
 from collections.abc import Callable, Iterator
 
 from ravenbrick.schedule.model import Task
 from ravenbrick.schedule.quantity import Time
 
-__all__ = ["ReleasePattern", "critical_instant", "periodic", "random_releases"]
+__all__ = ["ReleasePattern", "critical_instant", "periodic"]
 
 ReleasePattern = Callable[[Task], Iterator[tuple[Time, Time]]]
 
@@ -35,31 +34,3 @@ def critical_instant(task: Task) -> Iterator[tuple[Time, Time]]:
     for number in itertools.count():
         arrival = number * task.period - task.release_jitter
         yield arrival, max(0, arrival)
-
-
-def random_releases(seed: int, grain: int = 8) -> ReleasePattern:
-    """Random jitter and random extra separation of sporadic tasks, the same for each seed.
-
-    Cyclic tasks of unknown phase start anywhere in their period. Delays are multiples of the
-    jitter or the period divided by `grain`.
-    """
-
-    def pattern(task: Task) -> Iterator[tuple[Time, Time]]:
-        dice = random.Random(f"{seed} {task.name}")
-        arrival = task.phase if task.phase is not None else _part(task.period, dice, grain)
-        release = arrival
-        while True:
-            release = max(release, arrival + _part(task.release_jitter, dice, grain))
-            yield arrival, release
-            arrival += task.period
-            if task.release != "cyclic" and dice.random() < 0.5:
-                arrival += _part(task.period, dice, grain)
-
-    return pattern
-
-
-def _part(time: Time, dice: random.Random, grain: int) -> Time:
-    """0, 1, ... or `grain` parts of the time, rounded down when it is whole."""
-    if isinstance(time, int):
-        return time * dice.randint(0, grain) // grain
-    return time * dice.randint(0, grain) / grain

@@ -193,13 +193,6 @@ _FIXED: dict[type, struct.Struct] = {
 }
 
 
-def pack_value(kind: Kind, value: Value) -> bytes:
-    """Four bytes of a value."""
-    if kind is Kind.REAL:
-        return struct.pack("<f", value)
-    return struct.pack("<i", int(value))
-
-
 def unpack_value(kind: Kind, word: bytes) -> Value:
     """The value of four bytes; any word other than 0 is true."""
     if kind is Kind.REAL:
