@@ -38,11 +38,6 @@ impl VirtualBrick {
         self.brick.cycles() as f64
     }
 
-    /// Cycles per second.
-    pub fn clock_hz() -> f64 {
-        CLOCK_HZ.0 as f64 / CLOCK_HZ.1 as f64
-    }
-
     /// Run to a cycle; `{reason, at_cycles, message}` as JSON.
     pub fn run_until(&mut self, cycles: f64) -> String {
         let limit = cycles as u64;
