@@ -127,23 +127,19 @@ impl Machine {
     }
 
     /// All memory, to begin again from it.
-    #[allow(dead_code)]
     pub fn memory(&self) -> Vec<u8> {
         self.memory.bytes.clone()
     }
 
-    #[allow(dead_code)]
     pub fn restore(&mut self, memory: &[u8]) {
         self.memory.bytes.copy_from_slice(memory);
     }
 
-    #[allow(dead_code)]
     pub fn bytes(&self, address: u32, count: usize) -> Vec<u8> {
         let start = (address - BASE) as usize;
         self.memory.bytes[start..start + count].to_vec()
     }
 
-    #[allow(dead_code)]
     pub fn set_bytes(&mut self, address: u32, bytes: &[u8]) {
         let start = (address - BASE) as usize;
         self.memory.bytes[start..start + bytes.len()].copy_from_slice(bytes);
@@ -151,7 +147,6 @@ impl Machine {
 
     /// Calls a function and counts, for each of the functions at `entries`, its most activations
     /// in one call from outside of it and its most activations at the same time.
-    #[allow(dead_code)]
     pub fn activations(&mut self, symbol: &str, entries: &[u32]) -> Vec<(u64, usize)> {
         let mut open: Vec<(Vec<u32>, u64)> = vec![(Vec::new(), 0); entries.len()];
         let mut most = vec![(0, 0); entries.len()];
@@ -176,7 +171,6 @@ impl Machine {
     }
 
     /// The same; it is a mistake when the call takes longer than `limit` cycles.
-    #[allow(dead_code)]
     pub fn call_within(&mut self, symbol: &str, arguments: [u32; 4], limit: u64) -> Observation {
         self.run(symbol, arguments, limit.min(PATIENCE), |_, _| {})
     }
