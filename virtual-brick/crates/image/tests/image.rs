@@ -3,7 +3,6 @@
 //! Reading images: what is accepted, what is refused and in which words.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-#[allow(dead_code)]
 #[path = "support/elf.rs"]
 mod elf;
 

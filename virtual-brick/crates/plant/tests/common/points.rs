@@ -5,7 +5,6 @@
 //! Philo: P. Hurbain, pages on LEGO motors and on the NXT motor (2006), and the data file of the
 //! Pybricks firmware (2026), which quotes his table. Students: a project at Ryerson University,
 //! one motor on 8.16 V under three loads. Muntoo: sweep of the power in air under NXC (2011).
-#![allow(dead_code)]
 
 use plant::{MotorDrive, MotorPort, Robot};
 
