@@ -139,6 +139,17 @@ def run_time_knows_no_driver(path: Path, lines: list[str]) -> Iterator[Complaint
                 yield path, number, "the run-time knows nothing of the drivers"
 
 
+def named_paths() -> Iterator[Complaint]:
+    """Files and folders that the guides through the tree name exist."""
+    tops = {path.relative_to(ROOT).parts[0] for path in tracked_files()}
+    for name in ("ARCHITECTURE.md", "CONTRIBUTING.md", "README.md"):
+        for number, line in enumerate((ROOT / name).read_text().split("\n"), 1):
+            for path in re.findall(r"`([\w.-]+/[\w./-]*)`", line):
+                built = path.startswith(("build/", "out/", "docs/_build"))
+                if path.split("/")[0] in tops and not built and not (ROOT / path).exists():
+                    yield ROOT / name, number, f"there is no {path}"
+
+
 def newest_release() -> Iterator[Complaint]:
     """The version is that of the changelog's newest release."""
     changelog, init = ROOT / "CHANGELOG.md", ROOT / "host" / "src" / "ravenbrick" / "__init__.py"
@@ -181,6 +192,7 @@ def complaints() -> Iterator[Complaint]:
     """All complaints, in the order of the files."""
     yield from border_complaints(ROOT)
     yield from newest_release()
+    yield from named_paths()
     for path in sorted(tracked_files()):
         yield from blobs(path)
         if path.suffix in SOURCE | COLUMN_FREE or is_source(path):

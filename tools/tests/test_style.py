@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tools.style import tidy
 from tools.style.borders import border_complaints
 from tools.style.constants import second_copies
 from tools.style.tidy import ROOT, banned_words
@@ -71,6 +72,21 @@ def test_a_banned_word_is_refused_with_what_to_write_instead() -> None:
         (path, 1, f"'{word}': write 'set-point'")
     ]
     assert list(banned_words(path, ["the set-point is reached"])) == []
+
+
+def test_a_guide_that_names_a_missing_folder_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
+    for name in ("ARCHITECTURE.md", "CONTRIBUTING.md", "README.md"):
+        (tmp_path / name).write_text("`host/src` and `host/<room>`, `build/x`\n")
+    (tmp_path / "host" / "src").mkdir(parents=True)
+    (tmp_path / "host" / "src" / "a.py").touch()
+    monkeypatch.setattr(tidy, "ROOT", tmp_path)
+    assert list(tidy.named_paths()) == []
+    guide = tmp_path / "README.md"
+    guide.write_text("first\n`host/gone/`\n")
+    assert list(tidy.named_paths()) == [(guide, 2, "there is no host/gone/")]
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_no_operation_polls(measured: Measured) -> None:
 
 def test_no_loop_waits_for_a_register() -> None:
     """But for waits that are bounded, each with its reason."""
-    sources = (ROOT / "drivers" / "src").glob("*.adb")
+    sources = (ROOT / "drivers" / "src").rglob("*.adb")
     waiting = {path.name for path in sources if EMPTY_LOOP.search(path.read_text())}
     assert waiting == set(BOUNDED_WAITS)
 
