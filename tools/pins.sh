@@ -19,8 +19,11 @@ DEVELOP_PACKAGES=(
     chromium
     gappa
     git
+    gtkwave
+    libnxt
     nbc
     nxt-firmware
+    openocd
 )
 RUST_MINIMUM=1.86.0
 RUST_PACKAGES=(rustc-web cargo-web)

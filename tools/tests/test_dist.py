@@ -165,7 +165,7 @@ def test_the_container_is_built(machine: Machine) -> None:
 
 def test_the_dev_container_of_a_project_is_this_container() -> None:
     """By the name of its image and of its user."""
-    files = ROOT / "host" / "src" / "ravenbrick" / "target" / "templates" / "files"
+    files = ROOT / "host" / "src" / "ravenbrick" / "project" / "templates" / "files"
     container = json.loads((files / ".devcontainer+devcontainer.json").read_text())
     assert container["remoteUser"] == dict(steps())["USER"]
     assert f"--tag {container['image']} " in CONTAINERFILE.read_text()

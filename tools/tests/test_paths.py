@@ -15,7 +15,7 @@ from ravenbrick.sources import brick_digest
 
 from tools.style.tidy import ROOT, tracked_files
 
-PARTS = ("Makefile", "drivers", "host", "runtime", "tools", "virtual-brick")
+PARTS = ("Makefile", "catalogue", "drivers", "host", "runtime", "tools", "virtual-brick")
 LONG = "a folder with a long name, as cloud drives have them " * 2
 
 

@@ -176,12 +176,12 @@ def test_watched_registers_stop_at_each_access_and_say_what_is_written() -> None
     _, _, _, write, written_by, backwards, *_, access = gdb(
         "tbreak tasks.control_task",
         "continue",
-        "watch nxt.registers.pio.pioa.set_output",
+        "watch nxt.registers.pio.pioa.pio_sodr",
         "continue",
         "bt 1",
         "reverse-continue",
         "delete",
-        "awatch nxt.registers.pio.pioa.set_output",
+        "awatch nxt.registers.pio.pioa.pio_sodr",
         "continue",
     )
     assert write.count("stops (SIGUSR1) when the program writes it, not when the hardware") == 1

@@ -102,7 +102,7 @@ def test_the_real_table_is_read_in_every_unit(tmp_path: Path, unit: str) -> None
         ('["pump"]', '"pump"', "driver_tasks", "expected a list of names"),
         ('unit = "us"', 'unit = "ticks"', "driver_costs", "not in 'ticks'"),
         ("costs.json", "cost.json", "driver_costs", "cannot be read"),
-        ("costs.json", "set.toml", "driver_costs", "no table of driver costs"),
+        ("costs.json", "set.toml", "driver_costs", "is not a table of driver costs"),
         ('driver_costs = "costs.json"\n', "", "driver_costs", "is missing"),
         ("Look = 2", "Look = -2", "tasks.0.operations.Look", "expected a whole number"),
     ],

@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
 import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -217,6 +219,18 @@ def _nothing_left_after_failure(elf: Path) -> Iterator[None]:
         raise
 
 
+def _await_next_second(files: Iterable[str]) -> None:
+    """Wait until the second is over in which a source was written last.
+
+    gprbuild compares times in seconds: a source that changed again in the second of its
+    compilation would be taken for the one that was compiled.
+    """
+    written = max((os.stat(file).st_mtime for file in files if os.path.exists(file)), default=0.0)
+    pause = math.floor(written) + 1 - time.time()
+    if 0 < pause <= 1:
+        time.sleep(pause)
+
+
 def _build(
     workspace: Workspace, robot: Robot, kind: BuildKind, lock: int,
     show: Callable[[str], None] | None,
@@ -246,6 +260,7 @@ def _build(
         kernel_folders, kernel_files = run_time_sources(settings)
         files += [run_time / "adalib" / "libgnat.a", workspace.project / DESIGN_SCRIPT]
         made = BuildManifest.now(choices, folders + kernel_folders, files + kernel_files)
+        _await_next_second(made.files)
         command = ["gprbuild", "-k", f"-j{os.cpu_count() or 1}", *call]
         command += ["-cargs", "-v", "-cargs:Ada", "-gnatef", "-bargs", "-v", "-largs", "-v"]
         log = folder / "build.log"

@@ -141,7 +141,10 @@ impl VirtualBrick {
             endless_loops: EndlessLoops::default(),
             ended: None,
             engine: configuration.engine,
-            blocks: configuration.engine.blocks(configuration),
+            blocks: configuration.engine.blocks(
+                configuration.jit_threshold_runs,
+                configuration.jit_synchronous,
+            ),
             monitor: None,
             console: None,
             threads_unobserved,

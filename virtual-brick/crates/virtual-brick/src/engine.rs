@@ -5,8 +5,6 @@
 use arm7tdmi::{BlockBus, Blocks};
 use serde::Deserialize;
 
-use crate::configuration::Configuration;
-
 /// Which engine executes instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -26,26 +24,27 @@ pub(crate) const JIT_THRESHOLD_RUNS: u32 = 200;
 
 impl Engine {
     /// An empty cache of decoded blocks, as this engine uses it.
-    pub(crate) fn blocks<B: BlockBus>(self, configuration: &Configuration) -> Blocks<B> {
+    /// JIT code is compiled after `threshold_runs` of a block, in the run itself if `synchronous`.
+    pub(crate) fn blocks<B: BlockBus>(self, threshold_runs: u32, synchronous: bool) -> Blocks<B> {
         match self {
-            Self::Fast => blocks_with_jit(configuration),
+            Self::Fast => blocks_with_jit(threshold_runs, synchronous),
             Self::Blocks | Self::Reference => Blocks::default(),
         }
     }
 }
 
 #[cfg(not(feature = "jit"))]
-fn blocks_with_jit<B: BlockBus>(_configuration: &Configuration) -> Blocks<B> {
+fn blocks_with_jit<B: BlockBus>(_threshold_runs: u32, _synchronous: bool) -> Blocks<B> {
     Blocks::default()
 }
 
 #[cfg(feature = "jit")]
-fn blocks_with_jit<B: BlockBus>(configuration: &Configuration) -> Blocks<B> {
-    let mode = if configuration.jit_synchronous {
+fn blocks_with_jit<B: BlockBus>(threshold_runs: u32, synchronous: bool) -> Blocks<B> {
+    let mode = if synchronous {
         jit::CompileMode::Synchronous
     } else {
         jit::CompileMode::Background
     };
-    let jit = jit::JitEngine::new(configuration.jit_threshold_runs, mode);
+    let jit = jit::JitEngine::new(threshold_runs, mode);
     jit.map_or_else(Blocks::default, |jit| Blocks::with_jit(Box::new(jit)))
 }
