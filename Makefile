@@ -44,7 +44,9 @@ demo: setup ## Design, build and run the paper's vehicle; writes out/vehicle/rep
 	@.venv/bin/ravenbrick demo examples/vehicle
 
 .PHONY: test
-test: develop style test-rust test-python test-page ## Run all tests
+test: develop style test-rust ## Run all tests
+	@.venv/bin/ravenbrick build examples/vehicle
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync test-host test-brick test-page
 
 .PHONY: style
 style: ## Check style, types, spelling, borders between the parts, and generated tables
@@ -75,7 +77,7 @@ test-brick:
 
 .PHONY: test-page
 test-page: ## Tests of the page: units in Node.js, the shipped page in headless Chromium
-	@tools/page test
+	@env -u MAKEFLAGS tools/page test
 
 .PHONY: conformance
 conformance: complete ## Full verification campaigns; writes verification/results.{json,md}
