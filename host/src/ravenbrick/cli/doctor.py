@@ -23,7 +23,8 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import ConnectionFailedError, ToolMissingError
 from ravenbrick.hardware.upload import LOADERS, brick_to_load
 from ravenbrick.hardware.usb_bricks import find_bricks
-from ravenbrick.image.build import TOOLS, Tool, find_tool
+from ravenbrick.image import build
+from ravenbrick.image.build import Tool, find_tool
 from ravenbrick.installation import PACKAGE, advice_for_packages, advice_for_python, in_checkout
 from ravenbrick.project.workspace import tree
 from ravenbrick.sources import brick_digest
@@ -127,7 +128,7 @@ def _tool(tool: Tool) -> Check:
 
 
 def _tools() -> list[Check]:
-    checks = [_tool(tool) for tool in (*TOOLS, GDB)]
+    checks = [_tool(tool) for tool in (*build.TOOLS, GDB)]
     library = "C library of the brick"
     if shutil.which(LINKER) is None:
         return [*checks, Check(library, False, f"not tried without {LINKER}", C_LIBRARY)]
