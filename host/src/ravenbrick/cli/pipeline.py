@@ -77,9 +77,9 @@ def project_image(
 
 def built_file(elf: Path, reporter: Reporter) -> Path:
     """An ELF file; one that a project's build left is built before where it is not current."""
-    made = BuildManifest.read(manifest_file(elf))
-    project = Path(made.settings.get("project folder", "")) if made is not None else Path()
-    if made is not None and (project / ROBOT_FILE).is_file():
+    manifest = BuildManifest.read(manifest_file(elf))
+    project = Path(manifest.settings.get("project folder", "")) if manifest is not None else Path()
+    if manifest is not None and (project / ROBOT_FILE).is_file():
         workspace, robot = Workspace.of(project), read_robot(project)
         for kind in get_args(BuildKind):
             if workspace.image(kind, robot.name) == elf.resolve():

@@ -117,11 +117,11 @@ def choices_of(workspace: Workspace, robot: Robot, settings: Settings) -> dict[s
 def current_image(workspace: Workspace, robot: Robot, kind: BuildKind) -> ElfImage | None:
     """The image, if it is there and was made from the sources as they are now; otherwise None."""
     elf = workspace.image(kind, robot.name)
-    made = BuildManifest.read(manifest_file(elf))
-    if made is None or str(elf) not in made.files:
+    manifest = BuildManifest.read(manifest_file(elf))
+    if manifest is None or str(elf) not in manifest.files:
         return None
     settings = Settings.of(robot, debug=kind == "debug")
-    if made.change(choices_of(workspace, robot, settings), manifest_file(elf)) is not None:
+    if manifest.change(choices_of(workspace, robot, settings), manifest_file(elf)) is not None:
         return None
     return None if design_is_due(workspace, settings) else read_image(elf)
 
@@ -259,8 +259,8 @@ def _build(
             )
         kernel_folders, kernel_files = run_time_sources(settings)
         files += [run_time / "adalib" / "libgnat.a", workspace.project / DESIGN_SCRIPT]
-        made = BuildManifest.now(choices, folders + kernel_folders, files + kernel_files)
-        _await_next_second(made.files)
+        manifest = BuildManifest.now(choices, folders + kernel_folders, files + kernel_files)
+        _await_next_second(manifest.files)
         command = ["gprbuild", "-k", f"-j{os.cpu_count() or 1}", *call]
         command += ["-cargs", "-v", "-cargs:Ada", "-gnatef", "-bargs", "-v", "-largs", "-v"]
         log = folder / "build.log"
@@ -277,8 +277,8 @@ def _build(
         memory = memory_report(image, robot)
         memory.write(folder / "memory.json")
         if folders:
-            made.add(elf)
-            made.write(manifest_file(elf))
+            manifest.add(elf)
+            manifest.write(manifest_file(elf))
     return Built(image, memory, folder / "memory.json")
 
 

@@ -74,12 +74,12 @@ def run_time_library(settings: Settings) -> Path:
     folder = run_time_home()
     library, record = folder / settings.library, folder / f"{settings.library}.json"
     with locked(folder, "that builds the run-time library") as lock:
-        made = BuildManifest.read(record)
-        if made is None or made.change(_choices(settings), record) is not None:
-            made = BuildManifest.now(_choices(settings), *run_time_sources(settings))
+        manifest = BuildManifest.read(record)
+        if manifest is None or manifest.change(_choices(settings), record) is not None:
+            manifest = BuildManifest.now(_choices(settings), *run_time_sources(settings))
             _make(folder, settings, lock)
-            made.add(library / "adalib" / "libgnat.a")
-            made.write(record)
+            manifest.add(library / "adalib" / "libgnat.a")
+            manifest.write(record)
     return library
 
 

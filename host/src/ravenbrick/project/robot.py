@@ -297,11 +297,9 @@ def _check_sensors(document: LocatedToml) -> None:
     kinds = sensor_kinds()
     for port, table in document.values["ports"].items():
         kind = kinds.get(table["device"])
-        for field in {name for known in kinds.values() for name in known.fields} & set(table):
-            if kind is None or field not in kind.fields:
-                having = " and ".join(
-                    name for name, known in kinds.items() if field in known.fields
-                )
+        for field in table:
+            having = " and ".join(name for name, known in kinds.items() if field in known.fields)
+            if having and (kind is None or field not in kind.fields):
                 raise document.error(
                     ("ports", port, field),
                     f"is for {having} only, not for {table['device']}; remove it",
