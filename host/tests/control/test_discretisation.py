@@ -66,6 +66,29 @@ def test_all_methods_are_compared_at_one_frequency() -> None:
     assert hold == pytest.approx(-10.0 * SAMPLE_TIME / 2, rel=0.02)
 
 
+def test_a_first_order_hold_is_exact_for_a_ramp_and_an_impulse_is_sampled() -> None:
+    """Closed forms of 2 / (0.1 s + 1): the ramp's response, and Ts times that of an impulse."""
+    time = SAMPLE_TIME * np.arange(40)
+    hold = discretise(LAG, SAMPLE_TIME, DiscretisationMethod.FIRST_ORDER_HOLD)
+    ramp = control.forced_response(hold, time, time).outputs
+    np.testing.assert_allclose(ramp, 2 * (time - 0.1 * (1 - np.exp(-time / 0.1))), atol=1e-12)
+    sampled = discretise(LAG, SAMPLE_TIME, DiscretisationMethod.IMPULSE_INVARIANT)
+    found = control.forced_response(sampled, time, np.eye(1, 40)[0]).outputs
+    np.testing.assert_allclose(found, SAMPLE_TIME * 20 * np.exp(-time / 0.1), atol=1e-12)
+
+
+def test_of_a_pi_the_first_order_hold_is_the_trapezoidal_rule_and_impulses_are_refused() -> None:
+    """A ramp is integrated exactly by trapezia; the impulse response of Kp has no samples."""
+    pi = control.tf([0.361074, 9.758758], [1.0, 0.0])
+    hold = discretise(pi, SAMPLE_TIME, DiscretisationMethod.FIRST_ORDER_HOLD)
+    tustin = discretise(pi, SAMPLE_TIME, DiscretisationMethod.TUSTIN)
+    np.testing.assert_allclose(hold.num[0][0], tustin.num[0][0], atol=1e-12)
+    with pytest.raises(DesignError, match=r"IMPULSE_INVARIANT .* more poles than zeros"):
+        discretise(pi, SAMPLE_TIME, DiscretisationMethod.IMPULSE_INVARIANT)
+    with pytest.raises(DesignError, match="at least as many poles as zeros"):
+        discretise(control.tf([1.0, 0.0], [1.0]), SAMPLE_TIME, DiscretisationMethod.TUSTIN)
+
+
 def test_pre_warping_needs_tustin_and_a_frequency_below_half_the_rate() -> None:
     """The limit is in the message."""
     with pytest.raises(DesignError, match="only Tustin's method"):

@@ -27,6 +27,8 @@ SCIPY_NAMES = {
     DiscretisationMethod.TUSTIN: "bilinear",
     DiscretisationMethod.FORWARD_EULER: "euler",
     DiscretisationMethod.BACKWARD_EULER: "backward_diff",
+    DiscretisationMethod.FIRST_ORDER_HOLD: "foh",
+    DiscretisationMethod.IMPULSE_INVARIANT: "impulse",
 }
 
 

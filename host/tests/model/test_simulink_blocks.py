@@ -162,6 +162,43 @@ def test_a_link_to_simulinks_library_is_built(name: str, tmp_path: Path) -> None
     assert np.allclose(run(import_simulink(path, 0.01), *inputs), wanted, atol=1e-4)
 
 
+PID_METHODS = {
+    "Forward Euler": ([0, 1], [1, -1]),
+    "Backward Euler": ([1, 0], [1, -1]),
+    "Trapezoidal": ([0.5, 0.5], [1, -1]),
+}
+
+
+@pytest.mark.parametrize("integrator", PID_METHODS)
+@pytest.mark.parametrize("derivative", [*PID_METHODS, "unfiltered"])
+def test_a_discrete_pid_integrates_and_differentiates_as_its_dialog_says(
+    integrator: str, derivative: str, tmp_path: Path
+) -> None:
+    """P + I Ts a(z) + D N / (1 + N Ts b(z)), against SciPy."""
+    use = {"UseFilter": "off"} if derivative == "unfiltered" else {"FilterMethod": derivative}
+    text = linked("Discrete PID Controller", 1, P="2", I="5", D="0.1", N="20",
+                  TimeDomain="Discrete-time", IntegratorMethod=integrator, **use)  # fmt: skip
+    found = run(import_simulink(single_file(tmp_path / "m.slx", text), 0.01), *(u := given(1)))
+    top, bottom = (np.array(part, float) for part in PID_METHODS[integrator])
+    wanted = 2 * u[0] + signal.lfilter(5 * 0.01 * top, bottom, u[0])
+    if derivative == "unfiltered":
+        wanted += signal.lfilter([10, -10], [1, 0], u[0])
+    else:
+        top, bottom = (np.array(part, float) for part in PID_METHODS[derivative])
+        wanted += signal.lfilter(0.1 * 20 * bottom, bottom + 20 * 0.01 * top, u[0])
+    assert np.allclose(found, wanted, atol=1e-4)
+
+
+def test_a_limited_pid_whose_anti_windup_would_be_a_loop_is_refused(tmp_path: Path) -> None:
+    """With the method that has none."""
+    text = linked("Discrete PID Controller", 1, Controller="PI", TimeDomain="Discrete-time",
+                  IntegratorMethod="Trapezoidal", LimitOutput="on", UpperSaturationLimit="1",
+                  LowerSaturationLimit="-1", AntiWindupMode="clamping")  # fmt: skip
+    with pytest.raises(DesignError) as caught:
+        import_simulink(single_file(tmp_path / "m.slx", text), 0.01)
+    assert "choose the integrator method Forward Euler" in caught.value.detail
+
+
 def test_vectors_matrices_and_buses_become_single_signals(tmp_path: Path) -> None:
     """Mux, matrix gain, selector, bus by name, demux: the element-wise result."""
     root = "".join(block("Inport", f"u{i}", i, Port=i) for i in (1, 2, 3))

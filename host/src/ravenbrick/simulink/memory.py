@@ -21,7 +21,8 @@ _METHODS = {
     "Backward Euler": IntegrationMethod.BACKWARD_EULER,
     "Trapezoidal": IntegrationMethod.TUSTIN,
 }
-_CONTINUOUS = {False: IntegrationMethod.TUSTIN, True: IntegrationMethod.FORWARD_EULER}
+_FORWARD = IntegrationMethod.FORWARD_EULER
+_CONTINUOUS = {False: IntegrationMethod.TUSTIN, True: _FORWARD}
 _EDGES = ("rising", "falling", "either")
 
 
@@ -84,7 +85,7 @@ def _steered_integrator(
     state = b.add(UnitDelay("B", initial=initial))
     begun = state if not anew else b.choose(_any(b, anew), start, state)
     half = b.scaled(0.5, step) if rule is IntegrationMethod.TUSTIN else step
-    if rule is IntegrationMethod.FORWARD_EULER:
+    if rule is _FORWARD:
         output, following = kept(begun), None
     else:
         moved = b.sum(begun, half)
@@ -153,7 +154,7 @@ def _pid(b: Builder) -> None:
     outer = p if form == "Ideal" else 1.0
     terms: list[Wire] = [b.scaled(p, error)] if "P" in kind else []
     if "D" in kind:
-        terms.append(_filtered(b, outer * d.number("D", "0"), d.number("N", "100"), error))
+        terms.append(_rate(b, b.scaled(outer * d.number("D", "0"), error)))
     high, low = math.inf, -math.inf
     if d.text("LimitOutput", "off") == "on" or d.text("SatLimitsSource") == "on":
         high = d.number("UpperSaturationLimit", "inf")
@@ -165,9 +166,16 @@ def _pid(b: Builder) -> None:
         return
     drive = b.scaled(outer * d.number("I", "1") * step, error)
     state = b.add(UnitDelay("B", initial=d.number("InitialConditionForIntegrator", "0")))
-    total = b.sum(*terms, state)
-    output: Wire = total if high == math.inf and low == -math.inf else b.add(limits, total)
+    rule, limited = _pid_method(b, "IntegratorMethod"), high < math.inf or low > -math.inf
     mode = d.text("AntiWindupMode", "none")
+    if rule is not _FORWARD and limited and mode != "none":
+        raise ValueError(
+            f"anti-windup around an integrator by {rule.value} (an algebraic loop); choose the "
+            "integrator method Forward Euler"
+        )
+    present = [] if rule is _FORWARD else [b.scaled(rule.present_share, drive)]
+    total = b.sum(*terms, state, *present)
+    output: Wire = b.add(limits, total) if limited else total
     if output is not total and mode == "back-calculation":
         back = b.scaled(d.number("Kb", "1") * step, b.sum(output, total, signs="+-"))
         drive = b.sum(drive, back)
@@ -179,16 +187,29 @@ def _pid(b: Builder) -> None:
     b.out([output])
 
 
-def _filtered(b: Builder, gain: float, pole: float, error: Wire) -> Wire:
-    """`gain` N s / (s + N) by forward Euler in discrete time, by Tustin in continuous time."""
-    step = b.sample_time
+def _is_discrete(b: Builder) -> bool:
+    return b.dialog().text("TimeDomain", "Continuous-time").startswith("Discrete")
+
+
+def _pid_method(b: Builder, parameter: str) -> IntegrationMethod:
+    """The dialog's method; a continuous controller is integrated by forward Euler."""
+    name = b.dialog().text(parameter, "Forward Euler") if _is_discrete(b) else "Forward Euler"
+    if name not in _METHODS:
+        raise ValueError(f"{parameter} '{name}'")
+    return _METHODS[name]
+
+
+def _rate(b: Builder, wire: Wire) -> Wire:
+    """N s / (s + N) by the filter's method, by Tustin in continuous time; or the difference."""
+    d, step = b.dialog(), b.sample_time
+    if _is_discrete(b) and d.text("UseFilter", "on") == "off":
+        rate = b.scaled(1 / step, wire)
+        return b.sum(rate, b.last(rate), signs="+-")
+    pole = d.number("N", "100")
+    rule = _pid_method(b, "FilterMethod") if _is_discrete(b) else IntegrationMethod.TUSTIN
     state = b.add(UnitDelay("B"), ending="_filter")
-    if b.dialog().text("TimeDomain", "Continuous-time").startswith("Discrete"):
-        output = b.scaled(pole, b.sum(b.scaled(gain, error), state, signs="+-"))
-        state.inputs = [b.sum(state, b.scaled(step, output))]
-        return output
-    share = pole / (1 + pole * step / 2)
-    output = b.scaled(share, b.sum(b.scaled(gain, error), state, signs="+-"))
+    share = pole / (1 + pole * step * rule.present_share)
+    output = b.scaled(share, b.sum(wire, state, signs="+-"))
     state.inputs = [b.sum(state, b.scaled(step, output))]
     return output
 

@@ -21,13 +21,17 @@ class DiscretisationMethod(Enum):
     """How s is replaced or the response matched; the value is python-control's name if it has one.
 
     FORWARD_EULER s = (z-1)/Ts; BACKWARD_EULER s = (z-1)/(Ts z); TUSTIN s = 2/Ts (z-1)/(z+1);
-    ZERO_ORDER_HOLD step-invariant; MATCHED poles and zeros by z = exp(s Ts).
+    ZERO_ORDER_HOLD step-invariant; FIRST_ORDER_HOLD ramp-invariant, as for an input that is linear
+    between the samples; IMPULSE_INVARIANT Ts times the samples of the impulse response; MATCHED
+    poles and zeros by z = exp(s Ts).
     """
 
     FORWARD_EULER = "euler"
     BACKWARD_EULER = "backward_diff"
     TUSTIN = "bilinear"
     ZERO_ORDER_HOLD = "zoh"
+    FIRST_ORDER_HOLD = "foh"
+    IMPULSE_INVARIANT = "impulse"
     MATCHED = "matched"
 
 
@@ -69,11 +73,20 @@ def discretise(
 ) -> control.TransferFunction:
     """The discrete system at `sample_time` (s); raises `DesignError` if the result is not finite.
 
-    Tustin's method with `exact_at` (rad/s) is pre-warped: the responses agree at that frequency.
+    An impulse response has samples only if the system has more poles than zeros; the others need
+    as many. Tustin's method with `exact_at` (rad/s) is pre-warped: the responses agree at that
+    frequency.
     `MATCHED` is done here, because python-control 0.10.2 divides 0 by 0 for an integrator.
     """
     if not sample_time > 0:
         raise DesignError(f"the sample time must be > 0 s, not {sample_time}")
+    excess = len(system.poles()) - len(system.zeros())
+    least = 1 if method is DiscretisationMethod.IMPULSE_INVARIANT else 0
+    if excess < least and method is not DiscretisationMethod.MATCHED:
+        raise DesignError(
+            f"{method.name} discretisation needs a system with "
+            f"{'more poles than' if least else 'at least as many poles as'} zeros, not {system}"
+        )
     if exact_at is not None:
         _check_prewarping(method, exact_at, sample_time)
         result = control.sample_system(system, sample_time, "bilinear", prewarp_frequency=exact_at)

@@ -69,12 +69,7 @@ class DiscretePi:
     @property
     def coefficients(self) -> tuple[float, float]:
         """b0 and b1 of C(z) = (b0 z + b1) / (z - 1)."""
-        direct = {
-            IntegrationMethod.FORWARD_EULER: 0.0,
-            IntegrationMethod.TUSTIN: 0.5,
-            IntegrationMethod.BACKWARD_EULER: 1.0,
-        }[self.method]
-        first = self.proportional + direct * self.integral_step
+        first = self.proportional + self.method.present_share * self.integral_step
         return first, self.integral_step - first
 
     def controller(self) -> control.TransferFunction:
@@ -102,12 +97,7 @@ class DiscretePi:
     ) -> DiscretePi:
         """The PI with C(z) = (b0 z + b1) / (z - 1) in the form of `method`."""
         step = b0 + b1
-        proportional = {
-            IntegrationMethod.FORWARD_EULER: b0,
-            IntegrationMethod.TUSTIN: (b0 - b1) / 2,
-            IntegrationMethod.BACKWARD_EULER: -b1,
-        }[method]
-        return cls(proportional, step, sample_time, method)
+        return cls(b0 - method.present_share * step, step, sample_time, method)
 
 
 def closed_loop_time_constant(settling_time: float, band: float = SETTLING_BAND) -> float:

@@ -352,6 +352,11 @@ class IntegrationMethod(Enum):
     TUSTIN = "Tustin"
     BACKWARD_EULER = "backward Euler"
 
+    @property
+    def present_share(self) -> float:
+        """Share of the present input in the present value: 0, 1/2 or 1."""
+        return {"forward Euler": 0.0, "Tustin": 0.5, "backward Euler": 1.0}[self.value]
+
 
 @dataclass(frozen=True)
 class DiscreteIntegrator(Block):
