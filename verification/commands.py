@@ -21,23 +21,39 @@ from typing import Any
 
 from verification.support.paths import ROOT
 
-__all__ = ["Counts", "NoResultError", "counts_of", "function_of"]
+__all__ = ["Counts", "NoResultError", "NotRunError", "counts_of", "function_of"]
 
 CRATES = ROOT / "virtual-brick"
 Row = dict[str, Any]
+
+
+PERCENT = re.compile(r"\[ *(\d+)%\]$")
 
 
 class NoResultError(Exception):
     """A command ended without a result; the text has its last lines."""
 
 
+class NotRunError(Exception):
+    """Nothing could be judged on this machine; the text says what is absent."""
+
+
 @dataclass
 class Counts:
-    """Cases of a suite, those that passed, and those left out: `count` and `reason` each."""
+    """Cases of a suite, those that passed, and those left out: `count` and `reason` each.
+
+    `failures` has a line for each case that failed, as far as the suite knows which.
+    """
 
     case_count: int
     passed: int
     excluded: list[Row] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+
+    @property
+    def judged(self) -> int:
+        """Cases that were not left out."""
+        return self.case_count - sum(e["count"] for e in self.excluded)
 
 
 def _pytest(paths: tuple[str, ...]) -> Counts:
@@ -46,31 +62,40 @@ def _pytest(paths: tuple[str, ...]) -> Counts:
         report = Path(folder) / "report.xml"
         command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={report}", *paths]
         everything = {**os.environ, "RAVENBRICK_LONG": "1"}
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=everything)
+        with subprocess.Popen(
+            command, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=everything
+        ) as running:
+            for line in running.stdout or ():
+                done = PERCENT.search(line.rstrip())
+                print(f"{done[1]} % of the tests" if done else line.rstrip(), file=sys.stderr)
         if not report.exists():
-            raise NoResultError(f"pytest: no report\n{(done.stdout + done.stderr)[-2000:]}")
+            raise NoResultError(f"pytest {' '.join(paths)}: no report")
         cases = list(ElementTree.parse(report).getroot().iter("testcase"))
     skipped = Counter(
         node.get("message", "no reason stated") for c in cases for node in c.findall("skipped")
     )
-    failed = [c for c in cases if c.find("failure") is not None or c.find("error") is not None]
-    for case in failed:
-        print(f"  failed: {case.get('classname')}.{case.get('name')}", file=sys.stderr)
-    passed = len(cases) - len(failed) - sum(skipped.values())
+    failures = [
+        f"{case.get('classname')}.{case.get('name')}: {node.get('message', '').strip()}"
+        for case in cases
+        for node in [*case.findall("failure"), *case.findall("error")][:1]
+    ]
+    passed = len(cases) - len(failures) - sum(skipped.values())
     excluded = [{"count": n, "reason": reason} for reason, n in sorted(skipped.items())]
-    return Counts(len(cases), passed, excluded)
+    return Counts(len(cases), passed, excluded, failures)
 
 
 def _cargo_test(words: str) -> Counts:
     """Tests of a crate: its name and options of `cargo test`."""
-    command = ["cargo", "test", "--locked", "-p", *words.split()]
-    done = subprocess.run(command, cwd=CRATES, capture_output=True, text=True)
+    command = ["cargo", "test", "--locked", "--no-fail-fast", "-p", *words.split()]
+    done = subprocess.run(command, cwd=CRATES, stdout=subprocess.PIPE, text=True)
+    print(done.stdout, file=sys.stderr)
     found = re.findall(r"test result: \S+ (\d+) passed; (\d+) failed", done.stdout)
     passed = sum(int(p) for p, _ in found)
     failed = sum(int(f) for _, f in found)
     if done.returncode != 0 and failed == 0:
-        raise NoResultError(f"{' '.join(command)}: did not build\n{done.stderr[-2000:]}")
-    return Counts(passed + failed, passed)
+        raise NoResultError(f"{' '.join(command)}: did not build")
+    failures = re.findall(r"^test (.*) \.\.\. FAILED$", done.stdout, re.MULTILINE)
+    return Counts(passed + failed, passed, failures=failures)
 
 
 def _cargo_example(words: str) -> Counts:
@@ -78,9 +103,9 @@ def _cargo_example(words: str) -> Counts:
     package, example, *arguments = shlex.split(os.path.expandvars(words))
     command = ["cargo", "run", "--locked", "--quiet", "--release", "-p", package]
     command += ["--example", example, "--manifest-path", str(CRATES / "Cargo.toml"), "--"]
-    done = subprocess.run([*command, *arguments], cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run([*command, *arguments], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     if not done.stdout.strip():
-        raise NoResultError(f"{package}, {example}: no result\n{done.stderr[-2000:]}")
+        raise NoResultError(f"{package}, {example}: no result, exit code {done.returncode}")
     row = json.loads(done.stdout.strip().splitlines()[-1])
     return Counts(row["case_count"], row["passed"], row.get("excluded", []))
 
@@ -93,10 +118,16 @@ def function_of(name: str) -> Callable[..., Any]:
 
 
 def counts_of(kind: str, command: str | tuple[str, ...], arguments: tuple[str, ...]) -> Counts:
-    """Run one suite; raises `NoResultError`."""
+    """Run one suite. Raises `NoResultError`, also when no case ran, and `NotRunError`."""
+    counts: Counts
     if kind == "call":
-        counts: Counts = function_of(str(command))(*arguments)
-        return counts
-    if kind == "pytest":
-        return _pytest((command,) if isinstance(command, str) else command)
-    return {"cargo_test": _cargo_test, "cargo_example": _cargo_example}[kind](str(command))
+        counts = function_of(str(command))(*arguments)
+    elif kind == "pytest":
+        counts = _pytest((command,) if isinstance(command, str) else command)
+    else:
+        counts = {"cargo_test": _cargo_test, "cargo_example": _cargo_example}[kind](str(command))
+    if counts.case_count == 0:
+        raise NoResultError("no case ran")
+    if counts.judged == 0:
+        raise NotRunError("; ".join(str(e["reason"]) for e in counts.excluded))
+    return counts

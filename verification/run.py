@@ -2,86 +2,207 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run the suites of `suites.toml`, or the benchmarks, and write their results.
 
-`python -m verification.run` runs all suites and writes `verification/results.{json,md}`;
-`--benchmarks` measures the parts of `benchmarks/suites.toml` into `benchmarks/results.{json,md}`.
-A suite that cannot run here keeps its last result, and the reason is shown. Exit code 1: a case
-failed or a suite gave no result; 2: no suite has the name.
+`python -m verification.run` runs all suites, two at a time on two processors, and writes
+`verification/results.{json,md}`; `--benchmarks` measures the parts of `benchmarks/suites.toml`, one
+at a time, into `benchmarks/results.{json,md}`. Data from outside is fetched first. A suite that
+cannot run here, or that fails, does not keep the others from running; it keeps its last result,
+marked with the date and the reason. Exit code 1: a case failed or a suite gave no result; 2: no
+suite has the name.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
+import threading
 import time
-from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from tools.docs import tables
-from tools.docs.tables import merge_rows
-from verification.commands import NoResultError, counts_of, function_of
+from tools.docs.tables import merge_rows, read_rows
+from verification.jobs import Answer, begin_order, grouped, run_jobs
+from verification.outside import FetchError, fetch
 from verification.table import BENCHMARKS, SUITES, Suite, TableError, chosen, read_suites
 
 Row = dict[str, Any]
-KEYS = {SUITES: ("suite",), BENCHMARKS: ("figure", "peer")}
+REASON_LENGTH = 240
 
 
-def run_suite(suite: Suite) -> tuple[list[Row], int, str]:
-    """The row of a suite, the number of cases that failed, and the line to show."""
-    counts = counts_of(suite.kind, suite.command, suite.arguments)
-    judged = counts.case_count - sum(e["count"] for e in counts.excluded)
-    row = {"area": suite.area, "suite": suite.name, **asdict(counts)}
-    return [row], judged - counts.passed, f"{counts.passed} of {judged}"
+def today() -> str:
+    """The date of a row."""
+    return time.strftime("%Y-%m-%d", time.gmtime())
 
 
-def measure(part: Suite) -> tuple[list[Row], int, str]:
-    """The rows of a part of the benchmarks, and the line to show; nothing fails here."""
-    rows = [asdict(figure) for figure in function_of(str(part.command))(*part.arguments)]
-    return rows, 0, "; ".join(f"{r['figure']}: {r['value']:.5g} {r['unit']}" for r in rows)
+def short(text: str) -> str:
+    """A reason in one line of the table."""
+    line = " ".join(text.split())
+    return line if len(line) <= REASON_LENGTH else f"{line[: REASON_LENGTH - 2]} …"
 
 
-def run_table(
-    table: Path, suites: list[Suite], run: Callable[[Suite], tuple[list[Row], int, str]]
-) -> tuple[list[Row], int]:
-    """Run the suites with progress on standard error; rows, which are written, and failures."""
-    results = table.with_name("results.json")
-    all_rows: list[Row] = []
-    failures = 0
-    for number, suite in enumerate(suites, 1):
-        head = f"[{number}/{len(suites)}] {suite.area}: {suite.name}"
-        if reason := suite.missing():
-            print(f"{head}: not run: {reason}", file=sys.stderr, flush=True)
-            continue
-        print(f"{head}, about {suite.minutes:g} min …", file=sys.stderr, flush=True)
-        start = time.monotonic()
+def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
+    """The row of a suite: its counts, or those of its last run with the reason why."""
+    head: Row = {"area": suite.area, "suite": suite.name}
+    if "counts" in answer:
+        counts, judged = answer["counts"], answer["judged"]
+        passed = counts["passed"] == judged
+        # Skipped tests lack data or a program: the last run, which had more of it, says more.
+        if passed and last and suite.kind == "pytest" and last["passed"] > judged:
+            reasons = "; ".join(str(e["reason"]) for e in counts["excluded"])
+            return {**last, "note": short(f"{today()}: only {judged} cases can run: {reasons}")}
+        return {
+            **head,
+            "date": today(),
+            **{key: counts[key] for key in ("case_count", "passed", "excluded")},
+            **{key: answer[key] for key in ("elapsed_s", "processor_s")},
+            "note": "" if passed else short(f"failed: {'; '.join(counts['failures'])}"),
+        }
+    empty: Row = {"case_count": 0, "passed": 0, "excluded": [], "elapsed_s": 0, "processor_s": 0}
+    why = f"failed: {answer['error']}" if "error" in answer else f"not run: {answer['absent']}"
+    return {**(last or {**head, **empty, "date": ""}), "note": short(f"{today()}: {why}")}
+
+
+@dataclass
+class Campaign:
+    """A run: shows progress, writes each row when it is there, and counts."""
+
+    table: Path
+    suites: list[Suite]
+    rows: list[Row] = field(default_factory=list)
+    failed: dict[str, str] = field(default_factory=dict)
+    kept: dict[str, str] = field(default_factory=dict)
+    processor_s: float = 0.0
+    done: int = 0
+
+    def __post_init__(self) -> None:
+        self.lock = threading.RLock()
+        self.start = time.monotonic()
+        self.results = self.table.with_name("results.json")
+        self.last = {row.get("suite", ""): row for row in read_rows(self.results)}
+
+    def minutes(self, suite: Suite) -> float:
+        """How long the suite took last time, or is thought to take."""
+        row = self.last.get(suite.name, {})
+        return row["elapsed_s"] / 60 if row.get("elapsed_s") else suite.minutes
+
+    def show(self, suite: Suite, text: str) -> None:
+        """A line of progress."""
+        number = self.suites.index(suite) + 1
+        about = f", about {self.minutes(suite):.1f} min" if text == "begins" else ""
+        head = f"[{number}/{len(self.suites)}] {suite.area}: {suite.name}"
+        with self.lock:
+            print(f"{head}: {text}{about}", file=sys.stderr, flush=True)
+
+    def answered(self, suite: Suite, answer: Answer) -> None:
+        """Keep and show the answer of a suite."""
+        with self.lock:
+            self.done += 1
+            self.processor_s += answer.get("processor_s", 0.0)
+            if self.table == BENCHMARKS:
+                rows = answer.get("figures", [])
+                text = "; ".join(f"{r['figure']}: {r['value']:.5g} {r['unit']}" for r in rows)
+                note = f"failed: {answer['error']}" if "error" in answer else ""
+            else:
+                rows = [suite_row(suite, answer, self.last.get(suite.name))]
+                judged = answer.get("judged", 0)
+                text = f"{answer['counts']['passed']} of {judged}" if "counts" in answer else ""
+                note = rows[0]["note"]
+            if note:
+                failed = "failed: " in note
+                (self.failed if failed else self.kept)[suite.name] = note
+                text = f"{text}\n{_causes(answer)}"
+            took = f"{answer.get('elapsed_s', 0):.0f} s"
+            self.show(suite, f"{text} ({took}; {self.done} of {len(self.suites)} done)")
+            self.rows += rows
+            key = ("figure", "peer") if self.table == BENCHMARKS else ("suite",)
+            merge_rows(self.results, rows, key)
+
+    def summary(self) -> str:
+        """A line for each area, and one for each suite that failed or did not run."""
+        minutes = (time.monotonic() - self.start) / 60
+        passed = self.done - len(self.failed) - len(self.kept)
+        lines = [
+            f"{self.done} suites in {minutes:.0f} min, {self.processor_s / 60:.0f} min of a "
+            f"processor: {passed} passed, {len(self.failed)} failed, {len(self.kept)} not run"
+        ]
+        for area in dict.fromkeys(suite.area for suite in self.suites):
+            rows = [r for r in self.rows if r.get("area") == area]
+            if rows:
+                cases, good = (sum(r[key] for r in rows) for key in ("case_count", "passed"))
+                left = sum(e["count"] for r in rows for e in r["excluded"])
+                lines.append(
+                    f"  {area:<12} {len(rows):>2} suites {cases:>7} cases {good:>7} passed "
+                    f"{left:>5} excluded {sum(r['elapsed_s'] for r in rows) / 60:>6.1f} min"
+                )
+        lines += [f"FAILED {name}: {note}" for name, note in self.failed.items()]
+        lines += [f"not run, last result kept: {name}: {note}" for name, note in self.kept.items()]
+        return "\n".join(lines)
+
+
+def _causes(answer: Answer) -> str:
+    """What failed or is absent, with the first lines of the cause, and the log."""
+    counts = answer.get("counts", {})
+    lines = counts.get("failures") or answer.get("error", answer.get("absent", "")).splitlines()
+    if not lines:
+        lines = [str(e["reason"]) for e in counts.get("excluded", [])]
+    lines = [line[:200] for line in lines[:10]]
+    lines += [f"all output: {answer['log']}"] if "log" in answer else []
+    return "\n".join(f"    {line}" for line in [*lines, ""])
+
+
+def fetch_data(suites: list[Suite]) -> dict[str, str]:
+    """Fetch data from outside that is absent; why not, by the data's name."""
+    absent = {d.name: d for s in suites for d in s.data() if d.place() is None}
+    reasons = {}
+    for name, data in absent.items():
+        print(f"fetching {name}: {data.advice()}", file=sys.stderr, flush=True)
         try:
-            rows, failed, shown = run(suite)
-        except NoResultError as error:
-            rows, failed, shown = [], 1, f"no result: {error}"
-        print(f"{head}: {shown} ({time.monotonic() - start:.0f} s)", file=sys.stderr, flush=True)
-        failures += failed
-        all_rows += rows
-        merge_rows(results, rows, KEYS[table])
-    tables.main([])
-    return all_rows, failures
+            fetch(data)
+        except FetchError as error:
+            reasons[name] = str(error)
+            print(f"  not fetched: {error}", file=sys.stderr, flush=True)
+    return reasons
 
 
-def list_text(suites: list[Suite]) -> str:
+def run_suites(table: Path, suites: list[Suite], processors: int) -> Campaign:
+    """Run what can run; the others keep their rows."""
+    campaign = Campaign(table, suites)
+    ready = []
+    for suite in suites:
+        if reason := suite.missing():
+            campaign.answered(suite, {"absent": reason})
+        else:
+            ready.append(suite)
+    try:
+        run_jobs(
+            table,
+            begin_order(grouped(ready), campaign.minutes),
+            processors,
+            campaign.show,
+            campaign.answered,
+        )
+    finally:
+        tables.main([])
+    return campaign
+
+
+def list_text(suites: list[Suite], minutes: dict[str, float]) -> str:
     """One line for each suite: area, truth, minutes, name, what it is compared with."""
     lines = []
     for suite in suites:
         lacks = f"; not here: {reason}" if (reason := suite.missing()) else ""
         lines.append(
-            f"{suite.area:<12} {suite.truth:<8} {suite.minutes:>4g} min  {suite.name} "
+            f"{suite.area:<12} {suite.truth:<8} {minutes[suite.name]:>5.1f} min  {suite.name} "
             f"({suite.compared_with}{lacks})"
         )
     return "\n".join(lines)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run, write results and tables; returns the exit code."""
+def options_of(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line."""
     parser = argparse.ArgumentParser(prog="python -m verification.run", description=__doc__)
     parser.add_argument(
         "--benchmarks", action="store_true", help="run benchmarks instead of suites"
@@ -91,20 +212,33 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--list", action="store_true", help="list the suites without running them")
     parser.add_argument("--json", action="store_true", help="result as JSON on standard output")
-    options = parser.parse_args(arguments)
-    table, run = (BENCHMARKS, measure) if options.benchmarks else (SUITES, run_suite)
+    parser.add_argument("--offline", action="store_true", help="fetch no data from outside")
+    parser.add_argument(
+        "--processors", type=int, default=os.cpu_count() or 1, help="suites at a time"
+    )
+    return parser.parse_args(arguments)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run, write results and tables; returns the exit code."""
+    options = options_of(arguments)
+    table = BENCHMARKS if options.benchmarks else SUITES
     try:
         suites = chosen(read_suites(table), options.only)
     except TableError as error:
         print(error, file=sys.stderr)
         return 2
     if options.list:
-        print(json.dumps([asdict(s) for s in suites]) if options.json else list_text(suites))
+        about = Campaign(table, suites)
+        minutes = {suite.name: about.minutes(suite) for suite in suites}
+        listed = [{**asdict(s), "minutes": minutes[s.name]} for s in suites]
+        print(json.dumps(listed) if options.json else list_text(suites, minutes))
         return 0
-    rows, failures = run_table(table, suites, run)
-    if options.json:
-        print(json.dumps(rows, indent=1))
-    return 1 if failures else 0
+    if not options.offline:
+        fetch_data(suites)
+    campaign = run_suites(table, suites, 1 if options.benchmarks else options.processors)
+    print(json.dumps(campaign.rows, indent=1) if options.json else campaign.summary())
+    return 1 if campaign.failed else 0
 
 
 if __name__ == "__main__":

@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
-import os
+import shutil
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from verification.outside import Data, data_sets
 
 __all__ = ["BENCHMARKS", "SUITES", "Suite", "TableError", "chosen", "read_suites"]
 
@@ -25,25 +27,35 @@ class TableError(Exception):
 
 @dataclass(frozen=True)
 class Need:
-    """What a suite needs that a developer's machine may lack."""
+    """What a suite needs that a machine may lack: data of `outside.toml`, a file, a program."""
 
-    variable: str = ""
-    names: str = ""
+    data: str = ""
     file: str = ""
+    program: str = ""
     install: str = ""
+
+    def __post_init__(self) -> None:
+        if self.data and self.data not in data_sets():
+            raise ValueError(f"needs data = '{self.data}': not in outside.toml")
 
     def missing(self) -> str | None:
         """Why it is not there, with what to do; None when it is."""
-        if self.variable and not os.environ.get(self.variable):
-            return f"the environment variable {self.variable} does not name {self.names}"
+        if self.data and (found := data_sets()[self.data]).place() is None:
+            return found.advice()
         if self.file and not (HERE.parent / self.file).exists():
             return f"{self.file} is absent: {self.install}"
+        if self.program and shutil.which(self.program) is None:
+            return f"{self.program} is absent: {self.install}"
         return None
 
 
 @dataclass(frozen=True)
 class Suite:
-    """One entry; `kind` is one of `COMMANDS` and `command` its value."""
+    """One entry; `kind` is one of `COMMANDS` and `command` its value.
+
+    `minutes` is an estimate until the suite has run. Suites with the same `job` run one after
+    another in one process; `workers` is how many processors a suite uses.
+    """
 
     area: str
     name: str
@@ -51,13 +63,20 @@ class Suite:
     compared_with: str
     kind: str
     command: str | tuple[str, ...]
-    minutes: float
+    minutes: float = 1
     arguments: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
+    examples: tuple[str, ...] = ()
+    workers: int = 1
+    job: str = ""
 
     def missing(self) -> str | None:
         """The first reason why it cannot run here; None when it can."""
         return next((reason for need in self.needs if (reason := need.missing())), None)
+
+    def data(self) -> list[Data]:
+        """Data from outside that it needs."""
+        return [data_sets()[need.data] for need in self.needs if need.data]
 
 
 def _suite(entry: dict[str, Any]) -> Suite:
@@ -72,6 +91,7 @@ def _suite(entry: dict[str, Any]) -> Suite:
         command=tuple(command) if isinstance(command, list) else command,
         arguments=tuple(entry.pop("arguments", ())),
         needs=tuple(Need(**need) for need in entry.pop("needs", ())),
+        examples=tuple(entry.pop("examples", ())),
         **entry,
     )
 

@@ -16,10 +16,14 @@ from typing import Any
 from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page
 from verification.table import SUITES, Suite, read_suites
 
-__all__ = ["benchmark_table", "merge_rows", "suites_table", "write_rows"]
+__all__ = ["benchmark_table", "merge_rows", "read_rows", "suites_table", "write_rows"]
 
 ROOT = Path(__file__).resolve().parents[2]
 Row = dict[str, Any]
+SUITE_KEYS = {
+    *("area", "suite", "case_count", "passed", "excluded"),
+    *("date", "elapsed_s", "processor_s", "note"),
+}
 
 
 def _check_keys(rows: list[Row], keys: set[str], name: str) -> None:
@@ -37,26 +41,42 @@ def _exclusion(exclusion: Row) -> str:
     return f"{count}: {reason}" if count else str(reason)
 
 
+def _run(row: Row) -> str:
+    """When the suite ran, and what was wrong with it or with a later run."""
+    note = row["note"].replace("|", "\\|").replace("failed:", "**failed**:")
+    return f"{row['date']}: {note}" if row["date"] and note else row["date"] or note
+
+
 def suites_table(rows: list[Row], suites: list[Suite]) -> str:
     """Table of suites: cases, passed, excluded with reasons; what each is compared with.
 
     Raises SystemExit for a row that is not a suite's: it was renamed or has left the table.
     """
-    _check_keys(rows, {"area", "suite", "case_count", "passed", "excluded"}, "suites")
+    _check_keys(rows, SUITE_KEYS, "suites")
     known = {row["suite"]: row for row in rows}
     if unknown := sorted(set(known) - {suite.name for suite in suites}):
         raise SystemExit(f"results.json: not in suites.toml: {', '.join(unknown)}")
-    lines = ["# Verification", "", "Generated from `results.json` by `make conformance`.", ""]
-    lines += [_row(["Area", "Suite", "Truth", "Compared with", "Cases", "Passed", "Excluded"])]
-    lines += ["|---|---|---|---|---:|---:|---|"]
+    lines = [
+        "# Verification",
+        "",
+        "Generated from `results.json` by `make conformance`. *Run*: date of the figures, with the",
+        "reason if a later run gave none. *Minutes*: elapsed time beside another suite, and in",
+        "brackets the time of a processor.",
+        "",
+    ]
+    columns = ["Area", "Suite", "Truth", "Compared with", "Cases", "Passed", "Excluded"]
+    lines += [_row([*columns, "Run", "Minutes"])]
+    lines += ["|---|---|---|---|---:|---:|---|---|---:|"]
     for suite in suites:
         row = known.get(suite.name)
         head = [suite.area, suite.name, suite.truth, suite.compared_with]
         if row is None:
-            lines.append(_row([*head, "", "", "not run yet"]))
+            lines.append(_row([*head, "", "", "", "not run yet", ""]))
             continue
         excluded = "; ".join(_exclusion(e) for e in row["excluded"]) or "none"
-        lines.append(_row([*head, str(row["case_count"]), str(row["passed"]), excluded]))
+        figures = [str(row["case_count"]), str(row["passed"]), excluded, _run(row)]
+        times = [row[key] / 60 for key in ("elapsed_s", "processor_s")]
+        lines.append(_row([*head, *figures, "{:.1f} ({:.1f})".format(*times) if times[0] else ""]))
     return "\n".join(lines) + "\n"
 
 
@@ -79,10 +99,15 @@ def benchmark_table(rows: list[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def read_rows(path: Path) -> list[Row]:
+    """Rows of a results file; none when there is no file."""
+    rows: list[Row] = json.loads(path.read_text()) if path.exists() else []
+    return rows
+
+
 def merge_rows(path: Path, rows: list[Row], key: tuple[str, ...]) -> None:
     """Replace in the results file the rows with the same key, add the others."""
-    old: list[Row] = json.loads(path.read_text()) if path.exists() else []
-    merged = {tuple(row[k] for k in key): row for row in old + rows}
+    merged = {tuple(row[k] for k in key): row for row in read_rows(path) + rows}
     write_rows(path, list(merged.values()))
 
 

@@ -19,6 +19,10 @@ SUITE = {
     "case_count": 10,
     "passed": 9,
     "excluded": [{"count": 1, "reason": "the manual differs"}],
+    "date": "2026-11-23",
+    "elapsed_s": 90.0,
+    "processor_s": 120.0,
+    "note": "",
 }
 
 
@@ -27,13 +31,21 @@ ENTRY = Suite("cpu", "single-step", "outside", "a core", "call", "module:functio
 
 def test_a_suite_is_a_row_with_its_exclusions() -> None:
     """What it is compared with, counts and reasons stand in the row."""
-    row = "| cpu | single-step | outside | a core | 10 | 9 | 1: the manual differs |"
+    row = "| outside | a core | 10 | 9 | 1: the manual differs | 2026-11-23 | 1.5 (2.0) |"
     assert row in suites_table([SUITE], [ENTRY])
+
+
+def test_a_suite_that_failed_or_did_not_run_is_marked() -> None:
+    """The figures of its last run stand with their date, the reason beside them."""
+    row = {**SUITE, "note": "2026-11-30: failed: no compiler"}
+    assert "| 2026-11-23: 2026-11-30: **failed**: no compiler |" in suites_table([row], [ENTRY])
 
 
 def test_a_suite_without_a_result_says_so() -> None:
     """A new entry of the table is seen before it has run."""
-    assert "| single-step | outside | a core |  |  | not run yet |" in suites_table([], [ENTRY])
+    assert "| single-step | outside | a core |  |  |  | not run yet |  |" in suites_table(
+        [], [ENTRY]
+    )
 
 
 def test_a_row_of_no_suite_or_with_a_wrong_key_is_refused() -> None:

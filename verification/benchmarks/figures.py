@@ -1,18 +1,14 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One measured figure, and the commands that several parts of the benchmarks need."""
+"""One measured figure, and what several parts of the benchmarks need."""
 
 from __future__ import annotations
 
-import json
-import subprocess
 from dataclasses import dataclass, field
-from typing import Any
 
-from verification.commands import NoResultError
 from verification.support.paths import ROOT
 
-__all__ = ["REPEATS", "VEHICLE", "Figure", "ravenbrick"]
+__all__ = ["REPEATS", "VEHICLE", "Figure"]
 
 VEHICLE = ROOT / "examples" / "vehicle"
 REPEATS = 5
@@ -32,13 +28,3 @@ class Figure:
     def __post_init__(self) -> None:
         ratio = None if self.peer_value is None else self.value / self.peer_value
         object.__setattr__(self, "ratio", ratio)
-
-
-def ravenbrick(*arguments: str) -> dict[str, Any]:
-    """The JSON answer of a command."""
-    command = [str(ROOT / ".venv" / "bin" / "ravenbrick"), *arguments, "--json"]
-    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    if result.returncode != 0:
-        raise NoResultError(f"{' '.join(command)}: {result.stdout}{result.stderr}")
-    answer: dict[str, Any] = json.loads(result.stdout)
-    return answer

@@ -8,7 +8,8 @@ import statistics
 from collections.abc import Iterator
 
 from verification.benchmarks.child_time import run_timed
-from verification.benchmarks.figures import REPEATS, VEHICLE, Figure, ravenbrick
+from verification.benchmarks.figures import REPEATS, VEHICLE, Figure
+from verification.built_examples import ravenbrick
 from verification.commands import NoResultError
 from verification.support.paths import ROOT
 

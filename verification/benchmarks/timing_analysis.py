@@ -15,7 +15,8 @@ from ravenbrick.timing.facts import read_facts
 from ravenbrick.timing.initial_state import elaborated
 
 from verification.benchmarks import analysis_growth
-from verification.benchmarks.figures import VEHICLE, Figure, ravenbrick
+from verification.benchmarks.figures import VEHICLE, Figure
+from verification.built_examples import ravenbrick
 from verification.support.paths import ROOT
 from verification.timing.program_campaign import built, costs
 

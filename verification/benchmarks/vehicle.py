@@ -16,8 +16,9 @@ from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 
-from verification.benchmarks.figures import REPEATS, VEHICLE, Figure, ravenbrick
+from verification.benchmarks.figures import REPEATS, VEHICLE, Figure
 from verification.benchmarks.runtime.published import PUBLISHED
+from verification.built_examples import ravenbrick
 from verification.support.paths import ROOT
 
 

@@ -4,7 +4,7 @@
 
 `python -m verification.control.model_tables` writes docs/reference/simulink-models.md from the
 models in the
-folder that RAVENBRICK_SLX_MODELS names (`<owner>__<repository>/<model>`), and
+folder that RAVENBRICK_SLX_MODELS names (`<owner>/<repository>/<model>`), and
 docs/reference/misra.md, with rows of our models and of the models that
 RAVENBRICK_CODER_MODELS names.
 """
@@ -78,8 +78,8 @@ def simulink_page(folder: Path) -> tuple[str, int, int]:
     every, known, kinds = _Count(), _Count(), Counter[str]()
     models = _models(folder)
     for path in models:
-        top = path.relative_to(folder).parts[0]
-        owner = top.replace("__", "/")
+        top = Path(*path.relative_to(folder).parts[:2])
+        owner = top.as_posix()
         try:
             survey = survey_simulink(path, libraries=[folder / top])
         except RavenbrickError as error:

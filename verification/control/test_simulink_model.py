@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A public model and the C that Embedded Coder made of it: the imported parts do the same.
 
-RAVENBRICK_FOC_MODEL names a copy of the repository EFeru/bldc-motor-control-FOC, which holds both.
+RAVENBRICK_SLX_MODELS names a folder with a copy of the repository EFeru/bldc-motor-control-FOC,
+which holds both (`python -m verification.outside simulink-models`).
 The model computes with fixed-point types and cuts its outputs to whole numbers, the import computes
 with real numbers: the difference must stay below one whole number.
 """
@@ -19,9 +20,9 @@ import pytest
 from ravenbrick.model import Execution
 from ravenbrick.simulink import import_simulink, read_workspace
 
-FOLDER = os.environ.get("RAVENBRICK_FOC_MODEL")
+FOLDER = Path(os.environ.get("RAVENBRICK_SLX_MODELS", "")) / "EFeru" / "bldc-motor-control-FOC"
 pytestmark = pytest.mark.skipif(
-    FOLDER is None, reason="RAVENBRICK_FOC_MODEL names no copy of EFeru/bldc-motor-control-FOC"
+    not FOLDER.is_dir(), reason="RAVENBRICK_SLX_MODELS has no EFeru/bldc-motor-control-FOC"
 )
 MODEL = "BLDCmotor_FOC_R2017b_fixdt.slx"
 POSITIONS = (5, 4, 6, 2, 3, 1)  # Hall signals 4 A + 2 B + C over one electrical turn
@@ -65,7 +66,7 @@ def hall_signals(steps: int) -> np.ndarray:
 
 def coder_outputs(folder: Path, signals: np.ndarray) -> np.ndarray:
     """Speed (rpm) and electrical angle (deg) as Embedded Coder's C gives them."""
-    source = Path(FOLDER or "") / "BLDC_controller_ert_rtw"
+    source = FOLDER / "BLDC_controller_ert_rtw"
     (folder / "shim.c").write_text(SHIM)
     library = folder / "coder.so"
     command = ["gcc", "-O1", "-w", "-shared", "-fPIC", f"-I{source}", str(folder / "shim.c")]
@@ -82,11 +83,10 @@ def coder_outputs(folder: Path, signals: np.ndarray) -> np.ndarray:
 
 def imported_outputs(signals: np.ndarray) -> np.ndarray:
     """The same of the imported subsystem."""
-    folder = Path(FOLDER or "")
-    variables = read_workspace(folder / "init_model.m")
-    libraries = [folder / "01_Libraries"]
+    variables = read_workspace(FOLDER / "init_model.m")
+    libraries = [FOLDER / "01_Libraries"]
     diagram = import_simulink(
-        folder / MODEL, 6e-5, variables, libraries, "BLDC_controller/F01_Estimations"
+        FOLDER / MODEL, 6e-5, variables, libraries, "BLDC_controller/F01_Estimations"
     )
     execution = Execution(diagram)
     found = []

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
 from collections.abc import Sequence
 from typing import Any
 
 from ravenbrick.timing.results.phase_margin import margin_words
 
+from verification.built_examples import build_example, ravenbrick
 from verification.support.paths import ROOT
 from verification.timing.unreached_bounds import MISSED, REACHED, UNEXPLAINED
 
@@ -46,17 +46,6 @@ PARTS = (
 HEAD = ("task", "deadline (us)", *(p[0] for p in PARTS), "response", "ratio", "stack", "of")
 SEARCHED = ("unvaried_cycles", "undisturbed_cycles", "response_cycles")
 Row = dict[str, Any]
-
-
-def _ravenbrick(*arguments: str) -> dict[str, Any]:
-    command = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
-    done = subprocess.run(
-        [*command, *arguments, "--json"], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        raise SystemExit(f"{' '.join(arguments)}: {done.stdout}{done.stderr}")
-    answer: dict[str, Any] = json.loads(done.stdout)
-    return answer
 
 
 def _spread(found: dict[str, Any]) -> dict[str, Any]:
@@ -91,13 +80,11 @@ def _short(answer: dict[str, Any]) -> dict[str, Any]:
 def analysed(names: Sequence[str], options: Sequence[str] = ()) -> dict[str, dict[str, Any]]:
     """Build and analyse these examples."""
     for name in {*names, *(("remote-vehicle", "remote-joystick") if _remote(names) else ())}:
-        if (ROOT / "examples" / name / "design.py").is_file():
-            _ravenbrick("design", f"examples/{name}")
-        _ravenbrick("build", f"examples/{name}")
+        build_example(name)
     found = {}
     for name in names:
         scenario = ("--scenario", EXAMPLES[name])
-        found[name] = _short(_ravenbrick("analyse", f"examples/{name}", *scenario, *options))
+        found[name] = _short(ravenbrick("analyse", f"examples/{name}", *scenario, *options))
         print(f"{name}: analysed", file=sys.stderr, flush=True)
     return found
 

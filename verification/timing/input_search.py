@@ -153,7 +153,11 @@ def judge(
         return outcome
     with tempfile.TemporaryDirectory() as temporary:
         elf = Path(temporary) / "program.elf"
-        content = compiled(folder, elf, code, level)
+        try:
+            content = compiled(folder, elf, code, level)
+        except subprocess.CalledProcessError as error:
+            outcome.error = f"not compiled: {error.stderr.decode()[-300:]}"
+            return outcome
         plain = content.replace(temporary.encode(), b"")
         said = json.dumps(declared()[folder.name]) + str(BUDGET_CYCLES) + analysis_digest()
         outcome.key = hashlib.sha256(plain + said.encode()).hexdigest()[:16]

@@ -57,7 +57,10 @@ def main() -> int:
     """Print the comparison; 1 when the two ways disagree."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", default=list(EXAMPLES))
-    every = [compared(name) for name in parser.parse_args().names]
+    every = []
+    for name in parser.parse_args().names:
+        every.append(compared(name))
+        print(f"{name}: {every[-1]['graphs']} graphs", file=sys.stderr, flush=True)
     result = {
         "graphs": sum(one["graphs"] for one in every),
         "blocks": sum(one["blocks"] for one in every),

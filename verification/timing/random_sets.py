@@ -116,7 +116,10 @@ def crate_bounds(sets: list[TaskSet]) -> Iterator[list[Bounds]]:
         text=True,
     )
     if result.returncode:
-        raise SystemExit(f"the crate's program failed:\n{result.stderr[-2000:]}")
+        raise SystemExit(
+            f"{' '.join(command)} in {CRATE}: exit code {result.returncode}: "
+            f"{result.stderr[-2000:] or 'no message'}"
+        )
     for line in result.stdout.splitlines():
         yield [
             [None if text == "-" else int(text) for text in part.split()]
@@ -238,6 +241,8 @@ def campaign(sets: list[TaskSet], simso_sets: int) -> dict[str, Any]:
                 different.append(f"{name}: {left} {right} {task_set}")
         if number < simso_sets:
             with_simso(task_set, counts)
+        if number % 500 == 0:
+            print(f"{number} of {len(sets)} sets", file=sys.stderr, flush=True)
     return {"sets": len(sets), "counts": dict(sorted(counts.items())), "different": different}
 
 

@@ -35,9 +35,9 @@ OUTSIDE_TOOLS = {"pycpa": "pyCPA", "simso": "SimSo"}
 
 def _answer(module: str, *options: str) -> Any:
     command = [sys.executable, "-m", f"verification.timing.{module}", *options]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
     if not done.stdout.strip():
-        raise NoResultError(f"{module}\n{done.stderr[-2000:]}")
+        raise NoResultError(f"{' '.join(command[1:])}: no result, exit code {done.returncode}")
     return json.loads(done.stdout)
 
 
@@ -66,7 +66,8 @@ def random_sets() -> Counts:
         }
         for name in absent
     ]
-    return Counts(equal + different + simulated, equal + simulated - above, excluded)
+    passed = equal + simulated - above
+    return Counts(equal + different + simulated, passed, excluded, result["different"])
 
 
 def _tacle(module: str, code: str, level: str, table: str, seconds: int) -> Any:
@@ -82,8 +83,9 @@ def wcet_benchmarks(code: str, level: str) -> Counts:
         for outcome in result["outcomes"]
         if not outcome["bound"]
     ]
-    passed = result["analysed"] - len(result["below_observed"])
-    return Counts(result["programs"], passed, without)
+    below = result["below_observed"]
+    failures = [f"{name}: the run exceeds the bound" for name in below]
+    return Counts(result["programs"], result["analysed"] - len(below), without, failures)
 
 
 def input_search(code: str, level: str) -> Counts:
@@ -92,13 +94,17 @@ def input_search(code: str, level: str) -> Counts:
     count = sum(bool(outcome["none"]) for outcome in result["outcomes"])
     reason = "no inputs to search, or runs too long: verification/timing/tacle_searched.md"
     excluded = [{"count": count, "reason": reason}] if count else []
-    return Counts(result["programs"], result["bounded"] - len(result["exceeded"]), excluded)
+    exceeded = result["exceeded"]
+    failures = [f"{name}: a run exceeds the bound" for name in exceeded]
+    failures += [f"{o['name']}: {o['error']}" for o in result["outcomes"] if o["error"]]
+    return Counts(result["programs"], result["bounded"] - len(exceeded), excluded, failures)
 
 
 def integer_program() -> Counts:
     """Longest paths of the examples' code as an integer program and as the analysis finds them."""
     result = _answer("integer_program")
-    return Counts(result["graphs"], result["graphs"] - len(result["different"]))
+    different = result["different"]
+    return Counts(result["graphs"], result["graphs"] - len(different), failures=different)
 
 
 def examples() -> Counts:
@@ -106,7 +112,17 @@ def examples() -> Counts:
     also has worst-case searches and long runs, is left to its own command."""
     from verification.timing.examples import EXAMPLES, analysed, judge
 
-    return Counts(*judge(analysed(list(EXAMPLES))))
+    count, good, failures = 0, 0, []
+    for name in EXAMPLES:
+        try:
+            compared, within = judge(analysed([name]))
+        except NoResultError as error:
+            compared, within = 1, 0
+            failures.append(f"{name}: {error}")
+        if within < compared:
+            failures.append(f"{name}: {compared - within} of {compared} not within bounds")
+        count, good = count + compared, good + within
+    return Counts(count, good, failures=failures)
 
 
 @cache
@@ -119,7 +135,9 @@ def _programs() -> dict[str, Any]:
 def responses_below_bounds() -> Counts:
     """Tasks of generated Ada programs whose response times stay below their bounds."""
     result = _programs()
-    return Counts(result["tasks"], result["tasks"] - len(result["above_bound"]))
+    failures = [*result["above_bound"], *result["stopped"]]
+    return Counts(result["tasks"] + len(result["stopped"]), result["tasks"]
+                  - len(result["above_bound"]), failures=failures)  # fmt: skip
 
 
 def bounds_reached() -> Counts:

@@ -315,7 +315,7 @@ def judge(
         try:
             content = compiled(folder, elf, code, level)
         except subprocess.CalledProcessError as error:
-            outcome.error = (error.stderr or b"").__str__()[-300:]
+            outcome.error = f"not compiled: {error.stderr.decode()[-300:]}"
             return outcome
         plain = content.replace(temporary.encode(), b"")
         outcome.key = hashlib.sha256(plain + analysis_digest().encode()).hexdigest()[:16]

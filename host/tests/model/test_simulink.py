@@ -299,9 +299,8 @@ def public_models() -> list[Path]:
 @pytest.mark.parametrize("path", public_models(), ids=lambda path: path.name)
 def test_a_public_model_is_read_and_its_other_blocks_are_listed(path: Path) -> None:
     """Every block is either imported or refused by its path with a reason."""
-    survey = survey_simulink(
-        path, libraries=[Path(PUBLIC or "") / path.relative_to(PUBLIC or "").parts[0]]
-    )
+    repository = path.parent.relative_to(PUBLIC or "").parts[:2]
+    survey = survey_simulink(path, libraries=[Path(PUBLIC or "", *repository)])
     assert survey.blocks > 0
     assert all(refusal.path and refusal.reason for refusal in survey.refusals)
     print(f"{path.name}: {survey.supported} of {survey.blocks} blocks")

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Runs `arm.gba` and `thumb.gba` of the public suite jsmolka/gba-tests on the core with a small
-//! bus: cartridge, work memories, memory of the screen, and a status register that changes with
-//! each read. The programs test themselves and leave the number of the first failure in a
+//! Runs `arm/arm.gba` and `thumb/thumb.gba` of the public suite jsmolka/gba-tests on the core with
+//! a small bus: cartridge, work memories, memory of the screen, and a status register that changes
+//! with each read. The programs test themselves and leave the number of the first failure in a
 //! register. Prints a summary as JSON.
 //!
 //! Usage: `cargo run --release -p arm7tdmi --example gba_tests -- FOLDER`. Failures go to standard
@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use arm7tdmi::{Abort, Bus, Cpu, Cycle, Mode, Width};
 
 /// Program and the register that tells its result.
-const PROGRAMS: [(&str, u32); 2] = [("arm.gba", 12), ("thumb.gba", 7)];
+const PROGRAMS: [(&str, u32); 2] = [("arm/arm.gba", 12), ("thumb/thumb.gba", 7)];
 const STEPS_MOST: u32 = 10_000_000;
 const CARTRIDGE: u32 = 8;
 const SCREEN_STATUS: u32 = 0x0400_0004;

@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The process in which `verification.run` runs suites, one after another.
+
+`python -m verification.job TABLE NAME ...` prints one line of JSON for each suite on standard
+output; all that a suite prints goes to standard error.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import sys
+import time
+import traceback
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from verification.built_examples import build_example
+from verification.commands import NoResultError, NotRunError, counts_of, function_of
+from verification.table import BENCHMARKS, Suite, read_suites
+
+__all__ = ["answer"]
+
+
+def _processor_s() -> float:
+    """Of this process and of its children that have ended."""
+    usages = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+
+
+def _result(suite: Suite, figures: bool) -> dict[str, Any]:
+    for example in suite.examples:
+        build_example(example)
+    if figures:
+        found = function_of(str(suite.command))(*suite.arguments)
+        return {"figures": [asdict(figure) for figure in found]}
+    counts = counts_of(suite.kind, suite.command, suite.arguments)
+    return {"counts": asdict(counts), "judged": counts.judged}
+
+
+def answer(suite: Suite, figures: bool = False) -> dict[str, Any]:
+    """Its counts or figures, or the `error` that ended it, or what is `absent`; and its time."""
+    start, used = time.monotonic(), _processor_s()
+    found: dict[str, Any]
+    try:
+        found = _result(suite, figures)
+    except NotRunError as error:
+        found = {"absent": str(error)}
+    except (NoResultError, SystemExit) as error:
+        found = {"error": str(error)}
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        # A panic of the compiled module is not an `Exception`.
+        traceback.print_exc()
+        found = {"error": f"{type(error).__name__}: {error}"}
+    elapsed, processor = time.monotonic() - start, _processor_s() - used
+    return {**found, "elapsed_s": round(elapsed, 1), "processor_s": round(processor, 1)}
+
+
+def main(arguments: list[str]) -> int:
+    """The answers of the suites; 0, whatever they are."""
+    table, names = Path(arguments[0]), arguments[1:]
+    with os.fdopen(os.dup(1), "w") as answers:
+        os.dup2(2, 1)
+        suites = {suite.name: suite for suite in read_suites(table)}
+        for name in names:
+            print(json.dumps(answer(suites[name], table == BENCHMARKS)), file=answers, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
