@@ -42,6 +42,7 @@ typedef char Parameters_functional_K_Integral_at_20[
 typedef char Parameters_functional_has_24[
   (sizeof(Parameters_functional) == 24U) ? 1 : -1];
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 Parameters_functional functional_P = {
   8.0F, /* Saturation: largest voltage, the battery's, V */
   0.83508F, /* K_Angle: gain of angle, V */
@@ -51,8 +52,9 @@ Parameters_functional functional_P = {
   0.44721F /* K_Integral: gain of integral, V */
 };
 
-D_Work_functional functional_DW;
+static D_Work_functional functional_DW;
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize_instance(D_Work_functional *work)
 {
   work->Pitch_DSTATE = 0.0F;
@@ -60,6 +62,7 @@ void functional_initialize_instance(D_Work_functional *work)
   work->Integral_DSTATE = 0.0F;
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step_instance(D_Work_functional *work, const ExternalInputs_functional *u,
   ExternalOutputs_functional *y)
 {
@@ -130,11 +133,13 @@ void functional_step_instance(D_Work_functional *work, const ExternalInputs_func
   work->Integral_DSTATE = Integral + (0.004F * Angle);
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize(void)
 {
   functional_initialize_instance(&functional_DW);
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step(void)
 {
   functional_step_instance(&functional_DW, &functional_U, &functional_Y);

@@ -24,18 +24,21 @@ typedef char Parameters_functional_Saturation_at_4[
 typedef char Parameters_functional_has_8[
   (sizeof(Parameters_functional) == 8U) ? 1 : -1];
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 Parameters_functional functional_P = {
   6.7592F, /* Kp: per brightness, V */
   8.0F /* Saturation: the inner wheel stands, V */
 };
 
-D_Work_functional functional_DW;
+static D_Work_functional functional_DW;
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize_instance(D_Work_functional *work)
 {
   work->unused = 0U;
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step_instance(D_Work_functional *work, const ExternalInputs_functional *u,
   ExternalOutputs_functional *y)
 {
@@ -64,11 +67,13 @@ void functional_step_instance(D_Work_functional *work, const ExternalInputs_func
   (void)work;
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize(void)
 {
   functional_initialize_instance(&functional_DW);
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step(void)
 {
   functional_step_instance(&functional_DW, &functional_U, &functional_Y);

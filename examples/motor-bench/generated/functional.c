@@ -32,6 +32,7 @@ typedef char Parameters_functional_Saturation_at_12[
 typedef char Parameters_functional_has_16[
   (sizeof(Parameters_functional) == 16U) ? 1 : -1];
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 Parameters_functional functional_P = {
   0.313677F, /* Kp: proportional gain, V/V */
   0.0322144F, /* Ki_Ts: integral gain times sample time, V/V */
@@ -39,13 +40,15 @@ Parameters_functional functional_P = {
   8.0F /* Saturation: largest voltage, the battery's, V */
 };
 
-D_Work_functional functional_DW;
+static D_Work_functional functional_DW;
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize_instance(D_Work_functional *work)
 {
   work->Integral_DSTATE = 0.0F;
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step_instance(D_Work_functional *work, const ExternalInputs_functional *u,
   ExternalOutputs_functional *y)
 {
@@ -99,11 +102,13 @@ void functional_step_instance(D_Work_functional *work, const ExternalInputs_func
   work->Integral_DSTATE = Integral + Increment;
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize(void)
 {
   functional_initialize_instance(&functional_DW);
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step(void)
 {
   functional_step_instance(&functional_DW, &functional_U, &functional_Y);

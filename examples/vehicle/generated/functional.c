@@ -5,6 +5,7 @@
 /* Call the step function every 4 ms. */
 #include "functional.h"
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 Parameters_functional functional_P = {
   0.314445F, /* Kp: proportional gain, V/V; '<Root>/Proportional' */
   0.032221F, /* Ki_Ts: integral gain times sample time, V/V; '<Root>/Integral_Gain' */
@@ -12,13 +13,15 @@ Parameters_functional functional_P = {
   8.0F /* Saturation: largest voltage, the battery's, V; '<Root>/Saturated' */
 };
 
-D_Work_functional functional_DW;
+static D_Work_functional functional_DW;
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize_instance(D_Work_functional *work)
 {
   work->Integral_DSTATE = 0.0F; /* '<Root>/Integral' */
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step_instance(D_Work_functional *work, const ExternalInputs_functional *u,
   ExternalOutputs_functional *y)
 {
@@ -72,11 +75,13 @@ void functional_step_instance(D_Work_functional *work, const ExternalInputs_func
   work->Integral_DSTATE = Integral + Increment;
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize(void)
 {
   functional_initialize_instance(&functional_DW);
 }
 
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_step(void)
 {
   functional_step_instance(&functional_DW, &functional_U, &functional_Y);

@@ -9,21 +9,28 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from ravenbrick.codegen import generate_c
 from ravenbrick.codegen.rtwtypes import used_types
 from ravenbrick.control import DiscretePi, pi_diagram
+from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, IntegrationMethod
 from ravenbrick.model.program import Program
+from ravenbrick.simulink import import_simulink
 
 from verification.support.codegen.paper_pi import fixed_pi
 
 VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
 
 # Without the values of <limits.h> the size check in rtwtypes.h ends the analysis in silence.
-LIMITS = ("-DUCHAR_MAX=0xFF", "-DUSHRT_MAX=0xFFFF", "-DUINT_MAX=0xFFFFFFFFU")
+LIMITS = (
+    "-DUCHAR_MAX=0xFF", "-DUSHRT_MAX=0xFFFF", "-DUINT_MAX=0xFFFFFFFFU", "-DSCHAR_MAX=0x7F",
+    "-DSHRT_MAX=0x7FFF", "-DINT_MAX=0x7FFFFFFF", "-DULONG_MAX=0xFFFFFFFFU", "-DLONG_MAX=0x7FFFFFFF",
+)  # fmt: skip
 
 
 def cppcheck() -> str:
@@ -41,20 +48,48 @@ def controllers() -> dict[str, Diagram | Program]:
     return {"vehicle": pi_diagram(pi, 8.0, 0.037), "paper": fixed_pi().program}
 
 
-def findings(folder: Path) -> Counter[str]:
-    """Numbers of findings by rule; other messages count under their own names."""
+@dataclass(frozen=True)
+class Verdict:
+    """Numbers of findings by rule; other messages count under their own names.
+
+    `interface` counts those of rule 8.7 (advisory) at definitions that a header of the model
+    declares: the application refers to them, which is no C that the checker could see.
+    """
+
+    findings: Counter[str]
+    interface: int
+
+
+def judge(folder: Path, *options: str) -> Verdict:
+    """What the checker finds in the C of a folder, except an example of a main program."""
     command = [cppcheck(), "--addon=misra", "--enable=style", "--std=c99", "--platform=unix32"]
     template = "--template={file}:{line}: {id}"
     hidden = "--suppress=missingIncludeSystem"
+    sources = [path for path in sorted(folder.glob("*.c")) if path.name != "ert_main.c"]
     done = subprocess.run(
-        [*command, *LIMITS, template, hidden, "--quiet", *sorted(folder.glob("*.c"))],
+        [*command, *LIMITS, template, hidden, "--quiet", *options, *map(str, sources)],
         capture_output=True,
         text=True,
+        errors="replace",
     )
     assert done.returncode == 0, done.stderr
-    lines = [line for line in done.stderr.splitlines() if re.match(r".*\.[ch]:\d+: ", line)]
-    lines = [line for line in lines if "application.c" not in line]
-    return Counter(line.split()[-1].removeprefix("misra-c2012-") for line in lines)
+    headers = "".join(path.read_text(errors="replace") for path in folder.glob("*.h"))
+    declared = set(re.findall(r"\bextern\b[^;]*?\b(\w+)\s*(?:\(|\[|;)", headers))
+    found: Counter[str] = Counter()
+    interface = 0
+    for file, line, rule in re.findall(r"^(.*\.[ch]):(\d+): (\S+)$", done.stderr, re.MULTILINE):
+        text = Path(file).read_text(errors="replace").splitlines()[int(line) - 1]
+        if rule == "misra-c2012-8.7" and declared & set(re.findall(r"\w+", text)):
+            interface += 1
+        else:
+            found[rule.removeprefix("misra-c2012-")] += 1
+    return Verdict(found, interface)
+
+
+def sum_of(verdicts: Sequence[Verdict]) -> Verdict:
+    """The findings of several folders together."""
+    findings = sum((one.findings for one in verdicts), Counter[str]())
+    return Verdict(findings, sum(one.interface for one in verdicts))
 
 
 def write_models(models: dict[str, Diagram | Program], folder: Path) -> None:
@@ -65,25 +100,22 @@ def write_models(models: dict[str, Diagram | Program], folder: Path) -> None:
         code.write(folder)
         texts += [text for name, text in code.files.items() if name != "rtwtypes.h"]
     (folder / "rtwtypes.h").write_text(used_types(texts))
-    write_application([Path(name).stem for name in folder.glob("*.c")], folder)
 
 
 def write_vehicle(folder: Path) -> None:
     """The C that lies in examples/vehicle/generated, as it is built."""
     for file in sorted((VEHICLE / "generated").glob("*.[ch]")):
         (folder / file.name).write_text(file.read_text())
-    write_application(["functional"], folder)
 
 
-def write_application(names: list[str], folder: Path) -> None:
-    """Someone who calls the entry points, so that they do not count as for inner use only."""
-    lines = [f'#include "{Path(name).name}.h"' for name in names]
-    for name in (Path(name).name for name in names):
-        lines += [
-            f"D_Work_{name} {name}_W;\nExternalInputs_{name} {name}_U;",
-            f"ExternalOutputs_{name} {name}_Y;\nextern void {name}_use(void);",
-            f"void {name}_use(void)\n{{\n  {name}_initialize();\n  {name}_step();",
-            f"  {name}_initialize_instance(&{name}_W);",
-            f"  {name}_step_instance(&{name}_W, &{name}_U, &{name}_Y);\n}}",
-        ]
-    (folder / "application.c").write_text("\n".join([*lines, ""]))
+def write_imported(models: Sequence[Path], libraries: Sequence[Path], folder: Path) -> int:
+    """The C of Simulink models that can be imported, each alone in a folder; how many there are."""
+    count = 0
+    for number, path in enumerate(models):
+        try:
+            diagram = import_simulink(path, 0.004, libraries=libraries)
+            generate_c(diagram, only_used=True).write(folder / str(number))
+        except DesignError:
+            continue
+        count += 1
+    return count

@@ -55,6 +55,7 @@ COMMANDS = {
     "report": "Write report.html, summary.json and SVG charts of the last recordings.",
     "run": "Run a scenario on the virtual brick, record it, and check its pass criteria.",
     "schedule": "Bound the response times of a task set from a file.",
+    "simulate": "Simulate a Simulink model over time, continuous plant and sampled controller.",
     "sweep": "Run a scenario with random motors within robot.toml's tolerances; check every run.",
     "upload": "Build the image and load it over USB into a brick in its boot monitor.",
     "view": "Show and operate the virtual brick in a browser tab, where the program runs.",

@@ -18,24 +18,31 @@ from ravenbrick.image.controller_origin import replace_controller
 from ravenbrick.simulink import import_simulink, read_workspace
 from ravenbrick.simulink.numbers import Variables
 
-__all__ = ["import_command"]
+__all__ = ["assigned", "import_command", "model_variables"]
 
 
-def _variables(given: list[str], files: list[Path]) -> Variables:
-    found: dict[str, float | np.ndarray] = {}
-    for path in files:
-        if not path.is_file():
-            raise UsageError(f"{path}: there is no such file")
-        found |= read_workspace(path)
-    for text in given:
+def assigned(option: str, texts: list[str]) -> dict[str, float]:
+    """Numbers by name, from NAME=NUMBER; raises `UsageError`."""
+    found: dict[str, float] = {}
+    for text in texts:
         name, sign, value = text.partition("=")
         try:
             found[name.strip()] = float(value)
         except ValueError:
             sign = ""
         if not sign:
-            raise UsageError(f"--set {text}: give a name and a number, such as Kp=0.5")
+            raise UsageError(f"{option} {text}: give a name and a number, such as Kp=0.5")
     return found
+
+
+def model_variables(given: list[str], files: list[Path]) -> Variables:
+    """Workspace variables of files, and those given by --set."""
+    found: dict[str, float | np.ndarray] = {}
+    for path in files:
+        if not path.is_file():
+            raise UsageError(f"{path}: there is no such file")
+        found |= read_workspace(path)
+    return found | assigned("--set", given)
 
 
 @command("ravenbrick import controller.slx --sample-time 0.004 --set Kp=0.36 --output generated")
@@ -56,6 +63,9 @@ def import_command(
         typer.Option(help="Folder with libraries and referenced models; may be repeated."),
     ] = None,
     subsystem: Annotated[str, typer.Option(help="Path of the only subsystem to import.")] = "",
+    name: Annotated[
+        str, typer.Option(help="Name of the C model (default: that of the file or subsystem).")
+    ] = "",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     if not model.is_file():
@@ -64,14 +74,19 @@ def import_command(
         raise UsageError(f"--sample-time must be > 0 s, not {sample_time}")
     reporter = Reporter(json_output, total=2)
     with reporter.step("read the model") as step:
-        given = _variables(variables or [], workspace or [])
-        diagram = import_simulink(model, sample_time, given, library or [], subsystem)
+        given = model_variables(variables or [], workspace or [])
+        diagram = import_simulink(model, sample_time, given, library or [], subsystem, name)
         step.note = f"{len(diagram.blocks)} blocks"
+    program = diagram.lower()
     with reporter.step("generate C"):
-        files = generate_c(diagram).files
+        files = generate_c(diagram, only_used=True).files
         replace_controller(output, "import", model, files)
     return {
         "model": str(model),
         "blocks": [{"name": b.name, "type": type(b).__name__} for b in diagram.blocks],
+        "parameters": [
+            {"name": slot.name, "value": slot.initial, "description": slot.description}
+            for slot in program.parameters
+        ],
         "files": [str(output / name) for name in sorted(files)],
     }

@@ -16,7 +16,7 @@ from ravenbrick.model import program as ir
 from ravenbrick.model.blocks.basic import Block, Inport, Outport, Parameter, parameter_slot
 from ravenbrick.model.number_format import FixedFormat
 
-__all__ = ["Diagram", "DiagramError"]
+__all__ = ["AlgebraicLoopError", "Diagram", "DiagramError"]
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 _LONGEST_NAME = 31
@@ -26,6 +26,17 @@ _AnyBlock = TypeVar("_AnyBlock", bound=Block)
 
 class DiagramError(DesignError):
     """A diagram without a meaning: the sentence names the blocks."""
+
+
+class AlgebraicLoopError(DiagramError):
+    """Blocks whose outputs need each other in the same step; `loop` are their names in order."""
+
+    def __init__(self, diagram: str, loop: Sequence[str]) -> None:
+        super().__init__(
+            f"diagram '{diagram}' has the algebraic loop {' -> '.join(loop)}; put a UnitDelay into "
+            "it"
+        )
+        self.loop = tuple(loop)
 
 
 @dataclass(frozen=True)
@@ -159,7 +170,7 @@ class Diagram:
         while waiting:
             ready = next((name for name, needs in waiting.items() if not needs), None)
             if ready is None:
-                raise DiagramError(self._describe_loop(waiting))
+                raise AlgebraicLoopError(self.name, self._loop(waiting))
             del waiting[ready]
             for needs in waiting.values():
                 needs.discard(ready)
@@ -194,15 +205,11 @@ class Diagram:
                     "remove the block"
                 )
 
-    def _describe_loop(self, waiting: dict[str, set[str]]) -> str:
+    def _loop(self, waiting: dict[str, set[str]]) -> list[str]:
         path = [next(iter(waiting))]
         while path[-1] not in path[:-1]:
             path.append(min(waiting[path[-1]]))
-        loop = path[path.index(path[-1]) :][::-1]
-        return (
-            f"diagram '{self.name}' has the algebraic loop {' -> '.join(loop)}; "
-            "put a UnitDelay into it"
-        )
+        return path[path.index(path[-1]) :][::-1]
 
     def _parameters(self) -> tuple[ir.Slot, ...]:
         found: dict[str, tuple[Parameter, ir.Slot]] = {}

@@ -12,7 +12,7 @@ import numpy as np
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram
 
-__all__ = ["Execution"]
+__all__ = ["Execution", "evaluate"]
 
 _Key = tuple[ir.Kind, str]
 
@@ -70,37 +70,38 @@ class Execution:
             values[_key(slot)] = slot.data_type.scalar(inputs[slot.name])
         with np.errstate(all="ignore"):
             for statement in self.program.statements:
-                values[_key(statement.target)] = _evaluate(statement.expression, values)
+                values[_key(statement.target)] = evaluate(statement.expression, values)
         return {slot.name: values[_key(slot)] for slot in self.program.outputs}
 
 
-def _evaluate(expression: ir.Expression, values: Mapping[_Key, Any]) -> Any:
+def evaluate(expression: ir.Expression, values: Mapping[_Key, Any]) -> Any:
+    """The value of an expression; `values` are the variables by kind and name."""
     match expression:
         case ir.Read(slot=slot):
             return values[slot.kind, slot.name]
         case ir.Literal(value=value, data_type=data_type):
             return data_type.scalar(value)
         case ir.Binary(operator=operator, left=left, right=right):
-            return _operate(operator, _evaluate(left, values), _evaluate(right, values))
+            return _operate(operator, evaluate(left, values), evaluate(right, values))
         case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
-            return _evaluate(chosen if _holds(condition, values) else otherwise, values)
+            return evaluate(chosen if _holds(condition, values) else otherwise, values)
         case ir.Clamp(value=inner, limit=limit):
-            number, bound = _evaluate(inner, values), _evaluate(limit, values)
+            number, bound = evaluate(inner, values), evaluate(limit, values)
             if number > bound:
                 return bound
             return -bound if number < -bound else number
         case ir.Cast(value=inner, data_type=data_type):
-            return data_type.scalar(_evaluate(inner, values))
+            return data_type.scalar(evaluate(inner, values))
         case ir.Call(arguments=arguments, data_type=data_type, function=function):
-            return data_type.scalar(function(*(_evaluate(a, values) for a in arguments)))
+            return data_type.scalar(function(*(evaluate(a, values) for a in arguments)))
         case ir.Rounded(value=inner):
-            return _nearest(_evaluate(inner, values))
+            return _nearest(evaluate(inner, values))
         case ir.Table(value=inner):
-            return _look_up(expression, _evaluate(inner, values))
+            return _look_up(expression, evaluate(inner, values))
         case ir.Rescale(value=inner, bits=bits, rounding=rounding):
-            return rounding.divide(_evaluate(inner, values), bits)
+            return rounding.divide(evaluate(inner, values), bits)
         case ir.Bounded(value=inner, low=low, high=high):
-            return min(max(_evaluate(inner, values), low), high)
+            return min(max(evaluate(inner, values), low), high)
 
 
 def _operate(operator: str, first: Any, second: Any) -> Any:
@@ -114,7 +115,7 @@ def _operate(operator: str, first: Any, second: Any) -> Any:
 
 
 def _holds(condition: ir.Comparison, values: Mapping[_Key, Any]) -> bool:
-    left, right = _evaluate(condition.left, values), _evaluate(condition.right, values)
+    left, right = evaluate(condition.left, values), evaluate(condition.right, values)
     match condition.operator:
         case "<":
             return bool(left < right)

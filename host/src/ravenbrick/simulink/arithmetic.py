@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from ravenbrick.model import (
     LogicalOperator,
     MinMax,
+    Parameter,
     Quantiser,
     RelationalOperator,
     RoundingFunction,
@@ -122,7 +123,11 @@ def _gain(b: Builder) -> None:
         _matrix_gain(b)
         return
     wires = b.inputs(1, b.width("Gain"))
-    factors = [b.dialog(element=e).number("Gain", "1") for e in range(len(wires))]
+    factor = b.tunable("Gain", "1")
+    factors = [
+        factor if isinstance(factor, Parameter) else b.dialog(element=e).number("Gain", "1")
+        for e in range(len(wires))
+    ]
     b.out([b.scaled_block(factor, wire) for factor, wire in zip(factors, wires, strict=True)])
 
 
@@ -231,15 +236,18 @@ def _rounded(b: Builder, wire: Wire, step: float, low: float, high: float) -> Wi
 
 
 def _saturation(b: Builder) -> None:
-    wires = b.inputs(1, b.width("UpperLimit", "LowerLimit"))
+    names = ("UpperLimit", "LowerLimit")
+    wires = b.inputs(1, b.width(*names))
+    single = all(value_of(b.dialog().text(n) or "0", b.site.variables).size == 1 for n in names)
+    if single:
+        limits = b.limits(*names, "0.5", "-0.5")
+        b.out([b.add(limits, wire) for wire in wires])
+        return
     found = []
     for element, wire in enumerate(wires):
         d = b.dialog(element=element)
         low, high = d.number("LowerLimit", "-0.5"), d.number("UpperLimit", "0.5")
-        if low == -high and math.isfinite(high):
-            found.append(b.add(Saturation("B", limit=high), wire))
-        else:
-            found.append(b.add(Saturation("B", limit=high, lower=low), wire))
+        found.append(b.add(Saturation("B", limit=high, lower=low), wire))
     b.out(found)
 
 
@@ -250,6 +258,9 @@ def _constant(b: Builder) -> None:
         b.out([b.constant_block(value) for value in _bus_values(b, shape, d.text("Value", "1"))])
         return
     value = value_of(d.text("Value", "1"), d.variables).T.ravel()
+    if value.size == 1:
+        b.out([b.constant_block(b.tunable("Value", "1"))])
+        return
     if value.size > _MOST_TERMS:
         raise ValueError(f"a constant of {value.size} elements")
     b.out([b.constant_block(float(one)) for one in value])

@@ -32,7 +32,7 @@ class Assembly:
         needed = self._needed()
         for node in translation.inports():
             if id(node) in needed:
-                self._blocks[id(node)] = self._diagram.add(node.block)
+                self._blocks[id(node)] = self._diagram.add(translation.rated(node))
         for node in needed.values():
             if id(node) not in self._blocks:
                 self._blocks[id(node)] = self._diagram.add(translation.rated(node))

@@ -37,7 +37,7 @@ from ravenbrick.model import (
 )
 from ravenbrick.model.lazy import control
 from ravenbrick.simulink.arithmetic import ARITHMETIC
-from ravenbrick.simulink.builder import Builder, Dialog
+from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
 from ravenbrick.simulink.conditions import CONDITIONS
 from ravenbrick.simulink.library import CLOCKS
 from ravenbrick.simulink.lookup import LOOKUP
@@ -45,8 +45,10 @@ from ravenbrick.simulink.memory import MEMORY
 from ravenbrick.simulink.numbers import matrix
 from ravenbrick.simulink.routing import ROUTING
 from ravenbrick.simulink.signals import Wire
+from ravenbrick.simulink.simulation import continuous
+from ravenbrick.simulink.simulation.continuous import LinearSystem, TimeFunction
 
-__all__ = ["IGNORED", "MAKERS", "STRUCTURE"]
+__all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
 
 IGNORED = frozenset(
     """Scope Display ToWorkspace ToFile Terminator XYGraph FloatingScope Annotation
@@ -85,8 +87,11 @@ def _zero_pole(d: Dialog) -> Block:
 
 
 def _sampled(d: Dialog, system: control.TransferFunction) -> Block:
-    """A continuous block at the diagram's rate: by Tustin's method, or with its input held."""
-    method = DiscretisationMethod.ZERO_ORDER_HOLD if d.held else DiscretisationMethod.TUSTIN
+    """A continuous block at the diagram's rate, or as it is in a simulation."""
+    if d.form is ContinuousForm.SOLVED:
+        return LinearSystem.of(d.name, system)
+    held = d.form is ContinuousForm.HELD
+    method = DiscretisationMethod.ZERO_ORDER_HOLD if held else DiscretisationMethod.TUSTIN
     return transfer_function_block(d.name, discretise(system, d.sample_time, method))
 
 
@@ -104,9 +109,12 @@ def _state_space(d: Dialog) -> Block:
         raise ValueError("a state space with several outputs")
     discrete = d.block.kind == "DiscreteStateSpace"
     system = control.ss(*parts, d.sample_time) if discrete else control.ss(*parts)
-    if not discrete:
-        system = control.sample_system(system, d.sample_time, "zoh" if d.held else "bilinear")
     start = d.numbers("X0", "0") if d.text("X0") else ()
+    if not discrete and d.form is ContinuousForm.SOLVED:
+        return LinearSystem.of(d.name, system, start)
+    if not discrete:
+        held = d.form is ContinuousForm.HELD
+        system = control.sample_system(system, d.sample_time, "zoh" if held else "bilinear")
     if any(start) and not discrete:
         raise ValueError("an initial state of a continuous state space")
     block = state_space_block(d.name, system)
@@ -181,6 +189,43 @@ def _sine(b: Builder) -> None:
         wave = b.scaled(amplitude, b.add(Trigonometry("B"), angle))
         found.append(b.sum(wave, b.constant(bias)) if bias else wave)
     b.out(found)
+
+
+def _step_in_time(d: Dialog) -> TimeFunction:
+    return continuous.step(d.number("Time", "1"), d.number("Before", "0"), d.number("After", "1"))
+
+
+def _pulse_in_time(d: Dialog) -> TimeFunction:
+    if d.text("PulseType", "Sample based") == "Sample based":
+        raise ValueError("a pulse that counts samples; make it time based")
+    period = d.number("Period", "2")
+    width = period * d.number("PulseWidth", "5") / 100
+    return continuous.pulse(d.number("Amplitude", "1"), period, width, d.number("PhaseDelay", "0"))
+
+
+def _sine_in_time(d: Dialog) -> TimeFunction:
+    if d.text("SineType", "Time based") == "Sample based":
+        raise ValueError("a sine that counts samples; make it time based")
+    return continuous.sine(d.number("Amplitude", "1"), d.number("Frequency", "1"),
+                           d.number("Phase", "0"), d.number("Bias", "0"))  # fmt: skip
+
+
+def _in_time(maker: Callable[[Dialog], TimeFunction]) -> Callable[[Builder], None]:
+    """A source, element by element, as a function of the time."""
+
+    def make(b: Builder) -> None:
+        width = b.width(*_WIDENING.get(b.site.kind, ()))
+        b.out([b.add(maker(b.dialog("B", e)), b.time()) for e in range(width)])
+
+    return make
+
+
+def _no_delay_in_time(b: Builder) -> None:
+    raise ValueError("a delay in continuous time; use a transfer function, such as a Pade form")
+
+
+def _no_rate_in_time(b: Builder) -> None:
+    raise ValueError("the derivative of a continuous signal; use the transfer function s/(T s + 1)")
 
 
 def _bias(b: Builder) -> None:
@@ -275,4 +320,14 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
     "Bias": _bias,
     "Derivative": _derivative,
     "Sin": _sine,
+}
+
+# Makers of a simulation in continuous time, in place of those above.
+IN_TIME: Mapping[str, Callable[[Builder], None]] = {
+    "Clock": lambda b: b.out([b.scaled_block(1.0, b.time())]),
+    "Derivative": _no_rate_in_time,
+    "DiscretePulseGenerator": _in_time(_pulse_in_time),
+    "Sin": _in_time(_sine_in_time),
+    "Step": _in_time(_step_in_time),
+    "TransportDelay": _no_delay_in_time,
 }

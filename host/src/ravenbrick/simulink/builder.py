@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from enum import Enum
 
 from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS
 from ravenbrick.model import (
@@ -15,8 +16,10 @@ from ravenbrick.model import (
     Constant,
     Gain,
     LogicalOperator,
+    Parameter,
     Product,
     RelationalOperator,
+    Saturation,
     Sum,
     Switch,
     UnitDelay,
@@ -25,8 +28,20 @@ from ravenbrick.simulink.file import SimulinkBlock
 from ravenbrick.simulink.network import Network, Site
 from ravenbrick.simulink.numbers import Workspace, value_of
 from ravenbrick.simulink.signals import Node, Ref, Shape, Wire, plain, size_of
+from ravenbrick.simulink.simulation.continuous import LinearSystem
 
-__all__ = ["Builder", "Dialog", "Names", "identifier"]
+__all__ = ["Builder", "ContinuousForm", "Dialog", "Names", "Value", "identifier"]
+
+Value = float | Parameter
+
+
+class ContinuousForm(Enum):
+    """What a continuous block becomes: a discrete one, or in a simulation what it is."""
+
+    TUSTIN = "discrete by Tustin's method"
+    HELD = "discrete with its input held"
+    SOLVED = "a system of differential equations"
+
 
 LONGEST_NAME = 31
 
@@ -44,6 +59,7 @@ class Names:
     def __init__(self) -> None:
         self._taken = {word.lower() for word in (*C_KEYWORDS, ACCUMULATOR)}
         self._next: dict[tuple[str, str], int] = {}
+        self._shared: dict[str, str] = {}
 
     def new(self, path: str, ending: str = "") -> str:
         """A name for the block at `path`, with an ending for a part of it.
@@ -51,6 +67,7 @@ class Names:
         The ending is set apart by `_i`, so that no value of another block has the same name.
         """
         ending = ending and f"_i{ending}"
+        path = path.replace("//", "_")  # a slash in a block's name
         last = identifier(path.rpartition("/")[2])
         base = last if ending or last.lower() not in self._taken else identifier(path)
         number = self._next.get((base, ending), 1)
@@ -62,6 +79,12 @@ class Names:
         self._taken.add(name.lower())
         return name
 
+    def shared(self, text: str) -> str:
+        """The same name for the same text."""
+        if text not in self._shared:
+            self._shared[text] = self.new(text)
+        return self._shared[text]
+
     def _cut(self, base: str, ending: str) -> str:
         return f"{base[: LONGEST_NAME - len(ending)].rstrip('_')}{ending}"
 
@@ -70,8 +93,7 @@ class Names:
 class Dialog:
     """A block's parameters as numbers; `sample_time` (s) is the rate that the block runs at.
 
-    Of a parameter with several elements `element` (from 0) is taken. With `held` a continuous
-    block takes its input as constant between two samples.
+    Of a parameter with several elements `element` (from 0) is taken.
     """
 
     block: SimulinkBlock
@@ -79,7 +101,7 @@ class Dialog:
     variables: Workspace
     sample_time: float
     element: int = 0
-    held: bool = False
+    form: ContinuousForm = ContinuousForm.TUSTIN
 
     def text(self, name: str, default: str = "") -> str:
         """A parameter as it stands in the file."""
@@ -129,9 +151,11 @@ class Builder:
     network: Network
     shapes: dict[tuple[str, int], Shape]
     names: Names
+    parameters: Names
     sample_time: float
     condition: Callable[[str], Wire]
-    held: bool = False
+    form: ContinuousForm
+    time: Callable[[], Wire]
     nodes: list[Node] = field(default_factory=list)
     outputs: dict[int, list[Wire]] = field(default_factory=dict)
     open_inputs: list[int | str] = field(default_factory=list)
@@ -139,7 +163,44 @@ class Builder:
     def dialog(self, name: str = "", element: int = 0) -> Dialog:
         """The block's parameters."""
         site, rate = self.site, self.sample_time
-        return Dialog(site.block, name, site.variables, rate, element, self.held)
+        return Dialog(site.block, name, site.variables, rate, element, self.form)
+
+    def tunable(self, name: str, default: str) -> Value:
+        """A dialog's parameter as a field of the generated parameters, as Embedded Coder names it.
+
+        A variable of the workspace gives its own name, shared by all blocks that use it; any other
+        scalar is `<block>_<name>`. Infinite values, and vectors and matrices, stay numbers.
+        """
+        d = self.dialog()
+        text, value = d.text(name, default) or default, d.number(name, default)
+        if not math.isfinite(value) or value_of(text, d.variables).size != 1:
+            return value
+        if re.fullmatch(r"[A-Za-z][\w.]*", text) and self.network.is_workspace_variable(
+            text, d.variables
+        ):
+            about = f"workspace variable '{text}'"
+            return Parameter(self.parameters.shared(text), value, "", about)
+        own = self.parameters.new(f"{self.site.path}_{name}")
+        return Parameter(own, value, "", f"{name} of '{identifier(self.site.path)}'")
+
+    def symmetric_limits(self, upper: str, lower: str) -> bool:
+        """Whether the lower limit is the upper one with a minus, and finite."""
+        d = self.dialog()
+        high, low = (d.text(name).replace(" ", "") for name in (upper, lower))
+        numbers = d.number(upper, "0.5"), d.number(lower, "-0.5")
+        literal = not re.search("[A-Za-z]", high + low)
+        same = low == f"-{high}" or literal
+        return same and numbers[0] == -numbers[1] and math.isfinite(numbers[0])
+
+    def limits(self, upper: str, lower: str, high: str, low: str) -> Saturation:
+        """A saturation between two parameters of the dialog; `high` and `low` are the defaults.
+
+        Limits such as `battery` and `-battery` become one field, so that they cannot differ.
+        """
+        limit = self.tunable(upper, high)
+        if self.symmetric_limits(upper, lower):
+            return Saturation("B", limit=limit)
+        return Saturation("B", limit=limit, lower=self.tunable(lower, low))
 
     def input_shape(self, port: int | str = 1) -> Shape:
         """The shape of the signal at an input; of an open one a number."""
@@ -189,11 +250,11 @@ class Builder:
         """A number as a wire."""
         return self.add(Constant("B", value=float(value)), ending="_number")
 
-    def constant_block(self, value: float) -> Node:
+    def constant_block(self, value: Value) -> Node:
         """A number under the block's own name."""
         return self.add(Constant("B", value=value))
 
-    def scaled_block(self, factor: float, wire: Wire) -> Node:
+    def scaled_block(self, factor: Value, wire: Wire) -> Node:
         """A product with a number under the block's own name."""
         return self.add(Gain("B", gain=factor), wire)
 
@@ -209,9 +270,9 @@ class Builder:
         ordered = "".join(sign for sign, _ in pairs)
         return self.add(Sum("B", signs=ordered), *(wire for _, wire in pairs), ending="_sum")
 
-    def scaled(self, factor: float, wire: Wire) -> Wire:
+    def scaled(self, factor: Value, wire: Wire, ending: str = "_gain") -> Wire:
         """A product with a number."""
-        return wire if factor == 1.0 else self.add(Gain("B", gain=factor), wire, ending="_gain")
+        return wire if factor == 1.0 else self.add(Gain("B", gain=factor), wire, ending=ending)
 
     def product(self, *wires: Wire, operators: str = "") -> Wire:
         """Products and quotients."""
@@ -233,6 +294,22 @@ class Builder:
     def choose(self, condition: Wire, yes: Wire, no: Wire) -> Wire:
         """`yes` where the condition is 1, `no` where it is 0."""
         return self.add(Switch("B", threshold=0.5), yes, condition, no, ending="_choice")
+
+    def limited(self, wire: Wire, low: Wire, high: Wire) -> Wire:
+        """Between two signals."""
+        inside = self.choose(self.compare(wire, "<", low), low, wire)
+        return self.choose(self.compare(wire, ">", high), high, inside)
+
+    @property
+    def solved(self) -> bool:
+        """Whether the block stays continuous: in a simulation, unless its dialog is discrete."""
+        discrete = self.dialog().text("TimeDomain", "Continuous-time").startswith("Discrete")
+        return self.form is ContinuousForm.SOLVED and not discrete
+
+    def integral(self, wire: Wire | None = None, initial: float = 0.0) -> Node:
+        """The integral over time, in a simulation; its input may be given later."""
+        given = [] if wire is None else [wire]
+        return self.add(LinearSystem("B", initial=(initial,)), *given, ending="_integral")
 
     def last(self, wire: Wire, initial: float = 0.0) -> Wire:
         """The value of the step before."""

@@ -19,6 +19,8 @@ _LARGEST_BYTES = 64 << 20
 _MOST_FILES = 4000
 _DEEPEST = 200
 _ROOTS = ("simulink/systems/system_root.xml", "simulink/blockdiagram.xml")
+_SETTINGS = re.compile(r"simulink/(blockdiagram|configSet\d+)\.xml\Z")
+_WANTED = ("PreLoadFcn", "InitFcn", "StopTime")
 _DEFAULTS = ("simulink/bddefaults.xml", "simulink/blockdiagram.xml")
 
 
@@ -48,10 +50,14 @@ class SimulinkLine:
 
 @dataclass
 class SimulinkSystem:
-    """Blocks by key (their number or name in the file) and the lines between them."""
+    """Blocks by key (their number or name in the file) and the lines between them.
+
+    `settings` are those of the whole model, at its root: `PreLoadFcn`, `InitFcn`, `StopTime`.
+    """
 
     blocks: dict[str, SimulinkBlock] = field(default_factory=dict)
     lines: list[SimulinkLine] = field(default_factory=list)
+    settings: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass
@@ -127,7 +133,10 @@ class _Archive:
         systems = [n for n in _walk(node) if n.tag == "System"]
         if not systems:
             raise DesignError(f"{self._path}: {name} holds no system")
-        return self._system(systems[0], 0)
+        system = self._system(systems[0], 0)
+        for part in (node, *(self._parse(n) for n in sorted(self._names) if _SETTINGS.match(n))):
+            system.settings |= _settings(part)
+        return system
 
     def _system(self, node: _Node, depth: int) -> SimulinkSystem:
         if depth > _DEEPEST:
@@ -147,6 +156,17 @@ def _walk(node: _Node) -> Iterator[_Node]:
         one = waiting.pop(0)
         yield one
         waiting[:0] = one.children
+
+
+def _settings(node: _Node) -> dict[str, str]:
+    """What is set for the whole model, outside its blocks."""
+    found: dict[str, str] = {}
+    waiting = [node]
+    while waiting:
+        one = waiting.pop()
+        found |= {key: text for key, text in one.values().items() if key in _WANTED}
+        waiting += [child for child in one.children if child.tag not in ("System", "P")]
+    return found
 
 
 def _parse_xml(data: bytes, place: str) -> _Node:
@@ -266,7 +286,9 @@ def _mdl_root(text: str, path: Path) -> SimulinkSystem:
     def system(inner: _Node) -> SimulinkSystem:
         return _system_of(inner, defaults, system)
 
-    return system(systems[0])
+    root = system(systems[0])
+    root.settings |= _settings(node)
+    return root
 
 
 def _mdl_tree(text: str, path: Path) -> _Node:

@@ -11,18 +11,19 @@ from pathlib import Path
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
     Diagram,
-    DiagramError,
     Execution,
 )
+from ravenbrick.model.diagram import AlgebraicLoopError
 from ravenbrick.simulink.assembly import Assembly
-from ravenbrick.simulink.builder import identifier
+from ravenbrick.simulink.builder import ContinuousForm, identifier
 from ravenbrick.simulink.file import read_simulink
 from ravenbrick.simulink.libraries import Libraries
 from ravenbrick.simulink.network import Network
 from ravenbrick.simulink.numbers import Variables, Workspace
 from ravenbrick.simulink.translation import Refusal, Translation
+from ravenbrick.simulink.workspace import assignments
 
-__all__ = ["Refusal", "Survey", "import_simulink", "survey_simulink"]
+__all__ = ["ModelSource", "Refusal", "Survey", "import_simulink", "survey_simulink"]
 
 _SURVEYED_STEPS = 20
 _CONTINUOUS = frozenset("Integrator TransferFcn StateSpace ZeroPole".split())
@@ -58,42 +59,46 @@ def import_simulink(
     variables: Variables | None = None,
     libraries: Sequence[Path] = (),
     subsystem: str = "",
+    name: str = "",
 ) -> Diagram:
     """The model in `path` (.slx or .mdl) as a diagram stepped every `sample_time` (s).
 
     Subsystems are dissolved, their paths become names; vectors and buses become single signals.
-    `variables` are the workspace's numbers. Libraries and referenced models are looked for beside
-    the model and in the folders `libraries`. Continuous blocks are made discrete by Tustin's
-    method; where that closes a loop without delay, with their inputs held. Scopes and terminators
-    are left out, with what only leads to them; in a model without an outport what its scopes show
-    are the outputs. With `subsystem` (its path) only that is imported. Raises `DesignError` with
-    every block that cannot be imported.
+    `variables` are the workspace's numbers, before those that the model assigns when it is opened
+    or started. Scalar gains, constants and limits become tunable parameters. Libraries and
+    referenced models are looked for beside the model and in the folders `libraries`. Continuous
+    blocks are made discrete by Tustin's method; where that closes a loop without delay, with their
+    inputs held. Scopes and terminators are left out, with what only leads to them; in a model
+    without an outport what its scopes show are the outputs. With `subsystem` (its path) only that
+    is imported. The diagram is called `name`, else like the file or the subsystem. Raises
+    `DesignError` with every block that cannot be imported.
     """
-    source = _Import(path, sample_time, Workspace(variables or {}), tuple(libraries), subsystem)
+    given = Workspace(variables or {})
+    source = ModelSource(path, sample_time, given, tuple(libraries), subsystem, name)
     translation = source.read()
-    if translation.refusals:
-        lines = [f"{r.path} ({r.kind}): {r.reason}" for r in translation.refusals]
-        raise DesignError(
-            f"{path}: {len(lines)} of {len(translation.network.sites)} blocks cannot be imported; "
-            "replace them",
-            detail="\n".join(lines),
-        )
+    source.require_whole(translation, "imported")
     return source.ordered(translation)
 
 
 @dataclass(frozen=True)
-class _Import:
-    """What is read, and with what."""
+class ModelSource:
+    """A model's file, and what it is read with; `name` is that of the diagram."""
 
     path: Path
     sample_time: float
     variables: Workspace
     libraries: tuple[Path, ...]
     subsystem: str = ""
+    name: str = ""
 
-    def read(self, *, held: bool = False) -> Translation:
-        """The nodes of all blocks."""
+    def network(self) -> Network:
+        """All blocks of the model, or of its subsystem."""
         root = read_simulink(self.path)
+        settings = root.settings
+        variables = Workspace({}, guess=self.variables.guess)
+        for callback in ("PreLoadFcn", "InitFcn"):
+            assignments(settings.get(callback, ""), self.path.parent, variables)
+        variables |= self.variables
         for part in self.subsystem.split("/") if self.subsystem else ():
             inner = [b.system for b in root.blocks.values() if b.name == part and b.system]
             if not inner:
@@ -101,27 +106,42 @@ class _Import:
             root = inner[0]
         libraries = Libraries(self.path, self.libraries)
         try:
-            network = Network(root, self.path.stem, libraries, self.variables)
+            return Network(root, self.path.stem, libraries, variables, settings)
         except (ValueError, RecursionError) as error:
             raise DesignError(f"{self.path}: {error}") from error
-        return Translation(network, self.sample_time, held=held)
+
+    def read(self, form: ContinuousForm = ContinuousForm.TUSTIN) -> Translation:
+        """The nodes of all blocks."""
+        return Translation(self.network(), self.sample_time, form)
+
+    def require_whole(self, translation: Translation, purpose: str) -> None:
+        """Raise `DesignError` with all refused blocks; `purpose` such as "imported"."""
+        if not translation.refusals:
+            return
+        lines = [f"{r.path} ({r.kind}): {r.reason}" for r in translation.refusals]
+        raise DesignError(
+            f"{self.path}: {len(lines)} of {len(translation.network.sites)} blocks cannot be "
+            f"{purpose}; replace them",
+            detail="\n".join(lines),
+        )
 
     def ordered(self, translation: Translation) -> Diagram:
         """The diagram, with held inputs of continuous blocks if they close a loop otherwise."""
-        name = identifier(self.subsystem or self.path.stem)
-        diagram = self._assembled(translation, name)
+        diagram = self.assembled(translation)
         try:
             diagram.order()
-        except DiagramError as error:
+        except AlgebraicLoopError:
             kinds = {site.kind for site in translation.network.sites.values()}
-            if "algebraic loop" not in str(error) or not kinds & _CONTINUOUS:
+            if not kinds & _CONTINUOUS:
                 raise
-            diagram = self._assembled(self.read(held=True), name)
+            diagram = self.assembled(self.read(ContinuousForm.HELD))
             diagram.order()
         return diagram
 
-    def _assembled(self, translation: Translation, name: str) -> Diagram:
+    def assembled(self, translation: Translation) -> Diagram:
+        """The diagram; raises `DesignError` for a model without outputs."""
         translation.require_outputs(self.path)
+        name = self.name or identifier(self.subsystem or self.path.stem)
         return Assembly(translation, name, self.path).diagram()
 
 
@@ -132,7 +152,7 @@ def survey_simulink(
 
     A block of a library counts once, as refused if any block inside it is.
     """
-    source = _Import(path, sample_time, Workspace({}, guess=True), tuple(libraries))
+    source = ModelSource(path, sample_time, Workspace({}, guess=True), tuple(libraries))
     translation = source.read()
     own = [site for site in translation.network.sites.values() if not site.link]
     refusals = {}

@@ -19,11 +19,6 @@ __all__ = ["CLOCKS", "library_maker", "own_library"]
 _BITS = 24
 
 
-def _limited(b: Builder, wire: Wire, low: Wire, high: Wire) -> Wire:
-    inside = b.choose(b.compare(wire, "<", low), low, wire)
-    return b.choose(b.compare(wire, ">", high), high, inside)
-
-
 def _three(b: Builder) -> list[tuple[Wire, ...]]:
     """Upper, value, lower: the ports of the dynamic blocks."""
     width = b.width()
@@ -31,11 +26,11 @@ def _three(b: Builder) -> list[tuple[Wire, ...]]:
 
 
 def _saturation(b: Builder) -> None:
-    b.out([_limited(b, wire, low, high) for high, wire, low in _three(b)])
+    b.out([b.limited(wire, low, high) for high, wire, low in _three(b)])
 
 
 def _dead_zone(b: Builder) -> None:
-    b.out([b.sum(wire, _limited(b, wire, low, high), signs="+-") for high, wire, low in _three(b)])
+    b.out([b.sum(wire, b.limited(wire, low, high), signs="+-") for high, wire, low in _three(b)])
 
 
 def _rate_limit(b: Builder) -> None:
@@ -46,7 +41,7 @@ def _rate_limit(b: Builder) -> None:
         last = b.last(state)
         change = b.sum(wire, last, signs="+-")
         bounds = (b.scaled(b.sample_time, low), b.scaled(b.sample_time, high))
-        state.inputs.append(b.sum(last, _limited(b, change, *bounds)))
+        state.inputs.append(b.sum(last, b.limited(change, *bounds)))
         found.append(state)
     b.out(found)
 

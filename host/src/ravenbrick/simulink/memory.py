@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 
 from ravenbrick.model import Delay, DiscreteIntegrator, IntegrationMethod, Saturation, UnitDelay
-from ravenbrick.simulink.builder import Builder
+from ravenbrick.simulink.builder import Builder, ContinuousForm
 from ravenbrick.simulink.conditions import triggered
 from ravenbrick.simulink.signals import Wire
 
@@ -22,7 +21,7 @@ _METHODS = {
     "Trapezoidal": IntegrationMethod.TUSTIN,
 }
 _FORWARD = IntegrationMethod.FORWARD_EULER
-_CONTINUOUS = {False: IntegrationMethod.TUSTIN, True: _FORWARD}
+_CONTINUOUS = {ContinuousForm.TUSTIN: IntegrationMethod.TUSTIN, ContinuousForm.HELD: _FORWARD}
 _EDGES = ("rising", "falling", "either")
 
 
@@ -38,7 +37,35 @@ def _first_step(b: Builder, count: int = 1) -> Wire:
     return b.add(Delay("B", length=count, initial=1.0), b.constant(0.0), ending="_first")
 
 
+def _solved_integrator(b: Builder) -> None:
+    """In continuous time; one with limits stops at them while its input points outwards."""
+    d = b.dialog()
+    if d.text("ExternalReset", "none") != "none":
+        raise ValueError("an integrator with a reset in continuous time")
+    outside = d.text("InitialConditionSource", "internal") == "external"
+    wires = b.inputs(1, b.width("InitialCondition"))
+    found: list[Wire] = []
+    for element, wire in enumerate(wires):
+        d = b.dialog(element=element)
+        first = 0.0 if outside else d.number("InitialCondition", "0")
+        if d.text("LimitOutput", "off") != "on":
+            state: Wire = b.integral(wire, first)
+        else:
+            node = b.integral(initial=first)
+            low, high = (d.number(f"{side}SaturationLimit", f"{sign}inf")
+                         for side, sign in (("Lower", "-"), ("Upper", "")))  # fmt: skip
+            state = b.add(Saturation("B", limit=high, lower=low), node, ending="_limit")
+            up = b.logic("AND", b.compare(node, ">=", high), b.compare(wire, ">", 0.0))
+            down = b.logic("AND", b.compare(node, "<=", low), b.compare(wire, "<", 0.0))
+            node.inputs = [b.choose(b.logic("OR", up, down), b.constant(0.0), wire)]
+        found.append(b.sum(state, b.inputs(2, len(wires))[element]) if outside else state)
+    b.out(found)
+
+
 def _integrator(b: Builder) -> None:
+    if b.solved and b.site.kind == "Integrator":
+        _solved_integrator(b)
+        return
     d = b.dialog()
     way, _, method = d.text("IntegratorMethod", "Integration: Forward Euler").partition(": ")
     continuous = b.site.kind == "Integrator"
@@ -50,7 +77,7 @@ def _integrator(b: Builder) -> None:
     for element, wire in enumerate(wires):
         d = b.dialog(element=element)
         gain = step * (1.0 if continuous else d.number("gainval", "1.0"))
-        rule = _CONTINUOUS[b.held] if continuous else _METHODS[method]
+        rule = _CONTINUOUS[b.form] if continuous else _METHODS[method]
         initial = d.number("InitialCondition", "0") if outside == "internal" else 0.0
         if (reset, outside, limited) == ("none", "internal", False):
             block = DiscreteIntegrator("B", gain=gain, method=rule, initial=initial)
@@ -146,45 +173,54 @@ def _derivative(b: Builder) -> None:
 def _pid(b: Builder) -> None:
     """Parallel or ideal form, filtered derivative, limits, clamping or back-calculation."""
     d = b.dialog()
-    kind, form = d.text("Controller", "PID"), d.text("Form", "Parallel")
-    if b.ports() > 1:
+    kind, ideal = d.text("Controller", "PID"), d.text("Form", "Parallel") == "Ideal"
+    outside = d.text("SatLimitsSource", "internal") == "external"
+    if b.ports() > (3 if outside else 1):
         raise ValueError("a PID controller with a reset, tracking or gains from outside")
-    step, error = b.sample_time, b.inputs()[0]
-    p = d.number("P", "1") if "P" in kind or form == "Ideal" else 1.0
-    outer = p if form == "Ideal" else 1.0
-    terms: list[Wire] = [b.scaled(p, error)] if "P" in kind else []
+    error = b.inputs()[0]
+    product = b.scaled(b.tunable("P", "1"), error, "_P") if "P" in kind or ideal else error
+    base = product if ideal else error
+    terms: list[Wire] = [product] if "P" in kind else []
     if "D" in kind:
-        terms.append(_rate(b, b.scaled(outer * d.number("D", "0"), error)))
-    high, low = math.inf, -math.inf
-    if d.text("LimitOutput", "off") == "on" or d.text("SatLimitsSource") == "on":
-        high = d.number("UpperSaturationLimit", "inf")
-        low = d.number("LowerSaturationLimit", "-inf")
-    limits = Saturation("B", limit=high, lower=low)
+        terms.append(_rate(b, b.scaled(b.tunable("D", "0"), base, "_D")))
     if "I" not in kind:
-        total = b.sum(*terms)
-        b.out([total if high == math.inf else b.add(limits, total)])
+        b.out([_pid_limited(b, b.sum(*terms))])
         return
-    drive = b.scaled(outer * d.number("I", "1") * step, error)
-    state = b.add(UnitDelay("B", initial=d.number("InitialConditionForIntegrator", "0")))
-    rule, limited = _pid_method(b, "IntegratorMethod"), high < math.inf or low > -math.inf
-    mode = d.text("AntiWindupMode", "none")
-    if rule is not _FORWARD and limited and mode != "none":
+    step = 1.0 if b.solved else b.sample_time
+    drive = b.scaled(step, b.scaled(b.tunable("I", "1"), base, "_I"))
+    first = d.number("InitialConditionForIntegrator", "0")
+    state = b.integral(initial=first) if b.solved else b.add(UnitDelay("B", initial=first))
+    rule = _pid_method(b, "IntegratorMethod")
+    present = [] if rule is _FORWARD else [b.scaled(rule.present_share, drive)]
+    total = b.sum(*terms, state, *present)
+    output = _pid_limited(b, total)
+    mode = d.text("AntiWindupMode", "none") if output is not total else "none"
+    if rule is not _FORWARD and mode != "none":
         raise ValueError(
             f"anti-windup around an integrator by {rule.value} (an algebraic loop); choose the "
             "integrator method Forward Euler"
         )
-    present = [] if rule is _FORWARD else [b.scaled(rule.present_share, drive)]
-    total = b.sum(*terms, state, *present)
-    output: Wire = b.add(limits, total) if limited else total
-    if output is not total and mode == "back-calculation":
-        back = b.scaled(d.number("Kb", "1") * step, b.sum(output, total, signs="+-"))
-        drive = b.sum(drive, back)
-    elif output is not total and mode == "clamping":
+    if mode == "back-calculation":
+        back = b.scaled(b.tunable("Kb", "1"), b.sum(output, total, signs="+-"))
+        drive = b.sum(drive, b.scaled(step, back))
+    elif mode == "clamping":
         beyond = b.sum(total, output, signs="+-")
         wound = b.compare(b.product(beyond, drive), ">", 0.0)
         drive = b.choose(wound, b.constant(0.0), drive)
-    state.inputs = [b.sum(state, drive)]
+    state.inputs = [drive if b.solved else b.sum(state, drive)]
     b.out([output])
+
+
+def _pid_limited(b: Builder, total: Wire) -> Wire:
+    """The output within its limits: of the dialog, or from the ports `up` and `lo`."""
+    d = b.dialog()
+    if d.text("SatLimitsSource", "internal") == "external":
+        high, low = b.inputs(2)[0], b.inputs(3)[0]
+        return b.limited(total, low, high)
+    if d.text("LimitOutput", "off") != "on":
+        return total
+    limits = b.limits("UpperSaturationLimit", "LowerSaturationLimit", "inf", "-inf")
+    return b.add(limits, total) if limits.values() else total
 
 
 def _is_discrete(b: Builder) -> bool:
@@ -206,6 +242,11 @@ def _rate(b: Builder, wire: Wire) -> Wire:
         rate = b.scaled(1 / step, wire)
         return b.sum(rate, b.last(rate), signs="+-")
     pole = d.number("N", "100")
+    if b.solved:
+        filtered = b.integral()
+        rate = b.scaled(pole, b.sum(wire, filtered, signs="+-"))
+        filtered.inputs = [rate]
+        return rate
     rule = _pid_method(b, "FilterMethod") if _is_discrete(b) else IntegrationMethod.TUSTIN
     state = b.add(UnitDelay("B"), ending="_filter")
     share = pole / (1 + pole * step * rule.present_share)

@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ravenbrick.simulink.file import SimulinkBlock, SimulinkSystem
 from ravenbrick.simulink.libraries import Libraries, tight
 from ravenbrick.simulink.numbers import Workspace, value_of
@@ -58,7 +60,8 @@ class Network:
     """All blocks of a model, and for each input the block that gives its signal."""
 
     def __init__(self, root: SimulinkSystem, name: str, libraries: Libraries,
-                 variables: Workspace) -> None:  # fmt: skip
+                 variables: Workspace, settings: Mapping[str, str]) -> None:  # fmt: skip
+        self.settings = settings
         self.sites: dict[str, Site] = {}
         self.odd: dict[str, str] = {}
         self.controls: dict[str, dict[str, SimulinkBlock]] = {}
@@ -77,7 +80,8 @@ class Network:
         paths: dict[str, str] = {}
         known: dict[int, str] = {}
         for key, block in system.blocks.items():
-            own = f"{place.path}/{block.name}" if place.path else block.name
+            name = block.name.replace("/", "//")
+            own = f"{place.path}/{name}" if place.path else name
             if id(block) not in known:
                 known[id(block)] = own
                 if own not in self.sites:
@@ -145,6 +149,16 @@ class Network:
                     self._lines[target, named] = ((source, line.source[1]), line.name)
                     if isinstance(named, int):
                         self._inputs[target] = max(named, self._inputs.get(target, 0))
+
+    @property
+    def variables(self) -> Workspace:
+        """The model's workspace."""
+        return self._base
+
+    def is_workspace_variable(self, name: str, variables: Workspace) -> bool:
+        """Whether a name means the same inside a block as in the model's workspace."""
+        given = self._base.get(name)
+        return given is not None and np.array_equal(given, variables[name])
 
     def is_system(self, path: str) -> bool:
         """Whether the block at `path` stands for the blocks inside it."""

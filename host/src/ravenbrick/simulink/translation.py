@@ -12,18 +12,20 @@ from ravenbrick.errors import DesignError
 from ravenbrick.model import (
     Block,
     Constant,
+    DataType,
     Inport,
     Outport,
     ZeroOrderHold,
 )
-from ravenbrick.simulink.blocks import IGNORED, MAKERS, STRUCTURE
-from ravenbrick.simulink.builder import Builder, Names, identifier
+from ravenbrick.simulink.blocks import IGNORED, IN_TIME, MAKERS, STRUCTURE
+from ravenbrick.simulink.builder import Builder, ContinuousForm, Names, identifier
 from ravenbrick.simulink.conditions import held_output, triggered
 from ravenbrick.simulink.library import library_maker, own_library
 from ravenbrick.simulink.network import CONTROLS, End, Network, Site
 from ravenbrick.simulink.rates import block_rates, own_rate
 from ravenbrick.simulink.shapes import shapes_of
 from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Wire, size_of
+from ravenbrick.simulink.simulation.continuous import TIME, LinearSystem, TimeFunction
 
 __all__ = ["Refusal", "Translation"]
 
@@ -50,15 +52,18 @@ class Refusal:
 class Translation:
     """Nodes of all blocks of a model, and refusals of those without counterpart."""
 
-    def __init__(self, network: Network, sample_time: float, *, held: bool) -> None:
+    def __init__(self, network: Network, sample_time: float, form: ContinuousForm) -> None:
         self.network = network
         self.refusals: list[Refusal] = []
         self.open_inputs: list[str] = []
         self.sample_time = sample_time
-        self._held = held
-        self._names = Names()
+        self._form = form
+        self._time = Node(Inport(TIME), "")
+        self._names, self._parameters = Names(), Names()
+        if form is ContinuousForm.SOLVED:
+            self._names.new(TIME)
         self._shapes = shapes_of(network, _KNOWN)
-        self._nodes: list[Node] = []
+        self.nodes: list[Node] = []
         self._outputs: dict[End, list[Wire]] = {}
         self._conditions: dict[str, Wire] = {}
         self._ports: list[Node] = []
@@ -70,8 +75,14 @@ class Translation:
 
     def _builder(self, site: Site) -> Builder:
         rate = self._rates.get(site.path, self.sample_time)
-        shapes, names = self._shapes, self._names
-        return Builder(site, self.network, shapes, names, rate, self._condition, self._held)
+        return Builder(site, self.network, self._shapes, self._names, self._parameters, rate,
+                       self._condition, self._form, self._time_input)  # fmt: skip
+
+    def _time_input(self) -> Wire:
+        """The input that holds the time, in a simulation."""
+        if self._time not in self.nodes:
+            self.nodes.append(self._time)
+        return self._time
 
     def _refuse(self, site: Site, reason: str, *, outside: bool = False) -> None:
         if site.path not in self._failed:
@@ -111,6 +122,8 @@ class Translation:
 
     def _try(self, site: Site) -> None:
         maker: Maker | None = MAKERS.get(site.kind)
+        if self._form is ContinuousForm.SOLVED and own_rate(site) is None:
+            maker = IN_TIME.get(site.kind, maker)
         if site.kind == "Reference":
             source = site.block.parameters.get("SourceBlock", "")
             maker = library_maker(source)
@@ -136,7 +149,7 @@ class Translation:
         self._take(builder)
 
     def _take(self, builder: Builder) -> None:
-        self._nodes += builder.nodes
+        self.nodes += builder.nodes
         self.open_inputs += [f"{builder.site.path}:{port}" for port in builder.open_inputs]
         for port, wires in builder.outputs.items():
             self._outputs[builder.site.path, port] = wires
@@ -153,7 +166,7 @@ class Translation:
         for ending in _endings(shape):
             name = self._names.new(site.path, ending)
             wires.append(Node(Inport(name), site.path))
-        self._nodes += [wire for wire in wires if isinstance(wire, Node)]
+        self.nodes += [wire for wire in wires if isinstance(wire, Node)]
         self._outputs[site.path, 1] = wires
 
     def _outport(self, site: Site, name: str, port: int = 1) -> None:
@@ -191,7 +204,7 @@ class Translation:
         if outer is not None:
             tests.append(self._condition(outer))
         found = tests[0] if len(tests) == 1 else builder.logic("AND", *tests)
-        self._nodes += builder.nodes
+        self.nodes += builder.nodes
         self._conditions[system] = found
         return found
 
@@ -204,11 +217,12 @@ class Translation:
     def require_outputs(self, path: Path) -> None:
         """Without an outport, scopes are the outputs; raises `DesignError` without either."""
         if not self._ports:
-            self._show_sinks()
+            self.show_sinks()
         if not self._ports:
             raise DesignError(f"{path}: the model has neither outport nor scope; add an outport")
 
-    def _show_sinks(self) -> None:
+    def show_sinks(self) -> None:
+        """What scopes and the like show becomes outputs; raises `DesignError` for a refused one."""
         for site in self.network.sites.values():
             if site.kind in _SINKS and not site.commented:
                 for port in range(1, self.network.inputs(site.path) + 1):
@@ -237,13 +251,13 @@ class Translation:
 
     def inports(self) -> list[Node]:
         """Those that take its inputs, in order."""
-        return [node for node in self._nodes if isinstance(node.block, Inport)]
+        return [node for node in self.nodes if isinstance(node.block, Inport)]
 
     def enabling(self, node: Node) -> tuple[Wire, bool] | None:
         """The condition under which a node's states change, and whether they begin anew."""
-        site = self.network.sites[node.path]
-        if not node.block.states() or site.kind == "Outport":
+        if not node.block.states() or self.network.sites[node.path].kind == "Outport":
             return None
+        site = self.network.sites[node.path]
         system = next(self.network.guards(site.system), None)
         if system is None:
             return None
@@ -258,7 +272,10 @@ class Translation:
         """The node's block with a sample time if it needs one of its own."""
         rate = self._rates.get(node.path, self.sample_time)
         block = node.block
-        if isinstance(block, Inport | Outport | Constant) or rate == self.sample_time:
+        if self._form is ContinuousForm.SOLVED:
+            block = replace(block, data_type=DataType.REAL64)
+        free = (Inport, Outport, Constant, LinearSystem, TimeFunction)
+        if isinstance(block, free) or rate == self.sample_time:
             return block
         given = own_rate(self.network.sites[node.path]) is not None
         if given or block.states() or isinstance(block, ZeroOrderHold):

@@ -12,7 +12,7 @@ import numpy as np
 from ravenbrick.errors import DesignError
 from ravenbrick.simulink.numbers import Workspace, value_of
 
-__all__ = ["read_workspace"]
+__all__ = ["assignments", "read_workspace"]
 
 _LARGEST_BYTES = 4 << 20
 _ASSIGNMENT = re.compile(r"\s*([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)\s*=(?!=)\s*(.+)\Z", re.DOTALL)
@@ -42,10 +42,15 @@ def _read(path: Path, found: Workspace) -> None:
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from error
     if path.suffix != ".m" or len(data) > _LARGEST_BYTES:
         raise DesignError(f"{path}: expected an .m or .mat file below {_LARGEST_BYTES >> 20} MB")
-    for statement in _statements(data.decode("utf-8", errors="replace")):
+    assignments(data.decode("utf-8", errors="replace"), path.parent, found)
+
+
+def assignments(text: str, folder: Path, found: Workspace) -> None:
+    """Add what a program in MATLAB's language assigns; `folder` holds .mat files that it loads."""
+    for statement in _statements(text):
         load = _LOAD.match(statement)
         if load:
-            other = path.parent / load[1]
+            other = folder / load[1]
             other = other if other.suffix else other.with_suffix(".mat")
             if other.suffix == ".mat" and other.is_file():
                 _read_mat(other, found)

@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A diagram with continuous states over time: a variable step between the instants of samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ravenbrick.errors import DesignError
+from ravenbrick.model import Diagram
+from ravenbrick.model import program as ir
+from ravenbrick.model.execution import evaluate
+from ravenbrick.simulink.simulation.continuous import TICK, TIME, LinearSystem, TimeFunction
+
+__all__ = ["Hybrid", "Response"]
+
+Floats = NDArray[np.float64]
+_RELATIVE, _ABSOLUTE = 1e-9, 1e-12
+_POINTS = 1000
+_MOST_INSTANTS = 2_000_000
+
+
+@dataclass(frozen=True)
+class Response:
+    """Signals by the name of the diagram's outputs, at the instants `times` (s).
+
+    At a sample or a jump there are two values, before and after.
+    """
+
+    times: Floats
+    signals: Mapping[str, Floats]
+
+
+class Hybrid:
+    """A diagram in double precision; `sampled` names the blocks that only change at samples.
+
+    Between two instants the states of linear systems are integrated by LSODA with a relative
+    tolerance of 1e-9, with the outputs of sampled blocks held.
+    """
+
+    def __init__(self, diagram: Diagram, sampled: set[str]) -> None:
+        program = diagram.lower()
+        blocks = {block.name: block for block in diagram.blocks}
+        self._program = program
+        self._functions = [b for b in diagram.blocks if isinstance(b, TimeFunction)]
+        continuous = {n for n, block in blocks.items() if isinstance(block, LinearSystem)}
+        self._states = [slot for slot in program.states if slot.block in continuous]
+        state = ir.Kind.STATE
+        derivatives = {
+            s.target.name: s.expression for s in program.statements
+            if s.block in continuous and s.target.kind is state
+        }  # fmt: skip
+        self._derivatives = [derivatives[slot.name] for slot in self._states]
+        self._at_samples = [
+            s for s in program.statements if not (s.block in continuous and s.target.kind is state)
+        ]
+        self._always = [
+            s for s in self._at_samples
+            if s.target.kind is not state and s.block in blocks and s.block not in sampled
+        ]  # fmt: skip
+        self._values: dict[tuple[ir.Kind, str], Any] = {}
+        self._end = 0.0
+
+    def run(self, stop: float, sample_time: float | None, inputs: Mapping[str, float]) -> Response:
+        """From 0 to `stop` (s), with samples every `sample_time` (s) if anything is sampled."""
+        values = self._values
+        for slot in (*self._program.states, *self._program.parameters):
+            values[slot.kind, slot.name] = slot.data_type.scalar(slot.initial)
+        for slot in self._program.inputs:
+            values[slot.kind, slot.name] = np.float64(inputs.get(slot.name, 0.0))
+        x = np.array([slot.initial for slot in self._states])
+        hits = self._hits(stop, sample_time)
+        instants = self._instants(stop, hits)
+        samples = {round(hit / TICK) for hit in hits}
+        times: list[float] = []
+        rows: list[list[float]] = []
+        for begin, end in zip(instants, [*instants[1:], stop], strict=True):
+            self._end = end
+            self._set(begin, x)
+            everything = not times or round(begin / TICK) in samples
+            self._execute(self._at_samples if everything else self._always)
+            self._record(begin, times, rows)
+            if end > begin:
+                x = self._integrated(begin, end, stop, x, times, rows)
+        table = np.array(rows)
+        names = [slot.name for slot in self._program.outputs]
+        return Response(np.array(times), {name: table[:, i] for i, name in enumerate(names)})
+
+    def _hits(self, stop: float, sample_time: float | None) -> list[float]:
+        if sample_time is None:
+            return [0.0]
+        count = int(stop / sample_time + TICK) + 1
+        if count > _MOST_INSTANTS:
+            raise DesignError(
+                f"{count} samples of {sample_time:g} s until {stop:g} s; give a shorter --stop"
+            )
+        return [number * sample_time for number in range(count)]
+
+    def _instants(self, stop: float, hits: list[float]) -> list[float]:
+        """Samples and jumps in order, each once."""
+        breaks = [t for f in self._functions for t in f.breaks(stop) if 0 < t <= stop]
+        found: dict[int, float] = {}
+        for instant in (*hits, *breaks):
+            found.setdefault(round(instant / TICK), instant)
+        return [found[tick] for tick in sorted(found)]
+
+    def _set(self, time: float, x: Floats) -> None:
+        """Time and states; just before the end of a piece the next jump has not come yet."""
+        self._values[ir.Kind.INPUT, TIME] = np.float64(time)
+        for slot, value in zip(self._states, x, strict=True):
+            self._values[slot.kind, slot.name] = np.float64(value)
+
+    def _execute(self, statements: list[ir.Statement]) -> None:
+        values = self._values
+        with np.errstate(all="ignore"):
+            for statement in statements:
+                target = statement.target
+                values[target.kind, target.name] = evaluate(statement.expression, values)
+
+    def _record(self, time: float, times: list[float], rows: list[list[float]]) -> None:
+        times.append(time)
+        rows.append([float(self._values[s.kind, s.name]) for s in self._program.outputs])
+
+    def _slope(self, time: float, x: Floats) -> list[float]:
+        self._set(min(time, self._end - TICK), x)
+        self._execute(self._always)
+        return [float(evaluate(one, self._values)) for one in self._derivatives]
+
+    def _integrated(
+        self, begin: float, end: float, stop: float, x: Floats,
+        times: list[float], rows: list[list[float]],
+    ) -> Floats:  # fmt: skip
+        """The states at the end of a piece without jumps; what is between goes into the record."""
+        count = max(round(_POINTS * (end - begin) / stop), 1)
+        points = np.linspace(begin, end, count + 1)[1:]
+        found = np.empty((len(x), count))
+        if len(x):
+            from scipy.integrate import solve_ivp  # slow to load
+
+            solved = solve_ivp(self._slope, (begin, end), x, "LSODA", points,
+                               rtol=_RELATIVE, atol=_ABSOLUTE)  # fmt: skip
+            if not solved.success or not np.all(np.isfinite(solved.y)):
+                reached = solved.t[-1] if len(solved.t) else begin
+                raise DesignError(
+                    f"the simulation cannot go on after {reached:.6g} s: the model is unstable or "
+                    f"its signals jump without end ({solved.message.rstrip('.')})"
+                )
+            found = solved.y
+        for column, point in enumerate(points):
+            self._set(min(point, end - TICK), found[:, column])
+            self._execute(self._always)
+            self._record(float(point), times, rows)
+        return np.array(found[:, -1])
