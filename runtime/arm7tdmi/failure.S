@@ -2,9 +2,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
 /* The end of a program that failed: the application's hook, if any, is told the place, then
-   the processor halts with interrupts masked. Processor exceptions end here, too. */
+   a second one, if any, has the processor for good; without it the processor halts. Interrupts
+   stay masked. Processor exceptions end here, too. */
 
 #include "layout.h"
+
+/* In ravenbrick_failure */
+#define REPORTED 16
 
         .arm
         .section .text.failure, "ax"
@@ -44,6 +48,14 @@ __gnat_last_chance_handler:
         cmp     r2, #0
         movne   lr, pc
         bxne    r2
+        ldr     r2, =ravenbrick_failure
+        mov     r1, #1
+        str     r1, [r2, #REPORTED]
+        .weak   ravenbrick_failed_program_hook
+        ldr     r2, =ravenbrick_failed_program_hook
+        cmp     r2, #0
+        movne   lr, pc
+        bxne    r2
         .global ravenbrick_halt
 ravenbrick_halt:
         b       ravenbrick_halt
@@ -55,12 +67,13 @@ software_text:  .asciz  "software interrupt"
 prefetch_text:  .asciz  "prefetch abort"
 data_text:      .asciz  "data abort"
 
-/* Where the program failed: text, line, the current thread or handler, and the protected object
-   of a ceiling violation. The text is zero while it has not, the object in all other failures. */
+/* Where the program failed: text, line, the current thread or handler, the protected object of a
+   ceiling violation, and 1 as soon as the hook was told. The text is zero while the program has not
+   failed, the object in all other failures. */
         .section .bss.ravenbrick_failure, "aw", %nobits
         .balign 4
         .global ravenbrick_failure
         .type   ravenbrick_failure, %object
 ravenbrick_failure:
-        .space  16
-        .size   ravenbrick_failure, 16
+        .space  20
+        .size   ravenbrick_failure, 20

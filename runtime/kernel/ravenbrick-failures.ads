@@ -14,14 +14,16 @@ package Ravenbrick.Failures is
    --  Tell the application's hook, then halt with interrupts masked. Text ends with NUL.
 
    type Failure is record
-      Text    : System.Address;
-      Line    : Integer;
-      Current : System.Address;
-      Object  : System.Address;
+      Text     : System.Address;
+      Line     : Integer;
+      Current  : System.Address;
+      Object   : System.Address;
+      Reported : Integer;
    end record
      with Volatile, Convention => C, Suppress_Initialization;
    --  Text is null while the program has not failed. Current: the thread that failed, or the
    --  handler as Ravenbrick.Interrupts has it. Object: of a ceiling violation, otherwise null.
+   --  Reported: 1 when the application's hook has returned, until then 0.
 
    Latest : Failure with Import, Convention => C, External_Name => "ravenbrick_failure";
 

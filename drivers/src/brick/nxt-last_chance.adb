@@ -1,9 +1,12 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ada.Real_Time;
 with Interfaces;
 with NXT.AVR_IO;
+with NXT.Configuration;
 with NXT.Fonts;
+with NXT.Forced_Power_Off;
 with NXT.LCD;
 with NXT.SPI.Bus;
 with NXT.TWI.Bus;
@@ -133,5 +136,57 @@ package body NXT.Last_Chance is
       Append_Place (Message, Line);
       Report (Message);
    end Stop_And_Report;
+
+   --  As long as a frame of the link lasts in NXT.AVR, less the time of the transfer before.
+   procedure Await_Next (Transfer : in out Ada.Real_Time.Time) is
+      use Ada.Real_Time;
+   begin
+      Transfer := Transfer + Milliseconds (Configuration.Link_Period_Ms);
+      while Clock < Transfer loop
+         null;
+      end loop;
+   end Await_Next;
+
+   procedure Receive_Button (Pressed : out Button_Id; Judgement : out AVR_IO.Verdict) is
+      Frame    : AVR_IO.Input_Frame;
+      Values   : AVR_IO.Inputs;
+      Complete : Boolean;
+   begin
+      TWI.Bus.Receive_Polled (AVR_IO.Address, Frame, Complete);
+      AVR_IO.Decode (Frame, Values, Judgement);
+      Pressed := Values.Pressed;
+      if not Complete then
+         Judgement := AVR_IO.Corrupt;
+      end if;
+   end Receive_Button;
+
+   --  The co-processor gets a frame in each round: one that hears nothing makes the loudspeaker
+   --  click, and goes on with what it was told last.
+   procedure Await_Power_Button is
+      use type AVR_IO.Verdict;
+      Command      : AVR_IO.Outputs := AVR_IO.All_Stopped;
+      Watch        : Forced_Power_Off.Button_Watch := Forced_Power_Off.Ready;
+      Transfer     : Ada.Real_Time.Time := Ada.Real_Time.Clock;
+      Acknowledged : Boolean;
+      Pressed      : Button_Id;
+      Judgement    : AVR_IO.Verdict;
+      Held_Long    : Boolean;
+   begin
+      loop
+         Await_Next (Transfer);
+         TWI.Bus.Send_Polled (AVR_IO.Address, AVR_IO.Encode (Command), Acknowledged);
+         Await_Next (Transfer);
+         Receive_Button (Pressed, Judgement);
+         if Judgement = AVR_IO.Valid then
+            Forced_Power_Off.Observe (Watch, Pressed, Held_Long);
+            if Held_Long then
+               Command.Power := AVR_IO.Switch_Off;
+            end if;
+         end if;
+         if not Acknowledged or else Judgement = AVR_IO.Corrupt then
+            TWI.Bus.Reset;
+         end if;
+      end loop;
+   end Await_Power_Button;
 
 end NXT.Last_Chance;

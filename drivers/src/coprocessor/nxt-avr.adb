@@ -1,6 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with NXT.Forced_Power_Off;
 with NXT.Last_Chance;
 pragma Unreferenced (NXT.Last_Chance);
 with NXT.Priorities;
@@ -103,17 +104,23 @@ package body NXT.AVR is
       Quiet_Left   : Natural := 0;
       Failures     : Failure_Counts := (others => 0);
       Inputs_Next  : Boolean := True;
+      Power_Button : Forced_Power_Off.Button_Watch;
    end record;
 
-   procedure Accept_Readings (Intact : out Boolean) is
+   procedure Accept_Readings (This : in out Link; Intact : out Boolean) is
       Frame     : AVR_IO.Input_Frame;
       Values    : AVR_IO.Inputs;
       Judgement : AVR_IO.Verdict;
+      Held_Long : Boolean;
    begin
       TWI.Fetch (Frame);
       AVR_IO.Decode (Frame, Values, Judgement);
       if Judgement = AVR_IO.Valid then
          Shared.Put_Inputs (Values);
+         Forced_Power_Off.Observe (This.Power_Button, Values.Pressed, Due => Held_Long);
+         if Held_Long then
+            Shared.Shut_Down (AVR_IO.Switch_Off);
+         end if;
       end if;
       Intact := Judgement /= AVR_IO.Corrupt;
    end Accept_Readings;
@@ -131,7 +138,7 @@ package body NXT.AVR is
       Good : Boolean := TWI.Status = TWI.Done;
    begin
       if Good and then This.Purpose = Readings then
-         Accept_Readings (Good);
+         Accept_Readings (This, Good);
       end if;
       if Good or else This.Purpose = Nothing then
          This.Failures (This.Purpose) := 0;

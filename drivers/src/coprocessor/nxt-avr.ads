@@ -3,7 +3,9 @@
 
 --  The link to the co-processor that drives the motors, reads sensors and buttons and holds the
 --  power. A task of this package exchanges one frame each Period, outputs and inputs in turn; every
---  program that uses a motor or a sensor needs this package in its closure.
+--  program that uses a motor or a sensor needs this package in its closure. The task also stops the
+--  motors and switches the brick off when the power button is held for 3 s, see
+--  NXT.Forced_Power_Off, unless something of the same or a higher priority never lets it run.
 
 with Ada.Real_Time;
 with Interfaces;

@@ -107,4 +107,29 @@ package body NXT.TWI.Bus is
       end if;
    end Send_Polled;
 
+   --  The stop must be asked for while the last byte is on its way (datasheet, chapter TWI, master
+   --  receiver).
+   procedure Receive_Polled (Device : Device_Id; Message : out Byte_Array; Complete : out Boolean)
+   is
+      use NXT.Registers.TWI;
+      Seen : Word;
+   begin
+      Message := (others => 0);
+      Controller.TWI_MMR := To_Device (Word (Device)) or Master_Reads;
+      Controller.TWI_CR := Registers.TWI.Start;
+      for Place in Message'Range loop
+         Await (Receive_Ready or Not_Acknowledged, Seen);
+         exit when Seen /= Receive_Ready;
+         Message (Place) := Byte (Controller.TWI_RHR and 16#FF#);
+         if Place = Message'Last - 1 then
+            Controller.TWI_CR := Stop;
+         end if;
+      end loop;
+      Complete := Seen = Receive_Ready;
+      if Complete then
+         Await (Transfer_Complete, Seen);
+         Complete := Seen = Transfer_Complete;
+      end if;
+   end Receive_Polled;
+
 end NXT.TWI.Bus;

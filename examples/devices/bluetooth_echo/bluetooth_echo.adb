@@ -4,9 +4,12 @@
 --  Bluetooth: whoever knows the code 1234 may connect, and gets back what it sends.
 
 with Ada.Real_Time;  use Ada.Real_Time;
+with NXT.AVR;
 with NXT.Bluetooth;  use NXT.Bluetooth;
 with NXT.Bytes;      use NXT.Bytes;
 with NXT.Display;    use NXT.Display;
+pragma Unreferenced (NXT.AVR);
+--  The power button switches the brick off.
 
 procedure Bluetooth_Echo is
 

@@ -5,8 +5,11 @@
 
 with Ada.Real_Time;  use Ada.Real_Time;
 with Interfaces;     use Interfaces;
+with NXT.AVR;
 with NXT.Audio;      use NXT.Audio;
 with NXT.Display;    use NXT.Display;
+pragma Unreferenced (NXT.AVR);
+--  The power button switches the brick off.
 
 procedure Loudspeaker is
    Melody : constant array (1 .. 4) of Unsigned_32 := (262, 330, 392, 523);

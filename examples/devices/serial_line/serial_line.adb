@@ -4,8 +4,11 @@
 --  The RS485 line of port 4, looped back within the processor: what is sent comes back.
 
 with Ada.Real_Time;  use Ada.Real_Time;
+with NXT.AVR;
 with NXT.Display;    use NXT.Display;
 with NXT.RS485;      use NXT.RS485;
+pragma Unreferenced (NXT.AVR);
+--  The power button switches the brick off.
 
 procedure Serial_Line is
 

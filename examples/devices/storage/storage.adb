@@ -4,8 +4,11 @@
 --  Counts how often the program was started, in the flash memory.
 
 with Ada.Real_Time;   use Ada.Real_Time;
+with NXT.AVR;
 with NXT.Display;     use NXT.Display;
 with NXT.Parameters;  use NXT.Parameters;
+pragma Unreferenced (NXT.AVR);
+--  The power button switches the brick off.
 
 procedure Storage is
 

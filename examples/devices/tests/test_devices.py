@@ -15,6 +15,15 @@ def test_an_example_makes_its_picture(name: str) -> None:
     assert picture(run(name)) == (PICTURES / f"{name}.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_power_button_switches_an_example_off(name: str) -> None:
+    """Held for 3 s, which also lets none of them run with a co-processor that nobody greets."""
+    brick = run(name)
+    pressed_ms = EXAMPLES[name].at_ms + 1
+    brick.set(pressed_ms, "button.orange", 1)
+    assert brick.run_to_end(pressed_ms + 3_030).reason == "power_off"
+
+
 def test_the_guide_lists_every_example() -> None:
     """Each folder with a program is in it, and it is up to date."""
     folders = {path.parent.name for path in HERE.glob("*/*.adb")}

@@ -4,8 +4,11 @@
 --  Text, numbers and drawings on the display.
 
 with Ada.Real_Time;        use Ada.Real_Time;
+with NXT.AVR;
 with NXT.Display;          use NXT.Display;
 with NXT.Display.Drawing;  use NXT.Display.Drawing;
+pragma Unreferenced (NXT.AVR);
+--  The power button switches the brick off.
 
 procedure Text_Display is
    Smile : constant Bitmap := (16#3C#, 16#42#, 16#95#, 16#A1#, 16#A1#, 16#95#, 16#42#, 16#3C#);

@@ -4,8 +4,11 @@
 --  USB: counts the packets that a host sends, and sends each back.
 
 with Ada.Real_Time;  use Ada.Real_Time;
+with NXT.AVR;
 with NXT.Display;    use NXT.Display;
 with NXT.USB;        use NXT.USB;
+pragma Unreferenced (NXT.AVR);
+--  The power button switches the brick off.
 
 procedure USB_Packets is
 

@@ -45,20 +45,23 @@ impl Buttons {
         self.down[button as usize] = down;
     }
 
+    pub const fn is_down(self, button: Button) -> bool {
+        self.down[button as usize]
+    }
+
     /// The button word of the co-processor's frame. The counts are chosen so that every known
     /// decoder of the ladder agrees; of several buttons on the ladder the highest count wins.
     pub fn word(self) -> u16 {
-        let is_down = |button: Button| self.down[button as usize];
-        let ladder = if is_down(Button::Grey) {
+        let ladder = if self.is_down(Button::Grey) {
             1023
-        } else if is_down(Button::Right) {
+        } else if self.is_down(Button::Right) {
             352
-        } else if is_down(Button::Left) {
+        } else if self.is_down(Button::Left) {
             128
         } else {
             0
         };
-        if is_down(Button::Orange) {
+        if self.is_down(Button::Orange) {
             ladder + ORANGE
         } else {
             ladder

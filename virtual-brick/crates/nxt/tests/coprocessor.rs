@@ -311,14 +311,15 @@ fn a_wrong_handshake_does_not_count() {
 }
 
 #[test]
-fn power_down_cuts_the_supply_after_10_ms_and_opens_the_motors() {
+fn power_down_obeys_its_outputs_for_10_ms_then_cuts_the_supply_and_opens_the_motors() {
     let mut rig = Rig::running(SENSORS, &three_motors());
     rig.drive([100, 0, 0], 1);
     rig.run(milliseconds(20));
-    rig.send([0x5A, 0, 0, 0, 0, 0, 0, 0]);
+    rig.send([0x5A, 0, 50, 0, 0, 0, 1, 0]);
     let asked = rig.now;
     rig.run(milliseconds(9));
     assert!(rig.board.powered());
+    assert_eq!(rig.board.motor_command(MotorPort::A).duty, 50);
     rig.run(milliseconds(2));
     assert!(!rig.board.powered());
     let (at, reason) = power_off(&mut rig).unwrap();

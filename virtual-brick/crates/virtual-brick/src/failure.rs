@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! A program that failed, in words: what its run-time recorded, and what the processor still holds.
 
-use arm7tdmi::Mode;
+use arm7tdmi::{psr, Mode};
+use nxt::Button;
 
 use crate::backtrace::{self, Call};
 use crate::brick::VirtualBrick;
@@ -17,6 +18,8 @@ const TEXT_MAX: u32 = 80;
 const CHECKED: &str = "Storage_Error: stack overflow";
 const PROGRAM_COUNTER: usize = 15;
 const LINK: usize = 14;
+/// Of the record: 1 when the failure was reported on the display.
+const REPORTED: u32 = 16;
 
 /// What the run-time wrote before it halted.
 struct Record {
@@ -50,10 +53,13 @@ impl VirtualBrick {
     /// The stop with what a person needs to know first: the stack that overflowed, or the
     /// exception, the task and the place.
     pub(crate) fn explained(&self, stop: Stop) -> Stop {
-        if !matches!(stop.reason, StopReason::Fault | StopReason::Halted) {
-            return stop;
-        }
-        let record = self.failure_record();
+        let record = match stop.reason {
+            StopReason::Fault | StopReason::Halted => self.failure_record(),
+            StopReason::PowerOff if self.reported_failure() => {
+                return self.switched_off_after_failure(stop)
+            }
+            _ => return stop,
+        };
         let failed = match &record {
             Some(record) => self.failure(record),
             None => self.located(&stop.message),
@@ -67,6 +73,34 @@ impl VirtualBrick {
             None => checked.unwrap_or(failed),
         };
         Stop { message, ..stop }
+    }
+
+    /// The program failed, which the end of the supply does not mend.
+    fn switched_off_after_failure(&self, stop: Stop) -> Stop {
+        let reason = StopReason::Halted;
+        let failed = self.explained(Stop {
+            reason,
+            ..stop.clone()
+        });
+        let message = format!("{}; afterwards {}", failed.message, stop.message);
+        Stop { message, ..failed }
+    }
+
+    /// Whether the program has failed and waits for the power button, which nobody presses now
+    /// or later.
+    pub(crate) fn failed_and_left_alone(&self) -> bool {
+        self.reported_failure()
+            && !self.chip.board().button_held(Button::Orange)
+            && !self
+                .inputs
+                .waits(&format!("button.{}", Button::Orange.name()))
+    }
+
+    fn reported_failure(&self) -> bool {
+        let masked = self.cpu.cpsr() & psr::I != 0;
+        let record = || self.image.symbols().get(RECORD);
+        let reported = |address| ChipMemory(&self.chip).word(address + REPORTED) == Some(1);
+        masked && record().is_some_and(|record| record.size > REPORTED && reported(record.address))
     }
 
     /// Source, line and column (0: unknown) at which the program failed: a path, or only its name

@@ -70,6 +70,11 @@ impl InputSchedule {
             .map_or(u64::MAX, |((at_cycles, _), _)| *at_cycles)
     }
 
+    /// Whether a change of this input waits.
+    pub(crate) fn waits(&self, name: &str) -> bool {
+        self.waiting.values().any(|input| input.name == name)
+    }
+
     /// Take the next input due at `now`.
     pub(crate) fn take_due(&mut self, now: u64) -> Option<Input> {
         if self.next_cycles() > now {
@@ -98,6 +103,7 @@ mod tests {
         schedule.add(10, input(2.0));
         assert_eq!(schedule.next_cycles(), 10);
         assert_eq!(schedule.take_due(9), None);
+        assert!(schedule.waits("touch.1") && !schedule.waits("touch.2"));
         let taken: Vec<f64> = std::iter::from_fn(|| schedule.take_due(20))
             .map(|input| input.value)
             .collect();

@@ -83,7 +83,10 @@ impl VirtualBrick {
         }
         if self.recorder.next_sample_cycles() <= now {
             self.recorder.sample(&self.chip)?;
-            if self.monitor.is_none() && self.endless_loops.at_sample(&self.cpu, &self.chip) {
+            if self.monitor.is_none()
+                && (self.endless_loops.at_sample(&self.cpu, &self.chip)
+                    || self.failed_and_left_alone())
+            {
                 return Err(self.loops_for_ever());
             }
         }

@@ -20,7 +20,7 @@ use crate::battery::{Battery, LOST_VOLTAGE};
 use crate::bluetooth::Bluetooth;
 use crate::boot_monitor::BootMonitor;
 use crate::bus_log::{BusEvent, BusLog};
-use crate::buttons::Buttons;
+use crate::buttons::{Button, Buttons};
 use crate::configuration::BoardConfiguration;
 use crate::coprocessor::{Coprocessor, Measurable};
 use crate::display::Display;
@@ -283,6 +283,11 @@ impl NxtBoard {
             }
         }
         Ok(())
+    }
+
+    /// Whether a button is down.
+    pub const fn button_held(&self, button: Button) -> bool {
+        self.buttons.is_down(button)
     }
 
     pub(crate) const fn physics(&self) -> &Physics {

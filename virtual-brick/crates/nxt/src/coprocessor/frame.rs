@@ -97,7 +97,14 @@ impl Command {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {
     Handshake,
-    Command(Command),
+    /// Outputs, and what the frame asks of the supply.
+    Command(Command, PowerRequest),
+}
+
+/// The first bytes of a frame with outputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PowerRequest {
+    StayOn,
     PowerDown,
     BootMonitor,
 }
@@ -132,11 +139,12 @@ impl Incoming {
     }
 
     fn command(&self) -> Received {
-        match [self.bytes[0], self.bytes[1]] {
-            [POWER_DOWN, _] => Received::PowerDown,
-            BOOT_MONITOR => Received::BootMonitor,
-            _ => Received::Command(Command::decode(&self.bytes)),
-        }
+        let request = match [self.bytes[0], self.bytes[1]] {
+            [POWER_DOWN, _] => PowerRequest::PowerDown,
+            BOOT_MONITOR => PowerRequest::BootMonitor,
+            _ => PowerRequest::StayOn,
+        };
+        Received::Command(Command::decode(&self.bytes), request)
     }
 }
 

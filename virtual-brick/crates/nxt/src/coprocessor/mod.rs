@@ -8,7 +8,7 @@ mod pwm;
 use at91sam7s::board::Cycles;
 use plant::{MotorDrive, MotorPort};
 
-use frame::{Command, Incoming, Outgoing, Received};
+use frame::{Command, Incoming, Outgoing, PowerRequest, Received};
 pub use frame::{MotorCommand, SensorSupply};
 
 use crate::event::{BoardEventKind, BoardFault, EventLog, PowerOffReason};
@@ -223,12 +223,17 @@ impl Coprocessor {
         match self.incoming.push(byte) {
             None => {}
             Some(Received::Handshake) => self.handshake = true,
-            Some(Received::Command(command)) => self.accept(now, command),
-            Some(Received::PowerDown) => {
-                self.switch_off(now + POWER_DOWN_DELAY, PowerOffReason::Requested);
-            }
-            Some(Received::BootMonitor) => {
-                self.switch_off(now + BOOT_MONITOR_DELAY, PowerOffReason::BootMonitor);
+            Some(Received::Command(command, request)) => {
+                self.accept(now, command);
+                match request {
+                    PowerRequest::StayOn => {}
+                    PowerRequest::PowerDown => {
+                        self.switch_off(now + POWER_DOWN_DELAY, PowerOffReason::Requested);
+                    }
+                    PowerRequest::BootMonitor => {
+                        self.switch_off(now + BOOT_MONITOR_DELAY, PowerOffReason::BootMonitor);
+                    }
+                }
             }
         }
         self.plan();
