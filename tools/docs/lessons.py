@@ -96,6 +96,11 @@ def solution_of(sheet: Path) -> str:
     return "\n" * text.count("\n", 0, found.start()) + found.group(0)
 
 
+def rubrics_of(sheet: Path) -> list[Path]:
+    """The sheet's rubrics, one for each milestone."""
+    return sorted((SHEETS / "rubrics").glob(f"lab-{sheet.name[:2]}*.toml"))
+
+
 def run_solution(sheet: Path, folder: Path) -> str:
     """Execute the solution where the sheet was executed before. Raises `SheetError`."""
     return run_text(solution_of(sheet), SOLUTIONS.name, folder)
