@@ -246,7 +246,9 @@ def run_command(
         recording, peer = target.run_with_peer(robot, chosen, loaded, step.progress)
         recording.save(kept)
         run = read_run(robot, chosen, recording)
-        step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.3f} s on the brick"
+        stop = recording.stop
+        words = f": {stop.message}" if stop.message else ""
+        step.note = f"{recording.clock.seconds(stop.at_cycles):.3f} s on the brick{words}"
     _show(run, reporter)
     beside = _peer_run(peer, reporter)
     label = f" ({DEBUGGING_BUILD})" if loaded.build == "debug" else ""
