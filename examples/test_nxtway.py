@@ -69,7 +69,7 @@ def test_it_stands_for_a_minute_under_pushes(image: ElfImage) -> None:
     recording, met = played(image, scenario)
     assert met and all(met.values())
     limits = re.search(
-        r"pitch stays within (\d+) degrees, the path\s+within (\d+) cm",
+        r"pitch stays within (\d+) degrees and the path\s+within (\d+) cm",
         (BALANCER / "README.md").read_text(),
     )
     assert limits is not None

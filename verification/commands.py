@@ -27,9 +27,6 @@ CRATES = ROOT / "virtual-brick"
 Row = dict[str, Any]
 
 
-PERCENT = re.compile(r"\[ *(\d+)%\]$")
-
-
 class NoResultError(Exception):
     """A command ended without a result; the text has its last lines."""
 
@@ -60,14 +57,9 @@ def _pytest(paths: tuple[str, ...]) -> Counts:
     """Python tests, the long ones too; skipped ones are left out with their reasons."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
-        command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={report}", *paths]
+        command = [sys.executable, "-m", "pytest", "-v", f"--junitxml={report}", *paths]
         everything = {**os.environ, "RAVENBRICK_LONG": "1"}
-        with subprocess.Popen(
-            command, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=everything
-        ) as running:
-            for line in running.stdout or ():
-                done = PERCENT.search(line.rstrip())
-                print(f"{done[1]} % of the tests" if done else line.rstrip(), file=sys.stderr)
+        subprocess.run(command, cwd=ROOT, stdout=sys.stderr, env=everything)
         if not report.exists():
             raise NoResultError(f"pytest {' '.join(paths)}: no report")
         cases = list(ElementTree.parse(report).getroot().iter("testcase"))

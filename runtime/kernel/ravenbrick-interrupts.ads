@@ -39,8 +39,8 @@ package Ravenbrick.Interrupts is
    --  Lower_Mask takes.
 
    procedure Lower_Mask (Ceiling, Saved : Threads.Urgency)
-     with Pre => Threads.">=" (Ceiling, Threads.First_Interrupt_Urgency)
-                 and then Threads."<=" (Saved, Ceiling);
-   --  Undo the matching Raise_Mask
+     with Pre => Threads.">=" (Ceiling, Threads.First_Interrupt_Urgency);
+   --  Undo the matching Raise_Mask. Saved is above Ceiling in a handler that was entered between
+   --  the two writes of another Raise_Mask: the sources then stay disabled.
 
 end Ravenbrick.Interrupts;
