@@ -75,15 +75,18 @@ class Data:
         complete = all(is_fetched(self.home / r.name, r) for r in self.repositories)
         return self.home / self.folder if complete else None
 
-    def advice(self) -> str:
-        """Why it is not there and what to do."""
-        sources = ", ".join(
+    def sources(self) -> str:
+        """The repositories with commit, licence and size."""
+        return ", ".join(
             f"{r.name} at {r.commit[:8]} (licence: {r.licence}; {r.megabytes:g} MB)"
             for r in self.repositories
         )
+
+    def advice(self) -> str:
+        """Why it is not there and what to do."""
         return (
-            f"{self.name} is absent: 'python -m verification.outside {self.name}' clones {sources} "
-            f"from {HOST}; or let {self.variable} name a folder"
+            f"{self.name} is absent: 'python -m verification.outside {self.name}' clones "
+            f"{self.sources()} from {HOST}; or let {self.variable} name a folder"
         )
 
 

@@ -158,7 +158,7 @@ def fetch_data(suites: list[Suite]) -> dict[str, str]:
     absent = {d.name: d for s in suites for d in s.data() if d.place() is None}
     reasons = {}
     for name, data in absent.items():
-        print(f"fetching {name}: {data.advice()}", file=sys.stderr, flush=True)
+        print(f"fetching {name}: {data.sources()}", file=sys.stderr, flush=True)
         try:
             fetch(data)
         except FetchError as error:
