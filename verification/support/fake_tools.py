@@ -12,7 +12,7 @@ from ravenbrick.image.build import TOOLS
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
 
-from verification.support.elf_maker import make_elf
+from verification.support.elf_files import make_elf
 
 __all__ = ["install_fake_tools", "write_recipe"]
 

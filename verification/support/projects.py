@@ -14,7 +14,7 @@ from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
 
-from verification.support.elf_maker import make_elf
+from verification.support.elf_files import make_elf
 
 __all__ = ["VEHICLE", "make_project", "put_image"]
 
@@ -27,8 +27,8 @@ def put_image(project: Path, content: bytes, kind: ImageKind = "ram") -> Path:
     elf = workspace.image(kind, robot.name)
     elf.parent.mkdir(parents=True, exist_ok=True)
     elf.write_bytes(content)
-    made = BuildManifest.now(choices_of(workspace, robot, Settings.of(robot)), [], [elf])
-    made.write(manifest_file(elf))
+    manifest = BuildManifest.now(choices_of(workspace, robot, Settings.of(robot)), [], [elf])
+    manifest.write(manifest_file(elf))
     return elf
 
 

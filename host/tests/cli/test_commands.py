@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 from verification.support.bricks import fake_brick
-from verification.support.elf_maker import make_elf
+from verification.support.elf_files import make_elf
 from verification.support.fake_tools import install_fake_tools, write_recipe
 from verification.support.projects import VEHICLE, make_project, put_image
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
-from verification.support.elf_maker import make_elf
+from verification.support.elf_files import make_elf
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ConnectionFailedError, ExitCode, ImageFileError, ToolMissingError

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from verification.support.elf_maker import make_elf
+from verification.support.elf_files import make_elf
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import ElfImage, read_image

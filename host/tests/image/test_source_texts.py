@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from verification.support.elf_maker import make_elf
+from verification.support.elf_files import make_elf
 
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.source_texts import source_texts

@@ -18,7 +18,7 @@ import virtual_brick
 from ravenbrick.clock import MASTER_CLOCK
 
 from verification.support.bricks.observe import NXT_MOTOR
-from verification.support.elf_writer import Elf
+from verification.support.elf_files import Elf
 
 IMAGE = Path("/usr/share/nxt-firmware/nxt_firmware.bin")
 FLASH = 0x0010_0000
@@ -41,7 +41,7 @@ def firmware_brick(**changes: Any) -> Any:
     if not IMAGE.exists():
         pytest.skip(f"{IMAGE} is absent: install the Debian package nxt-firmware")
     elf = Elf(FLASH)
-    elf.segments.append((FLASH, IMAGE.read_bytes()))
+    elf.content(FLASH, IMAGE.read_bytes())
     return virtual_brick.VirtualBrick(json.dumps({**CONFIGURATION, **changes}), elf.build())
 
 

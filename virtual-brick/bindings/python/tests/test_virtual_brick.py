@@ -20,7 +20,7 @@ import virtual_brick
 from ravenbrick.sources import brick_digest
 from virtual_brick import ConfigurationError, ImageError, InputError, VirtualBrick
 
-from verification.support.elf_writer import RAM, Elf
+from verification.support.elf_files import RAM, Elf
 from verification.support.gdb_replies import whole_reply
 
 COUNTER = 0x0020_8000
