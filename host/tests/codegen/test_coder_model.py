@@ -96,6 +96,17 @@ def test_ports_and_parameters_are_mapped_to_the_application_s() -> None:
     assert "Dither : Float := 0.0;" in found["controller.ads"]
 
 
+def test_functions_may_have_names_of_their_own(tmp_path: Path) -> None:
+    """`Controller_init` and `Controller_step` of the model functional, on the virtual brick."""
+    folder = written(tmp_path / "model", FORMS[1])
+    for file in folder.glob("functional.[ch]"):
+        text = file.read_text().replace("functional_initialize", "Controller_init")
+        file.write_text(text.replace("functional_step", "Controller_step"))
+    (tmp_path / "work").mkdir()
+    result = compare_with_direct_calls(read_coder_model(folder), tmp_path / "work")
+    assert (result.compared, result.differing) == (160, 0)
+
+
 def test_bind_writes_the_model_and_its_binding(tmp_path: Path) -> None:
     """The example of a main program is left; what is missing of the tool's headers is supplied."""
     folder = written(tmp_path / "model", FORMS[3])
@@ -119,14 +130,52 @@ def _without_header(folder: Path) -> None:
     (folder / "functional.h").unlink()
 
 
-def _with_foreign_header(folder: Path) -> None:
-    text = (folder / "functional.c").read_text()
-    (folder / "functional.c").write_text(f'#include "div_s32.h"\n{text}')
+def _including(name: str) -> Callable[[Path], None]:
+    def change(folder: Path) -> None:
+        text = (folder / "functional.c").read_text()
+        (folder / "functional.c").write_text(f"#include {name}\n{text}")
+
+    return change
+
+
+def _replacing(old: str, new: str) -> Callable[[Path], None]:
+    def change(folder: Path) -> None:
+        text = (folder / "functional.h").read_text()
+        assert old in text
+        (folder / "functional.h").write_text(text.replace(old, new))
+
+    return change
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [(_without_header, "one header <model>.h"), (_with_foreign_header, "div_s32.h is included")],
+    [
+        (_without_header, "one header <model>.h"),
+        (_including('"div_s32.h"'), r"div_s32.h is included .* \(slprj/ert/_sharedutils\)"),
+        (_including("<arm_math.h>"), "CMSIS .* set 'Code replacement library' to None"),
+        (_including('"MW_AnalogIn.h"'), "'Hardware board' to None .* inports and outports"),
+        (_including('"ext_work.h"'), "target file to ert.tlc.* 'External mode' off"),
+        (
+            _replacing("  const char * volatile errorStatus;", "  RTWSolverInfo solverInfo;"),
+            r"functional.h: the model has a solver .* 'discrete \(no continuous states\)'",
+        ),
+        (
+            _replacing("ExternalInputs_functional", "Levels"),
+            "no structure of the model's inputs .* one inport and one outport",
+        ),
+        (
+            _replacing("void functional_step(void)", "void functional_step(real_T arg_u)"),
+            "functional_step takes 'arg_u' by itself; generate .* as structures",
+        ),
+        (
+            _replacing("functional_step(", "functional_calculate("),
+            "entry point functional_step is missing",
+        ),
+        (
+            _replacing("functional_initialize(", "functional_begin("),
+            "declared, but functional_begin, functional_step; .* one function end in _initialize",
+        ),
+    ],
 )
 def test_a_folder_that_is_no_model_is_refused(
     change: Callable[[Path], None], message: str, tmp_path: Path
@@ -135,7 +184,7 @@ def test_a_folder_that_is_no_model_is_refused(
     folder = written(tmp_path / "model", FORMS[0])
     change(folder)
     with pytest.raises(DesignError, match=message):
-        read_coder_model(folder)
+        read_coder_model(folder).files_with_binding(AdaBinding("Controller"))
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,21 @@ _ROLES = {
 KEPT_ROLES = ("work", "signals", "crossings", "continuous")
 # Identifiers of generated C are cut there.
 _IDENTIFIER_LENGTH = 31
-_ENTRY = re.compile(r"(\w+)_initialize\Z")
+_INITIALIZE = re.compile(r"(\w+)_initialize\Z")
+# Names that people give the entry points in the code mappings.
+_ENTRIES = {
+    "initialize": re.compile(r"(?:\w+_)?(?:init|initiali[sz]e)\Z", re.IGNORECASE),
+    "step": re.compile(r"(?:\w+_)?(?:step|run|update)\Z", re.IGNORECASE),
+}
+_NO_PORTS = (
+    "the root of the model needs at least one inport and one outport, with the storage class Auto; "
+    "replace blocks of a board's devices by ports, because the drivers are in Ada"
+)
+_SOLVER = (
+    "the model has a solver (RTWSolverInfo), which integrates continuous states between the steps; "
+    "make its blocks discrete (Model Discretizer, or 'ravenbrick import'), choose the solver "
+    "'discrete (no continuous states)' and the target ert.tlc, and generate it again"
+)
 
 
 @dataclass(frozen=True)
@@ -112,16 +126,28 @@ class _Reader:
         sources = {name: other for name, other in others.items() if name.endswith(".c")}
         self._defined = read_declarations(sources).variables
         self._own = read_declarations({file: text})
-        self._model = self._model_name()
+        self._model, self._names = self._entry_names()
 
-    def _model_name(self) -> str:
+    def _entry_names(self) -> tuple[str, dict[str, str]]:
+        """The model's name, and those of its functions: Embedded Coder's, or the only likely."""
         for name in self._own.functions:
-            match = _ENTRY.match(name)
-            if match:
-                return match[1]
+            match = _INITIALIZE.match(name)
+            if match and f"{match[1]}_step" in self._own.functions:
+                return match[1], {word: f"{match[1]}_{word}" for word in _ENTRIES}
+        likely = {
+            word: [name for name in self._own.functions if pattern.match(name)]
+            for word, pattern in _ENTRIES.items()
+        }
+        if all(len(names) == 1 for names in likely.values()):
+            return self._file.rpartition(".")[0], {word: likely[word][0] for word in likely}
+        match = next(filter(None, map(_INITIALIZE.match, self._own.functions)), None)
+        if match:
+            return match[1], {word: f"{match[1]}_{word}" for word in _ENTRIES}
         raise DesignError(
-            f"{self._file}: no entry point <model>_initialize is declared; give the header of a "
-            "generated model, such as functional.h"
+            f"{self._file}: no entry point <model>_initialize is declared, but "
+            f"{', '.join(self._own.functions) or 'no function'}; give the header of a generated "
+            "model, such as functional.h, and let one function end in _initialize and one in _step "
+            "(Code Mappings, Functions)"
         )
 
     def _role(self, name: str) -> str | None:
@@ -200,7 +226,7 @@ class _Reader:
                 )
 
     def _entry(self, word: str, types: Mapping[str, str]) -> EntryPoint | None:
-        name = f"{self._model}_{word}"
+        name = self._names[word]
         parameters = self._own.functions.get(name)
         if parameters is None:
             return None
@@ -232,16 +258,21 @@ class _Reader:
 
     def read(self) -> ModelHeader:
         """The interface."""
+        unsolved = "RTWSolverInfo" not in self._found.structures
+        if unsolved and any(map(_has_solver, self._found.structures.values())):
+            raise DesignError(f"{self._file}: {_SOLVER}")
         types = self._types()
+        entries = {word: self._entry(word, types) for word in ("initialize", "step")}
         for role in ("inputs", "outputs"):
             if role not in types:
-                raise DesignError(f"{self._file}: no structure of the model's {role} is declared")
+                raise DesignError(
+                    f"{self._file}: no structure of the model's {role} is declared; {_NO_PORTS}"
+                )
         bound = ["inputs", "outputs", "parameters"]
         reentrant = f"{self._model}_step_instance" in self._own.functions
         bound += ["work"] if reentrant else []
         fields = {role: self._fields(types[role]) for role in bound if role in types}
         extents = {role: self._found.extent(self._structure(name)) for role, name in types.items()}
-        entries = {word: self._entry(word, types) for word in ("initialize", "step")}
         return ModelHeader(
             model=self._model,
             types=types,
@@ -264,6 +295,10 @@ class _Reader:
             if self._role(variable.type_name) == "parameters" and not variable.pointer:
                 symbols.setdefault("parameters", name)
         return symbols
+
+
+def _has_solver(structure: Structure) -> bool:
+    return any(one.type_name == "RTWSolverInfo" and not one.pointer for one in structure.members)
 
 
 def read_header(

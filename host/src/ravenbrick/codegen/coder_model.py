@@ -19,9 +19,25 @@ from ravenbrick.errors import DesignError
 __all__ = ["CoderModel", "read_binding", "read_coder_model"]
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
+_SYSTEM_INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>]+)>", re.MULTILINE)
 _MAIN = re.compile(r"^\s*(?:int|int_T|void)\s+main\s*\(", re.MULTILINE)
 # Headers of the tool's own folder, of which a model with one discrete rate uses nothing.
 _EMPTY = ("rtw_continuous.h", "rtw_solver.h")
+# Headers that no folder of shared utilities has: whose they are, and the setting that avoids them.
+_FOREIGN = {
+    re.compile(r"arm_\w+\.h|mw_cmsis\.h|cmsis\w*\.h|core_c\w+\.h"): (
+        "belongs to the CMSIS library for Cortex-M, which this ARM7 does not have; set 'Code "
+        "replacement library' to None"
+    ),
+    re.compile(r"MW_\w+\.h|\w*(?:stm32|stm_|[Aa]rduino|_board|SysTick|cortex)\w*\.h"): (
+        "belongs to the support package of a board; set 'Hardware board' to None and replace its "
+        "blocks by inports and outports"
+    ),
+    re.compile(r"simstruc\w*\.h|rt_(?:sim|logging|mxclassid|matrx)\w*\.h|ext_work\.h"): (
+        "belongs to simulations on a computer; set the system target file to ert.tlc, and switch "
+        "'MAT-file logging' and 'External mode' off"
+    ),
+}
 _C_LIBRARY = ("math.h", "stddef.h", "stdlib.h", "string.h", "limits.h", "float.h", "stdint.h")
 _TITLE = (
     "/* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */\n"
@@ -61,21 +77,29 @@ def read_coder_model(folder: Path) -> CoderModel:
         for path in sorted(folder.glob("*.[ch]"))
     }
     texts = {name: text for name, text in texts.items() if not _MAIN.search(text)}
-    models = {name: _interface(name, texts) for name in texts if _declares_model(name, texts[name])}
+    models = [name for name, text in texts.items() if _declares(name, text, "_initialize")]
+    models = models or [name for name in texts if _has_own_names(name, texts)]
     if len(models) != 1:
         found = ", ".join(models) or "none"
         raise DesignError(
             f"{folder}: there must be one header <model>.h that declares <model>_initialize; "
             f"found: {found}"
         )
-    header, interface = next(iter(models.items()))
     supplied = _supply(folder, texts)
-    return CoderModel(interface, header, {**texts, **supplied}, tuple(sorted(supplied)))
+    interface = _interface(models[0], texts)
+    return CoderModel(interface, models[0], {**texts, **supplied}, tuple(sorted(supplied)))
 
 
-def _declares_model(name: str, text: str) -> bool:
+def _declares(name: str, text: str, ending: str) -> bool:
     stem, _, kind = name.rpartition(".")
-    return kind == "h" and re.search(rf"\b{re.escape(stem)}_initialize\s*\(", text) is not None
+    return kind == "h" and re.search(rf"\b{re.escape(stem)}{ending}\s*\(", text) is not None
+
+
+def _has_own_names(name: str, texts: Mapping[str, str]) -> bool:
+    """A header beside a source and a header of types: the model's, whatever its functions."""
+    stem, _, kind = name.rpartition(".")
+    types = re.search(rf"\b(?:RT_MODEL|ExtU|ExternalInputs)_{re.escape(stem)}", texts[name])
+    return kind == "h" and f"{stem}.c" in texts and types is not None
 
 
 def _interface(name: str, texts: Mapping[str, str]) -> ModelHeader:
@@ -85,7 +109,12 @@ def _interface(name: str, texts: Mapping[str, str]) -> ModelHeader:
 
 def _supply(folder: Path, texts: Mapping[str, str]) -> dict[str, str]:
     wanted = {name for text in texts.values() for name in _INCLUDE.findall(text)}
+    system = {name for text in texts.values() for name in _SYSTEM_INCLUDE.findall(text)}
     missing = sorted(wanted - set(texts) - set(_C_LIBRARY))
+    for name in (*missing, *sorted(system - set(_C_LIBRARY))):
+        for pattern, meaning in _FOREIGN.items():
+            if pattern.fullmatch(name):
+                raise DesignError(f"{folder}: {name} {meaning}, and generate the model again")
     unknown = [name for name in missing if name not in (*_EMPTY, "rtwtypes.h")]
     if unknown:
         raise DesignError(
