@@ -147,6 +147,11 @@ def _replacing(old: str, new: str) -> Callable[[Path], None]:
     return change
 
 
+def _for_another_processor(folder: Path) -> None:
+    text = (folder / "rtwtypes.h").read_text()
+    (folder / "rtwtypes.h").write_text(text.replace("typedef short int16_T", "typedef int int16_T"))
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -155,6 +160,7 @@ def _replacing(old: str, new: str) -> Callable[[Path], None]:
         (_including("<arm_math.h>"), "CMSIS .* set 'Code replacement library' to None"),
         (_including('"MW_AnalogIn.h"'), "'Hardware board' to None .* inports and outports"),
         (_including('"ext_work.h"'), "target file to ert.tlc.* 'External mode' off"),
+        (_for_another_processor, "rtwtypes.h: int16_T is 'int', which has 32 bits .*>ARM 7"),
         (
             _replacing("  const char * volatile errorStatus;", "  RTWSolverInfo solverInfo;"),
             r"functional.h: the model has a solver .* 'discrete \(no continuous states\)'",

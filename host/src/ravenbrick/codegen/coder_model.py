@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.codegen.ada_binding import AdaBinding, ada_binding
+from ravenbrick.codegen.c_declarations import NUMBERS
 from ravenbrick.codegen.c_header import ModelHeader, read_header
 from ravenbrick.codegen.rtwtypes import RTWTYPES
 from ravenbrick.errors import DesignError
@@ -20,6 +21,7 @@ __all__ = ["CoderModel", "read_binding", "read_coder_model"]
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 _SYSTEM_INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>]+)>", re.MULTILINE)
+_SIZED = re.compile(r"^\s*typedef\s+([a-z ]+?)\s+(u?int(\d+)_T)\s*;", re.MULTILINE)
 _MAIN = re.compile(r"^\s*(?:int|int_T|void)\s+main\s*\(", re.MULTILINE)
 # Headers of the tool's own folder, of which a model with one discrete rate uses nothing.
 _EMPTY = ("rtw_continuous.h", "rtw_solver.h")
@@ -86,6 +88,7 @@ def read_coder_model(folder: Path) -> CoderModel:
             f"found: {found}"
         )
     supplied = _supply(folder, texts)
+    _check_sizes(folder, texts.get("rtwtypes.h", ""))
     interface = _interface(models[0], texts)
     return CoderModel(interface, models[0], {**texts, **supplied}, tuple(sorted(supplied)))
 
@@ -124,6 +127,18 @@ def _supply(folder: Path, texts: Mapping[str, str]) -> dict[str, str]:
     own = {name: f"{_TITLE}/* {name}: nothing of it is used here. */\n" for name in _EMPTY}
     own["rtwtypes.h"] = f"{_TITLE}{RTWTYPES}"
     return {name: own[name] for name in missing}
+
+
+def _check_sizes(folder: Path, types: str) -> None:
+    """Raises `DesignError` if rtwtypes.h is for a processor with other word lengths."""
+    for base, name, bits in _SIZED.findall(types):
+        words = base.replace("signed", "").replace("un", "").split()
+        found = 8 * NUMBERS["int64_T" if words.count("long") == 2 else (words or ["int"])[0]]
+        if found != int(bits):
+            raise DesignError(
+                f"{folder / 'rtwtypes.h'}: {name} is '{base}', which has {found} bits on the NXT; "
+                "set the device type to 'ARM Compatible->ARM 7' and generate the model again"
+            )
 
 
 def read_binding(path: Path) -> AdaBinding:
