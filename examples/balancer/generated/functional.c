@@ -52,7 +52,8 @@ Parameters_functional functional_P = {
   0.44721F /* K_Integral: gain of integral, V */
 };
 
-static D_Work_functional functional_DW;
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
+D_Work_functional functional_DW;
 
 /* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize_instance(D_Work_functional *work)

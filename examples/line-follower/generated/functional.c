@@ -30,7 +30,8 @@ Parameters_functional functional_P = {
   8.0F /* Saturation: the inner wheel stands, V */
 };
 
-static D_Work_functional functional_DW;
+/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
+D_Work_functional functional_DW;
 
 /* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */
 void functional_initialize_instance(D_Work_functional *work)

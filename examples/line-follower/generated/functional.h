@@ -35,6 +35,7 @@ extern Parameters_functional functional_P;
 /* One instance: the application defines inputs and outputs. */
 extern ExternalInputs_functional functional_U;
 extern ExternalOutputs_functional functional_Y;
+extern D_Work_functional functional_DW;
 extern void functional_initialize(void);
 extern void functional_step(void);
 

@@ -139,6 +139,7 @@ def _header_file(program: ir.Program, *, only_used: bool) -> str:
         "/* One instance: the application defines inputs and outputs. */",
         f"extern ExternalInputs_{name} {name}_U;",
         f"extern ExternalOutputs_{name} {name}_Y;",
+        f"extern D_Work_{name} {name}_DW;",
         f"extern void {name}_initialize(void);",
         f"extern void {name}_step(void);",
         "",
@@ -169,7 +170,7 @@ def _source_file(program: ir.Program, *, only_used: bool) -> str:
         lines.append("")
     if program.parameters or not only_used:
         lines += _parameters(program, traced)
-    lines += [f"static D_Work_{name} {name}_DW;", ""]
+    lines += [_INTERFACE, f"D_Work_{name} {name}_DW;", ""]
     lines += helper_functions(program)
     lines += [_INTERFACE, f"void {name}_initialize_instance(D_Work_{name} *work)", "{"]
     lines += [
