@@ -100,6 +100,7 @@ package body NXT.Telemetry.Server is
       Complete : Boolean;
    begin
       for Round in 1 .. Chunks_Per_Job loop
+         pragma Annotate (Ravenbrick, Iterations, 2, "Chunks_Per_Job");
          Receive (Data, Last);
          for Item of Data (1 .. Last) loop
             pragma Annotate (Ravenbrick, Iterations, 32, "Chunk");

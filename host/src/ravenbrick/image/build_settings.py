@@ -23,8 +23,8 @@ CHOICES = {
 FOLDERS = ("GENERATED", "RAVENBRICK_RTS", "DRIVERS_CONFIGURATION")
 
 
-def _chosen(name: str, variables: Mapping[str, str]) -> str:
-    value = variables.get(name) or CHOICES[name][0]
+def _chosen(name: str, variables: Mapping[str, str], default: str = "") -> str:
+    value = variables.get(name) or default or CHOICES[name][0]
     if value not in CHOICES[name]:
         raise UsageError(f"{name}={value}: must be {' or '.join(CHOICES[name])}")
     return value
@@ -60,8 +60,8 @@ class Settings:
             profile=robot.profile,
             execution_time=robot.execution_time,
             stack_check=robot.stack_check,
-            code=_chosen("CODE", variables),
-            runtime_code=_chosen("RUNTIME_CODE", variables),
+            code=_chosen("CODE", variables, robot.code),
+            runtime_code=_chosen("RUNTIME_CODE", variables, robot.code),
             queuing=_chosen("QUEUING", variables),
             heap=variables.get("HEAP", ""),
             generated=folders.get("GENERATED", robot.directory.resolve() / "generated"),

@@ -164,6 +164,7 @@ class Robot:
     profile: Literal["ravenscar", "jorvik"] = "ravenscar"
     execution_time: bool = False
     stack_check: bool = False
+    code: Literal["arm", "thumb"] = "arm"
 
     @property
     def directory(self) -> Path:
@@ -346,4 +347,5 @@ def read_robot(directory: Path) -> Robot:
         profile=values.get("profile", "ravenscar"),
         execution_time=values.get("execution_time", False),
         stack_check=values.get("stack_check", False),
+        code=values.get("code", "arm"),
     )
