@@ -42,6 +42,19 @@ def test_steps_are_found_and_scaled() -> None:
         assert at_time_constant == pytest.approx(1 - math.exp(-1), abs=0.02)
 
 
+def test_a_mean_of_samples_takes_the_counts_out_of_a_speed() -> None:
+    """Noise of every second sample goes; the step stays at its instant."""
+    session = stepping()
+    assert session.run is not None
+    column = session.run.groups[1].columns[1]
+    for number in range(len(column)):
+        column[number] += 1.0 if number % 2 else -1.0
+    recording = session.run.recording()
+    for step in live_steps(recording, "setpoint", "speed", mean=8):
+        at_time_constant = float(np.interp(TIME_CONSTANT, step.times, step.values))
+        assert at_time_constant == pytest.approx(1 - math.exp(-1), abs=0.02)
+
+
 def test_unknown_signals_are_named() -> None:
     """The names that exist are said."""
     session = stepping()

@@ -97,7 +97,7 @@ def _watch(
 
 
 def _write_outputs(
-    session: Session, stem: Path, step: str | None, project: Path | None
+    session: Session, stem: Path, step: str | None, mean: int, project: Path | None
 ) -> list[Path]:
     """Recordings and pictures of the runs of a session."""
     written: list[Path] = []
@@ -111,7 +111,7 @@ def _write_outputs(
         if step is not None and project is not None:
             design = read_design(Workspace.of(project).design_file)
             names = _step_names(step)
-            steps = live_steps(recording, *names)
+            steps = live_steps(recording, *names, mean)
             if not steps:
                 raise UsageError(f"--step {step}: the set-point never changed while connected")
             pictures[f"{name}-steps.png"] = steps_figure(steps, design, *names)
@@ -168,6 +168,9 @@ def monitor_command(
         str | None,
         typer.Option(help="Signals SETPOINT:OUTPUT whose steps are compared with a design."),
     ] = None,
+    mean: Annotated[
+        int, typer.Option(min=1, help="Number of samples averaged in the output of --step.")
+    ] = 1,
     design: Annotated[
         Path | None, typer.Option(help="Project folder with the design for --step.")
     ] = None,
@@ -201,7 +204,7 @@ def monitor_command(
                 f"{address}: no program with telemetry answered; check that the brick runs one, "
                 "that it is in range, and that nothing else is connected with it"
             )
-    files = _write_outputs(session, out, step, design) if out is not None else []
+    files = _write_outputs(session, out, step, mean, design) if out is not None else []
     summary = _summary(session, files)
     for run in summary["runs"]:
         reporter.print(

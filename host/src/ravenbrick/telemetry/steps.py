@@ -29,14 +29,20 @@ class LiveStep:
     values: Floats
 
 
-def live_steps(recording: Recording, setpoint: str, output: str) -> list[LiveStep]:
+def live_steps(recording: Recording, setpoint: str, output: str, mean: int = 1) -> list[LiveStep]:
     """All steps of a set-point and how the output followed, until the next step or for 2 s.
 
-    A step is a change that is at least a tenth of the largest one. Raises `UsageError` when a
-    signal was not recorded.
+    A step is a change that is at least a tenth of the largest one. Each value of the output is the
+    mean of `mean` consecutive samples, at the middle of their instants: speeds from counts, as
+    differences of consecutive readings, become differences over so many periods. Raises
+    `UsageError` when a signal was not recorded.
     """
     times, wanted = recording.signal(setpoint)
     output_times, followed = recording.signal(output)
+    weights = np.full(mean, 1 / mean)
+    output_times, followed = (
+        np.convolve(column, weights, "valid") for column in (output_times, followed)
+    )
     changes = np.diff(wanted)
     if not changes.size or not np.any(changes):
         return []
