@@ -13,10 +13,13 @@ from typing import Any
 import pytest
 
 EXAMPLES = Path(__file__).resolve().parent
-DESIGNED = ("motor-bench", "line-follower", "balancer")
+DESIGNED = ("paper", "motor-bench", "line-follower", "balancer")
 LONG = pytest.mark.long("a whole lap on the floor")
 RUNS = [
     ("blank", "press"),
+    ("paper", "drive"),
+    ("paper", "step"),
+    ("paper", "monitored"),
     ("motor-bench", "step"),
     ("motor-bench", "load"),
     ("motor-bench", "position"),
@@ -83,10 +86,11 @@ def test_a_joystick_steers_a_vehicle_through_the_air() -> None:
 
 
 @pytest.mark.long("bounds every path of a job")
-def test_the_telemetry_is_part_of_the_schedulability_report() -> None:
+@pytest.mark.parametrize(("example", "scenario"), [("motor-bench", "step"), ("paper", "monitored")])
+def test_the_telemetry_is_part_of_the_schedulability_report(example: str, scenario: str) -> None:
     """The server's job and response have bounds, not below what was seen, and all is in time."""
-    ravenbrick("build", str(EXAMPLES / "motor-bench"))
-    answer = ravenbrick("analyse", str(EXAMPLES / "motor-bench"), "--scenario", "step")
+    ravenbrick("build", str(EXAMPLES / example))
+    answer = ravenbrick("analyse", str(EXAMPLES / example), "--scenario", scenario)
     assert answer["schedulable"]
     server_task = next(task for task in answer["tasks"] if task["name"] == "server_task")
     seen = server_task["observed"]
