@@ -9,6 +9,8 @@ DEBIAN_PACKAGES=(
     libnewlib-arm-none-eabi
     gdb-multiarch
     gprbuild
+    libnxt
+    libusb-1.0-0
     python3-venv
     gcc
     libc6-dev
@@ -20,7 +22,6 @@ DEVELOP_PACKAGES=(
     gappa
     git
     gtkwave
-    libnxt
     nbc
     nxt-firmware
     openocd

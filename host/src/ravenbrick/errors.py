@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 __all__ = [
+    "BrickDiffersError",
     "BuildError",
     "ConnectionFailedError",
     "CriteriaError",
@@ -24,6 +25,7 @@ __all__ = [
     "PeerError",
     "ProjectFileError",
     "RavenbrickError",
+    "RecordError",
     "RunFaultError",
     "ScenarioError",
     "ToolMissingError",
@@ -50,13 +52,14 @@ class ExitCode(IntEnum):
     PROJECT_FILE = 3, "robot.toml or a scenario file is wrong; file, line and field are named."
     TOOL_MISSING = 4, "A tool or module is missing; 'ravenbrick doctor' says how to install it."
     BUILD_FAILED = 5, "The compiler, binder or linker reported an error."
-    BAD_IMAGE = 6, "The image is missing, truncated, not for the brick, or too large."
+    BAD_IMAGE = 6, "The image or self-test record is missing, truncated, too large or a wrong one."
     RUN_FAULT = 7, "The program failed on the brick with an exception, a fault or a stack overflow."
     CRITERIA_NOT_MET = 8, "The run finished, but a pass criterion of the scenario is not met."
     SCENARIO_UNREACHABLE = 9, "The scenario cannot run: a file or an instant is missing."
     DESIGN_FAILED = 10, "design.py failed or wrote no design."
     CONNECTION_FAILED = 11, "No real brick was found, or the transfer to it failed."
     NO_TIMING_BOUND = 12, "A time has no bound; the missing flow fact is named."
+    BRICK_DIFFERS = 13, "The real brick differs from the virtual one; rows and parameters are named."
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
 
@@ -93,6 +96,18 @@ class ProjectFileError(RavenbrickError):
         self.path = path
         self.line = line
         self.field = field
+
+
+class RecordError(RavenbrickError):
+    """The record of a self-test cannot be used."""
+
+    exit_code = ExitCode.BAD_IMAGE
+
+
+class BrickDiffersError(RavenbrickError):
+    """A real brick behaves otherwise than the virtual one; `data` holds the comparison."""
+
+    exit_code = ExitCode.BRICK_DIFFERS
 
 
 class ToolMissingError(RavenbrickError):

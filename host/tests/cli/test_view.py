@@ -25,7 +25,6 @@ from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
-from ravenbrick.timing.results.bounds_file import image_digest
 
 
 @pytest.fixture(autouse=True)
@@ -92,7 +91,7 @@ def timing_file(project: Path, **changes: Any) -> Path:
     tasks += [{"name": "display_task", "response_bound_cycles": None}]
     file = Workspace.of(project).results / "timing.json"
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(json.dumps({"image_sha256": image_digest(image), "tasks": tasks} | changes))
+    file.write_text(json.dumps({"image_sha256": image.digest, "tasks": tasks} | changes))
     return file
 
 

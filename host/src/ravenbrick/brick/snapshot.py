@@ -39,10 +39,6 @@ class SnapshotError(UsageError):
     """The file is not a snapshot, is damaged, or belongs to another image or version."""
 
 
-def _image_digest(image: ElfImage) -> str:
-    return hashlib.sha256(image.content).hexdigest()
-
-
 def _memory(brick: Any) -> bytes:
     return b"".join(brick.read_memory(start, length) for start, length in _MEMORIES)
 
@@ -72,7 +68,7 @@ class Snapshot:
         """Of a brick that has had these inputs, those to come included."""
         return cls(
             configuration,
-            _image_digest(image),
+            image.digest,
             inputs,
             probes,
             brick.cycles,
@@ -83,7 +79,7 @@ class Snapshot:
 
     def restore(self, module: Any, image: ElfImage) -> Any:
         """A brick in this state, made with `virtual_brick`; raises SnapshotError."""
-        if _image_digest(image) != self.image_digest:
+        if image.digest != self.image_digest:
             raise SnapshotError(f"{image.path}: is not the image of the snapshot; name that one")
         kind = module.VirtualBrick
         try:

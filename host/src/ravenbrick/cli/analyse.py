@@ -38,7 +38,6 @@ from ravenbrick.timing.observation.observed import (
     worst_job,
 )
 from ravenbrick.timing.observation.worst_case_search import WorstSample, largest, search_worst_case
-from ravenbrick.timing.results.bounds_file import image_digest
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.figures import (
     margin_figure,
@@ -262,7 +261,7 @@ def analyse_command(
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
         "scenario": chosen.name,
-        "image_sha256": image_digest(elf),
+        "image_sha256": elf.digest,
         "effort": effort,
         **result_of(analysis, found.seen, found.undisturbed),
         "chains": [_chain_result(chain, loop) for chain in chains],

@@ -40,6 +40,7 @@ COMMANDS = {
     "analyse": "Bound execution and response times from the binary and compare them with a run.",
     "bind": "Copy the C of an Embedded Coder model and write its Ada binding.",
     "build": "Compile, bind and link the image, and report its memory use.",
+    "compare-brick": "Compare a brick's self-test with the virtual brick, row by row; take it first.",
     "debug": "Debug the program with GDB, forwards and backwards in time.",
     "demo": "Design, generate, build, run every scenario, measure, and write the report.",
     "design": "Run design.py: tune, discretise, simulate, and generate the controller's C.",
@@ -62,7 +63,7 @@ COMMANDS = {
     "wcet": "Bound the execution time of a function of an ELF file.",
 }
 # Commands whose module has another name.
-ELSEWHERE = {"import": "import_model", "home": "new"}
+ELSEWHERE = {"compare-brick": "compare_brick", "import": "import_model", "home": "new"}
 OPTIONS: dict[str, Any] = {"rich_markup_mode": None}  # without rich, which loads slowly
 
 
@@ -236,7 +237,8 @@ def command(example: str) -> Callable[[Callable[Arguments, Result]], Callable[Ar
                     typer.echo(json.dumps({"ok": True, **result}, indent=1))
 
         run.__annotations__["return"] = None
-        _FUNCTIONS[function.__name__.removesuffix("_command")] = run, example
+        name = function.__name__.removesuffix("_command").replace("_", "-")
+        _FUNCTIONS[name] = run, example
         return run
 
     return register

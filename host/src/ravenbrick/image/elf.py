@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import struct
 from dataclasses import dataclass
@@ -91,6 +92,11 @@ class ElfImage:
     def build(self) -> BuildKind:
         """The kind of build, by a symbol in the image itself."""
         return "debug" if _DEBUG_MARK in self.symbols else self.kind
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the file, as hexadecimal digits."""
+        return hashlib.sha256(self.content).hexdigest()
 
     def size_of(self, kind: str) -> int:
         """Bytes of all sections of a kind."""

@@ -32,11 +32,12 @@ pub(crate) enum Observed {
 
 /// A machine at power-on.
 pub(crate) fn machine(configuration: &Configuration) -> Result<Machine, ConfigurationError> {
-    let board = NxtBoard::new(
+    let mut board = NxtBoard::new(
         &configuration.board,
         &configuration.robot,
         configuration.seed,
     )?;
+    board.set_coprocessor_stretch(configuration.timing.coprocessor_stretch_cycles);
     let chip = ChipConfiguration {
         timing: configuration.timing.chip,
         ..ChipConfiguration::default()

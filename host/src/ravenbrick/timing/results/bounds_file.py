@@ -4,21 +4,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from pathlib import Path
 
 from ravenbrick.errors import ProjectFileError, UsageError
 from ravenbrick.image.elf import ElfImage
 
-__all__ = ["image_digest", "own_bounds", "read_bounds"]
+__all__ = ["own_bounds", "read_bounds"]
 
 ADVICE = "let 'ravenbrick analyse PROJECT' write it again"
-
-
-def image_digest(image: ElfImage) -> str:
-    """SHA-256 of the image's file, as hexadecimal digits."""
-    return hashlib.sha256(image.content).hexdigest()
 
 
 def read_bounds(path: Path, image: ElfImage) -> dict[str, int]:
@@ -45,7 +39,7 @@ def read_bounds(path: Path, image: ElfImage) -> dict[str, int]:
         raise ProjectFileError(path, 1, str(error.args[0]), f"is missing; {ADVICE}") from None
     except (TypeError, ValueError) as error:
         raise ProjectFileError(path, 1, "tasks", f"{error}; {ADVICE}") from None
-    if digest != image_digest(image):
+    if digest != image.digest:
         raise UsageError(f"{path}: bounds another image than {image.path}; {ADVICE}")
     return bounds
 

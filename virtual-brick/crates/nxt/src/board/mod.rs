@@ -114,6 +114,11 @@ impl NxtBoard {
         self.devices.change().bluetooth.skip_start_up(now);
     }
 
+    /// How long the co-processor holds the two-wire bus's clock after a byte.
+    pub fn set_coprocessor_stretch(&mut self, cycles: Cycles) {
+        self.coprocessor.set_stretch(cycles);
+    }
+
     /// When the co-processor's readings were asked for first.
     #[must_use]
     pub const fn first_readings_cycles(&self) -> Option<Cycles> {

@@ -16,9 +16,9 @@ use crate::time::{microseconds, milliseconds, NEVER};
 
 /// Address on the two-wire bus.
 pub const ADDRESS: u8 = 1;
-/// How long the interrupt handler of the two-wire interface holds SCL after a byte: about 32
-/// cycles of its 8 MHz clock (chosen).
-const STRETCH_CYCLES: Cycles = microseconds(4);
+/// How long the interrupt handler of the two-wire interface holds SCL after a byte, unless
+/// configured otherwise: about 32 cycles of its 8 MHz clock (chosen).
+pub const STRETCH_CYCLES: Cycles = microseconds(4);
 /// How long it holds SCL when it hangs: until the master gives up.
 const HELD: Cycles = 1 << 48;
 
@@ -90,6 +90,7 @@ pub struct Coprocessor {
     /// Status frames that will have a wrong checksum.
     corrupt_checksums: u16,
     holds_bus: bool,
+    stretch_cycles: Cycles,
 }
 
 impl Coprocessor {
@@ -117,6 +118,7 @@ impl Coprocessor {
             next_at: START_UP + phase + STORED[0],
             corrupt_checksums: 0,
             holds_bus: false,
+            stretch_cycles: STRETCH_CYCLES,
         }
     }
 
@@ -134,12 +136,17 @@ impl Coprocessor {
         self.holds_bus
     }
 
+    /// How long it holds SCL after a byte from now on.
+    pub fn set_stretch(&mut self, cycles: Cycles) {
+        self.stretch_cycles = cycles;
+    }
+
     /// How long it holds SCL after a byte.
     pub const fn stretch_cycles(&self) -> Cycles {
         if self.holds_bus {
             HELD
         } else {
-            STRETCH_CYCLES
+            self.stretch_cycles
         }
     }
 
@@ -161,6 +168,7 @@ impl Coprocessor {
             last_frame_at: now,
             corrupt_checksums: self.corrupt_checksums,
             holds_bus: self.holds_bus,
+            stretch_cycles: self.stretch_cycles,
             ..Self::new(phase)
         };
         self.plan();

@@ -3,21 +3,32 @@
 //! Timing that no document fixes: a profile and single values in its place.
 
 use at91sam7s::{CodeBufferLoss, TimingProfile};
+use nxt::STRETCH_CYCLES;
 use serde::Deserialize;
 
 use super::error::ConfigurationError;
 use crate::engine::Engine;
 
-/// No doubtful value is as large.
+/// No doubtful value of core and chip is as large.
 const MOST_CYCLES: u64 = 16;
+/// 100 us: more than a co-processor can need that answers within a millisecond.
+const MOST_STRETCH_CYCLES: u64 = 4_806;
 
-/// The doubtful costs of core and chip.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The doubtful costs of core, chip and co-processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
     /// Of the core.
     pub core: arm7tdmi::TimingProfile,
     /// Of memory, interrupt path and data controller.
     pub chip: TimingProfile,
+    /// How long the co-processor holds SCL after a byte.
+    pub coprocessor_stretch_cycles: u64,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Profile::Nominal.timing()
+    }
 }
 
 impl Timing {
@@ -61,6 +72,7 @@ pub(super) struct TimingFields {
     undefined_internal_cycles: Option<u64>,
     mask_change_delayed: Option<bool>,
     code_buffer_loss: Option<Loss>,
+    coprocessor_stretch_cycles: Option<u64>,
 }
 
 /// What empties the flash's code buffer.
@@ -84,19 +96,16 @@ impl From<Loss> for CodeBufferLoss {
 
 impl Profile {
     const fn timing(self) -> Timing {
-        match self {
-            Self::Nominal => Timing {
-                core: arm7tdmi::TimingProfile::nominal(),
-                chip: TimingProfile::nominal(),
-            },
-            Self::Optimistic => Timing {
-                core: arm7tdmi::TimingProfile::optimistic(),
-                chip: TimingProfile::optimistic(),
-            },
-            Self::Pessimistic => Timing {
-                core: arm7tdmi::TimingProfile::nominal(),
-                chip: TimingProfile::pessimistic(),
-            },
+        use arm7tdmi::TimingProfile as CoreProfile;
+        let (core, chip) = match self {
+            Self::Nominal => (CoreProfile::nominal(), TimingProfile::nominal()),
+            Self::Optimistic => (CoreProfile::optimistic(), TimingProfile::optimistic()),
+            Self::Pessimistic => (CoreProfile::nominal(), TimingProfile::pessimistic()),
+        };
+        Timing {
+            core,
+            chip,
+            coprocessor_stretch_cycles: STRETCH_CYCLES,
         }
     }
 }
@@ -104,7 +113,11 @@ impl Profile {
 impl TimingFields {
     /// The profile with the values that replace its own.
     pub(super) fn check(&self) -> Result<Timing, ConfigurationError> {
-        let Timing { mut core, mut chip } = self.profile.timing();
+        let Timing {
+            mut core,
+            mut chip,
+            mut coprocessor_stretch_cycles,
+        } = self.profile.timing();
         let mut undefined = u64::from(core.undefined_internal_cycles);
         let values = [
             ("flash_first_wait_cycles", self.flash_first_wait_cycles),
@@ -126,6 +139,10 @@ impl TimingFields {
             ("pio_input_cycles", self.pio_input_cycles),
             ("pio_filter_cycles", self.pio_filter_cycles),
             ("undefined_internal_cycles", self.undefined_internal_cycles),
+            (
+                "coprocessor_stretch_cycles",
+                self.coprocessor_stretch_cycles,
+            ),
         ];
         let places = [
             &mut chip.flash_first.per_wait_state_cycles,
@@ -141,12 +158,18 @@ impl TimingFields {
             &mut chip.pio_input_cycles,
             &mut chip.pio_filter_cycles,
             &mut undefined,
+            &mut coprocessor_stretch_cycles,
         ];
         for ((name, value), place) in values.into_iter().zip(places) {
             let Some(value) = value else { continue };
             let least = u64::from(name == "apb_cycles");
-            if !(least..=MOST_CYCLES).contains(&value) {
-                let problem = format!("must be {least} to {MOST_CYCLES} cycles");
+            let most = if name == "coprocessor_stretch_cycles" {
+                MOST_STRETCH_CYCLES
+            } else {
+                MOST_CYCLES
+            };
+            if !(least..=most).contains(&value) {
+                let problem = format!("must be {least} to {most} cycles");
                 return Err(ConfigurationError::field(
                     &format!("timing.{name}"),
                     problem,
@@ -161,6 +184,10 @@ impl TimingFields {
         if let Some(loss) = self.code_buffer_loss {
             chip.code_buffer_loss = loss.into();
         }
-        Ok(Timing { core, chip })
+        Ok(Timing {
+            core,
+            chip,
+            coprocessor_stretch_cycles,
+        })
     }
 }
