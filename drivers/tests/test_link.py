@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import virtual_brick
 
-from verification.support.bricks.observe import Brick, bench
+from verification.support.bricks.observe import CLOCK_DENOMINATOR, CLOCK_NUMERATOR, Brick, bench
 from verification.support.bricks.programs import gprbuild
 
 TESTS = Path(__file__).resolve().parent
@@ -95,3 +95,15 @@ def test_period_and_priority_are_the_programs_choice(tmp_path: Path) -> None:
     threads = {thread.name: thread.base_priority for thread in device.device.threads()}
     assert threads["coprocessor_task"] == 1
     assert (device.integer("errors"), device.integer("losses")) == (0, 0)
+
+
+@pytest.mark.parametrize("stretch_us", [9, 20, 45])
+def test_a_coprocessor_that_holds_the_clock_for_long_is_greeted(
+    brick: Callable[..., Brick], stretch_us: int
+) -> None:
+    """Its text then lasts longer than a period of the link; no transfer counts as failed."""
+    stretch_cycles = round(stretch_us * 1e-6 * CLOCK_NUMERATOR / CLOCK_DENOMINATOR)
+    device = brick("link", timing={"coprocessor_stretch_cycles": stretch_cycles})
+    device.run(FAULT_MS)
+    assert (device.integer("errors"), device.integer("losses")) == (0, 0)
+    assert device.motors(at_ms=FAULT_MS) == DRIVEN

@@ -133,10 +133,15 @@ package body NXT.AVR is
       Shared.Brake_Motors;
    end Handle_Loss;
 
-   --  Judge the transfer of the period before. One that has not ended by now never will.
+   --  Judge the transfer of the period before. One that has not ended by now never will, except the
+   --  text: it lasts longer than a period if the co-processor holds the clock for 18 us after each
+   --  byte, and may end while the link settles.
    procedure Complete_Transfer (This : in out Link) is
       Good : Boolean := TWI.Status = TWI.Done;
    begin
+      if This.Purpose = Text and then TWI.Status = TWI.Busy and then This.Quiet_Left > 1 then
+         return;
+      end if;
       if Good and then This.Purpose = Readings then
          Accept_Readings (This, Good);
       end if;

@@ -4,8 +4,8 @@
 --  Short instruction sequences, made at run time and timed with interrupts masked. They lie in RAM
 --  or are copied to a page of the flash, so that the costs of both memories can be compared.
 --
---  A sequence may use r0, r5, r7 and r12. r2 and r3 hold its arguments, r4 the caller's status, r6 the
---  stopwatch at the beginning. It ends with a return, and its result is what it leaves in r5.
+--  A sequence may use r0, r5, r7 and r12. r2 and r3 hold its arguments, r4 the caller's status, r6
+--  the stopwatch at the beginning. It ends with a return; its result is what it leaves in r5.
 
 with NXT.Registers;  use NXT.Registers;
 with System;

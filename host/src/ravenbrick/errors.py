@@ -59,7 +59,7 @@ class ExitCode(IntEnum):
     DESIGN_FAILED = 10, "design.py failed or wrote no design."
     CONNECTION_FAILED = 11, "No real brick was found, or the transfer to it failed."
     NO_TIMING_BOUND = 12, "A time has no bound; the missing flow fact is named."
-    BRICK_DIFFERS = 13, "The real brick differs from the virtual one; rows and parameters are named."
+    BRICK_DIFFERS = 13, "The brick differs from the virtual brick; rows and parameters are named."
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
 

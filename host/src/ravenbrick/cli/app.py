@@ -40,7 +40,7 @@ COMMANDS = {
     "analyse": "Bound execution and response times from the binary and compare them with a run.",
     "bind": "Copy the C of an Embedded Coder model and write its Ada binding.",
     "build": "Compile, bind and link the image, and report its memory use.",
-    "compare-brick": "Compare a brick's self-test with the virtual brick, row by row; take it first.",
+    "compare-brick": "Compare the self-test of a brick with the virtual brick, row by row.",
     "debug": "Debug the program with GDB, forwards and backwards in time.",
     "demo": "Design, generate, build, run every scenario, measure, and write the report.",
     "design": "Run design.py: tune, discretise, simulate, and generate the controller's C.",

@@ -148,7 +148,9 @@ def _print(reporter: Reporter, comparison: Comparison) -> None:
     for name, reason in UNSEEN.items():
         reporter.print(f"not seen by the self-test: {name} ({reason})")
     if comparison.timing:
-        reporter.print(f'\nin the brick\'s configuration: "timing": {json.dumps(comparison.timing)}')
+        reporter.print(
+            f'\nin the brick\'s configuration: "timing": {json.dumps(comparison.timing)}'
+        )
 
 
 def _row_verdict(tolerance: float | None, agrees: bool, explained: bool) -> str:

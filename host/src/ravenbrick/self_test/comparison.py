@@ -18,7 +18,7 @@ from ravenbrick.self_test.record import PARTS, Record
 from ravenbrick.self_test.taking import Settings, from_virtual_brick
 from ravenbrick.self_test.tolerances import tolerance_of
 
-__all__ = ["Comparison", "ComparedRow", "compare", "equipment"]
+__all__ = ["ComparedRow", "Comparison", "compare", "equipment", "verdict"]
 
 NOMINAL_VOLTS = 8.0
 

@@ -8,7 +8,7 @@ Nothing is derived by hand: the same image runs with other values until its rows
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ravenbrick.self_test.parameters import PARAMETERS, Parameter, Value
 from ravenbrick.self_test.record import Row
@@ -76,6 +76,14 @@ class _Fit:
             total += max(0.0, difference - tolerance.of(rows[name].value))
         return total
 
+    def settled(self, parameter: Parameter) -> bool:
+        """An earlier pass found the only value, and its rows still fit with what came after."""
+        found = self.estimates.get(parameter.name)
+        value = self.values[parameter.name]
+        return (
+            found is not None and found.values == (value,) and self._distance(parameter, value) == 0
+        )
+
     def choose(self, parameter: Parameter) -> None:
         """The best of the listed values: from the present one on as long as it gets better."""
         values = parameter.values
@@ -94,6 +102,11 @@ class _Fit:
         if self.values[parameter.name] not in fitting:
             self.values[parameter.name] = fitting[0]
         self.estimates[parameter.name] = Estimate(parameter, fitting, best == 0)
+
+    def final(self, parameter: Parameter) -> Estimate:
+        """The estimate, judged with the final values of all parameters."""
+        fits = self._distance(parameter, self.values[parameter.name]) == 0
+        return replace(self.estimates[parameter.name], fits=fits)
 
     def compute(self, parameter: Parameter) -> None:
         """The value by the slope of the rows, which depend on it in proportion."""
@@ -120,6 +133,8 @@ def fit(measured: Rows, run: Run, progress: Callable[[float], None]) -> list[Est
         before = dict(search.values)
         for place, parameter in enumerate(seen):
             progress((number * len(seen) + place) / (PASSES * len(seen)))
+            if search.settled(parameter):
+                continue
             if parameter.step_cycles:
                 search.compute(parameter)
             else:
@@ -127,4 +142,4 @@ def fit(measured: Rows, run: Run, progress: Callable[[float], None]) -> list[Est
         if search.values == before and number:
             break
     progress(1.0)
-    return [search.estimates[parameter.name] for parameter in seen]
+    return [search.final(parameter) for parameter in seen]

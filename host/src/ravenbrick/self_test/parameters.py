@@ -51,9 +51,7 @@ PARAMETERS = (
     Parameter("pio_filter_cycles", 1, ("interrupt.filtered_pin_request",), _FEW),
     Parameter("core_sync_cycles", 3, ("interrupt.handler",), _SOME),
     Parameter("mask_change_delayed", True, ("interrupt.unmasked_before_load",), (False, True)),
-    Parameter(
-        "coprocessor_stretch_cycles", 192, ("link.receive", "link.send"), step_cycles=48
-    ),
+    Parameter("coprocessor_stretch_cycles", 192, ("link.receive", "link.send"), step_cycles=48),
 )
 
 UNSEEN = {

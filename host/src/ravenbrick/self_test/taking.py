@@ -26,7 +26,7 @@ SILENCE_S = 60.0
 READ_S = 0.5
 STEP_MS = 20
 VIRTUAL_MS = 120_000
-PRESS_MS = 1_000
+PRESS_MS = 200
 
 
 class ByteLink(Protocol):
@@ -118,7 +118,7 @@ def from_virtual_brick(
             if lines.finished(until):
                 break
             if lines.finished(PARTS[0]) and now_ms % PRESS_MS == 0:
-                _press(brick, settings)
+                _press(brick, settings, pressed=now_ms // PRESS_MS % 2)
             stop = brick.run_until(brick.cycles + MASTER_CLOCK.cycles_of_ms(STEP_MS))
             if stop.reason != "reached":
                 raise _not_ended(f"{stop.reason}: {stop.message}", lines.lines)
@@ -130,7 +130,7 @@ def from_virtual_brick(
     return _record(lines.lines, "virtual brick", image)
 
 
-def _press(brick: Any, settings: Settings) -> None:
-    """The person presses the orange button and the sensor, if there is one."""
+def _press(brick: Any, settings: Settings, pressed: int) -> None:
+    """The person presses or releases the orange button and the sensor, if there is one."""
     for name in ("button.orange", *(["touch.1"] if settings.get("sensors", {}).get("1") else [])):
-        brick.schedule_input(brick.cycles, name, 1)
+        brick.schedule_input(brick.cycles, name, pressed)

@@ -162,19 +162,7 @@ impl TimingFields {
         ];
         for ((name, value), place) in values.into_iter().zip(places) {
             let Some(value) = value else { continue };
-            let least = u64::from(name == "apb_cycles");
-            let most = if name == "coprocessor_stretch_cycles" {
-                MOST_STRETCH_CYCLES
-            } else {
-                MOST_CYCLES
-            };
-            if !(least..=most).contains(&value) {
-                let problem = format!("must be {least} to {most} cycles");
-                return Err(ConfigurationError::field(
-                    &format!("timing.{name}"),
-                    problem,
-                ));
-            }
+            check_range(name, value)?;
             *place = value;
         }
         core.undefined_internal_cycles = undefined as u32;
@@ -190,4 +178,20 @@ impl TimingFields {
             coprocessor_stretch_cycles,
         })
     }
+}
+
+fn check_range(name: &str, value: u64) -> Result<(), ConfigurationError> {
+    let allowed = match name {
+        "apb_cycles" => 1..=MOST_CYCLES,
+        "coprocessor_stretch_cycles" => 0..=MOST_STRETCH_CYCLES,
+        _ => 0..=MOST_CYCLES,
+    };
+    if allowed.contains(&value) {
+        return Ok(());
+    }
+    let problem = format!("must be {} to {} cycles", allowed.start(), allowed.end());
+    Err(ConfigurationError::field(
+        &format!("timing.{name}"),
+        problem,
+    ))
 }
