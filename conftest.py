@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 
 import pytest
+import ravenbrick as ravenbrick  # limits the threads of linear algebra, before NumPy is loaded
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
