@@ -11,7 +11,7 @@ import json
 
 import virtual_brick
 
-from examples.devices.pictures import picture
+from tools.docs.lcd_picture import lcd_svg
 from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import Brick, bench
 from verification.support.paths import ROOT
@@ -26,7 +26,9 @@ def main() -> None:
         elf = image_of(name, "ram")
         brick = Brick(virtual_brick.VirtualBrick(json.dumps(bench()), elf))
         brick.run_to_end(END_MS)
-        (ROOT / "docs" / "pictures" / f"{name}.svg").write_text(picture(brick), encoding="utf-8")
+        (ROOT / "docs" / "pictures" / f"{name}.svg").write_text(
+            lcd_svg(brick.picture()), encoding="utf-8"
+        )
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ COSTS = [
     "`Audio.Time_Remaining`",
     "nothing",
 ]
-MORE_COSTS = [
+DISPLAY_MOTOR_COSTS = [
     "nothing",
     "`Display.Put_At_Noupdate`, 16 letters",
     "`Display.Drawing.Draw_Line`, 100 pixels",
@@ -214,7 +214,7 @@ PROGRAMS = [
         2_500,
         lambda brick: brick.set(10, "motor.A.hand_angle", 6.0),
     ),
-    Program("more_costs", MORE_COSTS, {}, 2_500),
+    Program("display_motor_costs", DISPLAY_MOTOR_COSTS, {}, 2_500),
     Program("device_costs", DEVICE_COSTS, {"1": "color"}, 2_500),
     Program("line_costs", LINE_COSTS, {}, 4_500, connect),
     Program(TELEMETRY, TELEMETRY_COSTS, {}, 3_500, listen),

@@ -45,7 +45,8 @@ def test_releases_are_whole_seconds_apart_to_the_cycle(day: Run) -> None:
     """The virtual brick counts cycles apart from the program's clock: the 32-bit count wraps 60
     times in a day, and the nominal releases stay where arithmetic puts them. A unit is 16/7 cycles,
     and a release is a whole cycle: compared in sevenths, all lie within the same cycle."""
-    releases = day.events("release", day.thread_index("day__seconds_task"))["value"][2:]
+    task = day.thread_index("release_lateness__seconds_task")
+    releases = day.events("release", task)["value"][2:]
     assert len(releases) >= DAY_SECONDS - 1
     units = np.arange(2, 2 + len(releases), dtype=np.int64) * UNITS_PER_SECOND
     offsets_sevenths = 7 * releases.astype(np.int64) - 16 * units
@@ -54,7 +55,7 @@ def test_releases_are_whole_seconds_apart_to_the_cycle(day: Run) -> None:
 
 def test_the_task_runs_as_soon_after_its_release_at_the_end_as_at_the_beginning(day: Run) -> None:
     """By the virtual brick's cycles for every job, by the program's own clock for the extremes."""
-    index = day.thread_index("day__seconds_task")
+    index = day.thread_index("release_lateness__seconds_task")
     releases = day.events("release", index)["value"][2:].astype(np.int64)
     starts = day.events("thread_running", index)["at"].astype(np.int64)
     positions = np.searchsorted(starts, releases)

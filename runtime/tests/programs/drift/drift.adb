@@ -1,8 +1,8 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with Day;
-pragma Unreferenced (Day);
+with Release_Lateness;
+pragma Unreferenced (Release_Lateness);
 
 procedure Drift with Priority => 1 is
 begin

@@ -8,7 +8,7 @@ with System;
 
 with Series; use Series;
 
-package Measured is
+package Measured_Services is
 
    type Figure is
      (Two_Readings,          --  of the timer, one after the other: to be subtracted
@@ -38,4 +38,4 @@ package Measured is
 
    Level : constant System.Interrupt_Priority := System.Interrupt_Priority'First + 4;
 
-end Measured;
+end Measured_Services;

@@ -3,7 +3,7 @@
 
 --  A task with a period of a second, for a day; it compares its releases with the clock
 
-package Day is
+package Release_Lateness is
 
    Jobs : Natural := 0
      with Volatile, Export, Convention => C, External_Name => "jobs";
@@ -16,4 +16,4 @@ package Day is
 
    task Seconds_Task with Priority => 10, Storage_Size => 1024;
 
-end Day;
+end Release_Lateness;

@@ -5,11 +5,11 @@ with Ada.Synchronous_Task_Control; use Ada.Synchronous_Task_Control;
 
 with Journal; use Journal;
 
-package body Two_On_One is
+package body Two_Waiters is
 
    Flag : Suspension_Object;
 
-   task body One is
+   task body First_Waiter is
    begin
       Note (if Current_State (Flag) then '1' else '0');
       Set_True (Flag);
@@ -22,13 +22,13 @@ package body Two_On_One is
       Note (if Current_State (Flag) then '1' else '0');
       Suspend_Until_True (Flag);
       Note ('x');
-   end One;
+   end First_Waiter;
 
-   task body Two is
+   task body Second_Waiter is
    begin
       Note ('2');
       Suspend_Until_True (Flag);
       Note ('y');
-   end Two;
+   end Second_Waiter;
 
-end Two_On_One;
+end Two_Waiters;

@@ -10,7 +10,7 @@ with NXT.Parameters;
 with NXT.Regulated_Motors;
 with NXT.RS485;
 
-procedure More_Costs is
+procedure Display_Motor_Costs is
 
    use NXT;
 
@@ -50,4 +50,4 @@ begin
    end loop;
    pragma Unreferenced (Answer, Result);
    delay until Time_Last;
-end More_Costs;
+end Display_Motor_Costs;

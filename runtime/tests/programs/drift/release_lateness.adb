@@ -5,7 +5,7 @@ with Ada.Real_Time; use Ada.Real_Time;
 
 with Handshake;
 
-package body Day is
+package body Release_Lateness is
 
    task body Seconds_Task is
       Next : Time := Time_Of (1, Time_Span_Zero);
@@ -23,4 +23,4 @@ package body Day is
       end loop;
    end Seconds_Task;
 
-end Day;
+end Release_Lateness;

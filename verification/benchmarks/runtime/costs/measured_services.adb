@@ -9,7 +9,7 @@ with Interfaces; use Interfaces;
 
 with Timers; use Timers;
 
-package body Measured is
+package body Measured_Services is
 
    Released : Suspension_Object;
    Served   : Suspension_Object;
@@ -186,4 +186,4 @@ package body Measured is
       end loop;
    end Server;
 
-end Measured;
+end Measured_Services;

@@ -3,9 +3,9 @@
 
 --  Suspension objects: a flag set in advance lets one pass; a second task may not wait
 
-package Two_On_One is
+package Two_Waiters is
 
-   task One with Priority => 10, Storage_Size => 512;
-   task Two with Priority => 9, Storage_Size => 512;
+   task First_Waiter with Priority => 10, Storage_Size => 512;
+   task Second_Waiter with Priority => 9, Storage_Size => 512;
 
-end Two_On_One;
+end Two_Waiters;
