@@ -46,7 +46,6 @@ def built(folder: str, program: str) -> ElfImage:
     build = ROOT / "build" / "verification" / folder
     gprbuild(
         HERE / "programs.gpr",
-        run_time=ROOT / "build" / "runtime" / "ravenscar",
         FOLDER=folder,
         MAIN=program,
         BUILD=build,
