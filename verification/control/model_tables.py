@@ -3,10 +3,9 @@
 """Two tables: public Simulink models read, and findings of MISRA C:2012 in generated C.
 
 `python -m verification.control.model_tables` writes docs/reference/simulink-models.md from the
-models in the
-folder that RAVENBRICK_SLX_MODELS names (`<owner>/<repository>/<model>`), and
-docs/reference/misra.md, with rows of our models and of the models that
-RAVENBRICK_CODER_MODELS names.
+models in the folder that RAVENBRICK_SLX_MODELS names (`<owner>/<repository>/<model>`), and
+docs/reference/misra.md, with rows of our models and of the models that RAVENBRICK_CODER_MODELS
+names (`<owner>/<repository>/.../<folder with C>`).
 """
 
 from __future__ import annotations
@@ -146,6 +145,15 @@ def _density(folder: Path) -> str:
     return f"{100 * count / max(_code_lines(folder), 1):.0f}"
 
 
+def _release(folder: Path) -> str:
+    """The release in the head of Embedded Coder's files, such as R2024a."""
+    for path in sorted(folder.glob("*.c")):
+        found = re.search(r"Coder version.*\((R20\d\d[ab])\)", path.read_text(errors="replace"))
+        if found:
+            return found[1]
+    return "of unknown release"
+
+
 def _row(title: str, folder: Path, verdict: Verdict) -> str:
     found = verdict.findings
     return (
@@ -181,10 +189,10 @@ def misra_page(coder: Path, slx: Path) -> tuple[str, int]:
     for row, count in _own_rows(slx):
         rows.append(row)
         own += count
-    for folder in sorted(coder.iterdir()):
-        if folder.is_dir() and any(folder.glob("*.c")):
-            title = folder.name.replace("__", "/")
-            rows.append(_row(f"Embedded Coder: {title}", folder, judge(folder)))
+    for folder in sorted({path.parent for path in coder.rglob("*.c")}):
+        repository = "/".join(folder.relative_to(coder).parts[:2])
+        title = f"Embedded Coder {_release(folder)}: {repository}, `{folder.name}`"
+        rows.append(_row(title, folder, judge(folder)))
     lines_of_page = [
         "# MISRA C:2012 in generated C",
         "",

@@ -12,7 +12,7 @@ import numpy as np
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram
 
-__all__ = ["Execution", "evaluate"]
+__all__ = ["Execution", "evaluate", "holds"]
 
 _Key = tuple[ir.Kind, str]
 
@@ -84,7 +84,7 @@ def evaluate(expression: ir.Expression, values: Mapping[_Key, Any]) -> Any:
         case ir.Binary(operator=operator, left=left, right=right):
             return _operate(operator, evaluate(left, values), evaluate(right, values))
         case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
-            return evaluate(chosen if _holds(condition, values) else otherwise, values)
+            return evaluate(chosen if holds(condition, values) else otherwise, values)
         case ir.Clamp(value=inner, limit=limit):
             number, bound = evaluate(inner, values), evaluate(limit, values)
             if number > bound:
@@ -114,7 +114,8 @@ def _operate(operator: str, first: Any, second: Any) -> Any:
     return result
 
 
-def _holds(condition: ir.Comparison, values: Mapping[_Key, Any]) -> bool:
+def holds(condition: ir.Comparison, values: Mapping[_Key, Any]) -> bool:
+    """Whether a condition holds; `values` as in `evaluate`."""
     left, right = evaluate(condition.left, values), evaluate(condition.right, values)
     match condition.operator:
         case "<":

@@ -5,10 +5,17 @@
 from __future__ import annotations
 
 from ravenbrick.simulink.file import read_simulink
-from ravenbrick.simulink.importer import Refusal, Survey, import_simulink, survey_simulink
+from ravenbrick.simulink.importer import (
+    ModelSource,
+    Refusal,
+    Survey,
+    import_simulink,
+    survey_simulink,
+)
 from ravenbrick.simulink.workspace import read_workspace
 
 __all__ = [
+    "ModelSource",
     "Refusal",
     "Survey",
     "import_simulink",

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
 from ravenbrick.model.execution import evaluate
 from ravenbrick.simulink.simulation.continuous import TICK, TIME, LinearSystem, TimeFunction
+from ravenbrick.simulink.simulation.modes import Mode, Values
 
 __all__ = ["Hybrid", "Response"]
 
@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 _RELATIVE, _ABSOLUTE = 1e-9, 1e-12
 _POINTS = 1000
 _MOST_INSTANTS = 2_000_000
+_QUICK_CHANGES = 4
+_DWELL = 0.25
+_MOST_EVALUATIONS = 500_000
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,9 @@ class Hybrid:
     """A diagram in double precision; `sampled` names the blocks that only change at samples.
 
     Between two instants the states of linear systems are integrated by LSODA with a relative
-    tolerance of 1e-9, with the outputs of sampled blocks held.
+    tolerance of 1e-9, with the outputs of sampled blocks held. Where a switch or limit changes is
+    found on the way, and the integration begins anew there. One that goes on changing, as in a
+    sliding mode, is held for a 4000th of the whole time before it may change again.
     """
 
     def __init__(self, diagram: Diagram, sampled: set[str]) -> None:
@@ -63,7 +68,9 @@ class Hybrid:
             s for s in self._at_samples
             if s.target.kind is not state and s.block in blocks and s.block not in sampled
         ]  # fmt: skip
-        self._values: dict[tuple[ir.Kind, str], Any] = {}
+        self._values: Values = {}
+        self._times: list[float] = []
+        self._rows: list[list[float]] = []
         self._end = 0.0
 
     def run(self, stop: float, sample_time: float | None, inputs: Mapping[str, float]) -> Response:
@@ -77,19 +84,18 @@ class Hybrid:
         hits = self._hits(stop, sample_time)
         instants = self._instants(stop, hits)
         samples = {round(hit / TICK) for hit in hits}
-        times: list[float] = []
-        rows: list[list[float]] = []
+        self._times, self._rows = [], []
         for begin, end in zip(instants, [*instants[1:], stop], strict=True):
             self._end = end
             self._set(begin, x)
-            everything = not times or round(begin / TICK) in samples
+            everything = not self._times or round(begin / TICK) in samples
             self._execute(self._at_samples if everything else self._always)
-            self._record(begin, times, rows)
+            self._record(begin)
             if end > begin:
-                x = self._integrated(begin, end, stop, x, times, rows)
-        table = np.array(rows)
+                x = self._integrated(begin, end, stop, x)
+        table = np.array(self._rows)
         names = [slot.name for slot in self._program.outputs]
-        return Response(np.array(times), {name: table[:, i] for i, name in enumerate(names)})
+        return Response(np.array(self._times), {name: table[:, i] for i, name in enumerate(names)})
 
     def _hits(self, stop: float, sample_time: float | None) -> list[float]:
         if sample_time is None:
@@ -110,7 +116,7 @@ class Hybrid:
         return [found[tick] for tick in sorted(found)]
 
     def _set(self, time: float, x: Floats) -> None:
-        """Time and states; just before the end of a piece the next jump has not come yet."""
+        """Time and states."""
         self._values[ir.Kind.INPUT, TIME] = np.float64(time)
         for slot, value in zip(self._states, x, strict=True):
             self._values[slot.kind, slot.name] = np.float64(value)
@@ -122,37 +128,83 @@ class Hybrid:
                 target = statement.target
                 values[target.kind, target.name] = evaluate(statement.expression, values)
 
-    def _record(self, time: float, times: list[float], rows: list[list[float]]) -> None:
-        times.append(time)
-        rows.append([float(self._values[s.kind, s.name]) for s in self._program.outputs])
+    def _record(self, time: float) -> None:
+        self._times.append(time)
+        self._rows.append([float(self._values[s.kind, s.name]) for s in self._program.outputs])
 
-    def _slope(self, time: float, x: Floats) -> list[float]:
+    def _at(self, mode: Mode, time: float, x: Floats) -> None:
+        """Just before the end of a piece its jump has not come yet."""
         self._set(min(time, self._end - TICK), x)
-        self._execute(self._always)
-        return [float(evaluate(one, self._values)) for one in self._derivatives]
+        mode.execute()
 
-    def _integrated(
-        self, begin: float, end: float, stop: float, x: Floats,
-        times: list[float], rows: list[list[float]],
-    ) -> Floats:  # fmt: skip
-        """The states at the end of a piece without jumps; what is between goes into the record."""
+    def _piece(
+        self, mode: Mode, begin: float, x: Floats, points: Floats, *, located: bool = True
+    ) -> tuple[float, Floats]:
+        """Instant and states at which a decision changes, or at the last of the points.
+
+        Unless `located`, decisions are held until then.
+        """
+        if not len(x):
+            for point in points:
+                self._set(min(float(point), self._end - TICK), x)
+                self._execute(self._always)
+                self._record(float(point))
+            return float(points[-1]), x
+        from scipy.integrate import solve_ivp  # slow to load
+
+        evaluations = 0
+
+        def slope(time: float, states: Floats) -> list[float]:
+            nonlocal evaluations
+            evaluations += 1
+            if evaluations > _MOST_EVALUATIONS:
+                raise DesignError(
+                    f"the simulation does not advance beyond {time:.6g} s: signals jump there "
+                    "without a sample time, such as those of a quantiser; give it one"
+                )
+            self._at(mode, time, states)
+            return mode.slopes()
+
+        def change(time: float, states: Floats) -> float:
+            self._at(mode, time, states)
+            return mode.distance()
+
+        change.terminal, change.direction = True, -1  # type: ignore[attr-defined]
+        solved = solve_ivp(
+            slope, (begin, points[-1]), x, "LSODA", points,
+            events=change if located else None, rtol=_RELATIVE, atol=_ABSOLUTE,
+        )  # fmt: skip
+        states_at = np.reshape(solved.y, (len(x), len(solved.t)))
+        if solved.status < 0 or not np.all(np.isfinite(states_at)):
+            raise DesignError(
+                f"the simulation cannot go on after {begin:.6g} s: the model is unstable "
+                f"({solved.message.rstrip('.')})"
+            )
+        for time, states in zip(solved.t, states_at.T, strict=True):
+            self._at(mode, time, states)
+            self._record(float(time))
+        if solved.status == 1:
+            return float(solved.t_events[0][-1]), solved.y_events[0][-1]
+        return float(points[-1]), states_at[:, -1]
+
+    def _integrated(self, begin: float, end: float, stop: float, x: Floats) -> Floats:
+        """The states at the end of a time without jumps; what is between goes into the record."""
         count = max(round(_POINTS * (end - begin) / stop), 1)
         points = np.linspace(begin, end, count + 1)[1:]
-        found = np.empty((len(x), count))
-        if len(x):
-            from scipy.integrate import solve_ivp  # slow to load
-
-            solved = solve_ivp(self._slope, (begin, end), x, "LSODA", points,
-                               rtol=_RELATIVE, atol=_ABSOLUTE)  # fmt: skip
-            if not solved.success or not np.all(np.isfinite(solved.y)):
-                reached = solved.t[-1] if len(solved.t) else begin
-                raise DesignError(
-                    f"the simulation cannot go on after {reached:.6g} s: the model is unstable or "
-                    f"its signals jump without end ({solved.message.rstrip('.')})"
-                )
-            found = solved.y
-        for column, point in enumerate(points):
-            self._set(min(point, end - TICK), found[:, column])
-            self._execute(self._always)
-            self._record(float(point), times, rows)
-        return np.array(found[:, -1])
+        dwell, quick = stop / _POINTS * _DWELL, 0
+        while points.size:
+            self._set(min(begin, end - TICK), x)
+            mode = Mode(self._always, self._derivatives, self._values)
+            if quick < _QUICK_CHANGES:
+                reached, x = self._piece(mode, begin, x, points)
+                quick = quick + 1 if reached - begin < dwell else 0
+            else:
+                until = min(begin + dwell, float(points[-1]))
+                near = np.append(points[points < until], until)
+                reached, x = self._piece(mode, begin, x, near, located=False)
+                quick -= 1
+            points = points[points > reached]
+            if points.size:
+                self._record(reached)
+            begin = reached
+        return x

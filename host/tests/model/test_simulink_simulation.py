@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Models in continuous time, against python-control and exact solutions."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+from verification.support.codegen.simulink_files import block, line, single_file
+
+from ravenbrick.simulink import ModelSource, import_simulink
+from ravenbrick.simulink.numbers import Workspace
+from ravenbrick.simulink.simulation.simulate import Simulation, simulate
+
+MODELS = Path(__file__).resolve().parents[3] / "examples" / "paper" / "models"
+POSITION = Path(os.environ.get("RAVENBRICK_SLX_MODELS", "")) / "snehadubey9066/MBD_week2_ques4"
+PLANT = block("TransferFcn", "Plant", 3, Numerator="[2]", Denominator="[0.05 1]")
+
+
+def run(path: Path, root: str, stop: float, sample_time: float = 0.0) -> Simulation:
+    """A model of these blocks, simulated."""
+    return simulate(ModelSource(single_file(path, root), sample_time, Workspace({}), ()), stop)
+
+
+def values(found: Simulation, name: str) -> np.ndarray:
+    """The values of a signal."""
+    return next(signal.values for signal in found.signals if signal.name == name)
+
+
+def chain(*blocks: str, feedback: bool = False) -> str:
+    """A step at 0, blocks with the numbers 2, 3, ... in a row, and a scope at the end."""
+    last = len(blocks) + 1
+    root = block("Step", "r", 1, Time="0") + "".join(blocks) + block("Scope", "S", 99)
+    root += "".join(line(f"{n}#out:1", f"{n + 1}#in:1") for n in range(1, last))
+    back = ("2#in:2",) if feedback else ()
+    return root + line(f"{last}#out:1", "99#in:1", *back)
+
+
+def test_figure_4_is_the_closed_loop_of_python_control() -> None:
+    """All instants within 1e-8 of the step response."""
+    source = ModelSource(MODELS / "figure4.slx", 0.0, Workspace({}), ())
+    found = simulate(source)
+    open_loop = control.tf([0.361, 9.76], [1, 0]) * control.tf([2.029], [0.037, 1])
+    closed = control.feedback(open_loop * (57.2958 / 116), 1)
+    _, expected = control.step_response(closed, found.times)
+    assert len(found.times) == 1001
+    assert values(found, "voltage") == pytest.approx(expected, abs=1e-8)
+
+
+def test_a_sampled_controller_drives_a_continuous_plant(tmp_path: Path) -> None:
+    """At the samples it is the loop with the plant's exact discretisation."""
+    pid = block("Reference", "PID", 3, SourceBlock="simulink/Continuous/PID Controller",
+                TimeDomain="Discrete-time", SampleTime="0.01", Controller="PI", P="0.2", I="4",
+                IntegratorMethod="Forward Euler")  # fmt: skip
+    plant = PLANT.replace('SID="3"', 'SID="4"')
+    root = chain(block("Sum", "E", 2, Inputs="+-"), pid, plant, feedback=True)
+    found = run(tmp_path / "m.slx", root, 0.5)
+    assert found.sample_time == 0.01
+    controller = control.tf([0.2, 4 * 0.01 - 0.2], [1, -1], 0.01)
+    exact = control.sample_system(control.tf([2], [0.05, 1]), 0.01, "zoh")
+    times, expected = control.step_response(control.feedback(controller * exact, 1), 0.5)
+    at_samples = [np.argmin(np.abs(found.times - t)) for t in times]
+    assert values(found, "Plant")[at_samples] == pytest.approx(expected, abs=1e-8)
+
+
+def test_a_zero_order_hold_holds_between_its_samples(tmp_path: Path) -> None:
+    """A sine behind it is a staircase."""
+    root = block("Sin", "r", 1, Frequency="10") + block("ZeroOrderHold", "H", 2, SampleTime="0.1")
+    root += block("Scope", "S", 3, Ports="[2]")
+    root += line("1#out:1", "2#in:1", "3#in:1") + line("2#out:1", "3#in:2")
+    found = run(tmp_path / "m.slx", root, 0.95)
+    sample = np.floor(found.times / 0.1 + 1e-6)
+    jumps = np.isclose(found.times / 0.1, np.round(found.times / 0.1), atol=1e-6)
+    held = np.sin(10 * 0.1 * sample)
+    assert values(found, "H")[~jumps] == pytest.approx(held[~jumps])
+    assert values(found, "r") == pytest.approx(np.sin(10 * found.times), abs=1e-6)
+
+
+CASES = {
+    "integrator with limits": (
+        block("Integrator", "B", 2, LimitOutput="on", UpperSaturationLimit="0.4",
+              LowerSaturationLimit="-1"),
+        lambda t: np.minimum(t, 0.4),
+    ),
+    "state space": (
+        block("StateSpace", "B", 2, A="[0 1; -100 -4]", B="[0; 100]", C="[1 0]", D="0"),
+        lambda t: control.step_response(control.tf([100], [1, 4, 100]), t)[1],
+    ),
+    "transfer function with feedthrough": (
+        block("TransferFcn", "B", 2, Numerator="[1 1]", Denominator="[0.1 1]"),
+        lambda t: 1 + 9 * np.exp(-10 * t),
+    ),
+    "saturation": (block("Saturate", "B", 2, UpperLimit="0.25", LowerLimit="-1"),
+                   lambda t: np.full_like(t, 0.25)),
+    "PID with a filtered derivative": (
+        block("Reference", "B", 2, SourceBlock="simulink/Continuous/PID Controller",
+              P="2", I="3", D="0.1", N="50"),
+        lambda t: 2 + 3 * t + 0.1 * 50 * np.exp(-50 * t),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_block_answers_a_step_as_it_should(name: str, tmp_path: Path) -> None:
+    """From 0 to 1 s."""
+    one, expected = CASES[name]
+    found = run(tmp_path / "m.slx", chain(one), 1.0)
+    assert values(found, "B") == pytest.approx(expected(found.times), abs=2e-6)
+
+
+def test_anti_windup_shortens_the_way_back(tmp_path: Path) -> None:
+    """A continuous PI with clamping at its limits overshoots less than one without."""
+    overshoots = []
+    for mode in ("none", "clamping"):
+        pid = block("Reference", "PID", 3, SourceBlock="simulink/Continuous/PID Controller",
+                    Controller="PI", P="1", I="30", LimitOutput="on", UpperSaturationLimit="0.6",
+                    LowerSaturationLimit="-0.6", AntiWindupMode=mode)  # fmt: skip
+        plant = PLANT.replace('SID="3"', 'SID="4"')
+        root = chain(block("Sum", "E", 2, Inputs="+-"), pid, plant, feedback=True)
+        found = run(tmp_path / "m.slx", root, 2.0)
+        figures = next(signal.figures for signal in found.signals)
+        assert figures is not None
+        overshoots.append(figures.overshoot)
+    assert overshoots[1] < 0.5 * overshoots[0]
+
+
+def test_gains_of_figure_5_stay_tunable() -> None:
+    """Workspace variables are fields; the limits come from one of them, the battery."""
+    program = import_simulink(MODELS / "figure5.slx", 0.004).lower()
+    assert {slot.name: slot.initial for slot in program.parameters} == {
+        "Kp": 0.361, "Ki": 9.76, "battery": 8.0,
+    }  # fmt: skip
+
+
+@pytest.mark.skipif(not POSITION.is_dir(), reason="RAVENBRICK_SLX_MODELS has no such model")
+def test_a_public_motor_model_meets_the_criteria_that_it_publishes() -> None:
+    """Position of a DC motor: settling below 40 ms, overshoot below 16 %."""
+    motor = {"J": 3.2284e-6, "b": 3.5077e-6, "K": 0.0274, "Ke": 0.0274854, "R": 4.0, "L": 2.75e-6}
+    gains = {"Kp": 21.0, "Ki": 505.0, "Kd": 0.15, "N": 1210.0}
+    path = POSITION / "W2ques4_system.slx"
+    found = simulate(ModelSource(path, 0.0, Workspace({**motor, **gains}), ()), 0.07)
+    figures = found.signals[0].figures
+    assert figures is not None and figures.settling_time is not None
+    assert figures.settling_time < 0.04 and figures.overshoot < 0.16
