@@ -68,7 +68,7 @@ class Block:
         outline = f'<rect x="{left:g}" y="{top:g}" width="{right - left:g}" '
         outline += f'height="{bottom - top:g}"{ROUND if "port" in self.kind else ""}/>'
         if self.kind == "Sum":
-            signs = _text(left + 6, y + 4, "+", 10) + _text(x, bottom - 2, "−", 10)
+            signs = _text(left + 6, y + 4, "+", 10) + _text(x, bottom - 2, "\N{MINUS SIGN}", 10)
             return f'<circle cx="{x:g}" cy="{y:g}" r="{(right - left) / 2:g}"/>' + signs
         if self.kind == "Gain":
             back, tip = (right, left) if self.mirrored else (left, right)
@@ -80,11 +80,13 @@ class Block:
         match self.kind:
             case "Step":
                 left, top, right, bottom = (self.box[n] + (5, 6, -5, -6)[n] for n in range(4))
-                return f'<path d="M {left:g} {bottom:g} H {x:g} V {top:g} H {right:g}" fill="none"/>'
+                corners = f"M {left:g} {bottom:g} H {x:g} V {top:g} H {right:g}"
+                return f'<path d="{corners}" fill="none"/>'
             case "TransferFcn":
                 above, below = (re.findall(r"[\d.]+", self.values[n]) for n in FRACTION)
                 bar = f'<path d="M {x - 38:g} {y:g} H {x + 38:g}"/>'
-                return _text(x, y - 4, above[0]) + bar + _text(x, y + 13, f"{below[0]} s + {below[1]}")
+                polynomial = f"{below[0]} s + {below[1]}"
+                return _text(x, y - 4, above[0]) + bar + _text(x, y + 13, polynomial)
             case "Gain":
                 return _text(x, y + 4, self.values["Gain"], 9)
             case "Reference" if self.values.get("SourceType") == "PID 1dof":
@@ -94,7 +96,7 @@ class Block:
                 return _text(x, y + 4, self.values["Port"])
             case "Scope":
                 return ""
-        raise SystemExit(f"no shape is known for a block of type {self.kind}; add one to {__file__}")
+        raise SystemExit(f"no shape is known for blocks of type {self.kind}; add it to {__file__}")
 
 
 ROUND = ' rx="7"'
@@ -146,7 +148,7 @@ def drawing(model: Path) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" '
         f'width="{1.5 * width:g}" font-family="sans-serif" text-anchor="middle">\n'
-        '<style>rect, circle, path { fill: #fff; stroke: #222; stroke-width: 1.2 } '
+        "<style>rect, circle, path { fill: #fff; stroke: #222; stroke-width: 1.2 } "
         'path[fill="none"] { fill: none } marker path { fill: #222 }</style>\n'
         '<marker id="arrow" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="7" markerHeight="7" '
         'orient="auto"><path d="M 0 0 L 8 4 L 0 8 Z"/></marker>\n'
