@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import signal
 import sys
 import threading
 import time
@@ -236,6 +237,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     if not options.offline:
         fetch_data(suites)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     campaign = run_suites(table, suites, 1 if options.benchmarks else options.processors)
     print(json.dumps(campaign.rows, indent=1) if options.json else campaign.summary())
     return 1 if campaign.failed else 0

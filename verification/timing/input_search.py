@@ -181,8 +181,7 @@ def _row(row: dict[str, Any]) -> list[str]:
 
 
 def write_table(path: Path, columns: dict[str, dict[str, Any]]) -> None:
-    """The page, and the results that it is made of."""
-    write_columns(path, columns)
+    """The page."""
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
@@ -237,9 +236,11 @@ def campaign(
         outcomes.append(outcome)
         kept[outcome.name] = vars(outcome)
         if table is not None:
-            write_table(table, columns)
+            write_columns(table, columns)
         told = outcome.none or f"{outcome.ratio:.3f} {outcome.error}"
         print(f"{outcome.name}: {told}", file=sys.stderr, flush=True)
+    if table is not None:
+        write_table(table, columns)
     tried = [outcome for outcome in outcomes if not outcome.none]
     return {
         "column": column,

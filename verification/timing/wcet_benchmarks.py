@@ -342,8 +342,10 @@ def campaign(
         outcomes.append(outcome)
         if table is not None:
             kept[outcome.name] = vars(outcome)
-            keep_table(table, column, kept)
+            write_columns(table, {**kept_columns(table), column: kept})
         print(f"{outcome.name}: {outcome.ratio:.3f} {outcome.error}", file=sys.stderr, flush=True)
+    if table is not None:
+        write_table(table)
     bounded = [outcome for outcome in outcomes if outcome.bound]
     ratios = [outcome.ratio for outcome in bounded]
     return {
@@ -377,10 +379,9 @@ def write_columns(table: Path, columns: dict[str, dict[str, Any]]) -> None:
     path.write_text(json.dumps(columns, indent=1, sort_keys=True) + "\n")
 
 
-def keep_table(path: Path, name: str, results: dict[str, Any]) -> None:
-    """Bring one column into the table; the others stay as they are."""
-    columns = {**kept_columns(path), name: results}
-    write_columns(path, columns)
+def write_table(path: Path) -> None:
+    """The page of all kept columns."""
+    columns = kept_columns(path)
     lines = [
         "<!-- SPDX-FileCopyrightText: 2026 Ravenbrick contributors -->",
         "<!-- SPDX-License-Identifier: Apache-2.0 -->",
