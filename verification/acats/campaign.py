@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Build and run the tests, write the table `results.md`.
 
-`ACATS=<folder> python -m verification.acats.campaign [TEST ...]` runs all tests or those whose
-names begin so. Verdicts are kept in the build folder, so that an interrupted campaign
-continues; the outcome of each test is in `build/verification/acats/results.json`.
+`python -m verification.acats.campaign [TEST ...]` runs all tests or those whose names begin so.
+Verdicts are kept in the build folder, so that an interrupted campaign continues; the outcome of
+each test is in `build/verification/acats/results.json`.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def _one(ravenscar: Profile, jorvik: Profile, test: AcatsTest) -> Outcome:
 
 def run(names: list[str], workers: int) -> list[Outcome]:
     """Outcomes of the tests whose names begin with one of `names`, of all when there is none."""
-    suite = Suite.from_environment()
+    suite = Suite.fetched()
     WORK.mkdir(parents=True, exist_ok=True)
     ravenscar, jorvik = Profile(suite, "ravenscar"), Profile(suite, "jorvik")
     tests = [
@@ -170,7 +170,7 @@ def _adapted_one(suite: Suite, rule: Adaptation, test: AcatsTest) -> Outcome:
 
 def adapted() -> list[Outcome]:
     """Outcomes of the adapted tests; their packages are prepared as for the others."""
-    suite = Suite.from_environment()
+    suite = Suite.fetched()
     for name in PROFILES:
         Profile(suite, name)
     tests = {test.name: test for test in suite.tests(EXECUTED)}

@@ -8,14 +8,14 @@ name the test, the eighth tells the files of a test apart.
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["EXECUTED", "REJECTED", "VARIABLE", "AcatsTest", "Suite", "SuiteMissingError"]
+from verification.outside import data_sets
 
-VARIABLE = "ACATS"
+__all__ = ["EXECUTED", "REJECTED", "AcatsTest", "Suite", "SuiteMissingError"]
+
 SOURCES = {".a", ".ada", ".am", ".au", ".dep", ".tst"}
 EXECUTED = (
     *("a", "c2", "c3", "c4", "c5", "c6", "c7", "c8", "c9", "ca", "cb", "cc", "cd"),
@@ -55,7 +55,7 @@ class AcatsTest:
 
 
 class Suite:
-    """The folder that the environment variable names, with `support/` and `tests/<chapter>/`."""
+    """The suite's folder, with `support/` and `tests/<chapter>/`."""
 
     def __init__(self, root: Path) -> None:
         """Raises SuiteMissingError."""
@@ -63,19 +63,20 @@ class Suite:
         self.support = root / "support"
         for part in (self.support / "report.a", root / "tests" / "cxd"):
             if not part.exists():
-                raise SuiteMissingError(f"{VARIABLE}={root}: no {part.relative_to(root)} there")
+                raise SuiteMissingError(f"{root}: no {part.relative_to(root)} there")
         self._with_switch = {
             "-gnatE": self._list("elabd.lst"),
             "-ffloat-store": self._list("floatstore.lst"),
         }
 
     @classmethod
-    def from_environment(cls) -> Suite:
-        """Raises SuiteMissingError."""
-        path = os.environ.get(VARIABLE)
-        if not path:
-            raise SuiteMissingError(f"{VARIABLE} does not name the folder of the suite")
-        return cls(Path(path).resolve())
+    def fetched(cls) -> Suite:
+        """The suite where `verification.outside` has it. Raises SuiteMissingError."""
+        data = data_sets()["acats"]
+        place = data.place()
+        if place is None:
+            raise SuiteMissingError(data.advice())
+        return cls(place.resolve())
 
     def _list(self, name: str) -> set[str]:
         path = self.root / name
