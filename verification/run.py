@@ -120,6 +120,7 @@ class Campaign:
             self.rows += rows
             key = ("figure", "peer") if self.table == BENCHMARKS else ("suite",)
             merge_rows(self.results, rows, key)
+            tables.main([])
 
     def summary(self) -> str:
         """A line for each area, and one for each suite that failed or did not run."""
@@ -177,16 +178,8 @@ def run_suites(table: Path, suites: list[Suite], processors: int) -> Campaign:
             campaign.answered(suite, {"absent": reason})
         else:
             ready.append(suite)
-    try:
-        run_jobs(
-            table,
-            begin_order(grouped(ready), campaign.minutes),
-            processors,
-            campaign.show,
-            campaign.answered,
-        )
-    finally:
-        tables.main([])
+    jobs = begin_order(grouped(ready), campaign.minutes)
+    run_jobs(table, jobs, processors, campaign.show, campaign.answered)
     return campaign
 
 
