@@ -81,7 +81,7 @@ def test_every_control_period_is_seen_over_bluetooth_and_gains_change_on_the_way
     assert len(times) > 1_500
     assert np.all(np.abs(np.diff(times) - 4_000) < 200)
     recording = run.recording()
-    assert recording.signal("battery")[1][-1] == pytest.approx(8.0, abs=0.1)
+    assert recording.signal("battery")[1][-1] == pytest.approx(8_000, abs=100)
     assert recording.signal("joystick")[1][-1] == 0
     for side in ("left", "right"):
         _, real = recording.signal(f"real_{side}")

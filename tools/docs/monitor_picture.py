@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The live page as a browser shows it: `python -m tools.docs.monitor_picture FILE`.
+"""The live page as a browser shows it: `python -m tools.docs.monitor_picture FILE [PROJECT]`.
 
-Runs the motor bench with its Bluetooth on a port, `ravenbrick monitor --page` on it, and headless
+Runs the motor bench, or examples/paper, with its Bluetooth on a port, `ravenbrick monitor --page` on it, and headless
 Chromium on the page; drags the slider of the set-point; writes the picture as PNG. Prints the
-parameters that the program then has. Needs Debian's chromium and the image of examples/motor-bench.
+parameters that the program then has. Needs Debian's chromium and the example's image.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from typing import Any
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 ROOT = Path(__file__).resolve().parents[2]
-BENCH = ROOT / "examples" / "motor-bench"
+# Where the lowest slider is clicked, in parts of its width: 3 V
+SET_POINTS = {"motor-bench": 0.8, "paper": 1 / 3}
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 WIDTH, HEIGHT = 1040, 800
 SECONDS = 45
@@ -99,7 +100,7 @@ async def page_is_served(port: int) -> None:
     raise TimeoutError("the monitor's page is not served")
 
 
-async def look(page: int, debugger: int) -> bytes:
+async def look(page: int, debugger: int, share: float) -> bytes:
     """Open the page, wait, drag the set-point to about 3 V, wait, and take the picture."""
     browser = Browser(await websocket_connect(await first_page(debugger), max_message_size=1 << 26))
     await page_is_served(page)
@@ -107,7 +108,7 @@ async def look(page: int, debugger: int) -> bytes:
     await browser.call("Emulation.setDeviceMetricsOverride", **size)
     await browser.call("Page.navigate", url=f"http://127.0.0.1:{page}/")
     await asyncio.sleep(12)
-    x = SLIDER_X + SLIDER_WIDTH * 0.8
+    x = SLIDER_X + SLIDER_WIDTH * share
     for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
         await browser.mouse(kind, x, SLIDER_Y)
         await asyncio.sleep(0.5)
@@ -115,7 +116,7 @@ async def look(page: int, debugger: int) -> bytes:
     return await browser.picture()
 
 
-def monitor_picture() -> tuple[bytes, dict[str, Any]]:
+def monitor_picture(project: str) -> tuple[bytes, dict[str, Any]]:
     """The picture, and what the monitor says at its end."""
     chromium = shutil.which("chromium")
     if chromium is None:
@@ -132,7 +133,7 @@ def monitor_picture() -> tuple[bytes, dict[str, Any]]:
             stack.callback(process.terminate)
             return process
 
-        live = ["live", str(BENCH), "step", "--bluetooth", f"tcp:{air}", "--json"]
+        live = ["live", str(ROOT / "examples" / project), "step", "--bluetooth", f"tcp:{air}", "--json"]
         start([*RAVENBRICK, *live])
         told_to = ["--page", f"{page}", "--seconds", f"{SECONDS}", "--json"]
         monitor = start([*RAVENBRICK, "monitor", f"tcp:{air}", *told_to])
@@ -143,18 +144,18 @@ def monitor_picture() -> tuple[bytes, dict[str, Any]]:
                 *(f"--remote-debugging-port={debugger}", "about:blank"),
             ]
         )
-        picture = asyncio.run(look(page, debugger))
+        picture = asyncio.run(look(page, debugger, SET_POINTS[project]))
         told, _ = monitor.communicate(timeout=SECONDS + PATIENCE_S)
     return picture, json.loads(told)
 
 
-def main(file: str) -> int:
+def main(file: str, project: str = "motor-bench") -> int:
     """Write the picture and say what is in force."""
-    picture, told = monitor_picture()
+    picture, told = monitor_picture(project)
     Path(file).write_bytes(picture)
     print(json.dumps(told["parameters"]), told["runs"])
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(*sys.argv[1:]))

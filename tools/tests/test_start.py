@@ -1,12 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The commands of docs/start.md, run as a reader would."""
+"""The commands of docs/start.md and of the page about the paper, run as a reader would."""
 
 from __future__ import annotations
 
 import re
 import subprocess
 from pathlib import Path
+
+import pytest
+
+from tools.docs.lessons import run_text
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -27,6 +31,14 @@ def test_every_command_of_the_tutorial_succeeds() -> None:
     )
     assert result.returncode == 0, result.stdout[-3000:] + result.stderr[-3000:]
     assert (ROOT / "out" / "vehicle" / "report.html").is_file()
+
+
+@pytest.mark.long("builds and analyses the paper's vehicle")
+def test_every_command_beside_the_paper_succeeds_and_prints_what_the_page_quotes() -> None:
+    """The page's commands run in order, in the folder of the clone."""
+    page = ROOT / "docs" / "guides" / "the-paper.md"
+    transcript = run_text(page.read_text("utf-8"), page.name, ROOT)
+    assert "schedulable" in transcript
 
 
 def test_the_readme_names_the_two_commands_and_no_other() -> None:

@@ -16,5 +16,5 @@ begin
    Declare_Signal (1, "out_left", "V", Real);
    Declare_Signal (1, "out_right", "V", Real);
    Declare_Signal (1, "joystick", "deg", Whole);
-   Declare_Signal (1, "battery", "V", Real);
+   Declare_Signal (1, "battery", "mV", Whole);
 end Live;

@@ -213,7 +213,7 @@ package body Tasks is
          (Of_Real (Now.Set_Point (Left)), Of_Real (Now.Set_Point (Right)),
           Of_Real (Now.Speed (Left)), Of_Real (Now.Speed (Right)),
           Of_Real (Now.Output (Left)), Of_Real (Now.Output (Right)),
-          Of_Whole (Now.Angle), Of_Real (Now.Supply)));
+          Of_Whole (Now.Angle), Of_Whole (Integer (NXT.Battery.Millivolts))));
    end Report;
 
    Link_Period : constant Time_Span := Milliseconds (2);
