@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The live page as a browser shows it: `python -m tools.docs.monitor_picture FILE [PROJECT]`.
 
-Runs the motor bench, or examples/paper, with its Bluetooth on a port, `ravenbrick monitor --page` on it, and headless
-Chromium on the page; drags the slider of the set-point; writes the picture as PNG. Prints the
-parameters that the program then has. Needs Debian's chromium and the example's image.
+Runs the motor bench, or examples/paper, with its Bluetooth on a port, `ravenbrick monitor --page`
+on it, and headless Chromium on the page; drags the slider of the set-point; writes the picture as
+PNG. Prints the parameters that the program then has. Needs Debian's chromium and the example's
+image.
 """
 
 from __future__ import annotations
@@ -133,7 +134,8 @@ def monitor_picture(project: str) -> tuple[bytes, dict[str, Any]]:
             stack.callback(process.terminate)
             return process
 
-        live = ["live", str(ROOT / "examples" / project), "step", "--bluetooth", f"tcp:{air}", "--json"]
+        live = ["live", str(ROOT / "examples" / project), "step"]
+        live += ["--bluetooth", f"tcp:{air}", "--json"]
         start([*RAVENBRICK, *live])
         told_to = ["--page", f"{page}", "--seconds", f"{SECONDS}", "--json"]
         monitor = start([*RAVENBRICK, "monitor", f"tcp:{air}", *told_to])
