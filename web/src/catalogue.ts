@@ -6,6 +6,7 @@ import sensors from "../../catalogue/sensors.json";
 interface SensorInput {
   name: string;
   manual_range?: number[];
+  start?: number;
 }
 
 /** What can be plugged into a sensor port. */

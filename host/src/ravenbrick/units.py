@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import math
 
+from ravenbrick.catalogue import sensor_input
+
 __all__ = ["UNITS", "signal_unit"]
 
 _QUANTITIES = {
@@ -44,6 +46,9 @@ UNITS: dict[str, tuple[str, float]] = {
     "cm": ("m", 1e-2),
     "mm": ("m", 1e-3),
     "N m": ("N m", 1.0),
+    "N": ("N", 1.0),
+    "dB": ("dB", 1.0),
+    "Hz": ("Hz", 1.0),
     "s": ("s", 1.0),
     "ms": ("s", 1e-3),
     "us": ("s", 1e-6),
@@ -57,4 +62,7 @@ def signal_unit(name: str) -> str:
     """Unit of a signal or input; empty for a ratio, a switch or a variable of the program."""
     if name.startswith("probe."):
         return ""
+    found = sensor_input(name)
+    if found is not None:
+        return found[1].unit
     return _QUANTITIES.get(name.rpartition(".")[2], "")

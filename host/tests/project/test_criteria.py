@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from verification.support.recordings import preempted
 
+from ravenbrick.catalogue import sensor_kinds
 from ravenbrick.errors import ProjectFileError, ScenarioError, UsageError
+from ravenbrick.project.criteria import SignalBound
 from ravenbrick.project.criteria_file import read_expectations_of
 from ravenbrick.project.criteria_text import (
     ExpectationSyntaxError,
@@ -113,6 +115,17 @@ def test_the_pins_that_are_spoken_of_are_found() -> None:
     """In either form; a number that is not a pin is no signal of a run."""
     texts = ["pin 31 high", "pin.4 at least 1", "pin 4 ever low", "pin.32 at least 1", "no fault"]
     assert expected_pins(parse_expectation(text, "here") for text in texts) == [4, 31]
+
+
+def test_a_bound_on_a_sensor_s_input_may_have_its_unit() -> None:
+    """Each unit of the catalogue is one of the sentences; 10 cm are 0.1 m."""
+    for kind in sensor_kinds().values():
+        for one in kind.inputs:
+            sentence = f"{one.name.replace('{port}', '2')} at most 10 {one.unit}".strip()
+            assert parse_expectation(sentence, "here").text == sentence
+    found = parse_expectation("distance.1 at least 10 cm", "here")
+    assert isinstance(found, SignalBound)
+    assert found.minimum == pytest.approx(0.1)
 
 
 def test_a_missed_deadline_is_counted() -> None:

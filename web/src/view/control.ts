@@ -1,15 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** A control for an input of the brick, by its range. */
+import { sensorInput } from "../catalogue";
 import { el } from "../dom";
 import type { InputDescription } from "../protocol";
 
 /** Where an input is before anybody sets it. */
 function initial(input: InputDescription): number {
-  if (input.name === "battery.voltage") return 8;
-  // Nothing is in range, and an open input reads its highest count.
-  if (input.name.startsWith("distance.") || input.name.endsWith(".raw")) return input.highest;
-  return Math.min(Math.max(0, input.lowest), input.highest);
+  const start = input.name === "battery.voltage" ? 8 : sensorInput(input.name)?.start;
+  return Math.min(Math.max(start ?? 0, input.lowest), input.highest);
 }
 
 /** A button that is down while it is held; toggles by `aria-pressed`. */
@@ -66,7 +65,8 @@ function slider(input: InputDescription, label: string, set: (value: number) => 
   const step = input.whole ? 1 : sliderStep(input);
   const shown = el("output", {});
   const show = (value: number) => {
-    shown.value = `${input.whole ? value : value.toPrecision(3)} ${input.unit}`;
+    const long = input.whole || Math.abs(value) >= 1000;
+    shown.value = `${long ? Math.round(value) : value.toPrecision(3)} ${input.unit}`;
   };
   const range = el("input", {
     type: "range",

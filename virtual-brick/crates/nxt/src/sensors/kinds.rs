@@ -16,6 +16,9 @@ pub struct SensorInput {
     signal: Option<String>,
     /// Lowest and highest value.
     pub range: (f64, f64),
+    /// Value before anybody sets it.
+    #[serde(default)]
+    pub start: f64,
     /// Only whole numbers.
     #[serde(default)]
     pub whole: bool,
@@ -64,7 +67,7 @@ mod tests {
     use crate::sensors::Sensor;
 
     #[test]
-    fn every_sensor_of_the_catalogue_takes_each_of_its_inputs() {
+    fn every_sensor_of_the_catalogue_takes_each_of_its_inputs_and_starts_as_it_says() {
         let kinds: BTreeMap<String, Kind> = serde_json::from_str(CATALOGUE).unwrap();
         for kind in Sensor::KINDS {
             assert!(kinds.contains_key(*kind), "{kind} is not in the catalogue");
@@ -74,11 +77,10 @@ mod tests {
             let mut sensor: Sensor = serde_json::from_str(&text).unwrap();
             assert_eq!(sensor.inputs(), entry.inputs, "{kind}");
             for input in entry.inputs {
-                assert!(
-                    sensor.set(&input.key, input.range.0),
-                    "{kind}: {}",
-                    input.key
-                );
+                let fresh = sensor.clone();
+                assert!(sensor.set(&input.key, input.start), "{kind}: {}", input.key);
+                assert_eq!(sensor, fresh, "{kind} does not start so");
+                assert!(input.range.0 <= input.start && input.start <= input.range.1);
             }
             assert!(!sensor.set("no such input", 0.0), "{kind}");
         }
