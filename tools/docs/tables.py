@@ -44,7 +44,8 @@ def _exclusion(exclusion: Row) -> str:
 def _run(row: Row) -> str:
     """When the suite ran, and what was wrong with it or with a later run."""
     note = row["note"].replace("|", "\\|").replace("failed:", "**failed**:")
-    return f"{row['date']}: {note}" if row["date"] and note else row["date"] or note
+    kept = ", kept; " if note[:1].isdigit() else ": "
+    return f"{row['date']}{kept}{note}" if row["date"] and note else row["date"] or note
 
 
 def suites_table(rows: list[Row], suites: list[Suite]) -> str:
