@@ -48,3 +48,14 @@ def test_wrong_arguments_are_named(tmp_path: Path) -> None:
     model = whole_model(tmp_path / "pi.slx")
     done = invoke(model, "--sample-time", 0.01, "--set", "Kp", "--output", tmp_path)
     assert "--set Kp: give a name and a number" in done.output
+
+
+def test_generated_c_leads_to_bind(tmp_path: Path) -> None:
+    """The folder, or a file of it."""
+    header = tmp_path / "functional_ert_rtw" / "functional.h"
+    header.parent.mkdir()
+    header.write_text("")
+    for model in (header, header.parent):
+        done = invoke(model, "--sample-time", 0.01, "--output", tmp_path / "out")
+        assert done.exit_code == ExitCode.USAGE
+        assert f"'ravenbrick bind {header.parent} binding.toml'" in done.output

@@ -68,6 +68,11 @@ def import_command(
     ] = "",
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
+    if model.suffix in (".c", ".h") or (model.is_dir() and any(model.glob("*.h"))):
+        folder = model if model.is_dir() else model.parent
+        raise UsageError(
+            f"{model}: C is bound, not imported; try 'ravenbrick bind {folder} binding.toml'"
+        )
     if not model.is_file():
         raise UsageError(f"{model}: there is no such file")
     if not sample_time > 0:
