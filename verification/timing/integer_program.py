@@ -34,7 +34,10 @@ def compared(name: str) -> dict[str, Any]:
     known = known_example(name)
     request = {
         "annotations": [{"name": source, "text": text} for source, text in known.annotations],
-        "jobs": [{"body": body, "waits": list(waits)} for body, waits in known.jobs],
+        "jobs": [
+            {"body": body, "waits": list(waits), "otherwise": list(otherwise)}
+            for body, waits, otherwise in known.jobs
+        ],
         "graphs": True,
     }
     found = _answers(known.image, request)["jobs"]

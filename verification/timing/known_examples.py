@@ -10,6 +10,7 @@ from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import body_of, known_facts
+from ravenbrick.timing.bounds import JobQuestion
 from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.scheduled_tasks import WAITS
 
@@ -20,12 +21,12 @@ __all__ = ["known_example"]
 
 @dataclass(frozen=True)
 class KnownExample:
-    """An image, facts by their sources, and jobs as (body, functions in which the task waits)."""
+    """An image, facts by their sources, and the questions for its jobs."""
 
     image: ElfImage
     facts: Facts
     annotations: list[tuple[str, str]]
-    jobs: list[tuple[str, tuple[str, ...]]]
+    jobs: list[JobQuestion]
 
 
 def known_example(name: str) -> KnownExample:
@@ -34,5 +35,5 @@ def known_example(name: str) -> KnownExample:
     robot = read_robot(workspace.project)
     facts, image = read_facts(robot), read_image(workspace.image("ram", robot.name))
     _, annotations = known_facts(robot, image, facts)
-    jobs = [(body_of(image, facts, task), WAITS[task.release]) for task in robot.tasks]
+    jobs = [(body_of(image, facts, task), *WAITS[task.release]) for task in robot.tasks]
     return KnownExample(image, facts, annotations, jobs)

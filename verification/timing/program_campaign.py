@@ -124,7 +124,9 @@ def _job(image: ElfImage, known: Sequence[tuple[str, str]], rounds: int, locked:
         {"symbol": BODY, "index": 1, "header_executions": locked},
     ]
     annotations = [("rounds", annotations_of({"loop": loops})), *known]
-    found = execution_times(image.content, jobs=[(BODY, [DELAY_UNTIL])], annotations=annotations)
+    found = execution_times(
+        image.content, jobs=[(BODY, (DELAY_UNTIL,), ())], annotations=annotations
+    )
     return found.jobs[0]
 
 

@@ -145,6 +145,7 @@ package body NXT.Audio is
          Sample, Sum : Integer;
       begin
          for Item of Buffers (Buffer) loop
+            pragma Annotate (Ravenbrick, Iterations, 16, "Samples_Per_Buffer");
             Take (Now_Playing, Sample);
             Sum := Left_Over + (Sample + 128) * Bits_Per_Word;
             Item := Patterns (Level (Sum / Steps));

@@ -60,6 +60,7 @@ class ExitCode(IntEnum):
     CONNECTION_FAILED = 11, "No real brick was found, or the transfer to it failed."
     NO_TIMING_BOUND = 12, "A time has no bound; the missing flow fact is named."
     BRICK_DIFFERS = 13, "The brick differs from the virtual brick; rows and parameters are named."
+    DEADLINE_CAN_BE_MISSED = 14, "A deadline can be missed, or a stack can overflow."
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
 
@@ -166,6 +167,12 @@ class InterruptError(RavenbrickError):
     def __init__(self, **data: Any) -> None:
         super().__init__("interrupted")
         self.data = data
+
+
+class DeadlineError(RavenbrickError):
+    """A deadline can be missed or a stack can overflow; `data` holds the analysis."""
+
+    exit_code = ExitCode.DEADLINE_CAN_BE_MISSED
 
 
 class ConnectionFailedError(RavenbrickError):

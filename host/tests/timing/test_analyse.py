@@ -26,7 +26,7 @@ from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 from ravenbrick.timing.facts import Facts, read_facts, unused_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
-from ravenbrick.timing.kernel import DELAY_UNTIL, kernel_facts, services
+from ravenbrick.timing.kernel import kernel_facts, services
 from ravenbrick.timing.observation.long_run import long_run
 from ravenbrick.timing.observation.observed import check_interrupt_rates, exceeded, observe
 from ravenbrick.timing.observation.worst_case_search import largest, search_worst_case
@@ -142,6 +142,8 @@ def test_without_a_job_that_can_be_shortened_the_largest_term_is_named(analysis:
     result = result_of(analysis, {})
     tight = {"meets_deadline": False, "execution_max_cycles": 0}
     result["tasks"][1] |= tight
+    miss = {"name": "control_task", "kind": "task", "deadline_cycles": 192_220}
+    result["misses"] = [miss | {"response_bound_cycles": 200_000}]
     lines = advice(result)
     assert lines[0].startswith("control_task can miss its deadline of 4000 us")
     assert "the largest term of its bound, interrupts with" in lines[1]
@@ -186,12 +188,12 @@ def test_a_loop_without_a_bound_is_asked_for_by_file_and_line(image: ElfImage) -
     with pytest.raises(ExecutionTimeError) as refused:
         execution_times(
             image.content,
-            jobs=[("nxt__avr__coprocessor_taskTKB", [DELAY_UNTIL])],
+            functions=["nxt__display__put_noupdate__2"],
             annotations=[("timing.toml", kernel_facts(4, ()))],
         )
-    asked = re.search(r"nxt-avr_io\.adb:(\d+): how often at most", refused.value.detail)
+    asked = re.search(r"nxt-canvas\.adb:(\d+): how often at most", refused.value.detail)
     assert asked is not None
-    assert f'file = "nxt-avr_io.adb", line = {asked[1]}' in refused.value.detail
+    assert f'file = "nxt-canvas.adb", line = {asked[1]}' in refused.value.detail
 
 
 def test_a_function_that_nothing_disturbs_is_bounded_as_it_is_with_its_lines(

@@ -16,7 +16,7 @@ from verification.support.projects import VEHICLE, put_image
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
-from ravenbrick.errors import ProjectFileError
+from ravenbrick.errors import ExitCode, ProjectFileError
 from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
@@ -89,7 +89,10 @@ def test_a_task_above_a_ceiling_is_named_with_the_object(changed: Change) -> Non
     done = CliRunner().invoke(app, ["analyse", str(project), "--json"])
     assert done.exit_code == 3, done.output
     error = json.loads(done.output)["error"]
-    assert "tasks[1].priority: is 5, but the task may call the protected object" in error
+    assert (
+        "tasks[1].priority: the priority of control_task is 5, but it may call the protected"
+        in error
+    )
     assert "panel__latest" in error and "whose ceiling is 2; raise the ceiling or lower" in error
 
 
@@ -97,9 +100,11 @@ def test_a_deadline_that_can_be_missed_is_told_with_what_to_change(changed: Chan
     project = changed("control_task", "deadline_us = 4_000", "deadline_us = 1_000")
     profile = ["--timing-profile", "pessimistic"]
     done = CliRunner().invoke(app, ["analyse", str(project), *profile, "--json"])
-    assert done.exit_code == 0, done.output
+    assert done.exit_code == ExitCode.DEADLINE_CAN_BE_MISSED, done.output
     answer = json.loads(done.output)
+    assert not answer["ok"] and answer["error"].startswith("NOT schedulable: control_task can miss")
     assert not answer["schedulable"] and answer["timing"] == "pessimistic"
+    assert [miss["name"] for miss in answer["misses"]] == ["control_task"]
     assert "control_task can miss its deadline of 1000 us" in answer["advice"][0]
     own, limit = (
         answer["tasks"][1][key] for key in ("execution_bound_cycles", "execution_max_cycles")

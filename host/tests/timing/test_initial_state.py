@@ -12,9 +12,8 @@ import pytest
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import read_robot
-from ravenbrick.timing.analysis import analyse
+from ravenbrick.timing.background import background_of
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.facts import read_facts
 from ravenbrick.timing.initial_state import attached_handlers, main_rests
 
 VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
@@ -26,7 +25,8 @@ NEVER = 2**63 - 2
 def with_main(state: int, wake: int, *tasks: str) -> SimpleNamespace:
     """A brick whose main procedure is in this state."""
     names = ("environment", *tasks)
-    threads = [SimpleNamespace(name=n, base_priority=1, state=state, address=64) for n in names]
+    common = {"base_priority": 1, "stack_size": 4096, "state": state, "address": 64}
+    threads = [SimpleNamespace(name=name, **common) for name in names]
     memory = {(64 + 40, 8): wake.to_bytes(8, "little")}
     return SimpleNamespace(threads=lambda: threads, read_memory=lambda *place: memory[place])
 
@@ -57,9 +57,10 @@ def test_a_main_procedure_rests_when_it_has_ended_or_waits_for_ever(
     assert main_rests(with_main(state, wake)) == rests
 
 
-def test_a_main_procedure_that_goes_on_is_refused_with_what_to_do() -> None:
-    """Whatever it does holds up the tasks below it, and no bound would count it."""
+def test_a_main_procedure_as_urgent_as_a_task_is_refused_with_what_to_do() -> None:
+    """A task of its priority never runs while it computes."""
     robot = read_robot(VEHICLE)
     brick = with_main(READY, 0, *(task.name for task in robot.tasks))
-    with pytest.raises(ExecutionTimeError, match=r"main procedure goes on.*'delay until Ada\.Real"):
-        analyse(robot, IMAGE, brick, read_facts(robot))
+    named = r"at priority 1 .*: display_task \(priority 1\); .*'delay until Ada\.Real"
+    with pytest.raises(ExecutionTimeError, match=named):
+        background_of(robot, IMAGE, brick, lambda task: task.name, (), "nominal")

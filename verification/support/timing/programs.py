@@ -58,7 +58,8 @@ def subject(folder: str, program: str) -> Subject:
     """A program that has `robot.toml`, `timing.toml` and the scenario `steady`, built."""
     robot = read_robot(HERE / folder)
     scenario = read_scenario(scenario_path(HERE / folder, "steady"), robot)
-    return Subject(robot, built(folder, program), scenario, read_facts(robot))
+    image = built(folder, program)
+    return Subject(robot, image, scenario, read_facts(robot).of_image(image))
 
 
 def analysed(program: Subject, facts: Facts, timing: str = "nominal") -> Analysis:

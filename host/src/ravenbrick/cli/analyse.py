@@ -19,7 +19,7 @@ from ravenbrick.cli.build import ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, project_scenarios, run_scenario
 from ravenbrick.cli.timing_profile import TimingProfile, TimingProfileOption
-from ravenbrick.errors import UsageError, shown_path
+from ravenbrick.errors import DeadlineError, UsageError, shown_path
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
@@ -210,13 +210,34 @@ def _print(reporter: Reporter, result: dict[str, Any], notes: Sequence[str]) -> 
     reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
     if result["timing_events"]:
         reporter.table(EVENT_HEAD, event_rows(result))
-    reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
-    if not result["stacks_suffice"]:
-        reporter.print("a stack can overflow")
+    for thread in result["background"]:
+        reporter.print(
+            f"{thread['name']} runs in the background at priority {thread['priority']}: it delays "
+            "others by critical sections only, and no deadline of its own is checked"
+        )
+    if result["schedulable"]:
+        reporter.print("schedulable")
     for line in notes:
         reporter.print(f"  {line}")
-    for line in advice(result):
-        reporter.print(f"  {line}")
+    if _holds(result):
+        for line in advice(result):
+            reporter.print(f"  {line}")
+
+
+def _holds(result: dict[str, Any]) -> bool:
+    return bool(result["schedulable"] and result["stacks_suffice"])
+
+
+def _answer(result: dict[str, Any]) -> dict[str, Any]:
+    """The result; raises `DeadlineError` with it when a deadline can be missed or a stack can
+    overflow."""
+    if _holds(result):
+        return result
+    verdict = "NOT schedulable" if not result["schedulable"] else "a stack can overflow"
+    first, *others = result["advice"]
+    error = DeadlineError(f"{verdict}: {first}", detail="\n".join(others))
+    error.data = result
+    raise error
 
 
 @command("ravenbrick analyse examples/vehicle --scenario drive")
@@ -246,6 +267,7 @@ def analyse_command(
     reporter = Reporter(json_output)
     facts = read_facts(robot)
     elf = project_image(workspace, robot, image.kind, reporter)
+    facts = facts.of_image(elf)
     chosen = _scenario(workspace, robot, scenario)
     with reporter.step("bound execution and response times"):
         begin = process_time()
@@ -280,11 +302,13 @@ def analyse_command(
         task_file = workspace.results / "taskset.toml"
         atomic_write(task_file, task_set_text(robot.name, analysis.task_set, analysis.overheads))
     _print(reporter, result, notes)
-    return {
-        **result,
-        "advice": advice(result),
-        "overestimation": overestimation(result),
-        "unused_facts": unused,
-        "report": str(report),
-        "task_set": str(task_file),
-    }
+    return _answer(
+        {
+            **result,
+            "advice": advice(result),
+            "overestimation": overestimation(result),
+            "unused_facts": unused,
+            "report": str(report),
+            "task_set": str(task_file),
+        }
+    )

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from ravenbrick.image.elf import ElfImage
@@ -19,14 +20,14 @@ from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.timing.alarm import alarm_costs
-from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
+from ravenbrick.timing.background import NO_BACKGROUND, Background, background_of
+from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
 from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
 from ravenbrick.timing.facts import TIMING_FILE, Facts, Mode, annotations_of
 from ravenbrick.timing.initial_state import (
     ENVIRONMENT,
     ProtectedObject,
     attached_handlers,
-    main_rests,
 )
 from ravenbrick.timing.interrupt_blocking import interrupt_blocking
 from ravenbrick.timing.ipet import longest_path
@@ -46,6 +47,7 @@ from ravenbrick.timing.scheduled_tasks import (
     transfer_tasks,
 )
 from ravenbrick.timing.source_facts import source_facts
+from ravenbrick.timing.suspension import with_operations
 from ravenbrick.trace.task_set import check_names
 
 __all__ = [
@@ -80,6 +82,7 @@ class Analysis:
     modes: tuple[ModeBounds, ...] = ()
     events: tuple[EventCost, ...] = ()
     transfers: tuple[str, ...] = ()
+    background: Background = NO_BACKGROUND
 
     @property
     def schedulable(self) -> bool:
@@ -120,9 +123,8 @@ def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
     )
 
 
-def _check_tasks(robot: Robot, image: ElfImage, brick: Any) -> None:
-    """Tasks of robot.toml and of the image are the same, and the main procedure does nothing: what
-    is left out would not be counted."""
+def _check_tasks(robot: Robot, brick: Any) -> None:
+    """Tasks of robot.toml and of the image are the same: what is left out would not be counted."""
     known = [thread.name.lower() for thread in brick.threads()]
     check_names(robot, known)
     for name in known:
@@ -132,36 +134,20 @@ def _check_tasks(robot: Robot, image: ElfImage, brick: Any) -> None:
                 f"the image has a task '{name}', which is missing here; add it: its jobs and its "
                 "protected actions block others",
             )
-    if robot.task(ENVIRONMENT) is None and not main_rests(brick):
-        raise ExecutionTimeError(
-            f"{image.path}: the main procedure goes on beside the tasks, and no bound counts what "
-            "it does; move its work into a task and end it with 'delay until "
-            "Ada.Real_Time.Time_Last;'"
-        )
 
 
-def _check_ceilings(robot: Robot, job: Bound, task: Task, index: int, objects: Any) -> None:
+def _check_ceilings(robot: Robot, job: Bound, task: Task, objects: Any) -> None:
     for urgency, _ in job.critical_sections:
         if urgency < 2 * task.priority:
             names = ", ".join(o.name for o in objects if o.urgency == urgency)
+            declared = task in robot.tasks
+            place = ("tasks", robot.tasks.index(task), "priority") if declared else ("tasks",)
             raise robot.document.error(
-                ("tasks", index, "priority"),
-                f"is {task.priority}, but the task may call the protected object {names}, whose "
-                f"ceiling is {urgency // 2}; raise the ceiling or lower the task",
+                place,
+                f"the priority of {task.name} is {task.priority}, but it may call the protected "
+                f"object {names}, whose ceiling is {urgency // 2}; raise the ceiling or lower the "
+                "task",
             )
-
-
-def _timed_tasks(robot: Robot) -> list[tuple[int, Task]]:
-    found = []
-    for index, task in enumerate(robot.tasks):
-        if task.release == "background":
-            raise robot.document.error(
-                ("tasks", index, "release"),
-                "is 'background'; tasks that are never released again are not analysed: give it a "
-                "period",
-            )
-        found.append((index, task))
-    return found
 
 
 def _solved(
@@ -186,7 +172,7 @@ def _solved(
 
 def _stack_bytes(
     image: ElfImage,
-    question: tuple[str, Sequence[str]],
+    question: JobQuestion,
     annotations: Sequence[tuple[str, str]],
 ) -> int | None:
     """Deepest stack of a task with all it calls, also outside of its jobs."""
@@ -217,18 +203,22 @@ def analyse(
     Raises `ExecutionTimeError` for what has no bound, `ProjectFileError` where robot.toml and the
     image disagree.
     """
-    _check_tasks(robot, image, brick)
+    _check_tasks(robot, brick)
+    facts = facts.of_image(image)
     attached = attached_handlers(brick, image)
     expiring = handlers_of_events(image, attached)
     objects, annotations = known_facts(robot, image, facts, expiring)
-    tasks = _timed_tasks(robot)
+    tasks = [task for task in robot.tasks if task.release != "background"]
     annotations += _solved(image, facts, annotations, timing)
     kernel = services(image, annotations, timing)
     releasing = [expiry_facts(()), *annotations] if expiring else annotations
     costs = interrupt_costs(image, attached, releasing, timing)
-    alarm = alarm_costs(image, costs[0], releasing, periods_us([task for _, task in tasks]))
+    alarm = alarm_costs(image, costs[0], releasing, periods_us(tasks))
     events = event_costs(image, costs[0], expiring, facts, annotations)
-    questions = [(body_of(image, facts, task), WAITS[task.release]) for _, task in tasks]
+    background = background_of(
+        robot, image, brick, partial(body_of, image, facts), annotations, timing
+    )
+    questions = [(body_of(image, facts, task), *WAITS[task.release]) for task in tasks]
 
     def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
         places = (f"{facts.name}, [[outside]]", facts.outside)
@@ -236,23 +226,25 @@ def analyse(
         found = execution_times(
             image.content, jobs=questions, annotations=known, timing=timing
         ).jobs
-        return [(task, job) for (_, task), job in zip(tasks, found, strict=True)]
+        return list(zip(tasks, found, strict=True))
 
     jobs = bounded(())
     if facts.outside:
         stacks = [_stack_bytes(image, one, annotations) for one in questions]
         jobs = [(t, replace(j, stack_bytes=s)) for (t, j), s in zip(jobs, stacks, strict=True)]
-    for index, (task, job) in enumerate(jobs):
-        _check_ceilings(robot, job, task, index, objects)
+    for task, job in [*jobs, *background.threads]:
+        _check_ceilings(robot, job, task, objects)
+    facts = with_operations(facts, jobs, bounded)
     blocking = interrupt_blocking(image, costs, events, kernel, releasing)
     transfers = transfer_tasks(image, blocking, facts)
+    scheduled = partial(scheduled_bounds, blocking, alarm, background, transfers)
     modes = []
     for mode in facts.modes:
         in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
-        timings, _, _, bounds = scheduled_bounds(blocking, alarm, rates, in_mode, transfers)
+        timings, _, _, bounds = scheduled(rates, in_mode)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    timings, task_set, overheads, bounds = scheduled_bounds(blocking, alarm, facts, jobs, transfers)
+    timings, task_set, overheads, bounds = scheduled(facts, jobs)
     return Analysis(
         timings,
         costs,
@@ -264,4 +256,5 @@ def analyse(
         tuple(modes),
         events,
         tuple(task.name for task in transfers),
+        background,
     )

@@ -22,9 +22,12 @@ __all__ = [
     "Bounds",
     "Call",
     "ExecutionTimeError",
+    "JobQuestion",
     "execution_times",
 ]
 
+
+JobQuestion = tuple[str, tuple[str, ...], tuple[str, ...]]
 
 # Begin of the analysis' sentences about the ELF file itself.
 DAMAGE = "ELF file: "
@@ -41,7 +44,8 @@ class Bound:
     """Bounds of a function, or of the jobs of a task; without the fetches after its return.
 
     `critical_sections` are the longest ones (protected actions): urgency and cycles. `reached` are
-    all functions that may be executed.
+    all functions that may be executed, `reached_inside` those that a job calls before it waits for
+    its next release in one of `released_by`. What runs in the background has no cycles.
     """
 
     symbol: str
@@ -51,6 +55,8 @@ class Bound:
     reached: frozenset[str]
     report: dict[str, Any]
     graph: dict[str, Any] | None = None
+    reached_inside: frozenset[str] = frozenset()
+    released_by: frozenset[str] = frozenset()
 
     def longest_critical_section(self, above_urgency: int) -> int:
         """Longest critical section above an urgency, in cycles."""
@@ -79,6 +85,7 @@ class Bounds:
     return_cycles: int
     functions: tuple[Bound, ...]
     jobs: tuple[Bound, ...]
+    background: tuple[Bound, ...]
     calls: tuple[Call, ...]
     known_memory_cycles: int | None = None
     known_memory_lines: tuple[tuple[str, int], ...] = ()
@@ -116,6 +123,8 @@ def _bound(answer: dict[str, Any], facts: str) -> Bound:
         frozenset(answer["reached"]),
         answer["report"],
         answer["graph"],
+        frozenset(answer["reached_inside"]),
+        frozenset(answer["released_by"]),
     )
 
 
@@ -138,7 +147,8 @@ def execution_times(
     elf: bytes,
     *,
     functions: Sequence[str] = (),
-    jobs: Sequence[tuple[str, Sequence[str]]] = (),
+    jobs: Sequence[JobQuestion] = (),
+    background: Sequence[str] = (),
     annotations: Sequence[tuple[str, str]] = (),
     root: str | None = None,
     callees: Sequence[str] = (),
@@ -149,7 +159,9 @@ def execution_times(
     wait_states: int = 1,
     name: str = "the image",
 ) -> Bounds:
-    """Bounds of functions, and of jobs as (body, functions in which the task waits).
+    """Bounds of functions, and of jobs as (body, functions in which the task waits, those in which
+    it waits if its body calls none of these). `background` are functions that run beside the tasks
+    and need not end: only their stack and their effects on others are bounded.
 
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
     what it calls. With `graphs`, bounds bring the graphs of their longest paths.
@@ -164,7 +176,11 @@ def execution_times(
     """
     request = {
         "functions": list(functions),
-        "jobs": [{"body": body, "waits": list(waits)} for body, waits in jobs],
+        "jobs": [
+            {"body": body, "waits": list(waits), "otherwise": list(otherwise)}
+            for body, waits, otherwise in jobs
+        ],
+        "background": list(background),
         "annotations": [{"name": name, "text": text} for name, text in annotations],
         "root": root,
         "callees": list(callees),
@@ -189,6 +205,7 @@ def execution_times(
         answer["return_cycles"],
         tuple(_bound(found, facts) for found in answer["functions"]),
         tuple(_bound(found, facts) for found in answer["jobs"]),
+        tuple(_bound(found, facts) for found in answer["background"]),
         tuple(Call(c["callee"], c["caller"], tuple(c["arguments"])) for c in answer["calls"]),
         _known_memory_cycles(answer["known_memory"]),
         _known_memory_lines(answer["known_memory"]),

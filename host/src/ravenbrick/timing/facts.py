@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +57,7 @@ class InterruptLoad:
     """At most `at_most` interrupts of a source in any window of `window_us`.
 
     Several loads of one source hold together. With `task`, the windows are those from a release
-    of this task on.
+    of this task on, with `unit` only programs that have this library unit are meant.
     """
 
     source: int
@@ -66,6 +66,7 @@ class InterruptLoad:
     reason: str
     task: str | None = None
     file: str = TIMING_FILE
+    unit: str | None = None
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,16 @@ class Suspension:
     `longest_us`."""
 
     task: str
+    count: int
+    longest_us: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Operation:
+    """Each call of the subprogram `symbol` waits `count` times, in all for `longest_us`."""
+
+    symbol: str
     count: int
     longest_us: int
     reason: str
@@ -143,6 +154,7 @@ class Facts:
     events: tuple[EventLoad, ...] = ()
     transfers: tuple[TransferLoad, ...] = ()
     suspensions: tuple[Suspension, ...] = ()
+    operations: tuple[Operation, ...] = ()
     bodies: tuple[tuple[str, str], ...] = ()
     chains: tuple[Chain, ...] = ()
     modes: tuple[Mode, ...] = ()
@@ -169,6 +181,10 @@ class Facts:
         )
         return tuple(sorted(found, key=lambda load: -load.window_us))
 
+    def of_image(self, image: ElfImage) -> Facts:
+        """The facts without the rates of interrupts in units that this program does not have."""
+        return replace(self, interrupts=_present(self.interrupts, image))
+
     def transfer_loads(self, image: ElfImage) -> dict[str, tuple[TransferLoad, ...]]:
         """Loads of transfers in this program by peripheral, the longest window first."""
         found: dict[str, list[TransferLoad]] = {}
@@ -181,6 +197,10 @@ class Facts:
         """Loads of timing events with this handler, the longest window first."""
         found = (load for load in self.events if load.handler.lower() == handler.lower())
         return tuple(sorted(found, key=lambda load: -load.window_us))
+
+
+def _present(loads: Sequence[InterruptLoad], image: ElfImage) -> tuple[InterruptLoad, ...]:
+    return tuple(load for load in loads if load.unit is None or has_unit(image, load.unit))
 
 
 def has_unit(image: ElfImage, unit: str) -> bool:
@@ -246,6 +266,7 @@ def _interrupts(
             row["reason"],
             row.get("task"),
             str(path),
+            row.get("unit"),
         )
         for row in rows
         if "task" not in row or robot.task(row["task"]) is not None
@@ -314,6 +335,12 @@ def read_facts(robot: Robot) -> Facts:
         tuple(
             Suspension(row["task"], row.get("count", 1), row["longest_us"], row["reason"])
             for row in rows("suspension")
+            if "task" in row
+        ),
+        tuple(
+            Operation(row["symbol"], row.get("count", 1), row["longest_us"], row["reason"])
+            for row in rows("suspension")
+            if "symbol" in row
         ),
         tuple((row["task"].lower(), row["symbol"]) for row in rows("body")),
         tuple(_chain(row) for row in rows("chain")),

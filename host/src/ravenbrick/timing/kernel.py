@@ -75,7 +75,12 @@ QUEUES = (
     "ravenbrick-delays-events.adb",
     "interrupt.S",
 )
-ENTRY_CODE = re.compile(r"_[BE]\d+b$")
+# What a task calls at its end, where the program has set a handler, and the word that names it.
+AT_END = "system__tasking__restricted__stages__complete_restricted_task"
+END_HANDLER = "ada__task_termination__call_fallback"
+END_HOOK = "system__tasking__at_termination"
+# GNAT names them by where the object is declared: in a body or in a specification.
+ENTRY_CODE = re.compile(r"_[BE]\d+[bs]$")
 
 EXCEPTION_CYCLES = 3
 # From the alarm's request until the processor sees it, by timing profile: tick of the clock,
@@ -141,6 +146,18 @@ def _entry_facts(image: ElfImage) -> str:
     return annotations_of({"call": [{"symbol": f, "targets": targets} for f in functions]})
 
 
+def _end_facts(image: ElfImage) -> str:
+    """What a task calls that ends: nothing, unless the program has handlers of that."""
+    if AT_END not in image.symbols:
+        return ""
+    if END_HANDLER in image.symbols:
+        return annotations_of({"call": [{"symbol": AT_END, "targets": [END_HANDLER]}]})
+    if END_HOOK not in image.symbols:
+        return ""
+    hook = {"address": image.symbols[END_HOOK].address, "value": 0}
+    return annotations_of({"word": [hook]})
+
+
 def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
     """Loops over queues, and words that are constant after elaboration.
 
@@ -177,7 +194,7 @@ def run_time_facts(
     image: ElfImage, thread_count: int, expiring: Sequence[str] = ()
 ) -> tuple[tuple[ProtectedObject, ...], list[tuple[str, str]]]:
     """The protected objects that elaboration sets up, and annotations of the run-time's code."""
-    entries = ("entries", _entry_facts(image))
+    entries = ("entries", _entry_facts(image) + _end_facts(image))
     elaborated = execution_times(
         image.content, root="adainit", callees=initializers(image), annotations=[entries]
     )

@@ -5,23 +5,28 @@ timing events and transfers of the data controller as tasks of their own. Times 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
-from ravenbrick.schedule.response_time import ResponseTimeBound, response_time_bounds
+from ravenbrick.schedule.response_time import (
+    ResponseTimeBound,
+    response_time_bound,
+    response_time_bounds,
+)
 from ravenbrick.timing.alarm import AlarmCosts, coarse_alarm, exact_cycles
+from ravenbrick.timing.background import Background
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError
 from ravenbrick.timing.events import EventCost
 from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, TransferLoad
 from ravenbrick.timing.initial_state import ALARM_SOURCE
 from ravenbrick.timing.interrupt_blocking import InterruptBlocking
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
+from ravenbrick.timing.suspension import suspension_of
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = [
@@ -29,6 +34,7 @@ __all__ = [
     "BlockingCause",
     "TaskTiming",
     "blocking_cause",
+    "deepest_stack",
     "periods_us",
     "scheduled_bounds",
     "transfer_tasks",
@@ -37,7 +43,11 @@ __all__ = [
 PREEMPTION_BYTES = 68
 # By one transfer of the data controller, by timing profile (`pdc_steal_cycles`).
 STOLEN_CYCLES = {"optimistic": 1, "nominal": 1, "pessimistic": 4}
-WAITS = {"cyclic": (DELAY_UNTIL,), "sporadic": (ENTRY_CALL, SUSPEND)}
+# Where a task waits for its next release, and where if its body does not wait there.
+WAITS = {
+    "cyclic": ((DELAY_UNTIL,), ()),
+    "sporadic": ((ENTRY_CALL, SUSPEND), (DELAY_UNTIL,)),
+}
 
 
 @dataclass(frozen=True)
@@ -62,22 +72,12 @@ class TaskTiming:
     @property
     def stack_bound_bytes(self) -> int | None:
         """Deepest stack, with what a preemption saves."""
-        deepest = self.job.stack_bytes
-        return None if deepest is None else deepest + PREEMPTION_BYTES
+        return deepest_stack(self.job)
 
 
-def _suspension(facts: Facts, task: Task, job: Bound) -> tuple[int, int]:
-    waits = {ENTRY_CALL, SUSPEND, DELAY_UNTIL} - set(WAITS[task.release])
-    waiting = sorted(waits & job.reached)
-    stated = facts.suspension(task.name)
-    if stated is not None:
-        return MASTER_CLOCK.cycles_of_us(stated.longest_us), stated.count
-    if waiting:
-        raise ExecutionTimeError(
-            f"a job of '{task.name}' may wait in {waiting[0]}; say in {facts.name} for how long at "
-            f'most: [[suspension]] task = "{task.name}", longest_us = ..., reason = "..."'
-        )
-    return 0, 0
+def deepest_stack(job: Bound) -> int | None:
+    """Stack of a thread in bytes, with what a preemption saves."""
+    return None if job.stack_bytes is None else job.stack_bytes + PREEMPTION_BYTES
 
 
 def blocking_cause(
@@ -100,6 +100,18 @@ def blocking_cause(
     return max((_after_others(cause, masked_cycles) for cause in found), key=lambda c: c.cycles)
 
 
+def _in_background(
+    cause: BlockingCause, background: Background, alarm: AlarmCosts
+) -> BlockingCause:
+    """The cause with a call of the alarm for each background thread that waits for a time."""
+    calls = background.alarm_cycles(alarm)
+    if not calls:
+        return cause
+    names = ", ".join(task.name for task, _ in background.threads)
+    kind = f"{cause.kind}, and the alarm called once for {names}"
+    return BlockingCause(cause.cycles + calls, cause.task or names, kind)
+
+
 def _after_others(cause: BlockingCause, masked_cycles: dict[str, int]) -> BlockingCause:
     """The cause at the end of the masked services of other tasks."""
     before = sum(cycles for task, cycles in masked_cycles.items() if task != cause.task)
@@ -120,7 +132,7 @@ def _scheduled_tasks(timings: Sequence[TaskTiming]) -> list[ScheduledTask]:
                 deadline=exact_cycles(task.deadline_us or task.period_us or 0),
                 wcet=timing.job.cycles + timing.suspension_cycles,
                 priority=task.priority,
-                release="cyclic" if task.release == "cyclic" else "sporadic",
+                release="cyclic" if DELAY_UNTIL in timing.job.released_by else "sporadic",
                 blocking=timing.blocking.cycles * (1 + timing.suspension_count),
             )
         )
@@ -133,11 +145,12 @@ def periods_us(tasks: Sequence[Task]) -> list[int]:
 
 
 def _scheduled_interrupts(
-    blocking: InterruptBlocking,
+    costs: Sequence[InterruptCost],
     facts: Facts,
-    jobs: Sequence[tuple[Task, Bound]],
+    periods: Sequence[int],
+    longest_blocking: Callable[[int], int],
 ) -> list[ScheduledTask]:
-    found, costs = [], blocking.handlers
+    found = []
     for cost in costs:
         source = cost.handler.source
         if source == ALARM_SOURCE:
@@ -150,8 +163,7 @@ def _scheduled_interrupts(
                 f'most: [[interrupt]] source = "{name}", at_most = ..., window_us = ..., '
                 'reason = "..."'
             )
-        found.append(_interrupt(cost, loads, blocking.longest_cycles(cost.handler.priority, jobs)))
-    periods = periods_us([task for task, _ in jobs])
+        found.append(_interrupt(cost, loads, longest_blocking(cost.handler.priority)))
     alarm = next(cost for cost in costs if cost.handler.source == ALARM_SOURCE)
     return [*found, *coarse_alarm(periods, alarm.cycles, alarm.handler.priority)]
 
@@ -211,10 +223,10 @@ def _expiries(events: Sequence[EventCost], alarm: AlarmCosts, blocking: int) -> 
     ]
 
 
-def _waits_inside(
+def _alarms_inside(
     timings: Sequence[TaskTiming], alarm: AlarmCosts, priority: int
 ) -> list[ScheduledTask]:
-    """The alarm's calls for sporadic tasks that also wait for a time inside their jobs."""
+    """The alarm's calls for tasks that also wait for a time inside their jobs."""
     return [
         ScheduledTask(
             f"alarm inside {timing.task.name}",
@@ -224,46 +236,78 @@ def _waits_inside(
             release="interrupt",
         )
         for timing in timings
-        if timing.suspension_count
-        and timing.task.release == "sporadic"
-        and DELAY_UNTIL in timing.job.reached
+        if timing.suspension_count and DELAY_UNTIL in timing.job.reached
     ]
 
 
 def scheduled_bounds(
     blocking: InterruptBlocking,
     alarm: AlarmCosts,
+    background: Background,
+    transfers: Sequence[ScheduledTask],
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
-    transfers: Sequence[ScheduledTask],
 ) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
     """The tasks with their blocking, the task set, its overheads, and bounds by the task's name."""
     costs, kernel = blocking.handlers, blocking.kernel
+    below = [*jobs, *background.threads]
+
+    def cause(task: Task) -> BlockingCause:
+        found = blocking_cause(task.priority, task.name, below, kernel)
+        return _in_background(found, background, alarm)
+
     timings = tuple(
-        TaskTiming(
-            task,
-            job,
-            *_suspension(facts, task, job),
-            blocking_cause(task.priority, task.name, jobs, kernel),
-        )
-        for task, job in jobs
+        TaskTiming(task, job, *suspension_of(facts, task, job), cause(task)) for task, job in jobs
     )
     overheads = alarm.overheads(kernel)
     level = costs[0].handler.priority
-    interrupts = _scheduled_interrupts(blocking, facts, jobs)
-    interrupts += _expiries(blocking.events, alarm, blocking.longest_cycles(level, jobs))
-    interrupts += _waits_inside(timings, alarm, level)
+    calls = background.alarm_cycles(alarm)
+
+    def longest_blocking(priority: int) -> int:
+        return blocking.longest_cycles(priority, below) + calls
+
+    interrupts = _scheduled_interrupts(
+        costs, facts, periods_us([t for t, _ in jobs]), longest_blocking
+    )
+    interrupts += _expiries(blocking.events, alarm, longest_blocking(level))
+    interrupts += _alarms_inside(timings, alarm, level)
     interrupts += transfers
     tasks = _scheduled_tasks(timings)
     task_set = TaskSet((*interrupts, *tasks))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
-    for timing in timings:
+    for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
-        if special is not None:
-            seen = TaskSet((*special, *tasks))
-            own = {b.task.name: b for b in response_time_bounds(seen, overheads)}
-            bounds[timing.task.name] = own[timing.task.name]
+        others = _seen_by(timing, timings, tasks, bounds)
+        if special is not None or others is not None:
+            seen = TaskSet((*(special or interrupts), *(others or tasks)))
+            own = seen.task(timing.task.name)
+            bounds[own.name] = response_time_bound(seen, own, overheads)
     return timings, task_set, overheads, bounds
+
+
+def _seen_by(
+    timing: TaskTiming,
+    timings: Sequence[TaskTiming],
+    tasks: Sequence[ScheduledTask],
+    bounds: dict[str, ResponseTimeBound],
+) -> list[ScheduledTask] | None:
+    """The tasks as a less urgent one sees those that suspend themselves; None without any.
+
+    A job that suspends itself delays it by no more than its execution if it is taken to be
+    released with a jitter of its response time less its execution, given that it ends before its
+    next release (Chen et al. 2019, section 4.2).
+    """
+    found, special = [], False
+    for other, task in zip(timings, tasks, strict=True):
+        bound = bounds[task.name].bound
+        more_urgent = other.task.priority > timing.task.priority
+        if more_urgent and other.suspension_cycles and bound is not None and bound <= task.period:
+            own = other.job.cycles
+            found.append(replace(task, wcet=own, release_jitter=max(0, bound - own)))
+            special = True
+        else:
+            found.append(task)
+    return found if special else None
 
 
 def _interrupts_seen_by(

@@ -8,11 +8,12 @@ import math
 from typing import Any
 
 from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.schedule.demand import window_of
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
 from ravenbrick.timing.analysis import Analysis, ModeBounds
 from ravenbrick.timing.observation.observed import Observed, ratio
-from ravenbrick.timing.scheduled_tasks import TaskTiming
+from ravenbrick.timing.scheduled_tasks import TaskTiming, deepest_stack
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = ["advice", "microseconds", "result_of"]
@@ -98,6 +99,43 @@ def _in_mode(mode: ModeBounds, name: str, seen: Observed | None) -> dict[str, An
     }
 
 
+def _response(analysis: Analysis, name: str) -> dict[str, Any]:
+    """Response of an interrupt or an event; the alarm's calls are part of the tasks' overheads."""
+    found = analysis.bounds.get(name)
+    if found is None:
+        return {"response_bound_cycles": None, "meets_deadline": None}
+    return {"response_bound_cycles": _up(found.bound), "meets_deadline": found.meets_deadline}
+
+
+def _stacks(analysis: Analysis) -> list[tuple[int | None, int]]:
+    """Bound and size of each stack of a task or background thread, in bytes."""
+    tasks = [(timing.stack_bound_bytes, timing.task.stack_bytes) for timing in analysis.tasks]
+    threads = analysis.background.threads
+    return tasks + [(deepest_stack(job), task.stack_bytes) for task, job in threads]
+
+
+def _misses(analysis: Analysis) -> list[dict[str, Any]]:
+    """Tasks, interrupts, events and transfers that can miss their deadlines, the most urgent
+    first. The deadline of a burst is the end of its window."""
+    tasks = {timing.task.name for timing in analysis.tasks}
+    found = []
+    for name, bound in analysis.bounds.items():
+        if bound.meets_deadline:
+            continue
+        window = window_of(analysis.task_set, bound.task, analysis.overheads)
+        found.append(
+            {
+                "name": name,
+                "kind": "task" if name in tasks else "interrupt",
+                "deadline_cycles": _up(bound.task.deadline),
+                "execution_cycles": _up(bound.task.wcet),
+                "response_bound_cycles": _up(bound.bound),
+                "utilization": float(window.utilization),
+            }
+        )
+    return found
+
+
 def result_of(
     analysis: Analysis,
     observed: dict[str, Observed],
@@ -113,9 +151,9 @@ def result_of(
     return {
         "timing": analysis.services.timing,
         "schedulable": analysis.schedulable,
+        "misses": _misses(analysis),
         "stacks_suffice": all(
-            t.stack_bound_bytes is None or t.stack_bound_bytes <= t.task.stack_bytes
-            for t in analysis.tasks
+            deepest is None or deepest <= size for deepest, size in _stacks(analysis)
         ),
         "largest_scaling": None if scaling.factor is None else float(scaling.factor),
         "scaling_limited_by": scaling.limited_by,
@@ -131,6 +169,7 @@ def result_of(
                 "bound_cycles": cost.cycles,
                 "handler_bound_cycles": min(cost.body.cycles, cost.cycles),
                 "stack_bound_bytes": cost.stack_bytes,
+                **_response(analysis, source_name(cost.handler.source)),
             }
             for cost in analysis.interrupts
         ],
@@ -138,10 +177,19 @@ def result_of(
             {
                 "handler": event.name,
                 "bound_cycles": event.cycles,
-                "response_bound_cycles": _up(analysis.bounds[event.name].bound),
+                **_response(analysis, event.name),
                 "at_most": [[load.at_most, load.window_us] for load in event.loads],
             }
             for event in analysis.events
+        ],
+        "background": [
+            {
+                "name": task.name,
+                "priority": task.priority,
+                "stack_bytes": task.stack_bytes,
+                "stack_bound_bytes": deepest_stack(job),
+            }
+            for task, job in analysis.background.threads
         ],
         "interrupt_stack_bound_bytes": analysis.interrupt_stack_bytes,
         "services": {
@@ -183,21 +231,30 @@ def _stack_lines(result: dict[str, Any]) -> list[str]:
     return [
         f"{task['name']} may need {task['stack_bound_bytes']} bytes of stack and has "
         f"{task['stack_bytes']}: enlarge its Storage_Size, or shorten its deepest calls"
-        for task in result["tasks"]
+        for task in [*result["tasks"], *result["background"]]
         if (task["stack_bound_bytes"] or 0) > task["stack_bytes"]
     ]
 
 
+def _miss(miss: dict[str, Any]) -> str:
+    """The cause of a missed deadline: who, how long, and against what."""
+    name, bound = miss["name"], miss["response_bound_cycles"]
+    deadline_us = round(microseconds(miss["deadline_cycles"]))
+    if miss["kind"] == "task":
+        head = f"{name} can miss its deadline of {deadline_us} us: "
+        response = "its response time may be"
+    else:
+        own = _shown(miss["execution_cycles"])
+        head = f"the calls of {name} in a window of {deadline_us} us, {own}, can outlast it: "
+        response = "their response time may be"
+    if bound is not None:
+        return f"{head}{response} {_shown(bound)}"
+    share = f"{100 * miss['utilization']:.0f} % of the processor"
+    return f"{head}it has no bound, since with all that is more urgent it needs {share}"
+
+
 def _deadline_lines(result: dict[str, Any]) -> list[str]:
-    lines = []
-    for task in result["tasks"]:
-        if task["meets_deadline"]:
-            continue
-        bound = task["response_bound_cycles"]
-        lines.append(
-            f"{task['name']} can miss its deadline of {task['deadline_us']} us: "
-            + (f"its response time may be {_shown(bound)}" if bound else "it has no bound")
-        )
+    lines = [_miss(miss) for miss in result["misses"]]
     for task in result["tasks"]:
         limit, own = task["execution_max_cycles"], task["execution_bound_cycles"]
         if lines and limit is not None and 0 < limit < own:

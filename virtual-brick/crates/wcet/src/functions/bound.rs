@@ -7,6 +7,7 @@
 
 use crate::error::Error;
 use crate::functions::context_sensitive_calls::ContextSensitiveCalls;
+use crate::functions::effects::{effects, Endless};
 use crate::functions::function_bound::{BlockBound, BoundOrigin, FunctionBound, LoopBound};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::{Arguments, BoundResult, Program};
@@ -73,8 +74,7 @@ impl Program<'_> {
             Some((calls, depth)) => bound_recursive(bound?, calls, depth),
             None => bound?,
         };
-        let annotated = self.facts.cycles(entry).unwrap_or(u64::MAX);
-        let cycles = bound.cycles.min(annotated);
+        let cycles = self.facts.call_cycles(entry, bound.cycles);
         Ok(Rc::new(FunctionBound { cycles, ..bound }))
     }
 
@@ -95,14 +95,17 @@ impl Program<'_> {
 }
 
 /// What executing a function on abstract values shows.
-struct Executed {
-    findings: Vec<LoopFinding>,
-    records: Vec<BlockRecord>,
+pub struct Executed {
+    /// Of each loop.
+    pub findings: Vec<LoopFinding>,
+    /// Of each block.
+    pub records: Vec<BlockRecord>,
     /// Longest path with calls analysed in their context, if each loop on it has a bound.
     elapsed: Option<u64>,
 }
 
-fn execute(
+/// Executes a function on abstract values, from a state at its entry.
+pub fn execute(
     program: &Program<'_>,
     entry: Entry,
     summary: &FunctionSummary,
@@ -126,18 +129,6 @@ fn execute(
     }
 }
 
-/// Stack of a function with all it calls, also of one that never returns.
-pub fn stack_of(
-    program: &Program<'_>,
-    entry: Entry,
-    summary: &FunctionSummary,
-) -> Result<Option<u32>, Error> {
-    let state = State::entry(&any_arguments());
-    let executed = execute(program, entry, summary, state);
-    let (calls, _) = callee_bounds(program, summary, &executed.records)?;
-    Ok(stack_bound(&executed.records, &calls))
-}
-
 /// The inner call of a recursive function: its time and stack are the outer one's.
 pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
     FunctionBound {
@@ -148,16 +139,20 @@ pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
         blocks: Vec::new(),
         loops: Vec::new(),
         sections: CriticalSections::new(),
+        functions: BTreeSet::new(),
     }
 }
 
-/// A call that has a bound only in the context in which it is made.
-fn context_bound(entry: Entry, cycles: u64) -> FunctionBound {
-    FunctionBound {
+/// A call whose time has a bound only in the context in which it is made.
+fn context_bound(program: &Program<'_>, entry: Entry, cycles: u64) -> Result<FunctionBound, Error> {
+    let found = effects(program, entry, Endless::EndsProgram)?;
+    Ok(FunctionBound {
         cycles,
-        stack_bytes: None,
+        stack_bytes: found.stack_bytes,
+        sections: found.sections,
+        functions: found.functions,
         ..inner_recursive_call(entry)
-    }
+    })
 }
 
 /// A recursive function from one activation.
@@ -223,6 +218,7 @@ pub fn bound_summary(
         stack_bytes,
         loops,
         sections,
+        functions: BTreeSet::new(),
         blocks: block_bounds(summary, &solution, cycles, calls, &records),
     })
 }
@@ -261,7 +257,7 @@ fn origin(finding: &LoopFinding, annotated: Option<u64>) -> BoundOrigin {
 }
 
 /// The smaller of what was found and what was annotated.
-fn combined_bound((finding, annotated): (&LoopFinding, &Option<u64>)) -> Option<u64> {
+pub fn combined_bound((finding, annotated): (&LoopFinding, &Option<u64>)) -> Option<u64> {
     if finding.unbounded {
         return *annotated;
     }
@@ -270,7 +266,7 @@ fn combined_bound((finding, annotated): (&LoopFinding, &Option<u64>)) -> Option<
 }
 
 /// Repetitions of inner loops, where both the loop and the one around it were executed exactly.
-fn repeats(findings: &[LoopFinding], forest: &LoopForest) -> Vec<Option<u64>> {
+pub fn repeats(findings: &[LoopFinding], forest: &LoopForest) -> Vec<Option<u64>> {
     let exact = |index: usize| !findings[index].unbounded;
     let all = forest.loops.iter().enumerate().map(|(index, found)| {
         let parent = found.parent?;
@@ -304,7 +300,7 @@ fn callee_bounds(
                 Err(Error::NeverReturns(_)) => {}
                 Err(error @ Error::MissingBounds(_)) => match records[index].callee_cycles {
                     Some(cycles) if cycles != UNBOUNDED => {
-                        bounds.push(Rc::new(context_bound(*callee, cycles)));
+                        bounds.push(Rc::new(context_bound(program, *callee, cycles)?));
                     }
                     _ => return Err(error),
                 },
@@ -320,7 +316,7 @@ fn callee_bounds(
 }
 
 /// Time of the call at the end of a block, without the fetches after its return.
-fn call_cycles(calls: &[Rc<FunctionBound>], record: &BlockRecord) -> u64 {
+pub fn call_cycles(calls: &[Rc<FunctionBound>], record: &BlockRecord) -> u64 {
     let any_context = calls.iter().map(|bound| bound.cycles).max().unwrap_or(0);
     let in_context = record.callee_cycles.unwrap_or(u64::MAX);
     in_context.min(any_context)

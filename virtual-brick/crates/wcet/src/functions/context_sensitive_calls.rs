@@ -198,13 +198,11 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
             Some(after) if after.elapsed.0 == UNBOUNDED => {
                 self.bound_without_context(callee, state)
             }
-            Some(after) => CallOutcome::Bounded(state, self.at_most_fact(callee, after.elapsed.0)),
+            Some(after) => CallOutcome::Bounded(
+                state,
+                self.program.facts.call_cycles(callee, after.elapsed.0),
+            ),
         }
-    }
-
-    fn at_most_fact(&self, callee: Entry, cycles: u64) -> u64 {
-        let fact = self.program.facts.cycles(callee);
-        fact.map_or(cycles, |fact| fact.min(cycles))
     }
 
     fn analyse_with_frame(
@@ -235,7 +233,7 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         }
         if after.elapsed.0 != UNBOUNDED {
             let cycles = after.elapsed.0 - before.elapsed.0;
-            after.elapsed.0 = before.elapsed.0 + self.at_most_fact(callee, cycles);
+            after.elapsed.0 = before.elapsed.0 + self.program.facts.call_cycles(callee, cycles);
         }
         CallOutcome::Returns(after)
     }

@@ -5,6 +5,7 @@
 use crate::inputs::image::Entry;
 use crate::paths::critical_section::CriticalSections;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 /// Where a loop's bound comes from.
@@ -77,4 +78,6 @@ pub struct FunctionBound {
     pub loops: Vec<LoopBound>,
     /// Longest critical sections (protected actions), here and in all callees.
     pub sections: CriticalSections,
+    /// Functions that may be executed, where `blocks` do not show it.
+    pub functions: BTreeSet<u32>,
 }

@@ -39,6 +39,8 @@ pub struct Fact {
     pub depth: Option<u32>,
     /// Cost: most cycles of a call, without the fetches after its return.
     pub cycles: Option<u64>,
+    /// Cost: cycles that each call takes besides, while the caller is suspended in it.
+    pub added_cycles: Option<u64>,
     /// Why the fact holds.
     pub reason: Option<String>,
     /// Where the fact stands, for messages.

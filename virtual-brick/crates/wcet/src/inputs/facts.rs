@@ -46,7 +46,7 @@ impl<'a> Facts<'a> {
             .filter_map(|f| f.region.as_ref());
         regions.try_for_each(|region| map.find(region).map(drop))?;
         for target in annotations.calls.iter().flat_map(|fact| &fact.targets) {
-            if image.function(target).is_none() {
+            if image.functions(target).is_empty() && !target.starts_with('*') {
                 return Err(Error::Input(format!(
                     "[[call]] names '{target}', no function here"
                 )));
@@ -91,16 +91,30 @@ impl<'a> Facts<'a> {
         Some((fact.calls?, fact.depth?))
     }
 
-    /// Most cycles of a function.
-    pub fn cycles(&self, function: Entry) -> Option<u64> {
-        self.find(&self.annotations.costs, function.0)?.cycles
+    /// Cycles of a call that take `cycles`: no more than a fact says, and what is added.
+    pub fn call_cycles(&self, function: Entry, cycles: u64) -> u64 {
+        let most = self.costs(function).filter_map(|fact| fact.cycles).next();
+        let added = self.added_cycles(function).unwrap_or(0);
+        most.map_or(cycles, |most| most.min(cycles)) + added
+    }
+
+    /// Cycles that each call of a function takes besides.
+    pub fn added_cycles(&self, function: Entry) -> Option<u64> {
+        self.costs(function).find_map(|fact| fact.added_cycles)
+    }
+
+    fn costs(&self, function: Entry) -> impl Iterator<Item = &Fact> {
+        let place = self.image.place(function.0);
+        let names = self.image.names_at(function.0);
+        let facts = self.annotations.costs.iter();
+        facts.filter(move |fact| fact.matches(&place, names, None))
     }
 
     /// Functions that an indirect branch may reach.
     pub fn call_targets(&self, address: u32) -> Option<Vec<Entry>> {
         let fact = self.find(&self.annotations.calls, address)?;
         let names = fact.targets.iter();
-        Some(names.filter_map(|name| self.image.function(name)).collect())
+        Some(names.flat_map(|name| self.image.functions(name)).collect())
     }
 
     /// Region of an access.

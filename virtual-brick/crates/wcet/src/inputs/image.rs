@@ -96,6 +96,26 @@ impl Image {
         named.map(|(address, function)| (*address, function.thumb))
     }
 
+    /// Functions with this name; one that begins with `*` stands for all names that end so, with
+    /// or without the number by which GNAT tells overloaded subprograms apart.
+    pub fn functions(&self, name: &str) -> Vec<Entry> {
+        let Some(end) = name.strip_prefix('*') else {
+            return self.function(name).into_iter().collect();
+        };
+        let ends = |known: &String| {
+            let digits = known.trim_end_matches(|c: char| c.is_ascii_digit());
+            let plain = if digits.len() < known.len() {
+                digits.strip_suffix("__").unwrap_or(known)
+            } else {
+                known
+            };
+            plain.ends_with(end)
+        };
+        let functions = self.file.symbols().functions().iter();
+        let named = functions.filter(|(_, function)| function.names.iter().any(ends));
+        named.map(|(address, f)| (*address, f.thumb)).collect()
+    }
+
     /// Address and size of a variable.
     pub fn variable(&self, name: &str) -> Option<(u32, u32)> {
         let symbol = self.file.symbols().get(name)?;

@@ -3,6 +3,7 @@
 //! Several questions about one program, and their answers, for other programs.
 
 use crate::error::Error;
+use crate::functions::effects::{collect_functions, effects, Effects, Endless};
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::program::Program;
 use crate::inputs::annotations::Annotations;
@@ -11,7 +12,7 @@ use crate::inputs::memory_map::MemoryMap;
 use crate::queries::known_memory::{KnownMemory, LineCount};
 use crate::queries::path_problem::PathGraph;
 use crate::queries::report::Report;
-use crate::queries::task_job::bound_job;
+use crate::queries::task_job::{bound_job, JobBound, Task};
 use crate::values::block_interpreter::BlockInterpreter;
 use crate::values::value::Value;
 use serde::{Deserialize, Serialize};
@@ -27,16 +28,6 @@ pub struct AnnotationFile {
     pub text: String,
 }
 
-/// The jobs of a task.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Task {
-    /// Function with the loop.
-    pub body: String,
-    /// Functions in which the task waits for its next release.
-    pub waits: Vec<String>,
-}
-
 /// All questions.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -47,6 +38,8 @@ pub struct Request {
     pub functions: Vec<String>,
     /// Tasks to bound.
     pub jobs: Vec<Task>,
+    /// Functions that run in the background and need not end: only their effects on others.
+    pub background: Vec<String>,
     /// Function from which calls are searched.
     pub root: Option<String>,
     /// Functions whose arguments at calls are wanted.
@@ -87,8 +80,12 @@ pub struct Answer {
     pub critical_sections: Vec<(u32, u64)>,
     /// All functions that may be executed.
     pub reached: Vec<String>,
+    /// Those of a job without the calls in which the task waits for its next release.
+    pub reached_inside: Vec<String>,
     /// How the bound comes about.
     pub report: Option<Report>,
+    /// Functions in which a task waits for its next release.
+    pub released_by: Vec<String>,
     /// The graph of which the longest path is a path, if requested.
     pub graph: Option<PathGraph>,
     /// AnnotationFile lines executed by a call that nothing disturbs.
@@ -149,19 +146,14 @@ pub struct Response {
     pub functions: Vec<Answer>,
     /// Bounds of jobs.
     pub jobs: Vec<Answer>,
+    /// Effects of background functions, without cycles.
+    pub background: Vec<Answer>,
     /// Calls that were searched.
     pub calls: Vec<Call>,
     /// Bound of the last of the calls that nothing disturbs.
     pub known_memory: Option<Answer>,
     /// Effort for `functions` and `jobs`.
     pub effort: Effort,
-}
-
-fn collect_functions(bound: &FunctionBound, seen: &mut BTreeSet<u32>) {
-    if seen.insert(bound.entry.0) {
-        let calls = bound.blocks.iter().flat_map(|block| &block.calls);
-        calls.for_each(|callee| collect_functions(callee, seen));
-    }
 }
 
 impl Answer {
@@ -183,19 +175,54 @@ impl Answer {
         with_graph: bool,
     ) -> Self {
         let mut seen = BTreeSet::new();
-        collect_functions(bound, &mut seen);
-        let name = |address| program.image.name_at(address);
+        collect_functions(bound, &|_| false, &mut seen);
         Self {
             symbol: symbol.to_owned(),
             cycles: bound.cycles,
             stack_bytes,
             critical_sections: bound.sections.iter().map(|(u, c)| (*u, *c)).collect(),
-            reached: seen.into_iter().map(name).collect(),
+            reached: names(program, &seen),
             report: Some(Report::of_bound(program, symbol, bound, bound.cycles)),
             graph: with_graph.then(|| PathGraph::new(program, bound)),
             ..Self::default()
         }
     }
+
+    /// A task's job.
+    fn job(program: &Program<'_>, symbol: &str, job: &JobBound, with_graph: bool) -> Self {
+        Self {
+            reached: names(program, &job.reached),
+            reached_inside: names(program, &job.inside),
+            released_by: names(program, &job.waits),
+            ..Self::bounded(program, symbol, (&job.bound, job.stack_bytes), with_graph)
+        }
+    }
+
+    /// What runs in the background.
+    fn background(program: &Program<'_>, symbol: &str) -> Self {
+        let found = program.function(symbol);
+        match found.and_then(|entry| effects(program, entry, Endless::Followed)) {
+            Err(error) => Self::refused(symbol, &error),
+            Ok(Effects {
+                sections,
+                functions,
+                stack_bytes,
+            }) => Self {
+                symbol: symbol.to_owned(),
+                stack_bytes,
+                critical_sections: sections.into_iter().collect(),
+                reached: names(program, &functions),
+                ..Self::default()
+            },
+        }
+    }
+}
+
+fn names(program: &Program<'_>, functions: &BTreeSet<u32>) -> Vec<String> {
+    let addresses = functions.iter();
+    addresses
+        .map(|address| program.image.name_at(*address))
+        .collect()
 }
 
 fn missing_bounds(error: &Error) -> Vec<MissingLoopBound> {
@@ -262,22 +289,25 @@ impl Request {
             return_cycles: program.return_cycles()?,
             ..Response::default()
         };
-        let answer = |symbol: &str, bound: Result<(&FunctionBound, Option<u32>), &Error>| {
-            bound.map_or_else(
-                |error| Answer::refused(symbol, error),
-                |bound| Answer::bounded(&program, symbol, bound, self.graphs),
-            )
-        };
         for symbol in &self.functions {
-            let bound = program.bound_of(symbol);
-            let found = bound.as_deref().map(|bound| (bound, bound.stack_bytes));
-            response.functions.push(answer(symbol, found));
+            response.functions.push(match program.bound_of(symbol) {
+                Err(error) => Answer::refused(symbol, &error),
+                Ok(found) => {
+                    let bound = (&*found, found.stack_bytes);
+                    Answer::bounded(&program, symbol, bound, self.graphs)
+                }
+            });
         }
         for task in &self.jobs {
-            let job = bound_job(&program, &task.body, &task.waits);
-            let found = job.as_ref().map(|job| (&job.bound, job.stack_bytes));
-            response.jobs.push(answer(&task.body, found));
+            response.jobs.push(match bound_job(&program, task) {
+                Err(error) => Answer::refused(&task.body, &error),
+                Ok(job) => Answer::job(&program, &task.body, &job, self.graphs),
+            });
         }
+        let background = self.background.iter();
+        response.background = background
+            .map(|symbol| Answer::background(&program, symbol))
+            .collect();
         if let Some(known_memory) = &self.known_memory {
             let symbol = known_memory.calls.last().cloned().unwrap_or_default();
             let found = known_memory.bound(&image, map, &annotations);

@@ -4,7 +4,8 @@
 //! for its next release. A job is what lies between two of them, the second included.
 
 use crate::error::Error;
-use crate::functions::bound::{bound_summary, stack_of};
+use crate::functions::bound::bound_summary;
+use crate::functions::effects::{collect_functions, effects, Endless};
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
@@ -12,45 +13,77 @@ use crate::graph::control_flow::Target;
 use crate::graph::loop_forest::LoopForest;
 use crate::graph::subgraph::Subgraph;
 use crate::inputs::image::Entry;
+use crate::paths::critical_section::{merge, CriticalSections};
 use crate::values::block_interpreter::BlockInterpreter;
 use crate::values::state::State;
+use serde::Deserialize;
 use std::collections::BTreeSet;
+
+/// The jobs of a task.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Task {
+    /// Function with the loop.
+    pub body: String,
+    /// Functions in which the task waits for its next release.
+    pub waits: Vec<String>,
+    /// Those in which it waits if its body calls none of `waits`.
+    #[serde(default)]
+    pub otherwise: Vec<String>,
+}
 
 /// Bounds of a task.
 pub struct JobBound {
     /// The longest job, the call in which the task waits included.
     pub bound: FunctionBound,
+    /// Functions that some job may execute.
+    pub reached: BTreeSet<u32>,
+    /// Those that a job calls before it waits; what happens in those whose suspension is a fact is
+    /// left out.
+    pub inside: BTreeSet<u32>,
+    /// Those in which the task waits for its next release.
+    pub waits: BTreeSet<u32>,
     /// Stack of the body with all it calls; none when not bounded.
     pub stack_bytes: Option<u32>,
 }
 
-/// Bounds the jobs of the task whose body is `body`; `waits` are the functions in which a task
-/// waits for its next release.
-pub fn bound_job(program: &Program<'_>, body: &str, waits: &[String]) -> Result<JobBound, Error> {
-    let entry = program.function(body)?;
-    let callees: BTreeSet<Entry> = waits
-        .iter()
-        .filter_map(|name| program.image.function(name))
-        .collect();
+/// Bounds the jobs of a task.
+pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<JobBound, Error> {
+    let entry = program.function(&task.body)?;
     let summary = program.summary(entry, entry.0)?;
-    let waiting: Vec<usize> = (0..summary.flow.blocks.len())
-        .filter(|block| {
-            let calls = &summary.flow.blocks[*block].calls;
-            calls.iter().any(|callee| callees.contains(callee))
-        })
-        .collect();
-    if waiting.is_empty() {
+    let mut found = waits_of(program, &summary, &task.waits);
+    if found.is_empty() {
+        found = waits_of(program, &summary, &task.otherwise);
+    }
+    if found.is_empty() {
+        let names: Vec<&str> = task
+            .waits
+            .iter()
+            .chain(&task.otherwise)
+            .map(String::as_str)
+            .collect();
         return Err(Error::Input(format!(
-            "{}: the task '{body}' calls none of {}; name the function in which it waits for its \
-             next release",
+            "{}: the task '{}' calls none of {} in its own loop; wait there for its next release",
             program.image.place(entry.0),
-            waits.join(", ")
+            task.body,
+            names.join(", ")
         )));
     }
+    let waiting: Vec<usize> = found.iter().map(|(block, _)| *block).collect();
+    let callees: BTreeSet<Entry> = found.into_iter().flat_map(|(_, called)| called).collect();
     let mut longest: Option<FunctionBound> = None;
+    let mut sections = CriticalSections::new();
+    let (mut reached, mut inside) = (BTreeSet::new(), BTreeSet::new());
     for block in &waiting {
         for (start, state) in resume_points(program, &summary, *block) {
             let bound = bound_one_job(program, entry, &summary, &waiting, start, state)?;
+            merge(&mut sections, &bound.sections);
+            collect_functions(&bound, &|_| false, &mut reached);
+            let calls = bound.blocks.iter().flat_map(|block| &block.calls);
+            let suspends = |entry| program.facts.added_cycles(entry).is_some();
+            calls
+                .filter(|callee| !callees.contains(&callee.entry))
+                .for_each(|callee| collect_functions(callee, &suspends, &mut inside));
             if longest
                 .as_ref()
                 .is_none_or(|known| known.cycles < bound.cycles)
@@ -59,11 +92,36 @@ pub fn bound_job(program: &Program<'_>, body: &str, waits: &[String]) -> Result<
             }
         }
     }
-    let bound = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
+    let longest = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
     Ok(JobBound {
-        stack_bytes: stack_of(program, entry, &summary)?,
-        bound,
+        stack_bytes: effects(program, entry, Endless::EndsProgram)?.stack_bytes,
+        reached,
+        inside,
+        waits: callees.iter().map(|callee| callee.0).collect(),
+        bound: FunctionBound {
+            sections,
+            ..longest
+        },
     })
+}
+
+/// Blocks that call some of these functions, with those they call.
+fn waits_of(
+    program: &Program<'_>,
+    summary: &FunctionSummary,
+    names: &[String],
+) -> Vec<(usize, Vec<Entry>)> {
+    let functions = names.iter().filter_map(|name| program.image.function(name));
+    let functions: BTreeSet<Entry> = functions.collect();
+    let blocks = summary.flow.blocks.iter().enumerate();
+    let calls = blocks.map(|(index, block)| {
+        let called = block.calls.iter().copied();
+        (
+            index,
+            called.filter(|c| functions.contains(c)).collect::<Vec<_>>(),
+        )
+    });
+    calls.filter(|(_, called)| !called.is_empty()).collect()
 }
 
 /// Where a task goes on after it waited, and what it knows there.
