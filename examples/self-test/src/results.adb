@@ -9,7 +9,7 @@ package body Results is
 
    Sending_Period : constant Time_Span := Milliseconds (10);
 
-   Capacity : constant := 3_500;
+   Capacity : constant := 5_000;
    Text     : Byte_Array (1 .. Capacity);
    Written  : Natural := 0 with Atomic;
    --  Text (1 .. Written) is complete; only the task that measures adds to it.
