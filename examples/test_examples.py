@@ -17,6 +17,7 @@ DESIGNED = ("paper", "motor-bench", "line-follower", "balancer")
 LONG = pytest.mark.long("a whole lap on the floor")
 RUNS = [
     ("blank", "press"),
+    ("self-test", "all"),
     ("paper", "drive"),
     ("paper", "step"),
     ("paper", "monitored"),

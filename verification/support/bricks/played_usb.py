@@ -29,11 +29,49 @@ def build_library(folder: Path) -> Path:
     return library
 
 
+class PlayedLink:
+    """The bulk endpoints of the played device as a link, in a command run by `run_with_device`."""
+
+    def __init__(self) -> None:
+        self._line = socket.socket(socket.AF_UNIX)
+        self._line.connect(os.environ["RAVENBRICK_PLAYED_USB"])
+        self._stream = self._line.makefile("rwb")
+        self._request(0, 0)
+
+    def _request(self, endpoint: int, length: int, data: bytes = b"") -> bytes:
+        self._stream.write(HEAD.pack(endpoint, length) + data)
+        self._stream.flush()
+        _, count = HEAD.unpack(self._stream.read(HEAD.size))
+        return self._stream.read(count) if endpoint == 0 or endpoint & INTO_HOST else b""
+
+    def read(self, timeout_s: float) -> bytes:
+        """The next packet, or nothing after the played host's own time."""
+        return self._request(INTO_HOST | 2, 64)
+
+    def write(self, data: bytes) -> None:
+        """Send all."""
+        self._request(1, len(data), data)
+
+    def close(self) -> None:
+        """Let go."""
+        self._stream.close()
+        self._line.close()
+
+
+def _descriptor(computer: UsbComputer) -> bytes:
+    """Of the device, which a host enumerates again when another has taken its place."""
+    try:
+        return computer.control(DEVICE_DESCRIPTOR)
+    except PeerError:
+        computer.enumerate()
+        return computer.control(DEVICE_DESCRIPTOR)
+
+
 def _answer(computer: UsbComputer, endpoint: int, length: int, data: bytes) -> bytes:
     """What the device does with a request; a transfer that fails is a time-out of libusb."""
     try:
         if endpoint == 0:
-            received = computer.control(DEVICE_DESCRIPTOR)
+            received = _descriptor(computer)
         elif endpoint & INTO_HOST:
             received = computer.read(endpoint & ~INTO_HOST, length)
         else:

@@ -50,7 +50,7 @@ class Comparison:
     @property
     def timing(self) -> dict[str, Value]:
         """The moved parameters, as the configuration's field `timing` takes them."""
-        return {e.parameter.name: e.values[0] for e in self.estimates if e.moved}
+        return {e.parameter.name: e.value for e in self.estimates if e.moved}
 
     @property
     def unexplained(self) -> list[str]:
@@ -126,7 +126,7 @@ def compare(record: Record, image: ElfImage, progress: Progress = no_progress) -
 
     nominal = from_virtual_brick(image, present)
     estimates = fit(record.rows, timing_rows, progress)
-    timing = {e.parameter.name: e.values[0] for e in estimates if e.moved}
+    timing = {e.parameter.name: e.value for e in estimates if e.moved}
     estimated = nominal
     if timing:
         estimated = from_virtual_brick(image, {**present, "timing": timing})

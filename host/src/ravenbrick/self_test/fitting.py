@@ -29,10 +29,12 @@ UNUSABLE = 1e9
 class Estimate:
     """The values of a parameter that fit the record best; several cannot be told apart.
 
-    `fits`: with them the parameter's rows agree with the record.
+    `value` is the one nearest to the nominal value, with which later parameters are estimated.
+    `fits`: with it the parameter's rows agree with the record.
     """
 
     parameter: Parameter
+    value: Value
     values: tuple[Value, ...]
     fits: bool
 
@@ -40,8 +42,8 @@ class Estimate:
     def moved(self) -> bool:
         """The rows refute the nominal value."""
         nominal = self.parameter.nominal
-        if self.parameter.step_cycles and not isinstance(self.values[0], str):
-            return abs(int(self.values[0]) - int(nominal)) > self.parameter.step_cycles
+        if self.parameter.step_cycles:
+            return abs(int(self.value) - int(nominal)) > self.parameter.step_cycles
         return nominal not in self.values
 
 
@@ -99,9 +101,10 @@ class _Fit:
                 pending += [place - 1, place + 1]
         best = min(distances.values())
         fitting = tuple(values[place] for place in sorted(distances) if distances[place] == best)
-        if self.values[parameter.name] not in fitting:
-            self.values[parameter.name] = fitting[0]
-        self.estimates[parameter.name] = Estimate(parameter, fitting, best == 0)
+        nominal = values.index(parameter.nominal)
+        chosen = min(fitting, key=lambda value: abs(values.index(value) - nominal))
+        self.values[parameter.name] = chosen
+        self.estimates[parameter.name] = Estimate(parameter, chosen, fitting, best == 0)
 
     def final(self, parameter: Parameter) -> Estimate:
         """The estimate, judged with the final values of all parameters."""
@@ -122,7 +125,7 @@ class _Fit:
                 now = max(0, now + round(change))
         self.values[parameter.name] = now
         fits = self._distance(parameter, now) == 0
-        self.estimates[parameter.name] = Estimate(parameter, (now,), fits)
+        self.estimates[parameter.name] = Estimate(parameter, now, (now,), fits)
 
 
 def fit(measured: Rows, run: Run, progress: Callable[[float], None]) -> list[Estimate]:
