@@ -106,9 +106,7 @@ def test_each_parameter_moves_its_rows(
 
 
 @pytest.mark.parametrize("name", UNSEEN)
-def test_no_row_depends_on_an_unseen_parameter(
-    image: ElfImage, nominal: Record, name: str
-) -> None:
+def test_no_row_depends_on_an_unseen_parameter(image: ElfImage, nominal: Record, name: str) -> None:
     """It is named as such in each comparison."""
     rows = altered(image, PARTS[0], **{name: 0}).rows
     assert {key: nominal.rows[key] for key in rows} == rows
