@@ -17,7 +17,7 @@ def test_an_example_makes_its_picture(name: str) -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_power_button_switches_an_example_off(name: str) -> None:
-    """Held for 3 s, which also lets none of them run with a co-processor that nobody greets."""
+    """Held for 3 s; programs without motors, sensors and buttons name NXT.AVR for it."""
     brick = run(name)
     pressed_ms = EXAMPLES[name].at_ms + 1
     brick.set(pressed_ms, "button.orange", 1)
