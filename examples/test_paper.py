@@ -13,8 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 from ravenbrick.cli.app import app
+from ravenbrick.image.build_settings import Settings
+from ravenbrick.image.design_script import design_is_due
 from ravenbrick.image.elf import read_image
 from ravenbrick.model.execution import Execution
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.simulink import import_simulink
 from typer.testing import CliRunner
 
@@ -100,6 +104,17 @@ def test_live_steps_of_the_paper_lie_on_its_design() -> None:
         assert np.mean(np.abs(off)) < WINDOW_QUANTUM_V / abs(step.height)
 
 
+def test_a_changed_model_is_designed_again(tmp_path: Path) -> None:
+    """The C is one of figure 5, so `build` runs the design again when Simulink has changed it."""
+    project = tmp_path / "remodelled"
+    shutil.copytree(PROJECT, project)
+    command("design", project)
+    workspace, settings = Workspace.of(project), Settings.of(read_robot(project), {})
+    assert not design_is_due(workspace, settings)
+    (project / "models" / "figure5.slx").write_bytes(b"another model")
+    assert design_is_due(workspace, settings)
+
+
 def test_the_window_of_eight_periods_is_a_choice_in_the_design(tmp_path: Path) -> None:
     """One number in design.py: gains, program and step response follow it."""
     project = tmp_path / "windowed"
@@ -108,6 +123,7 @@ def test_the_window_of_eight_periods_is_a_choice_in_the_design(tmp_path: Path) -
     text = design.read_text()
     assert "SPEED_WINDOW = 1\n" in text
     design.write_text(text.replace("SPEED_WINDOW = 1\n", "SPEED_WINDOW = 8\n"))
+    command("design", project)
     command("build", project)
     constants = (project / "generated" / "controller_design.ads").read_text()
     assert "Speed_Window : constant := 8;" in constants

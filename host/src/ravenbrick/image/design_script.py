@@ -30,10 +30,12 @@ _DETAIL_LINES = 14
 
 
 def _inputs(script: Path) -> list[Path]:
-    """The script, and robot.toml where the script reads it."""
-    robot = script.with_name(ROBOT_FILE)
-    reads_robot = "read_robot" in script.read_text("utf-8", errors="replace") and robot.is_file()
-    return [script, robot] if reads_robot else [script]
+    """The script, and robot.toml and the Simulink models beside it where the script reads them."""
+    robot, text = script.with_name(ROBOT_FILE), script.read_text("utf-8", errors="replace")
+    inputs = [script, robot] if "read_robot" in text and robot.is_file() else [script]
+    if "import_simulink" in text:
+        inputs += sorted(script.parent.glob("models/*.slx"))
+    return inputs
 
 
 def _digest(script: Path) -> str:

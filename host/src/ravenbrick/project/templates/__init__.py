@@ -36,6 +36,7 @@ class Template:
 
 TEMPLATES = {
     "vehicle": Template("vehicle", "drive", "two driven wheels, castor, wired joystick"),
+    "paper": Template("paper", "drive", "the same with the listings of the 2012 paper"),
     "motor": Template(
         "motor-bench", "step", "one motor on the bench, speed and position", stack_check=False
     ),
