@@ -18,9 +18,9 @@ PERIOD_TOLERANCE_US = 1.0
 
 
 def _observed_period_us(recording: Recording, thread: int) -> float | None:
-    """In the run's second half when there are enough releases: a task may begin by setting up."""
+    """In the run's last quarter if it has enough releases: a task may begin by setting up."""
     releases = [job.release_cycles for job in jobs_of(recording, thread)][1:]
-    late = [release for release in releases if 2 * release >= recording.stop.at_cycles]
+    late = [release for release in releases if 4 * release >= 3 * recording.stop.at_cycles]
     if len(late) >= 3:
         releases = late
     if len(releases) < 3:
