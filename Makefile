@@ -6,6 +6,7 @@
 PYTHON := .venv/bin/python
 export PATH := $(CURDIR)/.venv/bin:$(PATH):$(HOME)/.cargo/bin
 PYTHON_FOLDERS := host tools runtime drivers examples verification virtual-brick/bindings
+CARGO := env -u MAKEFLAGS cargo
 CARGO_OPTIONS := --locked --manifest-path virtual-brick/Cargo.toml
 
 # Root in the tree of another user is root for Debian packages only.
@@ -44,9 +45,11 @@ demo: setup ## Design, build and run the paper's vehicle; writes out/vehicle/rep
 	@.venv/bin/ravenbrick demo examples/vehicle
 
 .PHONY: test
-test: develop style test-rust ## Run all tests
+test: develop ## Run all tests
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync test-rust style
 	@.venv/bin/ravenbrick build examples/vehicle
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync test-host test-brick test-page
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync \
+		test-commands test-brick test-host test-page test-tools
 
 .PHONY: style
 style: ## Check style, types, spelling, borders between the parts, and generated tables
@@ -57,23 +60,26 @@ style: ## Check style, types, spelling, borders between the parts, and generated
 	@$(PYTHON) -m ruff format --quiet --check $(PYTHON_FOLDERS)
 	@$(PYTHON) -m mypy --no-error-summary --config-file mypy.ini $(PYTHON_FOLDERS)
 	@cargo fmt --manifest-path virtual-brick/Cargo.toml --all --check
-	@cargo clippy $(CARGO_OPTIONS) --quiet --workspace --all-targets -- --deny warnings
+	@$(CARGO) clippy $(CARGO_OPTIONS) --quiet --workspace --all-targets -- --deny warnings
 
 .PHONY: test-rust
 test-rust: ## Tests of the virtual brick's crates
-	@cargo test $(CARGO_OPTIONS) --quiet --no-fail-fast --workspace \
+	@$(CARGO) test $(CARGO_OPTIONS) --quiet --no-fail-fast --workspace --lib --bins --tests \
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
-.PHONY: test-python test-host test-brick
+# Groups of about the same length, which two processors share.
+PYTHON_GROUPS := test-commands test-brick test-host test-tools
+.PHONY: test-python $(PYTHON_GROUPS)
 test-python: ## Tests of the host package, tools, run-time, drivers and examples
 	@.venv/bin/ravenbrick build examples/vehicle
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync test-host test-brick
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync $(PYTHON_GROUPS)
 
-test-host:
-	@env -u MAKEFLAGS $(PYTHON) -m pytest -q tools host/tests virtual-brick/bindings/python/tests
-
-test-brick:
-	@env -u MAKEFLAGS $(PYTHON) -m pytest -q runtime/tests drivers/tests examples verification
+test-commands: TESTS := host/tests/cli
+test-brick: TESTS := runtime/tests drivers/tests examples verification
+test-host: TESTS := host/tests virtual-brick/bindings/python/tests --ignore=host/tests/cli
+test-tools: TESTS := tools
+$(PYTHON_GROUPS):
+	@env -u MAKEFLAGS $(PYTHON) -m pytest -q $(TESTS)
 
 .PHONY: test-page
 test-page: ## Tests of the page: units in Node.js, the shipped page in headless Chromium

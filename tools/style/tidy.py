@@ -120,6 +120,16 @@ def rust_functions(path: Path, lines: list[str]) -> Iterator[Complaint]:
         )
 
 
+def rust_tests_are_run(path: Path, _: list[str]) -> Iterator[Complaint]:
+    """A file of tests is a module of the program `main.rs` beside it, or named in Cargo.toml."""
+    program = path.with_name("main.rs")
+    if path.suffix == ".rs" and path.parent.name == "tests" and program.is_file():
+        text = program.read_text() + (path.parents[1] / "Cargo.toml").read_text()
+        ways = {f"mod {path.stem};", f'name = "{path.stem}"'}
+        if path != program and not ways & set(text.split("\n")):
+            yield path, 1, "never run: neither main.rs beside it nor Cargo.toml names it"
+
+
 def machine_code(path: Path, lines: list[str]) -> Iterator[Complaint]:
     """Machine code insertions and assembly only in runtime/arm7tdmi (and start-up)."""
     relative = path.relative_to(ROOT)
@@ -182,6 +192,7 @@ LINE_RULES = (
     lengths,
     python_functions,
     rust_functions,
+    rust_tests_are_run,
     machine_code,
     run_time_knows_no_driver,
     no_unsafe,

@@ -12,7 +12,7 @@ import pytest
 from tools.style import tidy
 from tools.style.borders import border_complaints
 from tools.style.constants import second_copies
-from tools.style.tidy import ROOT, banned_words
+from tools.style.tidy import ROOT, banned_words, rust_tests_are_run
 
 BORDERS = """
 [crates]
@@ -87,6 +87,21 @@ def test_a_guide_that_names_a_missing_folder_is_refused(
     guide = tmp_path / "README.md"
     guide.write_text("first\n`host/gone/`\n")
     assert list(tidy.named_paths()) == [(guide, 2, "there is no host/gone/")]
+
+
+def test_a_file_of_rust_tests_that_is_never_run_is_refused(tmp_path: Path) -> None:
+    """Named in main.rs, or a program of its own."""
+    folder = tmp_path / "tests"
+    folder.mkdir()
+    lost = folder / "lost.rs"
+    assert list(rust_tests_are_run(lost, [""])) == []
+    (tmp_path / "Cargo.toml").write_text('[[test]]\nname = "alone"\n')
+    (folder / "main.rs").write_text("mod found;\n")
+    for name in ("found", "alone", "main"):
+        assert list(rust_tests_are_run(folder / f"{name}.rs", [""])) == []
+    ((path, _, text),) = rust_tests_are_run(lost, [""])
+    assert path == lost
+    assert "never run" in text
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The statically stated cycles against those that the core makes.
 
-#![allow(clippy::expect_used, clippy::panic)]
-
-mod support;
-
+use crate::support::counts::Counts;
+use crate::support::{archive, single_step::Class, single_step::VectorBus};
 use arm7tdmi::{psr, Cpu, Instruction};
 use std::path::Path;
-use support::counts::Counts;
-use support::{archive, single_step::Class, single_step::VectorBus};
 
 const ARCHIVE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),

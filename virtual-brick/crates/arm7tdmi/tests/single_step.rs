@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The core against single-step vectors of an independent core.
 
-#![allow(clippy::expect_used)]
-
-mod support;
-
+use crate::support::{archive, single_step::Class};
 use std::path::Path;
-use support::{archive, single_step::Class};
 
 const ARCHIVE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),

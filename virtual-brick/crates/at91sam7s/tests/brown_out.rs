@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! A supply that fails: brown-out detector, reset, pages of the flash left half done.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{read, run_to, running_chip, wait_for, write, TestChip, MC};
 use at91sam7s::ResetCause;
-use common::{read, run_to, running_chip, wait_for, write, TestChip, MC};
 
 const FCR: u32 = MC + 0x64;
 const FSR: u32 = MC + 0x68;

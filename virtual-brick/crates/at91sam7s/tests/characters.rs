@@ -1,16 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! USART0, USART1 and the line of the debug unit.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{
+    bus_log, read, run_to, running_chip, try_write, write, Seen, TestChip, AIC, PIOA, SRAM,
+};
 use arm7tdmi::bus::{Bus, Width};
 use at91sam7s::board::{Character, PinLevels, SerialPort};
 use at91sam7s::FaultKind;
-use common::{
-    bus_log, read, run_to, running_chip, try_write, write, Seen, TestChip, AIC, PIOA, SRAM,
-};
 
 const USART0: u32 = 0xFFFC_0000;
 const USART1: u32 = 0xFFFC_4000;

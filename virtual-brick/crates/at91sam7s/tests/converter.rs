@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Analogue to digital converter.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
+use crate::common::{
+    read, run_to, running_chip, try_write, wait_for, write, TestChip, ADC, AIC, TC0,
+};
 use arm7tdmi::bus::Width;
-use common::{read, run_to, running_chip, try_write, wait_for, write, TestChip, ADC, AIC, TC0};
 
 registers! {
     ADC; CR = 0x00, MR = 0x04, CHER = 0x10, SR = 0x1C, LCDR = 0x20, IER = 0x24, CDR = 0x30,

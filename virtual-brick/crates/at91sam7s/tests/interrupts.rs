@@ -1,14 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Advanced interrupt controller and the path to the core.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
+use crate::common::{chip_events, read, run_to, running_chip, write, TestChip, AIC, PIT, TC0, TWI};
 use arm7tdmi::bus::Bus;
 use at91sam7s::board::ChipEvent;
-use common::{chip_events, read, run_to, running_chip, write, TestChip, AIC, PIT, TC0, TWI};
 
 registers! {
     AIC; IVR = 0x100, FVR = 0x104, ISR = 0x108, IPR = 0x10C, CISR = 0x114, IECR = 0x120,

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Memory regions, their costs, remap, aborts, flash programming, observation.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{
+    read, running_chip, try_read, try_write, write, ScriptedBoard, TestChip, MC, SRAM,
+};
 use arm7tdmi::bus::{Bus, Cycle, Width};
 use at91sam7s::board::Cycles;
 use at91sam7s::{Chip, ChipConfiguration, CodeBufferLoss, FaultKind, TimingProfile, WatchHit};
-use common::{read, running_chip, try_read, try_write, write, ScriptedBoard, TestChip, MC, SRAM};
 
 const FLASH: u32 = 0x0010_0000;
 const FMR: u32 = MC + 0x60;

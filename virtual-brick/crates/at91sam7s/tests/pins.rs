@@ -1,14 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Parallel input/output controller against a board that drives pins.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
+use crate::common::{cold_chip, read, run_to, running_chip, write, Seen, TestChip, AIC, PIOA, PMC};
 use arm7tdmi::bus::Bus;
 use at91sam7s::board::{Board, PinLevels};
-use common::{cold_chip, read, run_to, running_chip, write, Seen, TestChip, AIC, PIOA, PMC};
 
 registers! {
     PIOA; PDR = 0x04, OER = 0x10, ODR = 0x14, IFER = 0x20, SODR = 0x30, CODR = 0x34,

@@ -1,13 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Pulse width modulation controller: periods and their interrupts.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
+use crate::common::{read, run_to, running_chip, try_write, write, TestChip, AIC};
 use arm7tdmi::bus::Width;
-use common::{read, run_to, running_chip, try_write, write, TestChip, AIC};
 
 const PWMC: u32 = 0xFFFC_C000;
 registers! {

@@ -1,15 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Every word of every peripheral slot: its reset value, or a typed fault.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
 
 use std::collections::BTreeMap;
 
+use crate::common::{cold_chip, read, running_chip, try_read, try_write, write};
 use arm7tdmi::bus::Width;
 use at91sam7s::FaultKind;
-use common::{cold_chip, read, running_chip, try_read, try_write, write};
 
 /// Modelled offsets of a peripheral and what they read as after power-on.
 type Table = Vec<(u32, u32)>;

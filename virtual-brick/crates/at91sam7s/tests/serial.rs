@@ -1,17 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Serial peripheral interface with its data controller channel.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
-use arm7tdmi::bus::Bus;
-use at91sam7s::FaultKind;
-use common::{
+use crate::common::{
     bus_log, bus_sequence, read, run_to, running_chip, wait_for, write, Seen, TestChip, PIOA, SPI,
     SRAM,
 };
+use arm7tdmi::bus::Bus;
+use at91sam7s::FaultKind;
 
 registers! {
     SPI; CR = 0x00, MR = 0x04, RDR = 0x08, TDR = 0x0C, SR = 0x10, IER = 0x14, CSR0 = 0x30,

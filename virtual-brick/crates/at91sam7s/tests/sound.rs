@@ -1,15 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Synchronous serial controller: the sound line.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
+use crate::common::{
+    bus_log, read, run_to, running_chip, try_write, write, Seen, TestChip, PIOA, SRAM,
+};
 use arm7tdmi::bus::{Bus, Width};
 use at91sam7s::board::SoundBits;
 use at91sam7s::FaultKind;
-use common::{bus_log, read, run_to, running_chip, try_write, write, Seen, TestChip, PIOA, SRAM};
 
 const SSC: u32 = 0xFFFD_4000;
 registers! {

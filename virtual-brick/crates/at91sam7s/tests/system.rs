@@ -1,17 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Clocks, interval timer, watchdog, resets, stopped processor.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use arm7tdmi::bus::{Bus, Width};
-use at91sam7s::board::ChipEvent;
-use at91sam7s::ResetCause;
-use common::{
+use crate::common::{
     chip_events, cold_chip, read, run_to, running_chip, try_write, wait_for, write, TestChip, AIC,
     MC, PCER, PIOA, PIT, PMC, SRAM, TC0,
 };
+use arm7tdmi::bus::{Bus, Width};
+use at91sam7s::board::ChipEvent;
+use at91sam7s::ResetCause;
 
 const PIVR: u32 = PIT + 8;
 const PIIR: u32 = PIT + 12;

@@ -1,15 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Timer counters: waveform and capture modes.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
+use crate::common::{cold_chip, read, run_to, running_chip, try_write, write, TestChip, PIOA, TC0};
 use arm7tdmi::bus::{Bus, Width};
 use at91sam7s::board::PinLevels;
 use at91sam7s::FaultKind;
-use common::{cold_chip, read, run_to, running_chip, try_write, write, TestChip, PIOA, TC0};
 
 registers! {
     TC0; CCR = 0x00, CMR = 0x04, CV = 0x10, RA = 0x14, RB = 0x18, RC = 0x1C, SR = 0x20,
@@ -219,7 +214,7 @@ fn compares_drive_the_output_pins() {
         .log
         .iter()
         .filter_map(|(at, seen)| match seen {
-            common::Seen::Pins { driven: 3, level } => Some((at - zero, *level)),
+            crate::common::Seen::Pins { driven: 3, level } => Some((at - zero, *level)),
             _ => None,
         })
         .collect();

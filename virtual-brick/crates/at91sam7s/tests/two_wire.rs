@@ -1,18 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Two-wire interface against a scripted slave: exact bus log and timing.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
-use arm7tdmi::bus::Width;
-use at91sam7s::FaultKind;
-use common::Seen::{TwiRead, TwiStart, TwiStop, TwiWrite};
-use common::{
+use crate::common::Seen::{TwiRead, TwiStart, TwiStop, TwiWrite};
+use crate::common::{
     bus_log, bus_sequence, cold_chip, read, run_to, running_chip, try_write, wait_for, write, Seen,
     TestChip, PIOA, TWI,
 };
+use arm7tdmi::bus::Width;
+use at91sam7s::FaultKind;
 
 registers! {
     TWI; CR = 0x00, MMR = 0x04, CWGR = 0x10, SR = 0x20, IER = 0x24, RHR = 0x30, THR = 0x34,

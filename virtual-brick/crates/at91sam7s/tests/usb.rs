@@ -1,15 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! USB device port: bus, control transfers, banks.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[macro_use]
-mod common;
-
+use crate::common::{bus_log, read, running_chip, try_write, write, Seen, TestChip, AIC, PMC};
 use arm7tdmi::bus::{Bus, Width};
 use at91sam7s::board::{UsbAnswer, UsbPacket, UsbSignal, UsbTransaction};
 use at91sam7s::FaultKind;
-use common::{bus_log, read, running_chip, try_write, write, Seen, TestChip, AIC, PMC};
 
 const UDP: u32 = 0xFFFB_0000;
 registers! {

@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The chip as the bus of a real core: vectored interrupts, idle processor.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{chip_events, running_chip, write, TestChip, AIC, MC, PIT, PMC, SRAM};
 use arm7tdmi::Cpu;
 use at91sam7s::board::ChipEvent;
-use common::{chip_events, running_chip, write, TestChip, AIC, MC, PIT, PMC, SRAM};
 
 const MAIN: u32 = 0x0020_2000;
 const HANDLER: u32 = 0x0020_2100;

@@ -1,19 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Whatever comes over the connection, the server answers or ends the session.
-#![allow(clippy::unwrap_used)]
-
-mod gdb;
-#[path = "../../virtual-brick/tests/support/mod.rs"]
-mod support;
 
 use std::sync::OnceLock;
 
+use crate::gdb::{packet, Client};
+use crate::support::arm::{Program, ALWAYS};
+use crate::support::cases::cases;
 use debugger::{session, DebugTarget};
-use gdb::{packet, Client};
 use proptest::prelude::*;
-use support::arm::{Program, ALWAYS};
-use support::cases::cases;
 use virtual_brick::VirtualBrick;
 
 fn looping() -> VirtualBrick {
@@ -23,7 +18,7 @@ fn looping() -> VirtualBrick {
         program.load(1, 0x0020_8000);
         let again = program.here();
         program.add(0, 1).str(0, 1, 0).branch(ALWAYS, again);
-        support::brick(&program)
+        crate::support::brick(&program)
     };
     BRICK.get_or_init(make).clone()
 }
@@ -104,7 +99,7 @@ proptest! {
         // A refused packet ends the session, so each is also a session of its own.
         sent.iter().for_each(|packet| send(&mut target, packet.clone()));
         send(&mut target, sent.concat());
-        let replies = gdb::talk(&mut target, &["?", "qfThreadInfo"]);
+        let replies = crate::gdb::talk(&mut target, &["?", "qfThreadInfo"]);
         prop_assert!(replies[0].starts_with("T05thread:"), "{:?}", replies);
         prop_assert!(replies[1].starts_with('m'), "{:?}", replies);
     }

@@ -1,15 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! What the program says to its debugger, and programs that come from GDB.
-#![allow(clippy::unwrap_used)]
 
-mod gdb;
-#[path = "../../virtual-brick/tests/support/mod.rs"]
-mod support;
-
+use crate::gdb::talk;
+use crate::support::arm::{Program, ALWAYS};
 use debugger::DebugTarget;
-use gdb::talk;
-use support::arm::{Program, ALWAYS};
 
 const TEXT: u32 = 0x0020_8000;
 const CALL: u32 = 0xEF12_3456;
@@ -26,7 +21,7 @@ fn talking() -> DebugTarget {
         .raw(CALL)
         .delay(1000)
         .branch(ALWAYS, again);
-    let mut brick = support::brick(&program);
+    let mut brick = crate::support::brick(&program);
     brick.write_memory(TEXT, b"hi\n\0").unwrap();
     DebugTarget::new(brick)
 }
@@ -93,12 +88,12 @@ fn another_program_begins_with_the_inputs_that_were_to_come() {
     program.load(0, 0x1234).stop();
     let file = format!("other program {}.elf", std::process::id());
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(file);
-    std::fs::write(&file, support::image(&program).build()).unwrap();
-    let mut free = support::brick(&program);
+    std::fs::write(&file, crate::support::image(&program).build()).unwrap();
+    let mut free = crate::support::brick(&program);
     free.schedule_input(50_000, "touch.1", 1.0).unwrap();
     free.run_until(100_000);
 
-    let mut brick = support::brick(Program::new().stop());
+    let mut brick = crate::support::brick(Program::new().stop());
     brick.schedule_input(50_000, "touch.1", 1.0).unwrap();
     let mut target = DebugTarget::new(brick);
     target.run_to(70_000);

@@ -1,11 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The server over a real socket.
-#![allow(clippy::unwrap_used)]
-
-mod gdb;
-#[path = "../../virtual-brick/tests/support/mod.rs"]
-mod support;
 
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, TcpStream};
@@ -13,9 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use crate::gdb::packet;
+use crate::support::arm::{Program, ALWAYS};
 use debugger::{DebugTarget, Server, SessionEnd};
-use gdb::packet;
-use support::arm::{Program, ALWAYS};
 
 const TEXT: u32 = 0x0020_8000;
 const CALL: u32 = 0xEF12_3456;
@@ -29,7 +24,7 @@ fn target() -> DebugTarget {
     let again = program.here();
     program.add(2, 1).load(0, 4).raw(CALL);
     program.delay(100_000).branch(ALWAYS, again);
-    let mut brick = support::brick(&program);
+    let mut brick = crate::support::brick(&program);
     brick.write_memory(TEXT, b"hi\n\0").unwrap();
     DebugTarget::new(brick)
 }

@@ -1,15 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The target as GDB's packets meet it, on a hand-made program that counts.
-#![allow(clippy::unwrap_used)]
 
-mod gdb;
-#[path = "../../virtual-brick/tests/support/mod.rs"]
-mod support;
-
+use crate::gdb::talk;
+use crate::support::arm::{Program, ALWAYS};
 use debugger::DebugTarget;
-use gdb::talk;
-use support::arm::{Program, ALWAYS};
 use virtual_brick::VirtualBrick;
 
 const COUNTER: u32 = 0x0020_8000;
@@ -22,7 +17,7 @@ fn counting() -> VirtualBrick {
     program.load(1, COUNTER).status(0x13);
     let again = program.here();
     program.add(0, 1).str(0, 1, 0).branch(ALWAYS, again);
-    support::brick(&program)
+    crate::support::brick(&program)
 }
 
 fn target() -> DebugTarget {
@@ -165,7 +160,7 @@ fn read_and_access_watchpoints_tell_reads_from_writes() {
         .ldr(2, 1, 0)
         .str(0, 1, 0)
         .stop();
-    let mut target = DebugTarget::new(support::brick(&program));
+    let mut target = DebugTarget::new(crate::support::brick(&program));
     let replies = talk(
         &mut target,
         &[
@@ -302,7 +297,7 @@ fn checkpoints_stay_bounded_however_long_the_run() {
 fn a_run_that_ends_stops_with_a_signal_and_can_be_gone_back_in() {
     let mut program = Program::new();
     program.load(1, 0x0040_0000).ldr(0, 1, 0).stop();
-    let mut target = DebugTarget::new(support::brick(&program));
+    let mut target = DebugTarget::new(crate::support::brick(&program));
     let replies = talk(&mut target, &["vCont;c", "bs", "bs", "pf"]);
     assert!(replies[0].starts_with("T0"), "{replies:?}");
     assert!(!replies[0].starts_with("T05"), "{replies:?}");

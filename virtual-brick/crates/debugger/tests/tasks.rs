@@ -1,16 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Tasks as threads, on a program that writes the run-time's words by hand.
-#![allow(clippy::unwrap_used)]
 
-mod gdb;
-#[path = "../../virtual-brick/tests/support/mod.rs"]
-mod support;
-
+use crate::gdb::talk;
+use crate::support::arm::{Program, ALWAYS};
+use crate::support::{image, vehicle};
 use debugger::DebugTarget;
-use gdb::talk;
-use support::arm::{Program, ALWAYS};
-use support::{image, vehicle};
 use virtual_brick::VirtualBrick;
 
 const RUNNING: u32 = 0x0020_8000;

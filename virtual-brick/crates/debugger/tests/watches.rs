@@ -2,22 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Watchpoints on memory of any size, on registers of peripherals, and on what the data controller
 //! writes.
-#![allow(clippy::unwrap_used)]
 
-mod gdb;
-#[path = "../../virtual-brick/tests/support/mod.rs"]
-mod support;
-
+use crate::gdb::talk;
+use crate::support::arm::Program;
 use debugger::DebugTarget;
-use gdb::talk;
-use support::arm::Program;
 
 const MEMORY: u32 = 0x0020_8000;
 const SET_OUTPUT: u32 = 0xFFFF_F430;
 const DEBUG_UNIT: u32 = 0xFFFF_F200;
 
 fn target(program: &Program) -> DebugTarget {
-    DebugTarget::new(support::brick(program))
+    DebugTarget::new(crate::support::brick(program))
 }
 
 /// What the server says on GDB's console in one of the replies.
@@ -53,7 +48,7 @@ fn output() -> (Program, [usize; 3]) {
 }
 
 fn address(position: usize) -> u32 {
-    support::RAM + 4 * position as u32
+    crate::support::RAM + 4 * position as u32
 }
 
 #[test]

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Types of objects and source lines from debug information that the cross compiler writes. Needs
 //! `arm-none-eabi-gcc`, which the set-up of the project installs.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use std::path::Path;
 use std::process::Command;
 use std::sync::OnceLock;

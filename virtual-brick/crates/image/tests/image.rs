@@ -1,12 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Reading images: what is accepted, what is refused and in which words.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-#[path = "support/elf.rs"]
-mod elf;
-
-use elf::ElfBuilder;
+use crate::elf::ElfBuilder;
 use image::{Content, Image, ImageError, ScalarKind};
 
 const RAM: u32 = 0x0020_2000;

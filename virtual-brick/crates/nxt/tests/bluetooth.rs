@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The Bluetooth module at its lines and in the air.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{milliseconds, Rig};
 use at91sam7s::board::{Board, Character, Cycles, PinOutputs, SerialPort};
-use common::{milliseconds, Rig};
 use nxt::{AirMessage, AirSignal, BluetoothAddress, BluetoothDevice, BluetoothText};
 
 const RESET: u32 = 1 << 11;

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The colour sensor: reset, mode, calibration, lamps, and what disturbs it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{milliseconds, Rig};
 use at91sam7s::board::{Board, Cycles};
-use common::{milliseconds, Rig};
 
 const SENSOR: &str = r#"{"sensors": {"2": {"kind": "color"}}}"#;
 /// Digital lines and analogue channel of port 2.

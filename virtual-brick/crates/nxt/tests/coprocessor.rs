@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The two-wire link, sampling and the power states of the co-processor.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{milliseconds, three_motors, Rig, HANDSHAKE};
 use at91sam7s::board::Board;
-use common::{milliseconds, three_motors, Rig, HANDSHAKE};
 use nxt::{BoardEventKind, BoardFault, PowerOffReason, SensorSupply};
 use plant::MotorPort;
 
@@ -246,7 +243,7 @@ fn brake_mode_shorts_the_winding_and_float_mode_opens_it() {
 #[test]
 fn low_duty_gives_more_torque_in_brake_mode_than_in_float_mode() {
     let locked = r#""coulomb_friction": 0.0, "inductance": 0.0047"#;
-    let motor = common::motor().replace(r#""inertia""#, &format!(r#"{locked}, "inertia""#));
+    let motor = crate::common::motor().replace(r#""inertia""#, &format!(r#"{locked}, "inertia""#));
     let motor = motor.replace("}}", r#"}, "held_by_hand": true, "hand_rate": 1}"#);
     let robot = format!(r#"{{"motors": {{"B": {motor}, "C": {motor}}}}}"#);
     let mut rig = Rig::running(SENSORS, &robot);

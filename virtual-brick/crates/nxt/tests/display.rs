@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The display under the command sequences of the known programs.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{milliseconds, Rig};
 use at91sam7s::board::Board;
-use common::{milliseconds, Rig};
 use nxt::{BoardEventKind, BoardFault, Picture, COLUMNS, ROWS};
 
 const SELECT: u32 = 1 << 10;

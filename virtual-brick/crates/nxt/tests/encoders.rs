@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Quadrature edges at exact cycles, order of events, determinism.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::catalogue::nxt;
+use crate::common::{milliseconds, motor, three_motors, Rig};
 use at91sam7s::board::Board;
-use common::catalogue::nxt;
-use common::{milliseconds, motor, three_motors, Rig};
 use nxt::BoardEventKind;
 
 /// (tacho, direction) of the motors A to C.

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Inputs, sensors, buttons, configuration.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{milliseconds, motor, Rig};
 use at91sam7s::board::Board;
-use common::{milliseconds, motor, Rig};
 use nxt::{BoardConfiguration, InputError, NxtBoard};
 use plant::RobotParameters;
 

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Sensors that sit on the robot measure the plant: gyro, light on the floor, distance of walls.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::catalogue::NXTWAY_BODY;
-use common::{milliseconds, motor, Rig};
+use crate::common::catalogue::NXTWAY_BODY;
+use crate::common::{milliseconds, motor, Rig};
 
 const VEHICLE: &str = r#""kind": "differential_drive", "left": "B", "right": "C",
     "wheel_radius": 0.028, "track": 0.115, "mass": 0.6, "yaw_inertia": 0.003,

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Light, sound and ultrasonic sensors, faults of the ports and of the link.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{milliseconds, Rig};
 use at91sam7s::board::{Board, Cycles};
-use common::{milliseconds, Rig};
 
 const SENSORS: &str = r#"{"sensors": {"1": {"kind": "light"}, "2": {"kind": "sound"},
     "4": {"kind": "ultrasonic"}}}"#;

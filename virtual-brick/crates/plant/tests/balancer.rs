@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The body that balances: falls as published, keeps its energy, stands under published gains.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-
-use common::catalogue::{NXTWAY_BODY, NXTWAY_MOTOR};
-use common::{near, robot, run, slow, velocity, DT};
+use crate::common::catalogue::{NXTWAY_BODY, NXTWAY_MOTOR};
+use crate::common::{near, robot, run, slow, velocity, DT};
 use plant::{MotorDrive, MotorPort, Robot};
 
 fn balancer(motor: &str, extra: &str) -> Robot {

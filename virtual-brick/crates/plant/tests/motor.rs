@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! A single motor against its formulas and against measurements of real ones.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-
-use common::catalogue::{damping, nxt};
-use common::{angle, bench, current, fast, near, robot, run, slow, velocity, DT, SET_A, TABLE_1};
+use crate::common::catalogue::{damping, nxt};
+use crate::common::{
+    angle, bench, current, fast, near, robot, run, slow, velocity, DT, SET_A, TABLE_1,
+};
 use plant::{MotorDrive, MotorPort};
 
 const B: MotorPort = MotorPort::B;

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Errors of the configuration.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-
-use common::catalogue::nxt;
-use common::{parameters, TABLE_1, VEHICLE};
+use crate::common::catalogue::nxt;
+use crate::common::{parameters, TABLE_1, VEHICLE};
 use plant::{Robot, RobotParameters};
 
 fn error(json: &str) -> String {

@@ -2,12 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Published parameter sets of the NXT motor against measurements of real motors, and the bridge
 //! and the fuse that a set can have besides. `docs/reference/plant-points.md` shows the values.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-
-use common::points::{sets, steady, MISSED, POINTS};
-use common::{bench, current, fast, near, run, slow, velocity, DT, SET_A};
+use crate::common::points::{sets, steady, MISSED, POINTS};
+use crate::common::{bench, current, fast, near, run, slow, velocity, DT, SET_A};
 use plant::{MotorDrive, MotorPort};
 
 const B: MotorPort = MotorPort::B;

@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! What sensors see of floor and walls.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-
-use common::{near, parameters};
+use crate::common::{near, parameters};
 use plant::{Mount, Pose, Surroundings};
 
 /// Left half black, right half white: four pixels of 10 cm around the origin.

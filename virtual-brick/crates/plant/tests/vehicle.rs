@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! The differential drive: path, friction, energy, determinism.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-
-use common::catalogue::{damping, nxt};
-use common::{angle, near, run, slow, vehicle, velocity, DT};
+use crate::common::catalogue::{damping, nxt};
+use crate::common::{angle, near, run, slow, vehicle, velocity, DT};
 use plant::{MotorDrive, MotorPort};
 
 const FRICTION: &str = r#", "coulomb_friction": 0.005, "static_friction": 0.01"#;
@@ -63,7 +60,7 @@ fn opposite_duty_cycles_turn_on_the_spot() {
 
 #[test]
 fn the_mass_of_the_vehicle_slows_the_motors_down() {
-    let mut free = common::bench(&common::TABLE_1, "");
+    let mut free = crate::common::bench(&crate::common::TABLE_1, "");
     let mut loaded = vehicle("");
     run(&mut free, 0.037, slow(0.5), MotorDrive::Coast, 8.0);
     run(&mut loaded, 0.037, slow(0.5), slow(0.5), 8.0);

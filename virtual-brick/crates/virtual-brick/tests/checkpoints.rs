@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Checkpoints, observers and access from outside.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
+use crate::support::arm::{Program, ALWAYS};
+use crate::support::brick;
 use arm7tdmi::Step;
-use support::arm::{Program, ALWAYS};
-use support::brick;
 use virtual_brick::{Access, StepObserver, VirtualBrick};
 
 const COUNTER: u32 = 0x0020_8000;

@@ -1,14 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Reading configurations: defaults, and errors that name the field.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
+use crate::support::catalogue::nxt as constant;
+use crate::support::VEHICLE;
 use nxt::{BatteryKind, SensorPorts};
 use plant::{BodyParameters, MotorPort};
-use support::catalogue::nxt as constant;
-use support::VEHICLE;
 use virtual_brick::Configuration;
 
 fn problem(json: &str) -> (String, String) {

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! A run is a function of configuration, image and inputs; snapshots repeat it.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::arm::{Program, ALWAYS};
-use support::{image, vehicle};
+use crate::support::arm::{Program, ALWAYS};
+use crate::support::{image, vehicle};
 use virtual_brick::{ScalarKind, StopReason, VirtualBrick};
 
 const COUNTER: u32 = 0x0020_8000;

@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! JIT code and blocks do what the reference engine does: same registers, memory, cycles, trace.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::arm::{Program, EQ, NE};
-use support::random::{self, Kind, Numbers};
-use support::{image, vehicle};
+use crate::support::arm::{Program, EQ, NE};
+use crate::support::random::{self, Kind, Numbers};
+use crate::support::{image, vehicle};
 use virtual_brick::{Access, CpuStep, Engine, StepObserver, StopReason, VirtualBrick};
 
 const RAM_BYTES: usize = 0x1_0000;
@@ -126,7 +123,7 @@ fn a_spinning_processor_takes_the_same_time() {
 #[test]
 fn a_store_changes_only_what_was_not_fetched() {
     let mut program = Program::new();
-    program.load(9, support::RAM).load(11, 0xE3A0_4007); // mov r4, #7
+    program.load(9, crate::support::RAM).load(11, 0xE3A0_4007); // mov r4, #7
     program.raw(0xE3A0_7004); // mov r7, #4
     let again = program.here();
     let store = program.here() as u32;
@@ -174,8 +171,8 @@ fn jit_code_does_not_run_past_a_branch_to_itself() {
     program.status(0xD3).load(7, 60);
     let again = program.here() + 2;
     let branch = again + 4;
-    program.load(1, support::RAM + 4 * again as u32);
-    program.load(2, support::RAM + 4 * branch as u32);
+    program.load(1, crate::support::RAM + 4 * again as u32);
+    program.load(2, crate::support::RAM + 4 * branch as u32);
     assert_eq!(program.here(), again);
     program.subs(7, 1);
     program.raw(0x11A0_0001).raw(0x01A0_0002); // movne r0, r1; moveq r0, r2
@@ -206,12 +203,12 @@ impl StepObserver for ReferenceSteps {
 #[test]
 fn blocks_run_up_to_an_event() {
     let mut program = Program::new();
-    program.load(9, support::RAM).load(1, 1);
+    program.load(9, crate::support::RAM).load(1, 1);
     let again = program.here();
     for _ in 0..20 {
         program.ldr(2, 9, 0).add(1, 1);
     }
-    program.branch(support::arm::ALWAYS, again);
+    program.branch(crate::support::arm::ALWAYS, again);
     let elf = image(&program).build();
     for engine in [Engine::Blocks, Engine::Fast] {
         let mut brick = brick(&elf, engine, 2);

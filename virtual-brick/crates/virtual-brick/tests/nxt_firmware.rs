@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Software that nobody here wrote: the brick's own firmware 1.29 as Debian packages it
 //! (`nxt-firmware`) starts from power-on, shows its menu and is used through the buttons.
-#![allow(clippy::unwrap_used, clippy::panic)]
-
-mod support;
 
 use std::sync::OnceLock;
 
-use support::elf::ElfBuilder;
-use support::vehicle;
+use crate::support::elf::ElfBuilder;
+use crate::support::vehicle;
 use trace::EventKind;
 use virtual_brick::{StopReason, VirtualBrick};
 

@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The brick's own firmware 1.29 (Debian package `nxt-firmware`) on a USB cable: a host
 //! enumerates it and speaks the LEGO MINDSTORMS NXT communication protocol with it.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod support;
-
+use crate::support::elf::ElfBuilder;
+use crate::support::vehicle;
 use nxt::{UsbRequest, UsbTransfer};
-use support::elf::ElfBuilder;
-use support::vehicle;
 use trace::EventKind;
 use virtual_brick::{StopReason, VirtualBrick};
 

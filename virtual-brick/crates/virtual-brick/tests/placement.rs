@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Images in the brick's memory: where they are loaded, which are refused and in which words.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::elf::ElfBuilder;
-use support::{vehicle, RAM};
+use crate::support::elf::ElfBuilder;
+use crate::support::{vehicle, RAM};
 use virtual_brick::{Image, VirtualBrick};
 
 const FLASH: u32 = 0x0010_0000;

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Small hand-assembled programs on the whole brick: clock, co-processor, motor, display, power.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::arm::{Program, CC};
-use support::{brick, image, vehicle};
+use crate::support::arm::{Program, CC};
+use crate::support::{brick, image, vehicle};
 use trace::{Event, EventKind};
 use virtual_brick::{StopReason, VirtualBrick};
 

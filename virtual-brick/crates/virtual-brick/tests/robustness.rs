@@ -1,15 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Nothing that comes from outside makes the facade panic.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
+use crate::support::arm::Program;
+use crate::support::cases::cases;
+use crate::support::elf::ElfBuilder;
+use crate::support::{image, vehicle, RAM, VEHICLE};
 use proptest::prelude::*;
-use support::arm::Program;
-use support::cases::cases;
-use support::elf::ElfBuilder;
-use support::{image, vehicle, RAM, VEHICLE};
 use virtual_brick::{Configuration, Image, VirtualBrick};
 
 fn small_image() -> Vec<u8> {

@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Calls of a debugger by the program (Arm, "Semihosting for AArch32 and AArch64").
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::arm::Program;
+use crate::support::arm::Program;
 use virtual_brick::{StopReason, VirtualBrick};
 
 const CALL: u32 = 0xEF12_3456;
@@ -19,7 +16,7 @@ fn called(operation: u32, parameter: u32, block: &[u32], text: &[u8]) -> Virtual
     let mut program = Program::new();
     program.load(0, operation).load(1, parameter).raw(CALL);
     program.load(1, RESULT).str(0, 1, 0).stop();
-    let mut brick = support::brick(&program);
+    let mut brick = crate::support::brick(&program);
     let words: Vec<u8> = block.iter().flat_map(|word| word.to_le_bytes()).collect();
     brick.write_memory(BLOCK, &words).unwrap();
     brick.write_memory(TEXT, text).unwrap();
@@ -51,10 +48,10 @@ fn text_is_written_as_letter_string_and_block() {
 fn a_call_in_thumb_state_is_served_too() {
     // movs r0, #4; ldr r1, =TEXT; swi 0xAB; b .
     let words = [0x4901_2004, 0xE7FE_DFAB, TEXT];
-    let elf = support::elf::ElfBuilder::new(support::RAM | 1)
-        .words(support::RAM, &words)
-        .function("start", support::RAM | 1);
-    let mut brick = VirtualBrick::new(&support::vehicle(), &elf.build()).unwrap();
+    let elf = crate::support::elf::ElfBuilder::new(crate::support::RAM | 1)
+        .words(crate::support::RAM, &words)
+        .function("start", crate::support::RAM | 1);
+    let mut brick = VirtualBrick::new(&crate::support::vehicle(), &elf.build()).unwrap();
     brick.write_memory(TEXT, b"thumb\0").unwrap();
     brick.set_semihosting(true);
     brick.run_until(10_000);
@@ -89,7 +86,7 @@ fn the_features_are_a_file() {
         program.load(1, RESULT + 4 * operation).str(0, 1, 0);
     }
     program.stop();
-    let mut brick = support::brick(&program);
+    let mut brick = crate::support::brick(&program);
     let block = [TEXT, 0, 21, 0, 0, TEXT + 64, 8];
     let words: Vec<u8> = block.iter().flat_map(|word| word.to_le_bytes()).collect();
     brick.write_memory(BLOCK, &words).unwrap();
@@ -110,7 +107,7 @@ fn time_is_that_of_the_brick() {
         program.load(1, RESULT + 4 * operation).str(0, 1, 0);
     }
     program.load(0, 0x30).load(1, BLOCK).raw(CALL).stop();
-    let mut brick = support::brick(&program);
+    let mut brick = crate::support::brick(&program);
     brick.set_semihosting(true);
     brick.run_until(3 * SECOND);
     let hundredths = word(&brick, RESULT + 4 * 0x10);
@@ -148,7 +145,7 @@ fn other_software_interrupts_and_those_without_a_debugger_go_to_their_vector() {
     for (code, debugged) in [(0xEF00_0001, true), (CALL, false)] {
         let mut program = Program::new();
         program.load(0, 4).load(1, TEXT).raw(code).stop();
-        let mut brick = support::brick(&program);
+        let mut brick = crate::support::brick(&program);
         brick.set_semihosting(debugged);
         brick.run_until(100_000);
         assert!(brick.console_since(0).is_empty());
@@ -163,7 +160,7 @@ fn the_program_goes_on_in_its_mode_and_a_checkpoint_holds_what_was_said() {
     program.status(0x1F).load(1, TEXT);
     let again = program.here();
     program.load(0, 4).raw(CALL).delay(1000).branch(14, again);
-    let mut brick = support::brick(&program);
+    let mut brick = crate::support::brick(&program);
     brick.write_memory(TEXT, b"again \0").unwrap();
     brick.set_semihosting(true);
     brick.run_until(20_000);

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Stacks that overflow are noticed from outside, to the byte and by every engine.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::arm::Program;
-use support::{image, VEHICLE};
+use crate::support::arm::Program;
+use crate::support::{image, VEHICLE};
 use virtual_brick::{Configuration, VirtualBrick};
 
 const RUNNING: u32 = 0x0020_8000;

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! How runs end: the instant, faults with a sentence, loops that nothing leaves.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::arm::{Program, ALWAYS};
-use support::{brick, image, vehicle, RAM};
+use crate::support::arm::{Program, ALWAYS};
+use crate::support::{brick, image, vehicle, RAM};
 use virtual_brick::{Stop, StopReason, VirtualBrick};
 
 const LIMIT: u64 = 1_000_000;
@@ -205,7 +202,7 @@ fn a_full_trace_ends_the_run() {
 
 #[test]
 fn a_thumb_entry_starts_in_thumb_state() {
-    let elf = support::elf::ElfBuilder::new(RAM | 1)
+    let elf = crate::support::elf::ElfBuilder::new(RAM | 1)
         .words(RAM, &[0xE7FE_E7FE])
         .build();
     let mut brick = VirtualBrick::new(&vehicle(), &elf).unwrap();
@@ -216,7 +213,7 @@ fn a_thumb_entry_starts_in_thumb_state() {
 #[test]
 fn a_flash_image_starts_at_power_on_with_the_slow_clock() {
     let flash = 0x0010_0000;
-    let elf = support::elf::ElfBuilder::new(flash)
+    let elf = crate::support::elf::ElfBuilder::new(flash)
         .words(flash, &[0xE1A0_0000, 0xEAFF_FFFE])
         .build();
     let mut brick = VirtualBrick::new(&vehicle(), &elf).unwrap();

@@ -2,12 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Threads observed through the whole machine: a program that writes the watched words as a
 //! run-time does, with the interval timer as its clock.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::arm::{Program, ALWAYS};
-use support::{image, vehicle, RAM};
+use crate::support::arm::{Program, ALWAYS};
+use crate::support::{image, vehicle, RAM};
 use trace::{EventKind, NameSpace, IDLE};
 use virtual_brick::VirtualBrick;
 

@@ -2,13 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Calls analysed in the context of their caller: frames, contexts, facts about calls, and memory.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
-mod support;
-
-use support::bound;
-use support::machine::Machine;
-use support::toolchain::{build, program};
+use crate::support::bound;
+use crate::support::machine::Machine;
+use crate::support::toolchain::{build, program};
 use wcet::{Annotations, Error, Image, Input, KnownMemory, KnownMemoryBound, MemoryMap};
 
 const FLAGS: [[&str; 2]; 4] = [

@@ -2,18 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Bounds under the chip's timing profiles against times on the chip, code in flash.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
 #[path = "../../../bindings/python/src/chip_memory_map.rs"]
 mod chip_memory_map;
-mod support;
 
+use crate::support::random::Random;
+use crate::support::toolchain::{build, program};
+use crate::support::LIBGCC;
 use arm7tdmi::{psr, Bus, Cpu, Cycle, Width};
 use at91sam7s::board::{Board, ChipEvent, Cycles, PinLevels, PinOutputs, TwiReply};
 use at91sam7s::{Chip, ChipConfiguration, TimingProfile};
-use support::random::Random;
-use support::toolchain::{build, program};
-use support::LIBGCC;
 use wcet::{Annotations, Image, Program, Report};
 
 const FLASH_MODE: u32 = 0xFFFF_FF60;

@@ -2,15 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The generated controller of the vehicle: bound against the longest time that a search finds.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
-mod support;
-
+use crate::support::machine::Machine;
+use crate::support::random::Random;
+use crate::support::toolchain::{build, program};
+use crate::support::{bound, LIBGCC};
 use std::path::Path;
-use support::machine::Machine;
-use support::random::Random;
-use support::toolchain::{build, program};
-use support::{bound, LIBGCC};
 
 const GENERATED: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),

@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Flow facts: the loops that a number of iterations in an annotation holds for.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
-mod support;
-
-use support::toolchain::{build, program, VARIANTS};
-use support::{bound, refusal};
+use crate::support::toolchain::{build, program, VARIANTS};
+use crate::support::{bound, refusal};
 
 fn on_all(check: impl Fn(&[u8])) {
     on_levels(&["-O0", "-O1", "-O2", "-Os"], check);

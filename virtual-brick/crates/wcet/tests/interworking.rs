@@ -2,14 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //! A binary of ARM and Thumb code: bounds against times over each kind of change of state.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
-mod support;
-
-use support::machine::Machine;
-use support::random::Random;
-use support::toolchain::{build, program};
-use support::{check, check_exact, report};
+use crate::support::machine::Machine;
+use crate::support::random::Random;
+use crate::support::toolchain::{build, program};
+use crate::support::{check, check_exact, report};
 use wcet::Image;
 
 const LEVELS: [&str; 4] = ["-O0", "-O1", "-O2", "-Os"];

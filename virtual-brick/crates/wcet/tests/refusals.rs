@@ -2,13 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What has no bound is refused with the place, and annotations are used.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
-mod support;
-
-use support::machine::Machine;
-use support::toolchain::{build, program};
-use support::{bound, check, refusal, report};
+use crate::support::machine::Machine;
+use crate::support::toolchain::{build, program};
+use crate::support::{bound, check, refusal, report};
 
 const ARM: [&str; 2] = ["-marm", "-O1"];
 const THUMB: [&str; 2] = ["-mthumb", "-O1"];

@@ -2,14 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Bounds against times observed on the core.
 
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
-
-mod support;
-
-use support::machine::Machine;
-use support::random::Random;
-use support::toolchain::{build, program, VARIANTS};
-use support::{check, check_exact, report, LIBGCC};
+use crate::support::machine::Machine;
+use crate::support::random::Random;
+use crate::support::toolchain::{build, program, VARIANTS};
+use crate::support::{check, check_exact, report, LIBGCC};
 use wcet::Report;
 
 #[test]

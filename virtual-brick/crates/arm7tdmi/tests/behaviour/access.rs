@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The state of the core as its users read and write it.
 
-use crate::program::{Program, START};
+use super::program::{Program, START};
 use arm7tdmi::{psr, Cpu, Mode, TimingProfile};
 
 #[test]
@@ -99,7 +99,7 @@ fn changing_the_state_bit_from_outside_keeps_the_next_address() {
 fn a_clone_continues_exactly_as_the_original() {
     let program = Program::arm(&[0xE281_1001, 0xEAFF_FFFD]).after(3); // add r1; b back
     let mut copy = program.cpu.clone();
-    let mut memory = crate::memory::Memory::with_arm(START, &[0xE281_1001, 0xEAFF_FFFD]);
+    let mut memory = crate::support::memory::Memory::with_arm(START, &[0xE281_1001, 0xEAFF_FFFD]);
     let original = program.after(5);
     for _ in 0..5 {
         let _ = copy.step(&mut memory);

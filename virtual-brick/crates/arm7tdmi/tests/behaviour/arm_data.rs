@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! ARM state: data processing, status registers, multiplications, branches.
 
-use crate::program::{Program, DATA, START};
+use super::program::{Program, DATA, START};
 use arm7tdmi::{psr, Mode};
 
 const C: u32 = psr::C;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! ARM state: single, halfword, multiple transfers and swaps.
 
-use crate::program::{Program, DATA, START};
+use super::program::{Program, DATA, START};
 use arm7tdmi::{psr, Mode};
 
 const WORDS: [u32; 4] = [0x8765_43F1, 0x1111_1111, 0x2222_2222, 0x3333_3333];

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Order and kind of the bus cycles of an instruction.
 
-use crate::memory::Memory;
-use crate::program::{Program, DATA, START};
+use super::program::{Program, DATA, START};
+use crate::support::memory::Memory;
 use arm7tdmi::{Abort, Bus, Cycle, Width};
 use std::cell::RefCell;
 

@@ -3,7 +3,7 @@
 //! Cycle counts that were measured on an ARM7TDMI with a 32-bit memory without wait states: the
 //! internal RAM columns of the published timing results of the mGBA test suite.
 
-use crate::program::Program;
+use super::program::Program;
 
 const LDR: u32 = 0xE594_0000; // ldr r0, [r4]
 const LDRH: u32 = 0xE1D4_00B0; // ldrh r0, [r4]

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Every encoding, with or without meaning, from unfriendly register values.
 
-use crate::program::Program;
+use super::program::Program;
 use arm7tdmi::Mode;
 
 /// The highest and lowest cycle counts any instruction can take: a skipped one, and a load of

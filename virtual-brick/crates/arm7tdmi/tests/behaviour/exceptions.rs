@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Reset, undefined instructions, software interrupts and aborts.
 
-use crate::memory::Memory;
-use crate::program::{Program, DATA, START};
+use super::program::{Program, DATA, START};
+use crate::support::memory::Memory;
 use arm7tdmi::{psr, Cpu, Exception, Mode, Step};
 
 /// Beyond the end of the memory: every access is aborted.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Interrupts: recognition, priority, masks, return.
 
-use crate::program::{Program, START};
+use super::program::{Program, START};
 use arm7tdmi::{psr, Cpu, Exception, Mode, Step, TimingProfile};
 
 const NOP: u32 = 0xE1A0_8008;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! A short program with the core that runs it.
 
-use crate::memory::Memory;
+use crate::support::memory::Memory;
 use arm7tdmi::{psr, Cpu, Mode, Step};
 
 /// Address of a program's first opcode.

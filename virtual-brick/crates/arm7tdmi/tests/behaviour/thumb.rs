@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Thumb state.
 
-use crate::program::{Program, DATA, START};
+use super::program::{Program, DATA, START};
 use arm7tdmi::psr;
 
 const C: u32 = psr::C;

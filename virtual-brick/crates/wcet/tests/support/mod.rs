@@ -3,8 +3,7 @@
 //! Compiling programs, bounding them, running them on the core, and searching for their longest
 //! time.
 
-#![allow(dead_code)] // each test binary uses its part
-
+#[allow(dead_code)] // the examples use the rest
 pub mod machine;
 pub mod random;
 pub mod toolchain;

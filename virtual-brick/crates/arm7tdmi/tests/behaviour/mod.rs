@@ -2,10 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Behaviour of the core seen from outside, over a memory that answers in one cycle.
 
-#![allow(clippy::expect_used, clippy::panic)]
-
-#[path = "../support/memory.rs"]
-mod memory;
 mod program;
 
 mod access;

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The tests of the crate's interface, as one program: it is compiled and linked once.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+#[macro_use]
+mod common;
+
+mod brown_out;
+mod characters;
+mod converter;
+mod interrupts;
+mod memory;
+mod pins;
+mod pulse_width;
+mod registers;
+mod serial;
+mod sound;
+mod system;
+mod timers;
+mod two_wire;
+mod usb;
+mod with_core;

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The tests of the crate's interface, as one program: it is compiled and linked once.
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+mod balancer;
+mod common;
+mod motor;
+mod parameters;
+mod published_motors;
+mod surroundings;
+mod vehicle;

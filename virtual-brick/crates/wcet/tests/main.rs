@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! The tests of the crate's interface, as one program: it is compiled and linked once.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
+
+mod calls;
+mod chip;
+mod controller;
+mod flow_facts;
+mod interworking;
+mod refusals;
+mod soundness;
+mod support;
