@@ -91,7 +91,9 @@ class _Process:
             answer = {"error": f"the process of the suite: {how}"}
         if "error" in answer:
             time.sleep(0.2)  # for the thread that reads what was printed
-            answer["error"] = "\n".join([answer["error"], *self.last])
+            # The last line is the cause, the others lead to it.
+            lines = [answer["error"], *list(self.last)[-1:], *list(self.last)[:-1]]
+            answer["error"] = "\n".join(lines).replace(f"{ROOT}/", "")
         return answer
 
     def give_up(self) -> None:
@@ -121,7 +123,7 @@ def _run_job(process: _Process, show: Show, answered: Callable[[Suite, Answer], 
             process.current = suite
             if number:
                 show(suite, "begins")
-            answered(suite, {**process.answer(), "log": str(process.log)})
+            answered(suite, {**process.answer(), "log": os.path.relpath(process.log, ROOT)})
     finally:
         timer.cancel()
         process.end()

@@ -14,6 +14,7 @@ import sys
 from typing import Any
 
 import virtual_brick
+from ravenbrick.errors import RavenbrickError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.ipet import longest_path
 
@@ -62,7 +63,10 @@ def main() -> int:
     parser.add_argument("names", nargs="*", default=list(EXAMPLES))
     every = []
     for name in parser.parse_args().names:
-        every.append(compared(name))
+        try:
+            every.append(compared(name))
+        except RavenbrickError as error:
+            every.append({"graphs": 1, "blocks": 0, "different": [f"{name}: {error.sentence}"]})
         print(f"{name}: {every[-1]['graphs']} graphs", file=sys.stderr, flush=True)
     result = {
         "graphs": sum(one["graphs"] for one in every),
