@@ -55,6 +55,7 @@ class _Process:
         self.job = job
         self.current = job[0]
         self.late = False
+        self.stopped = False
         LOGS.mkdir(parents=True, exist_ok=True)
         name = re.sub(r"[^a-z0-9]+", "-", f"{job[0].area} {job[0].name}".lower()).strip("-")
         self.log = LOGS / f"{name}.txt"
@@ -123,7 +124,10 @@ def _run_job(process: _Process, show: Show, answered: Callable[[Suite, Answer], 
             process.current = suite
             if number:
                 show(suite, "begins")
-            answered(suite, {**process.answer(), "log": os.path.relpath(process.log, ROOT)})
+            answer = process.answer()
+            if process.stopped:
+                return
+            answered(suite, {**answer, "log": os.path.relpath(process.log, ROOT)})
     finally:
         timer.cancel()
         process.end()
@@ -159,4 +163,5 @@ def run_jobs(
                     future.result()
         finally:
             for _, process in running.values():
+                process.stopped = True
                 process.end()
