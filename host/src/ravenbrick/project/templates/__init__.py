@@ -25,7 +25,7 @@ LEFT_OUT = ("Makefile", "tests", "__pycache__")
 class Template:
     """An example below examples/, and the scenario to begin with.
 
-    `stack_check`: whether its image has room for the checks in RAM.
+    `stack_check`: whether its image has room for the checks in RAM and can be analysed with them.
     """
 
     example: str
@@ -36,7 +36,9 @@ class Template:
 
 TEMPLATES = {
     "vehicle": Template("vehicle", "drive", "two driven wheels, castor, wired joystick"),
-    "paper": Template("paper", "drive", "the same with the listings of the 2012 paper"),
+    "paper": Template(
+        "paper", "drive", "the same with the listings of the 2012 paper", stack_check=False
+    ),
     "motor": Template(
         "motor-bench", "step", "one motor on the bench, speed and position", stack_check=False
     ),
