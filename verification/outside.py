@@ -3,7 +3,8 @@
 """Data from outside, which suites need and which is no part of this project.
 
 `python -m verification.outside [NAME ...] [--list]` clones the repositories of `outside.toml` at
-their commits into `build/outside/<name>/<owner>/<repository>`, the listed paths only.
+their commits into `build/outside/<name>/<owner>/<repository>`, the listed paths only. Programs that
+a suite compiles are not cloned: whoever wants to run them gets and reads them first.
 """
 
 from __future__ import annotations
@@ -55,12 +56,16 @@ class Repository:
 
 @dataclass(frozen=True)
 class Data:
-    """What an environment variable names: a folder of one or several checkouts."""
+    """What an environment variable names: a folder of one or several checkouts.
+
+    `compiled`: a suite compiles programs of it, so that nobody but a person fetches it.
+    """
 
     name: str
     variable: str
     repositories: tuple[Repository, ...]
     folder: str = ""
+    compiled: bool = False
 
     @property
     def home(self) -> Path:
@@ -72,7 +77,9 @@ class Data:
         named = os.environ.get(self.variable)
         if named:
             return Path(named)
-        complete = all(is_fetched(self.home / r.name, r) for r in self.repositories)
+        complete = not self.compiled and all(
+            is_fetched(self.home / r.name, r) for r in self.repositories
+        )
         return self.home / self.folder if complete else None
 
     def sources(self) -> str:
@@ -84,6 +91,19 @@ class Data:
 
     def advice(self) -> str:
         """Why it is not there and what to do."""
+        if self.compiled:
+            part = self.folder.removeprefix(self.repositories[0].name).strip("/")
+            place = (
+                "a folder that holds the checkouts as owner/repository"
+                if not self.folder
+                else f"the folder {part} of the checkout"
+                if part
+                else "the checkout"
+            )
+            return (
+                f"{self.name} is absent: get {self.sources()} from {HOST}, read what will be "
+                f"compiled, and let {self.variable} name {place}"
+            )
         return (
             f"{self.name} is absent: 'python -m verification.outside {self.name}' clones "
             f"{self.sources()} from {HOST}; or let {self.variable} name a folder"
@@ -161,7 +181,7 @@ def main(arguments: list[str] | None = None) -> int:
     failed = 0
     for data in (known[name] for name in options.names or known):
         place = data.place()
-        if place is None and not options.list:
+        if place is None and not options.list and not data.compiled:
             try:
                 place = fetch(data)
             except FetchError as error:

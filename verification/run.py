@@ -157,7 +157,7 @@ def _causes(answer: Answer) -> str:
 
 def fetch_data(suites: list[Suite]) -> dict[str, str]:
     """Fetch data from outside that is absent; why not, by the data's name."""
-    absent = {d.name: d for s in suites for d in s.data() if d.place() is None}
+    absent = {d.name: d for s in suites for d in s.data() if not d.compiled and d.place() is None}
     reasons = {}
     for name, data in absent.items():
         print(f"fetching {name}: {data.sources()}", file=sys.stderr, flush=True)

@@ -45,7 +45,7 @@ def called(*words: str, **variables: str) -> tuple[str, set[str]]:
 def test_every_command_of_a_module_is_listed() -> None:
     """And each stands in the module that is loaded for it."""
     found = {
-        name: file.stem
+        name.replace("_", "-"): file.stem
         for file in FOLDER.glob("*.py")
         for name in re.findall(r"^@command\(.*\)\ndef (\w+)_command\(", file.read_text(), re.M)
     }
