@@ -46,9 +46,9 @@ demo: setup ## Design, build and run the paper's vehicle; writes out/vehicle/rep
 
 .PHONY: test
 test: develop ## Run all tests
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync test-rust style
+	@$(MAKE) --no-print-directory --jobs=2 --keep-going --output-sync test-rust style
 	@.venv/bin/ravenbrick build examples/vehicle
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync \
+	@$(MAKE) --no-print-directory --jobs=2 --keep-going --output-sync \
 		test-commands test-brick test-host test-page test-tools
 
 .PHONY: style
@@ -72,7 +72,7 @@ PYTHON_GROUPS := test-commands test-brick test-host test-tools
 .PHONY: test-python $(PYTHON_GROUPS)
 test-python: ## Tests of the host package, tools, run-time, drivers and examples
 	@.venv/bin/ravenbrick build examples/vehicle
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync $(PYTHON_GROUPS)
+	@$(MAKE) --no-print-directory --jobs=2 --keep-going --output-sync $(PYTHON_GROUPS)
 
 test-commands: TESTS := host/tests/cli
 test-brick: TESTS := runtime/tests drivers/tests examples verification

@@ -43,6 +43,25 @@ def script() -> dict[str, Any]:
     return runpy.run_path(str(PROJECT / "design.py"))
 
 
+def test_the_numbers_of_the_paper(script: dict[str, Any]) -> None:
+    """Figure 4 from table 1, 400 ms with almost no overshoot; periods; listing 1."""
+    figures = script["design"]().figures()
+    assert (figures["plant_gain"], figures["plant_time_constant"]) == (2.029, 0.037)
+    loop = command("simulate", PROJECT / "models" / "figure4.slx")
+    step = next(s["step"] for s in loop["signals"] if s["step"])
+    assert step["settling_time"] == pytest.approx(0.4, abs=0.001)
+    assert step["overshoot"] < 0.005
+    robot = read_robot(PROJECT)
+    periods = {"control_task": 4, "coprocessor_task": 2, "display_task": 500}
+    assert {name: robot.period_ms(name) for name in periods} == periods
+    listing = " ".join((PROJECT / "src" / "tasks.ads").read_text().split())
+    for task, priority in (("Control_Task", 2), ("Display_Task", 1)):
+        assert (
+            f"task {task} is pragma Priority (System.Priority'First + {priority}); "
+            f"pragma Storage_Size (4096); end {task};"
+        ) in listing
+
+
 def test_figure_5_gives_the_outputs_of_the_designed_controller(script: dict[str, Any]) -> None:
     """Sample by sample, while no limit is reached: the same PI, its gains folded otherwise."""
     design = script["design"]()

@@ -69,7 +69,12 @@ DEVICES = (
     ),
     Device("buttons", ("NXT.Buttons",), ("inputs",), ("Buttons.",)),
     Device("battery", ("NXT.Battery",), ("inputs",), ("Battery.",)),
-    Device("power, boot monitor", ("NXT.Power",), ("power", "end", "brown_out"), ("Power.",)),
+    Device(
+        "power, boot monitor",
+        ("NXT.Power", "NXT.Forced_Power_Off"),
+        ("power", "power_button", "end", "brown_out"),
+        ("Power.",),
+    ),
     Device("watchdog", ("NXT.Watchdog",), ("power",), ("Watchdog.",)),
     Device("loudspeaker", ("NXT.Audio",), ("audio",), ("Audio.",)),
     Device("touch sensor", ("NXT.Touch_Sensors",), ("inputs",), ("Touch_Sensors.",)),

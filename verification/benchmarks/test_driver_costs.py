@@ -50,6 +50,7 @@ SUSPENDING = {
 }
 BOUNDED_WAITS = {
     "nxt-flash_pages.adb": "6 ms for the flash memory in which the image lies",
+    "nxt-last_chance.adb": "after an unhandled exception, when nothing runs any more",
     "nxt-spi-bus.adb": "after an unhandled exception, when nothing runs any more",
     "nxt-usb.adb": "20 reads of a register that follows a write a few clocks later",
 }

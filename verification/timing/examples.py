@@ -32,6 +32,7 @@ EXAMPLES = {
     "line-follower": "lap",
     "balancer": "let-go",
     "vehicle": "drive",
+    "paper": "monitored",
     "remote-vehicle": "drive",
     "remote-joystick": "steer",
 }

@@ -117,7 +117,13 @@ package body Tasks is
    Oldest : Reading_Index := 0;
 
    function Read_Encoders return Reading is
-     ((Encoder_Count (Motor_Of (Left)), Encoder_Count (Motor_Of (Right))), Clock);
+      Counts : Wheel_Counts;
+   begin
+      for Side in Wheel loop
+         Counts (Side) := Encoder_Count (Motor_Of (Side));
+      end loop;
+      return (Counts, Clock);
+   end Read_Encoders;
 
    --  The difference of two readings over the elapsed time.
    procedure Measure_Speeds is

@@ -68,8 +68,8 @@ def test_a_name_that_is_none_is_refused(name: str, tmp_path: Path) -> None:
 
 
 def test_an_unknown_template_names_the_others(tmp_path: Path) -> None:
-    """All five."""
-    with pytest.raises(UsageError, match="vehicle, motor, balance, line, blank"):
+    """All six."""
+    with pytest.raises(UsageError, match="vehicle, paper, motor, balance, line, blank"):
         create_project(tmp_path / "robot", "drone")
 
 
