@@ -143,6 +143,14 @@ def test_the_processors_shares_are_exact() -> None:
     assert shares.busy == pytest.approx(69 / 200)
 
 
+def test_background_threads_do_not_count_as_use_of_the_processor() -> None:
+    """A main procedure that loops would otherwise make it 100 %."""
+    run = recording(PREEMPTION, 200)
+    shares = utilization(run, {run.threads[1].name})
+    assert shares.background == shares.threads[1] == pytest.approx(21 / 200)
+    assert shares.busy == pytest.approx(48 / 200)
+
+
 def random_run(seed: int) -> Recording:
     """Any events, also handlers that are left and were never entered."""
     rng = random.Random(seed)

@@ -207,7 +207,8 @@ def _first_steering(recording: Recording) -> float:
 
 def measure_run(robot: Robot, scenario: Scenario, recording: Recording) -> RunMeasures:
     """Measure a run."""
-    shares = utilization(recording)
+    timed = {task.name for task in robot.tasks if task.release != "background"}
+    shares = utilization(recording, {thread.name for thread in recording.threads} - timed)
     return RunMeasures(
         tasks=tuple(
             measure_task(recording, index, robot.task(recording.threads[index].name))

@@ -9,7 +9,7 @@ The release jitter of a task is the spread (largest less smallest) of its releas
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
@@ -102,17 +102,21 @@ class Segment:
 
 @dataclass(frozen=True)
 class Utilization:
-    """Shares of the whole run, each 0 to 1; together they are 1."""
+    """Shares of the whole run, each 0 to 1; `background` is part of `threads`, the rest sum to 1.
+
+    `background` is what background threads took: the processor would otherwise be idle.
+    """
 
     threads: tuple[float, ...]
     interrupts: float
     kernel: float
     idle: float
+    background: float = 0.0
 
     @property
     def busy(self) -> float:
-        """Busy cycles over all cycles."""
-        return 1.0 - self.idle
+        """Share of tasks, interrupts and kernel, without background threads."""
+        return 1.0 - self.idle - self.background
 
 
 class _JobBuilder:
@@ -318,8 +322,8 @@ def stretches(recording: Recording) -> Stretches:
     return Stretches(begin, end, np.append(first, _owners(kinds, subjects, stops)))
 
 
-def utilization(recording: Recording) -> Utilization:
-    """Shares of the processor over the whole run."""
+def utilization(recording: Recording, background: Collection[str] = ()) -> Utilization:
+    """Shares of the processor over the whole run; `background` names background threads."""
     found = stretches(recording)
     lengths = found.end - found.begin
     total = max(int(lengths.sum()), 1)
@@ -327,8 +331,11 @@ def utilization(recording: Recording) -> Utilization:
     def share(owner: int) -> float:
         return int(lengths[found.owner == owner].sum()) / total
 
+    threads = tuple(share(index) for index in range(len(recording.threads)))
+    aside = (t.name in background for t in recording.threads)
     return Utilization(
-        threads=tuple(share(index) for index in range(len(recording.threads))),
+        threads=threads,
+        background=sum(part for part, is_aside in zip(threads, aside, strict=True) if is_aside),
         interrupts=share(INTERRUPT_OWNER),
         kernel=share(KERNEL_OWNER),
         idle=share(IDLE_OWNER),
