@@ -175,3 +175,22 @@ def test_data_that_cannot_be_fetched_are_told_with_the_cause(published: Reposito
     gone = Repository("someone/gone", published.commit, "MIT", 1)
     with pytest.raises(outside.FetchError, match="someone/gone: git fetch: "):
         outside.fetch(Data("numbers", "RAVENBRICK_NO_SUCH", (gone,)))
+
+
+def test_programs_that_a_suite_compiles_are_not_fetched(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Even a complete checkout in the folder of fetched data does not count: a person names one."""
+    monkeypatch.setattr(outside, "FOLDER", tmp_path)
+    programs = Repository("someone/programs", "0" * 40, "MIT", 1)
+    folder = tmp_path / "programs" / programs.name
+    folder.mkdir(parents=True)
+    (folder / ".fetched").write_text(programs.content)
+    data = Data("programs", "RAVENBRICK_NO_SUCH", (programs,))
+    assert data.place() == tmp_path / "programs"
+    compiled = Data("programs", "RAVENBRICK_NO_SUCH", (programs,), compiled=True)
+    assert compiled.place() is None
+    assert "get someone/programs at 00000000" in compiled.advice()
+    assert "verification.outside" not in compiled.advice()
+    monkeypatch.setenv("RAVENBRICK_NO_SUCH", str(folder))
+    assert compiled.place() == folder

@@ -18,6 +18,7 @@ __all__ = [
     "BuildError",
     "ConnectionFailedError",
     "CriteriaError",
+    "DeadlineError",
     "DesignError",
     "ExitCode",
     "ImageFileError",

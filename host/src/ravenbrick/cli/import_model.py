@@ -18,7 +18,27 @@ from ravenbrick.image.controller_origin import replace_controller
 from ravenbrick.simulink import import_simulink, read_workspace
 from ravenbrick.simulink.numbers import Variables
 
-__all__ = ["assigned", "import_command", "model_variables"]
+__all__ = [
+    "LibraryOption",
+    "VariablesOption",
+    "WorkspaceOption",
+    "assigned",
+    "import_command",
+    "model_variables",
+]
+
+VariablesOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Workspace variable, as NAME=NUMBER; may be repeated."),
+]
+WorkspaceOption = Annotated[
+    list[Path] | None,
+    typer.Option(help="File with workspace variables: .m with assignments, or .mat."),
+]
+LibraryOption = Annotated[
+    list[Path] | None,
+    typer.Option(help="Folder with libraries and referenced models; may be repeated."),
+]
 
 
 def assigned(option: str, texts: list[str]) -> dict[str, float]:
@@ -50,18 +70,9 @@ def import_command(
     model: Annotated[Path, typer.Argument(help="Simulink model (.slx or .mdl).")],
     sample_time: Annotated[float, typer.Option(help="Sample time in seconds.")],
     output: Annotated[Path, typer.Option(help="Folder for the generated C.")],
-    variables: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="Workspace variable, as NAME=NUMBER; may be repeated."),
-    ] = None,
-    workspace: Annotated[
-        list[Path] | None,
-        typer.Option(help="File with workspace variables: .m with assignments, or .mat."),
-    ] = None,
-    library: Annotated[
-        list[Path] | None,
-        typer.Option(help="Folder with libraries and referenced models; may be repeated."),
-    ] = None,
+    variables: VariablesOption = None,
+    workspace: WorkspaceOption = None,
+    library: LibraryOption = None,
     subsystem: Annotated[str, typer.Option(help="Path of the only subsystem to import.")] = "",
     name: Annotated[
         str, typer.Option(help="Name of the C model (default: that of the file or subsystem).")

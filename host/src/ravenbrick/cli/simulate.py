@@ -12,7 +12,13 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.cli.import_model import assigned, model_variables
+from ravenbrick.cli.import_model import (
+    LibraryOption,
+    VariablesOption,
+    WorkspaceOption,
+    assigned,
+    model_variables,
+)
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.simulink.importer import ModelSource
 from ravenbrick.simulink.numbers import Workspace
@@ -38,18 +44,9 @@ def simulate_command(
         list[str] | None,
         typer.Option("--input", help="Constant at an inport, as NAME=NUMBER; may be repeated."),
     ] = None,
-    variables: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="Workspace variable, as NAME=NUMBER; may be repeated."),
-    ] = None,
-    workspace: Annotated[
-        list[Path] | None,
-        typer.Option(help="File with workspace variables: .m with assignments, or .mat."),
-    ] = None,
-    library: Annotated[
-        list[Path] | None,
-        typer.Option(help="Folder with libraries and referenced models; may be repeated."),
-    ] = None,
+    variables: VariablesOption = None,
+    workspace: WorkspaceOption = None,
+    library: LibraryOption = None,
     subsystem: Annotated[str, typer.Option(help="Path of the only subsystem to simulate.")] = "",
     out: Annotated[
         Path | None, typer.Option(help="Picture of the signals: .svg, .png or .pdf.")
