@@ -73,6 +73,25 @@ fn one_byte_takes_the_lead_and_eight_clock_periods() {
 }
 
 #[test]
+fn a_frame_carries_no_more_than_its_bits_of_the_data_register() {
+    let mut chip = select_by_peripheral();
+    let start = chip.now();
+    write(&mut chip, TDR, 0xFFFF_FF5A);
+    wait_for(&mut chip, SR, TXEMPTY);
+    // Nine bits.
+    write(&mut chip, CSR2, 0x1811);
+    write(&mut chip, TDR, 0xFFFF_FF5A);
+    wait_for(&mut chip, SR, TXEMPTY);
+    let seen = bus_log(&chip, start).into_iter().map(|(_, seen)| seen);
+    let frame = |frame, bits| Seen::Spi {
+        selected: LINE_2,
+        frame,
+        bits,
+    };
+    assert!(seen.eq([frame(0x5A, 8), frame(0x15A, 9)]));
+}
+
+#[test]
 fn the_data_controller_sends_a_hundred_bytes_at_192_cycles_each() {
     let mut chip = select_by_peripheral();
     let line: Vec<u8> = (0..100).collect();

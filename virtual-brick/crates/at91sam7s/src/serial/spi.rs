@@ -53,7 +53,7 @@ const SELECT_PINS: [(u32, u32); 4] = [
     (0, 1 << 3 | 1 << 5 | 1 << 22),
 ];
 
-/// One frame as the board sees it.
+/// One frame as the board sees it; `data` has no more than `bits` bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Frame {
     select: u8,
@@ -193,7 +193,7 @@ impl Spi {
         self.phase = Phase::Shift {
             frame: Frame {
                 select,
-                data: word as u16,
+                data: cut(word, bits),
                 bits,
             },
             end: now + lead + Cycles::from(bits) * period,
@@ -252,7 +252,7 @@ impl Spi {
         } else {
             answer
         };
-        let kept = u32::from(value) & ((1u32 << frame.bits) - 1);
+        let kept = u32::from(cut(value.into(), frame.bits));
         self.overrun |= self.received;
         self.received = true;
         self.receive = kept | self.mode & 0x000F_0000;
@@ -363,6 +363,11 @@ impl Stream for Spi {
         self.received = false;
         self.receive
     }
+}
+
+/// The bits of a data register that a frame of `bits` bits moves, right-justified (section 28.7.4).
+fn cut(word: u32, bits: u8) -> u16 {
+    (word & ((1 << bits) - 1)) as u16
 }
 
 /// PCS without decoder: the lowest zero bit selects; 4 when all are one.
