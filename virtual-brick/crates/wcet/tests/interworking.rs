@@ -6,7 +6,7 @@ use crate::support::machine::Machine;
 use crate::support::random::Random;
 use crate::support::toolchain::{build, program};
 use crate::support::{check, check_exact, report};
-use wcet::Image;
+use wcet::{Image, MemoryMap, Request};
 
 const LEVELS: [&str; 4] = ["-O0", "-O1", "-O2", "-Os"];
 
@@ -71,5 +71,18 @@ fn no_way_between_the_states_exceeds_the_bound_and_the_longest_is_nearly_it() {
                 found.bound_cycles
             );
         }
+    }
+}
+
+#[test]
+fn a_task_waits_in_a_function_that_it_reaches_over_a_veneer() {
+    let question = "[[jobs]]\nbody = \"thumb_task\"\nwaits = [\"arm_wait\"]\n";
+    let request: Request = toml::from_str(question).unwrap();
+    for level in LEVELS {
+        let Some(elf) = elf(level) else { return };
+        let answers = request.answer(&elf, &MemoryMap::without_wait_states());
+        let job = answers.unwrap().jobs.remove(0);
+        assert_eq!(job.error, None, "{level}");
+        assert_eq!(job.released_by, ["arm_wait"], "{level}");
     }
 }

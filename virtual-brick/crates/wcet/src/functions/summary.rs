@@ -279,10 +279,12 @@ fn resolve_branch(
         instruction.operation,
         Operation::Branch { .. } | Operation::LongBranchSuffix { .. }
     );
-    if direct
-        && block.transfer != Some(ControlTransfer::Unresolved)
-        && !context_switches(program, block)
-    {
+    let depends_on_values = match block.transfer {
+        Some(ControlTransfer::Unresolved) => true,
+        Some(ControlTransfer::TailCall(_) | ControlTransfer::CallFor(..)) => block.node.copy != 0,
+        _ => false,
+    };
+    if direct && !depends_on_values && !context_switches(program, block) {
         return;
     }
     let node = Node {

@@ -131,21 +131,29 @@ impl Node {
     }
 }
 
-fn is_switch_helper(image: &Image, address: u32) -> bool {
-    let names = image.names_at(address);
-    names
-        .iter()
-        .any(|name| name.starts_with("__gnu_thumb1_case_"))
+/// Code that belongs to each of its calls: a switch helper of the compiler, or a veneer of the
+/// linker, behind which a call reaches a function in the other state or far away.
+fn is_helper(image: &Image, address: u32) -> bool {
+    const VENEERS: [&str; 3] = ["_from_thumb", "_from_arm", "_veneer"];
+    image.names_at(address).iter().any(|name| {
+        let is_veneer = || VENEERS.iter().any(|end| name.ends_with(end));
+        name.starts_with("__gnu_thumb1_case_") || name.starts_with("__") && is_veneer()
+    })
 }
 
 impl Explorer<'_> {
-    /// Direct transfer to an address: call, jump or tail call.
+    /// Direct transfer to an address: call, jump or tail call. What leaves a copy may do so on
+    /// behalf of its caller, which the value of r14 tells.
     fn direct(&self, node: Node, target: Entry) -> ControlTransfer {
         if self.context_switches.contains(&target.0) {
             return ControlTransfer::Unresolved;
         }
-        if target != self.entry && self.image.starts_function(target.0) {
-            return ControlTransfer::TailCall(vec![target]);
+        let function = target != self.entry && self.image.starts_function(target.0);
+        if function && !is_helper(self.image, target.0) {
+            return match node.copy {
+                0 => ControlTransfer::TailCall(vec![target]),
+                _ => ControlTransfer::Unresolved,
+            };
         }
         ControlTransfer::Jump(vec![Node {
             copy: node.copy,
@@ -156,8 +164,12 @@ impl Explorer<'_> {
 
     /// A call of a place within the function: a local subroutine, which may also return for the
     /// function itself, or in Thumb code a branch too far for B; and of a BX behind the functions
-    /// of a file, with which Thumb code calls through a register. It is copied for each call.
+    /// of a file, with which Thumb code calls through a register; and of a helper. It is copied
+    /// for each call.
     fn is_local(&self, site: u32, (target, thumb): Entry) -> bool {
+        if is_helper(self.image, target) {
+            return true;
+        }
         if self.image.starts_function(target) {
             return false;
         }
@@ -196,8 +208,7 @@ impl Explorer<'_> {
                     return Err(Error::NoCode(self.image.place(node.address)));
                 };
                 let target = pc.wrapping_sub(2).wrapping_add(upper).wrapping_add(*offset);
-                let local = self.is_local(node.address, (target, true));
-                if local || is_switch_helper(self.image, target) {
+                if self.is_local(node.address, (target, true)) {
                     ControlTransfer::Jump(vec![Node {
                         copy: node.address,
                         address: target,

@@ -67,6 +67,20 @@ ARM int three_deep(void)
     return thumb_over_arm(2) + thumb_to_arm() + arm_tail() + thumb_tail();
 }
 
+/* A task that waits in a function of the other state. */
+ARM void arm_wait(int count)
+{
+    weights[1] = count;
+}
+
+THUMB void thumb_task(void)
+{
+    for (int count = 0;; count++) {
+        arm_wait(count);
+        weights[2] = arm_weigh(3);
+    }
+}
+
 static int (*const table[])(int) = { arm_weigh, thumb_weigh };
 
 ARM int arm_pointers(void)
