@@ -134,7 +134,9 @@ def main() -> None:
     figures["largest_sampled_pole"] = float(np.abs(poles).max())
     if arguments.results:
         loops = closed_loops(gain)
-        write_loop_results(arguments.results, "balancer", loops, figures, 10.0, open_loop(gain))
+        write_loop_results(
+            arguments.results, "balancer", loops, figures, 10.0, open_loop(gain), controller(gain)
+        )
     for name, value in figures.items():
         print(f"{name:40} {value:.6g}")
 

@@ -28,6 +28,7 @@ from ravenbrick.control import (
     root_locus_figure,
     write_figure,
 )
+from ravenbrick.control.design import family
 from ravenbrick.control.design.schedule_effect import schedule_effect, schedule_figure, timing_row
 from ravenbrick.control.estimation.encoder_run import SampleTiming
 from ravenbrick.model import IntegrationMethod, SpeedLoop
@@ -101,6 +102,30 @@ def test_the_bode_plot_draws_what_python_control_computes() -> None:
         assert np.cos(np.radians(phase.get_ydata())) == pytest.approx(
             np.cos(wanted.phase), abs=1e-6
         )
+
+
+def test_the_bars_of_both_margins_end_on_the_curves() -> None:
+    """Also where the phase at the crossover is not between -180 and 180 degrees."""
+    loop = control.sample_system(control.tf([40.0, 80.0], [1.0, 2.0, -30.0, 0.0]), 0.01, "zoh")
+    upper, lower = bode_figure(loop, "loop").axes
+    for axis in (upper, lower):
+        frequencies, curve = map(np.asarray, axis.lines[0].get_data())
+        bars = [line for line in axis.lines if line.get_linewidth() == 2]
+        for at, ends in (map(np.asarray, line.get_data()) for line in bars):
+            level = np.interp(np.log(at[0]), np.log(frequencies), curve)
+            assert np.abs(np.asarray(ends) - level).min() < 0.1
+    assert [line for line in lower.lines if line.get_linewidth() == 2]
+
+
+def test_no_member_of_the_family_has_a_negative_gain() -> None:
+    """A damping of 0.9 would need one."""
+    seen: list[tuple[int, int]] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(family, "IntegrationMethod", ())
+        members = family.gain_family(LOOP, WANTED, progress=lambda *n: seen.append(n))
+    assert min(min(vars(member.gains).values()) for member in members) >= 0
+    assert "damping 0.9" not in [member.design for member in members]
+    assert seen[-1] == (len(members), len(members))
 
 
 def test_the_nyquist_plot_says_how_near_the_curve_comes() -> None:

@@ -70,3 +70,38 @@ def test_discrete_margins_count_half_the_sampling_frequency() -> None:
     assert found.gain_margin == pytest.approx(5.0)
     assert found.crossover == pytest.approx(2 / 0.01 * math.asin(0.2), rel=1e-9)
     assert found.phase_margin_deg == pytest.approx(90 - math.degrees(math.asin(0.2)), abs=1e-6)
+
+
+def test_a_gain_margin_at_zero_frequency_counts() -> None:
+    """An unstable motor, held at its input: below half the gain the loop falls over."""
+    plant = control.sample_system(control.tf([2.0], [1.0, -1.0]), 0.04, "zoh")
+    found = margins(plant)
+    assert found.lowest_gain == pytest.approx(0.5)
+    assert found.gain_margin == pytest.approx(0.5) and found.phase_crossover == 0.0
+    half_rate = float(np.real(plant(-1.0)))
+    assert found.highest_gain == pytest.approx(-1 / half_rate)
+
+
+def test_the_gain_margin_is_the_nearest_in_decibels() -> None:
+    """Of 1/20 and 3, three is nearer although it is larger."""
+    triple = control.tf([10.0, 20.0, 10.0], [1.0, 0.0, 0.0, 0.0])
+    lag = control.tf([1.0], [0.05, 1.0]) ** 3
+    loop = control.sample_system(triple * lag, 0.002, "zoh")
+    found = margins(loop)
+    assert 0 < found.lowest_gain < 0.1 and 1 < found.highest_gain < 10
+    assert found.gain_margin == found.highest_gain
+
+
+@pytest.mark.parametrize("pole", [0.5, 0.9, 0.99])
+def test_a_discrete_step_is_measured_at_its_samples(pole: float) -> None:
+    """1 - pole^k: the first sample with an error of at most 2 %."""
+    found = step_metrics(control.tf([1 - pole], [1.0, -pole], 0.01))
+    wanted = math.ceil(math.log(0.02) / math.log(pole)) * 0.01
+    assert found.settling_time == pytest.approx(wanted)
+    assert found.overshoot == 0 and found.final_value == pytest.approx(1.0)
+
+
+def test_a_system_with_several_channels_is_refused() -> None:
+    """It does not say which one is meant."""
+    with pytest.raises(DesignError, match="2 inputs and 1 outputs; choose one channel"):
+        step_metrics(control.ss([[-1.0]], [[1.0, 1.0]], [[1.0]], [[0.0, 0.0]]))

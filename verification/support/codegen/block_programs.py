@@ -17,7 +17,7 @@ DIAGRAMS = {
     **{name: block_diagram(name) for name in TABLE},
     **{f"wide_{name}": wide_diagram(name) for name in TABLE},
 }
-INTEGRATORS = ("forward_euler", "tustin", "backward_euler", "pid")
+INTEGRATORS = ("forward_euler", "tustin", "backward_euler", "pid", "delta_transfer_function")
 # Functions of numbers have no integer twin, or need more bits than there are.
 NOT_FIXED = (
     "custom",

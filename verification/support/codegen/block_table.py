@@ -23,6 +23,7 @@ from ravenbrick.model import (
     DataType,
     DeadZone,
     Delay,
+    DeltaTransferFunction,
     Diagram,
     DiscreteIntegrator,
     DiscreteStateSpace,
@@ -58,6 +59,7 @@ from ravenbrick.model import (
     Trigonometry,
     UnitDelay,
     ZeroOrderHold,
+    ZeroPoleGain,
     state_space_block,
 )
 from scipy import signal
@@ -67,6 +69,21 @@ from scipy.linalg import solve_discrete_are
 Reference = Callable[[np.ndarray], np.ndarray]
 
 MATRICES = (((0.9, 0.2), (-0.1, 0.7)), ((0.5, 0.0), (0.1, -0.3)), (1.0, -2.0), (0.0, 0.25))
+
+# Every kind of section: real poles, a complex pair, an integrator, complex zeros on real poles.
+SECTIONS = ZeroPoleGain(
+    (-1.5 + 0.3j, -1.5 - 0.3j, -2.0, -0.2, -0.4 + 0.3j, -0.4 - 0.3j, -2.0),
+    (-0.3 + 0.4j, -0.3 - 0.4j, -0.5, -0.6, -0.7, -0.4, 0.0),
+    0.02,
+    0.01,
+)
+# The middle one does not pass its input on at once.
+DELAYED_SECTIONS = ZeroPoleGain((-2.0, 0.0), (-0.9, -0.5, -0.2), 0.5, 0.01)
+
+
+def _by_roots(system: ZeroPoleGain) -> Reference:
+    sections = signal.zpk2sos(1 + np.array(system.zeros), 1 + np.array(system.poles), system.gain)
+    return lambda u: signal.sosfilt(sections, u[:, 0])
 
 
 def _filtered(numerator: Sequence[float], denominator: Sequence[float]) -> Reference:
@@ -188,6 +205,14 @@ TABLE: dict[str, tuple[Block, Reference]] = {
     "transfer_function": (
         DiscreteTransferFunction("B", numerator=(0.5, 0.2, -0.1), denominator=(1.0, -0.9, 0.3)),
         _filtered([0.5, 0.2, -0.1], [1.0, -0.9, 0.3]),
+    ),
+    "delta_transfer_function": (
+        DeltaTransferFunction.of("B", SECTIONS),
+        _by_roots(SECTIONS),
+    ),
+    "delayed_sections": (
+        DeltaTransferFunction.of("B", DELAYED_SECTIONS),
+        _filtered([0.0, 0.5, 0.0, -0.5], [1.0, -1.4, 0.53, -0.04]),
     ),
     "state_space": (
         DiscreteStateSpace(

@@ -15,6 +15,7 @@ from typing import Any
 from ravenbrick.codegen import check_program, generate_c, random_vectors
 from ravenbrick.errors import BuildError, RunFaultError, ToolMissingError
 from ravenbrick.installation import advice_for_packages
+from ravenbrick.model.fidelity import TOLERANCE
 from ravenbrick.model.program import Program
 from ravenbrick.subprocesses import run_child
 
@@ -56,8 +57,12 @@ class StepCost:
     size_bytes: int
 
 
-def compile_and_count(programs: Mapping[str, Program]) -> dict[str, StepCost]:
+def compile_and_count(
+    programs: Mapping[str, Program], tolerance: float | None = TOLERANCE
+) -> dict[str, StepCost]:
     """Generate, compile and run each program with random inputs; names are C names.
+
+    `tolerance` as for `generate_c`.
 
     Raises `ToolMissingError` without the cross compiler, `BuildError` if it refuses, and
     `RunFaultError` if a result is not that of the simulation.
@@ -71,7 +76,7 @@ def compile_and_count(programs: Mapping[str, Program]) -> dict[str, StepCost]:
         sources[1].write_text(_run_all(programs))
         for model, program in programs.items():
             own = replace(program, name=model)
-            generate_c(own).write(folder)
+            generate_c(own, tolerance=tolerance).write(folder)
             ports = f"ExternalInputs_{model} {model}_U;\nExternalOutputs_{model} {model}_Y;\n"
             check = check_program(random_vectors(own, STEPS, seed=13))
             (folder / f"{model}_check.c").write_text(f'#include "{model}.h"\n{ports}{check}')

@@ -55,18 +55,38 @@ def design_command(
     reporter.table(
         ("figure", "value"), [[name, f"{value:.6g}"] for name, value in design.figures.items()]
     )
+    compared = _compared(workspace, reporter)
     generated = sorted(str(path) for path in (workspace.project / "generated").glob("*.[ch]"))
     reporter.print(f"design: {shown_path(workspace.design_file)}")
     answer: dict[str, Any] = {
         "design_file": str(workspace.design_file),
         "figures": dict(design.figures),
         "generated": generated,
+        "fidelity": compared,
     }
     if costs:
         answer["costs"] = _count(workspace, reporter)
     if timing is not None:
         answer |= _with_schedule(workspace, reporter, timing, task, motor)
     return {**answer, **_draw(workspace, reporter)} if plots else answer
+
+
+def _compared(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
+    """The controller with its numbers as held beside the design, as design.py wrote it."""
+    content = json.loads(workspace.design_file.read_text(encoding="utf-8")).get("fidelity") or {}
+    if loop := content.get("loop"):
+        rows = [
+            [name, f"{value:.7g}", f"{loop['held'][name]:.7g}"]
+            for name, value in loop["designed"].items()
+        ]
+        reporter.table(("closed loop", "as designed", "numbers as held"), rows)
+    if blocks := content.get("blocks"):
+        parts = ("pole_shift", "response_error", "step_error")
+        reporter.table(
+            ("block", "poles moved", "frequency response", "step response"),
+            [[str(row["block"]), *(f"{row[part]:.1e}" for part in parts)] for row in blocks],
+        )
+    return dict(content)
 
 
 def _with_schedule(

@@ -21,6 +21,7 @@ from ravenbrick.codegen.generator import GeneratedCode, block_title
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
+from ravenbrick.model.fidelity import TOLERANCE, check_fidelity
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.integer_ranges import integer_ranges, key
 from ravenbrick.model.number_format import FixedFormat, Interval
@@ -35,7 +36,10 @@ _HIDING = frozenset(
 
 
 def generate_ada(
-    source: Diagram | ir.Program | FixedPoint, *, c_names: bool = False
+    source: Diagram | ir.Program | FixedPoint,
+    *,
+    c_names: bool = False,
+    tolerance: float | None = TOLERANCE,
 ) -> GeneratedCode:
     """`<model>.ads` and `<model>.adb`: one step of the diagram as procedure `Step`.
 
@@ -43,9 +47,11 @@ def generate_ada(
     Long_Float with the parameters in a record; fixed point a type per format, gains as constants,
     and each variable with the range that was proved for it. Contracts state what `Step` reads and
     the limits that its outputs keep. With `c_names` the entry points are exported under the C's
-    names, so that the package replaces `<model>.c`.
+    names, so that the package replaces `<model>.c`. `tolerance` as for `generate_c`.
     """
     program = _program(source)
+    if tolerance is not None:
+        check_fidelity(program, tolerance)
     digest = hashlib.sha256(repr(program).encode()).hexdigest()
     package = _Package(program, c_names=c_names)
     head = [

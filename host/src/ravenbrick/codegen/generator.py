@@ -17,6 +17,7 @@ from ravenbrick.codegen.rtwtypes import RTWTYPES, used_types
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
+from ravenbrick.model.fidelity import TOLERANCE, check_fidelity
 from ravenbrick.model.number_format import FixedFormat
 
 __all__ = ["GeneratedCode", "block_title", "generate_c"]
@@ -46,7 +47,11 @@ class GeneratedCode:
 
 
 def generate_c(
-    diagram: Diagram | ir.Program, *, only_used: bool = False, tunable: bool = True
+    diagram: Diagram | ir.Program,
+    *,
+    only_used: bool = False,
+    tunable: bool = True,
+    tolerance: float | None = TOLERANCE,
 ) -> GeneratedCode:
     """C99 for one step of the diagram; the same diagram gives the same bytes.
 
@@ -62,8 +67,13 @@ def generate_c(
     its own). Rules 2.3, 2.5 and 21.1 of MISRA C:2012 ask for that. Rule 8.7 is deviated from at the
     interface, by comments that cppcheck reads with --inline-suppr. Without `tunable` the
     parameters are numbers in the statements: less to load, nothing to set at run time.
+
+    Raises `DesignError` where a linear block, with its numbers as held, differs from its design by
+    more than `tolerance` (`check_fidelity`); None generates it all the same.
     """
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
+    if tolerance is not None:
+        check_fidelity(program, tolerance)
     program = program if tunable else ir.with_constants(program)
     _check_names(program)
     digest = hashlib.sha256(repr(program).encode()).hexdigest()

@@ -27,7 +27,6 @@ from ravenbrick.model.blocks.dynamic import (
     MovingAverage,
     PidController,
     state_space_block,
-    transfer_function_block,
 )
 from ravenbrick.model.blocks.logic import (
     CustomFunction,
@@ -55,17 +54,24 @@ from ravenbrick.model.blocks.relational import (
     RoundingFunction,
     Sign,
 )
+from ravenbrick.model.blocks.sections import (
+    DeltaTransferFunction,
+    Section,
+    transfer_function_block,
+)
 from ravenbrick.model.blocks.sources import Pulse, Ramp, Sine, Step
 from ravenbrick.model.blocks.trigonometry import ArcTangent, SquareRoot, Trigonometry
 from ravenbrick.model.diagram import Diagram, DiagramError
 from ravenbrick.model.encoder import Encoder, SpeedWindow
 from ravenbrick.model.execution import Execution
+from ravenbrick.model.fidelity import Fidelity, check_fidelity, fidelity
 from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.linearisation import linear_system, linearise
 from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
 from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
 from ravenbrick.model.program import DataType, Program
+from ravenbrick.model.zero_pole_gain import ZeroPoleGain
 
 __all__ = [
     "NXTWAY_GS",
@@ -81,6 +87,7 @@ __all__ = [
     "DataType",
     "DeadZone",
     "Delay",
+    "DeltaTransferFunction",
     "Diagram",
     "DiagramError",
     "DiscreteIntegrator",
@@ -88,6 +95,7 @@ __all__ = [
     "DiscreteTransferFunction",
     "Encoder",
     "Execution",
+    "Fidelity",
     "FixedFormat",
     "FixedPoint",
     "FixedPointOptions",
@@ -117,6 +125,7 @@ __all__ = [
     "Rounding",
     "RoundingFunction",
     "Saturation",
+    "Section",
     "Sign",
     "Sine",
     "SpeedLoop",
@@ -131,6 +140,9 @@ __all__ = [
     "TwoWheeledBalancer",
     "UnitDelay",
     "ZeroOrderHold",
+    "ZeroPoleGain",
+    "check_fidelity",
+    "fidelity",
     "linear_system",
     "linearise",
     "state_space_block",

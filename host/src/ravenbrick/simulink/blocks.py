@@ -32,6 +32,7 @@ from ravenbrick.model import (
     Trigonometry,
     UnitDelay,
     ZeroOrderHold,
+    ZeroPoleGain,
     state_space_block,
     transfer_function_block,
 )
@@ -80,19 +81,23 @@ def _rational(d: Dialog) -> Block:
 def _zero_pole(d: Dialog) -> Block:
     gain = d.number("Gain", "1")
     zeros, poles = d.numbers("Zeros", "[1]"), d.numbers("Poles", "[0 0.5]")
-    top, bottom = gain * np.atleast_1d(np.poly(zeros)), np.poly(poles)
+    if d.block.kind == "ZeroPole" and d.form is ContinuousForm.TUSTIN:
+        roots = ZeroPoleGain(tuple(map(complex, zeros)), tuple(map(complex, poles)), gain)
+        return transfer_function_block(d.name, roots, sample_time=d.sample_time)
     if d.block.kind == "ZeroPole":
+        top, bottom = gain * np.atleast_1d(np.poly(zeros)), np.poly(poles)
         return _sampled(d, control.tf(top, bottom))
-    return transfer_function_block(d.name, control.tf(top, bottom, d.sample_time))
+    moved = [tuple(complex(root - 1) for root in roots) for roots in (zeros, poles)]
+    return transfer_function_block(d.name, ZeroPoleGain(moved[0], moved[1], gain, d.sample_time))
 
 
 def _sampled(d: Dialog, system: control.TransferFunction) -> Block:
     """A continuous block at the diagram's rate, or as it is in a simulation."""
     if d.form is ContinuousForm.SOLVED:
         return LinearSystem.of(d.name, system)
-    held = d.form is ContinuousForm.HELD
-    method = DiscretisationMethod.ZERO_ORDER_HOLD if held else DiscretisationMethod.TUSTIN
-    return transfer_function_block(d.name, discretise(system, d.sample_time, method))
+    if d.form is ContinuousForm.HELD:
+        system = discretise(system, d.sample_time, DiscretisationMethod.ZERO_ORDER_HOLD)
+    return transfer_function_block(d.name, system, sample_time=d.sample_time)
 
 
 def _fir(d: Dialog) -> Block:

@@ -24,6 +24,7 @@ _DECADES = 3.5
 _LOCUS_STEPS = 400
 _LOWEST_DB = -80
 _STILL = 1e-6
+_CROWDED = 0.1
 _OWN, _OTHER, _MARK, _FAINT = "#1f5fa8", "#9a6a00", "#b3372f", "#bbbbbb"
 
 
@@ -62,6 +63,8 @@ def _highest(open_loop: control.lti.LTI, found: Margins) -> float:
 def _described(found: Margins) -> str:
     gain = found.gain_margin
     decibels = f"{20 * math.log10(gain):.1f} dB" if 0 < gain < math.inf else "none"
+    if found.lowest_gain > 0 and found.highest_gain < math.inf:
+        decibels += f" (factors {found.lowest_gain:.3g} to {found.highest_gain:.3g})"
     phase = found.phase_margin_deg
     degrees = f"{phase:.1f} deg at {found.crossover:.3g} rad/s" if math.isfinite(phase) else "none"
     return f"gain margin {decibels}, phase margin {degrees}"
@@ -83,10 +86,8 @@ def bode_figure(
     curves += [(ideal, "without sampling and delay", _OTHER, "--")] if ideal is not None else []
     for system, label, colour, style in curves:
         values = _response(system, frequencies)
-        phase = np.degrees(np.unwrap(np.angle(values)))
-        phase -= 360 * round((phase[0] + 90) / 360)
         upper.semilogx(frequencies, 20 * np.log10(np.abs(values)), style, color=colour, label=label)
-        lower.semilogx(frequencies, phase, style, color=colour)
+        lower.semilogx(frequencies, _phase(values), style, color=colour)
     _mark_margins(upper, lower, open_loop, found, frequencies)
     upper.set_ylim(bottom=max(upper.get_ylim()[0], _LOWEST_DB))
     upper.set_ylabel("magnitude (dB)")
@@ -106,19 +107,24 @@ def _mark_margins(
     upper: Axes, lower: Axes, open_loop: control.lti.LTI, found: Margins, frequencies: Array
 ) -> None:
     upper.axhline(0, color=_FAINT, linewidth=1)
-    lower.axhline(-180, color=_FAINT, linewidth=1)
+    values = _response(open_loop, frequencies)
     if math.isfinite(found.crossover):
         at = found.crossover
         for axis in (upper, lower):
             axis.axvline(at, color=_MARK, linewidth=0.8, linestyle=":")
-        lower.plot([at, at], [-180, -180 + found.phase_margin_deg], color=_MARK, linewidth=2)
-    values = _response(open_loop, frequencies)
-    crossings = np.flatnonzero((values.imag[:-1] * values.imag[1:] < 0) & (values.real[:-1] < 0))
-    for place in crossings:
-        level = 20 * math.log10(abs(values[place]))
-        if math.isclose(level, -20 * math.log10(found.gain_margin), abs_tol=1.0):
-            at = frequencies[place]
-            upper.plot([at, at], [level, 0], color=_MARK, linewidth=2)
+        top = float(np.interp(math.log(at), np.log(frequencies), _phase(values)))
+        foot = top - found.phase_margin_deg
+        lower.axhline(foot, color=_FAINT, linewidth=1)
+        lower.plot([at, at], [foot, top], color=_MARK, linewidth=2)
+    if frequencies[0] <= found.phase_crossover <= frequencies[-1]:
+        at = found.phase_crossover
+        upper.plot([at, at], [-20 * math.log10(found.gain_margin), 0], color=_MARK, linewidth=2)
+
+
+def _phase(values: Array) -> Any:
+    """Continuous phase (deg) of a response, begun near -90."""
+    phase = np.degrees(np.unwrap(np.angle(values)))
+    return phase - 360 * round((phase[0] + 90) / 360)
 
 
 def nyquist_figure(
@@ -157,35 +163,44 @@ def nyquist_figure(
 def root_locus_figure(open_loop: control.lti.LTI, title: str) -> Figure:
     """Closed-loop poles while one factor multiplies the loop's gain, from 0 to past stability.
 
-    Poles that do not move are cancelled by zeros and left out.
+    Poles that do not move are cancelled by zeros and left out. Slow poles of a discrete loop crowd
+    around z = 1: a second picture enlarges them.
     """
     found = margins(open_loop)
-    limit = found.gain_margin if math.isfinite(found.gain_margin) else 10.0
-    grid = np.geomspace(1e-3, 1.3 * max(limit, 2.0), _LOCUS_STEPS)
-    factors = np.unique(np.concatenate([[0.0, 1.0, limit], grid]))
-    system = control.ss(open_loop)
-    branches = _branches(system, factors)
+    edges = [edge for edge in (found.lowest_gain, found.highest_gain) if 0 < edge < math.inf]
+    most = max(edges, default=10.0)
+    grid = np.geomspace(1e-3, 1.3 * max(most, 2.0), _LOCUS_STEPS)
+    factors = np.unique(np.concatenate([[0.0, 1.0, *edges], grid]))
+    branches = _branches(control.ss(open_loop), factors)
     branches = branches[:, np.abs(branches - branches[0]).max(axis=0) > _STILL]
-    present, edge = (branches[np.searchsorted(factors, factor)] for factor in (1.0, limit))
-    figure, axes = new_figure(6.5, 6)
-    axis = axes[0, 0]
     discrete = control.isdtime(open_loop, strict=True)
-    if discrete:
-        angle = np.linspace(0, 2 * math.pi, 361)
-        axis.plot(np.cos(angle), np.sin(angle), color=_FAINT, linewidth=1, label="unit circle")
-    else:
-        axis.axvline(0, color=_FAINT, linewidth=1)
-    axis.plot(branches.real, branches.imag, color=_OWN, linewidth=1)
-    axis.plot(branches[0].real, branches[0].imag, "x", color="#555555", label="open loop")
-    axis.plot(present.real, present.imag, "o", color=_OTHER, label="the design (factor 1)")
-    if math.isfinite(found.gain_margin):
-        axis.plot(edge.real, edge.imag, "s", color=_MARK, markersize=4,
-                  label=f"edge of stability (factor {limit:.3g})")  # fmt: skip
-    axis.set_aspect("equal")
-    unit = "" if discrete else " (1/s)"
-    axis.set_xlabel(f"real part of {'z' if discrete else 's'}{unit}")
-    axis.set_ylabel(f"imaginary part of {'z' if discrete else 's'}{unit}")
-    axis.legend(fontsize=9, loc="upper left")
+    present = branches[np.searchsorted(factors, 1.0)]
+    near = np.abs(np.concatenate([branches[0], present]) - 1)
+    crowd = near[near < _CROWDED] if discrete else near[:0]
+    columns = 2 if len(crowd) > 2 else 1
+    figure, axes = new_figure(6.5 * columns, 6, columns=columns)
+    for axis in axes[0]:
+        if discrete:
+            angle = np.linspace(0, 2 * math.pi, 7201)
+            axis.plot(np.cos(angle), np.sin(angle), color=_FAINT, linewidth=1, label="unit circle")
+        else:
+            axis.axvline(0, color=_FAINT, linewidth=1)
+        axis.plot(branches.real, branches.imag, color=_OWN, linewidth=1)
+        axis.plot(branches[0].real, branches[0].imag, "x", color="#555555", label="open loop")
+        axis.plot(present.real, present.imag, "o", color=_OTHER, label="the design (factor 1)")
+        for edge, mark in zip(edges, "sD", strict=False):
+            there = branches[np.searchsorted(factors, edge)]
+            axis.plot(there.real, there.imag, mark, color=_MARK, markersize=4,
+                      label=f"edge of stability (factor {edge:.3g})")  # fmt: skip
+        axis.set_aspect("equal")
+        axis.set_xlabel("real part of z" if discrete else "real part of s (1/s)")
+        axis.set_ylabel("imaginary part of z" if discrete else "imaginary part of s (1/s)")
+    axes[0, 0].legend(fontsize=9, loc="upper left")
+    if columns == 2:
+        reach = 1.2 * float(crowd.max())
+        axes[0, 1].set_xlim(1 - reach, 1 + reach)
+        axes[0, 1].set_ylim(-reach, reach)
+        axes[0, 1].set_title("around z = 1", fontsize=10)
     figure.suptitle(f"{title}: closed-loop poles over the gain", fontsize=10)
     return figure  # type: ignore[no-any-return]
 

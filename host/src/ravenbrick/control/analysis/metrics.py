@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Step metrics and margins of continuous linear systems."""
+"""Step metrics and margins of linear systems, continuous or sampled."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ __all__ = ["SETTLING_BAND", "Margins", "StepMetrics", "crossovers", "margins", "
 SETTLING_BAND = 0.02
 _REMAINDER = 1e-10
 _FREQUENCIES = 2000
+_MOST_SAMPLES = 200_000
 
 
 @dataclass(frozen=True)
@@ -39,23 +40,41 @@ class StepMetrics:
 
 @dataclass(frozen=True)
 class Margins:
-    """Gain margin (ratio), phase margin (deg) and gain crossover (rad/s) of an open loop."""
+    """Gain margin (ratio), phase margin (deg) and gain crossover (rad/s) of an open loop.
+
+    The gain margin is the factor nearest to 1 in dB with which the loop is at the edge of
+    stability, at `phase_crossover` (rad/s). The loop keeps its stability, or lack of it, for
+    factors between `lowest_gain` and `highest_gain`.
+    """
 
     gain_margin: float
     phase_margin_deg: float
     crossover: float
+    phase_crossover: float = math.nan
+    lowest_gain: float = 0.0
+    highest_gain: float = math.inf
 
 
 def step_metrics(
     system: control.lti.LTI | LinearSystem, band: float = SETTLING_BAND
 ) -> StepMetrics:
-    """Exact metrics of a stable, continuous, single-input single-output system.
+    """Exact metrics of a stable system with one input and one output.
 
     The response is evaluated by matrix exponentials; extrema and the last crossing of the band are
-    found as roots, to better than 1e-9 s. Raises `DesignError` for unstable systems.
+    found as roots, to better than 1e-9 s. Of a discrete system the samples are taken: the settling
+    time is the first sample from which all lie in the band. Raises `DesignError` for unstable
+    systems and for several inputs or outputs.
     """
     realised = LinearSystem.of(system)
     matrix = realised.A
+    outputs, inputs = realised.D.shape
+    if (outputs, inputs) != (1, 1):
+        raise DesignError(
+            f"the system has {inputs} inputs and {outputs} outputs; choose one channel, such as "
+            "system[0, 0] (output, input)"
+        )
+    if realised.isdtime():
+        return _metrics_at_samples(realised, band)
     if matrix.size == 0:
         return StepMetrics(0.0, 0.0, float(np.real(realised.D[0, 0])))
     poles = np.linalg.eigvals(matrix)
@@ -76,16 +95,52 @@ def step_metrics(
     return StepMetrics(settling_time([segment], band), overshoot, final)
 
 
+def _metrics_at_samples(system: LinearSystem, band: float) -> StepMetrics:
+    radius = float(np.abs(np.linalg.eigvals(system.A)).max()) if system.nstates else 0.0
+    if radius >= 1:
+        raise DesignError(
+            f"the system is not stable (a pole at distance {radius:.4g} from 0), so it does not "
+            "settle; change the gains"
+        )
+    count = system.nstates + (math.ceil(math.log(_REMAINDER) / math.log(radius)) if radius else 0)
+    if count > _MOST_SAMPLES:
+        raise DesignError(f"the system needs {count} samples to settle (pole at {radius:.7f})")
+    gain = np.linalg.solve(np.eye(system.nstates) - system.A, system.B[:, 0])
+    final = float(system.C[0] @ gain + system.D[0, 0])
+    if final == 0.0:
+        raise DesignError("the step response ends at 0, so there is no band to settle into")
+    state, values = np.zeros(system.nstates), []
+    for _ in range(count + 1):
+        values.append(float(system.C[0] @ state + system.D[0, 0]) / final)
+        state = system.A @ state + system.B[:, 0]
+    outside = [k for k, value in enumerate(values) if abs(value - 1) > band * (1 + _REMAINDER)]
+    settled = (outside[-1] + 1 if outside else 0) * system.dt
+    excess = max(values) - 1
+    return StepMetrics(settled, excess if excess > 10 * _REMAINDER else 0.0, final, settled)
+
+
 def margins(open_loop: control.lti.LTI | LinearSystem) -> Margins:
     """Margins of the loop with unit negative feedback around `open_loop`.
 
-    A discrete loop is searched up to and including half the sampling frequency, where its response
-    is real: a phase crossover there counts.
+    A discrete loop is searched from 0 up to and including half the sampling frequency; at both
+    its response is real: a phase crossover there counts.
     """
     if open_loop.isdtime(strict=True):
         return _discrete_margins(open_loop)
-    gain, phase, _, crossover = control.margin(open_loop)
-    return Margins(float(gain), float(phase), float(crossover))
+    system = LinearSystem.of(open_loop).for_control()
+    found = control.stability_margins(system, returnall=True)
+    edges = [(float(gain), float(at)) for gain, at in zip(found[0], found[3], strict=True)]
+    _, phase, _, crossover = control.margin(system)
+    return _margins(edges, float(phase), float(crossover))
+
+
+def _margins(edges: list[tuple[float, float]], phase: float, crossover: float) -> Margins:
+    """From the edges of stability: factors with their frequencies."""
+    edges = [(gain, at) for gain, at in edges if 0 < gain < 1 / _REMAINDER]
+    nearest = min(edges, key=lambda edge: abs(math.log(edge[0])), default=(math.inf, math.nan))
+    lowest = max((gain for gain, _ in edges if gain < 1), default=0.0)
+    highest = min((gain for gain, _ in edges if gain >= 1), default=math.inf)
+    return Margins(nearest[0], phase, crossover, nearest[1], lowest, highest)
 
 
 class _Sampled:
@@ -123,10 +178,12 @@ def crossovers(open_loop: control.lti.LTI) -> tuple[tuple[float, float], ...]:
 def _discrete_margins(open_loop: control.lti.LTI | LinearSystem) -> Margins:
     response = _Sampled(open_loop)
     nyquist, grid, values = response.nyquist, response.grid, response.values
-    gain, phase, crossover = math.inf, math.inf, math.nan
-    at_nyquist = response(nyquist).real
-    if at_nyquist < -_REMAINDER:
-        gain = -1 / at_nyquist
+    phase, crossover = math.inf, math.nan
+    edges = []
+    for frequency in (0.0, nyquist):
+        real = _real_value(response, frequency)
+        if real < -_REMAINDER:
+            edges.append((-1 / real, frequency))
     for (left, right), (first, last) in zip(pairwise(grid), pairwise(values), strict=True):
         if (abs(first) > 1) != (abs(last) > 1):
             root = response.crossover(left, right)
@@ -135,5 +192,18 @@ def _discrete_margins(open_loop: control.lti.LTI | LinearSystem) -> Margins:
                 phase, crossover = own, root
         if (first.imag > 0) != (last.imag > 0) and first.real < 0:
             root = float(optimize.brentq(lambda w: response(w).imag, left, right))
-            gain = min(gain, -1 / response(root).real)
-    return Margins(gain, phase, crossover)
+            edges.append((-1 / response(root).real, root))
+    return _margins(edges, phase, crossover)
+
+
+def _real_value(response: _Sampled, frequency: float) -> float:
+    """The response where it is real; 0 where a pole makes it infinite."""
+    lowest = response.grid[0]
+    if frequency == 0.0 and abs(response(lowest / 10)) > 2 * abs(response(lowest)):
+        return 0.0
+    with np.errstate(all="ignore"):
+        try:
+            value = response(frequency).real
+        except np.linalg.LinAlgError:
+            return 0.0
+    return value if math.isfinite(value) else 0.0

@@ -26,7 +26,9 @@ from ravenbrick.control.estimation.encoder_run import (
 from ravenbrick.control.estimation.estimator import LoopSpecification
 from ravenbrick.control.synthesis.controller import pi_diagram
 from ravenbrick.control.synthesis.tuning import DiscretePi, PiGains
+from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linear_system
+from ravenbrick.model.fidelity import TOLERANCE, as_held, fidelity
 from ravenbrick.model.lazy import linalg
 
 __all__ = ["Design", "EstimatorComparison", "finish_design"]
@@ -201,11 +203,47 @@ class Design:
             "sampled_linear": _response(self.sampled_response, self.sampled_metrics),
             "estimators": [comparison.row() for comparison in self.estimators],
             "loop": self.designed_loop.written(),
+            "fidelity": self.fidelity(),
         }
+
+    def fidelity(self) -> dict[str, Any]:
+        """The loop with the controller's numbers as held beside the design; raises `DesignError`.
+
+        Each figure of `loop` as designed and as held; `blocks` as `model.fidelity` compares them.
+        """
+        own = self.specification
+        held = linear_system(as_held(self.controller.lower()))
+        loops = {
+            "designed": SampledLoop(self.loop, self.discrete.system(), own.window or 1, own.delay),
+            "held": SampledLoop(self.loop, held, own.window or 1, own.delay),
+        }
+        rows = {name: _loop_figures(loop) for name, loop in loops.items()}
+        for figure, wanted in rows["designed"].items():
+            found = rows["held"][figure]
+            if not abs(found - wanted) <= TOLERANCE * max(abs(wanted), TOLERANCE):
+                raise DesignError(
+                    f"with its numbers as held the loop has {figure} {found:.6g} instead of "
+                    f"{wanted:.6g}; use double precision, or a longer sample time"
+                )
+        return {"loop": rows, "blocks": fidelity(self.controller).rows()}
 
     def write_results(self, path: Path) -> None:
         """Write `results` as JSON."""
         atomic_write(path, json.dumps(self.results(), indent=1) + "\n")
+
+
+def _loop_figures(loop: SampledLoop) -> dict[str, float]:
+    """What is compared of a loop: poles by the largest, margins, step response."""
+    margins, metrics = loop.margins(), loop.step_metrics()
+    return {
+        "largest_pole": float(np.abs(loop.poles()).max()),
+        "phase_margin_deg": margins.phase_margin_deg,
+        "crossover_rad_s": margins.crossover,
+        "gain_margin": margins.gain_margin,
+        "settling_time": metrics.settling_time,
+        "overshoot": metrics.overshoot,
+        "final_value": metrics.final_value,
+    }
 
 
 def _response(response: StepResponse, metrics: StepMetrics) -> Mapping[str, Any]:

@@ -49,8 +49,14 @@ def gain_family(
     dampings: tuple[float, ...] = DAMPINGS,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[FamilyMember, ...]:
-    """Members in continuous time, then for each integrator without and with the loop's delay."""
-    count = 1 + len(dampings) + 2 * len(IntegrationMethod)
+    """Members in continuous time, then for each integrator without and with the loop's delay.
+
+    A damping that needs a negative gain has no member.
+    """
+    damped = {one: pi_by_damping(loop, one, wanted.settling_time) for one in dampings}
+    # With a negative gain the loop settles in time, but first goes the wrong way.
+    damped = {one: pi for one, pi in damped.items() if min(pi.proportional, pi.integral) >= 0}
+    count = 1 + len(damped) + 2 * len(IntegrationMethod)
     found: list[FamilyMember] = []
 
     def add(member: FamilyMember) -> None:
@@ -59,8 +65,7 @@ def gain_family(
             progress(len(found), count)
 
     add(_continuous(loop, "lambda", pi_by_lambda(loop, wanted.settling_time)))
-    for damping in dampings:
-        gains = pi_by_damping(loop, damping, wanted.settling_time)
+    for damping, gains in damped.items():
         add(_continuous(loop, f"damping {damping:g}", gains))
     for method in IntegrationMethod:
         name = method.name.lower().replace("_", " ")

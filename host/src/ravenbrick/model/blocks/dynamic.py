@@ -13,7 +13,6 @@ from ravenbrick.model import program as ir
 from ravenbrick.model.blocks.basic import (
     Assignments,
     Block,
-    DiscreteTransferFunction,
     Inputs,
     Parameter,
     Value,
@@ -27,7 +26,6 @@ __all__ = [
     "MovingAverage",
     "PidController",
     "state_space_block",
-    "transfer_function_block",
 ]
 
 _LONGEST_DELAY = 256
@@ -325,21 +323,4 @@ def state_space_block(
         b=tuple(map(tuple, np.asarray(system.B).tolist())),
         c=tuple(np.asarray(system.C)[output].tolist()),
         d=tuple(np.asarray(system.D)[output].tolist()),
-    )
-
-
-def transfer_function_block(
-    name: str, system: control.TransferFunction, data_type: ir.DataType = ir.DataType.REAL32
-) -> DiscreteTransferFunction:
-    """A discrete python-control transfer function with one input and one output."""
-    if not control.isdtime(system, strict=True):
-        raise ValueError(f"block '{name}': the system is continuous; discretise it first")
-    numerator, denominator = (np.trim_zeros(p[0][0], "f") for p in (system.num, system.den))
-    leading = denominator[0]
-    padding = (0.0,) * (len(denominator) - len(numerator))
-    return DiscreteTransferFunction(
-        name,
-        data_type,
-        numerator=(*padding, *(float(value / leading) for value in numerator)),
-        denominator=tuple(float(value / leading) for value in denominator),
     )

@@ -1,0 +1,268 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether what runs is what was designed: a program with its numbers as held, beside the ideal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ravenbrick.errors import DesignError
+from ravenbrick.model import program as ir
+from ravenbrick.model.diagram import Diagram, DiagramError
+from ravenbrick.model.execution import Execution
+from ravenbrick.model.linear_system import LinearSystem
+from ravenbrick.model.linearisation import linear_system
+
+__all__ = ["TOLERANCE", "BlockFidelity", "Fidelity", "as_held", "check_fidelity", "fidelity"]
+
+TOLERANCE = 1e-3
+_FREQUENCIES = 60
+_LONGEST = 2000
+_SHORTEST = 100
+_SAME = 1e-12
+
+
+@dataclass(frozen=True)
+class BlockFidelity:
+    """A linear block as it runs beside its design.
+
+    `pole_shift` is the largest move of a pole as a share of its distance from z = 1 or from 0,
+    the smaller; `response_error` the largest error of a frequency response, `step_error` that of a
+    step response of `steps` samples, run in its number format; both as shares of the largest value.
+    """
+
+    block: str
+    block_type: str
+    order: int
+    pole_shift: float
+    response_error: float
+    step_error: float
+    steps: int
+
+    @property
+    def worst(self) -> float:
+        """The larger of both errors."""
+        return max(self.response_error, self.step_error)
+
+    def row(self) -> dict[str, Any]:
+        """Plain values by name."""
+        return dict(vars(self))
+
+
+@dataclass(frozen=True)
+class Fidelity:
+    """All blocks with states whose numbers are not exact, and the tolerance they must keep."""
+
+    program: str
+    tolerance: float
+    blocks: tuple[BlockFidelity, ...]
+
+    def failures(self) -> tuple[BlockFidelity, ...]:
+        """Blocks that do not do what was designed."""
+        return tuple(one for one in self.blocks if not one.worst <= self.tolerance)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Plain values of all blocks."""
+        return [one.row() for one in self.blocks]
+
+
+def fidelity(diagram: Diagram | ir.Program, tolerance: float = TOLERANCE) -> Fidelity:
+    """Each linear block with states: coefficients, word lengths and order of operations as held.
+
+    Blocks that are not linear, or whose numbers are all exact, do by construction what is drawn.
+    """
+    program = diagram.lower() if isinstance(diagram, Diagram) else diagram
+    if ir.is_fixed_point(program):  # see fixed_point_fidelity
+        return Fidelity(program.name, tolerance, ())
+    found = [_compared(part) for part in _parts(program)]
+    return Fidelity(program.name, tolerance, tuple(one for one in found if one is not None))
+
+
+def check_fidelity(diagram: Diagram | ir.Program, tolerance: float = TOLERANCE) -> Fidelity:
+    """`fidelity`, refused with the worst block's name where the tolerance is exceeded."""
+    found = fidelity(diagram, tolerance)
+    failures = found.failures()
+    if failures:
+        worst = max(failures, key=lambda one: one.worst)
+        raise DesignError(
+            f"block '{worst.block}' would not do what was designed: in its number format its step "
+            f"response is wrong by {_share(worst.step_error)} and its frequency response by "
+            f"{_share(worst.response_error)} (allowed: {_share(tolerance)}); "
+            f"{_advice(worst.block_type)}"
+        )
+    return found
+
+
+def _share(value: float) -> str:
+    return f"{100 * value:.3g} %" if value < 10 else "more than its size"
+
+
+def _advice(block_type: str) -> str:
+    if block_type == "DiscreteTransferFunction":
+        return "use transfer_function_block, which keeps the digits, or double precision"
+    return "lengthen the sample time, use double precision, or split slow and fast parts"
+
+
+def as_held(program: ir.Program) -> ir.Program:
+    """The same program with each number as its format holds it."""
+
+    def held(expression: ir.Expression) -> ir.Expression:
+        match expression:
+            case ir.Literal(value=value, data_type=form):
+                return ir.Literal(float(form.scalar(value)), form)
+            case ir.Binary(left=left, right=right):
+                return replace(expression, left=held(left), right=held(right))
+            case ir.Clamp(value=value, limit=limit):
+                return ir.Clamp(held(value), held(limit))
+            case ir.Cast(value=value):
+                return replace(expression, value=held(value))
+            case _:
+                return expression
+
+    def slot(one: ir.Slot) -> ir.Slot:
+        return replace(one, initial=float(one.data_type.scalar(one.initial)))
+
+    return replace(
+        program,
+        parameters=tuple(map(slot, program.parameters)),
+        states=tuple(map(slot, program.states)),
+        statements=tuple(replace(s, expression=held(s.expression)) for s in program.statements),
+    )
+
+
+def _parts(program: ir.Program) -> list[tuple[str, ir.Program]]:
+    """A program of its own for each block with states; what it reads of others are its inputs."""
+    found = []
+    by_block: dict[str, list[ir.Statement]] = {}
+    for statement in program.statements:
+        by_block.setdefault(statement.block, []).append(statement)
+    for block, statements in by_block.items():
+        states = tuple(slot for slot in program.states if slot.block == block)
+        kinds = {statement.block_type for statement in statements} - {"Enable", "Rate"}
+        own = [s for s in statements if s.target.kind is ir.Kind.SIGNAL and s.target.name == block]
+        if not states or len(kinds) != 1 or len(own) != 1:
+            continue
+        out = ir.Slot(ir.Kind.OUTPUT, "Out", own[0].target.data_type, block)
+        last = ir.Statement(out, ir.Read(own[0].target), block, own[0].block_type)
+        read = _read(statements)
+        own_names = {(s.target.kind, s.target.name) for s in statements}
+        inputs = tuple(
+            slot
+            for name, slot in read.items()
+            if slot.kind is not ir.Kind.PARAMETER and name not in own_names
+        )
+        place = statements.index(own[0]) + 1
+        part = replace(
+            program,
+            inputs=inputs,
+            outputs=(out,),
+            states=states,
+            parameters=tuple(s for s in program.parameters if (s.kind, s.name) in read),
+            statements=(*statements[:place], last, *statements[place:]),
+        )
+        found.append((kinds.pop(), part))
+    return found
+
+
+def _read(statements: Sequence[ir.Statement]) -> dict[tuple[ir.Kind, str], ir.Slot]:
+    """Variables that the statements read."""
+    found: dict[tuple[ir.Kind, str], ir.Slot] = {}
+    waiting = [statement.expression for statement in statements]
+    while waiting:
+        node = waiting.pop()
+        waiting.extend(ir.children(node))
+        if isinstance(node, ir.Read):
+            found[node.slot.kind, node.slot.name] = node.slot
+    return found
+
+
+def _compared(given: tuple[str, ir.Program]) -> BlockFidelity | None:
+    kind, part = given
+    held = as_held(part)
+    exact = held.statements == part.statements and held.parameters == part.parameters
+    if exact or not part.inputs:
+        return None
+    try:
+        ideal, real = linear_system(part), linear_system(held)
+    except DiagramError:
+        return None
+    poles, moved = (np.linalg.eigvals(system.A) for system in (ideal, real))
+    steps = _horizon(poles)
+    return BlockFidelity(
+        block=part.outputs[0].block,
+        block_type=kind,
+        order=ideal.nstates,
+        pole_shift=_pole_shift(poles, moved),
+        response_error=_response_error(ideal, real),
+        step_error=max(_step_error(part, ideal, port, steps) for port in range(len(part.inputs))),
+        steps=steps,
+    )
+
+
+_Poles = npt.NDArray[Any]
+
+
+def _horizon(poles: _Poles) -> int:
+    """Three of the longest time constants, in samples, within bounds."""
+    slow = [abs(pole - 1) for pole in poles if abs(pole - 1) > _SAME and abs(pole) < 1]
+    wanted = math.ceil(3 / min(slow)) if slow else _SHORTEST
+    return min(max(wanted, _SHORTEST), _LONGEST)
+
+
+def _pole_shift(ideal: _Poles, real: _Poles) -> float:
+    worst = 0.0
+    for pole in ideal:
+        shift = float(np.abs(real - pole).min())
+        size = min(value for value in (abs(pole - 1), abs(pole), 1.0) if value > _SAME)
+        worst = max(worst, shift / size if shift > _SAME else 0.0)
+    return float(worst)
+
+
+def _response(system: LinearSystem, points: _Poles) -> _Poles:
+    """Shape (points, inputs). With A - 1 and z - 1, which keep the digits of slow poles."""
+    slow = system.A - np.eye(system.nstates)
+    rest = points[:, np.newaxis, np.newaxis] * np.eye(system.nstates) - slow
+    states = np.linalg.solve(rest, np.broadcast_to(system.B, (len(points), *system.B.shape)))
+    return np.asarray((system.C @ states + system.D)[:, 0, :])
+
+
+def _response_error(ideal: LinearSystem, real: LinearSystem) -> float:
+    """The largest difference over the largest value nearby, from 1e-4 of the sampling rate up."""
+    points = np.expm1(1j * np.geomspace(math.pi * 1e-4, math.pi, _FREQUENCIES))
+    try:
+        wanted, found = _response(ideal, points), _response(real, points)
+    except np.linalg.LinAlgError:
+        return math.inf
+    worst = 0.0
+    for column, own in zip(wanted.T, found.T, strict=True):
+        sizes = np.abs(column)
+        near = np.array([sizes[max(k - 8, 0) : k + 9].max() for k in range(len(sizes))])
+        if near.max() > 0:
+            scale = np.maximum(near, near.max() * 1e-9)
+            worst = max(worst, float(np.max(np.abs(own - column) / scale)))
+    return worst
+
+
+def _step_error(part: ir.Program, ideal: LinearSystem, port: int, steps: int) -> float:
+    """The step response at one input, run as it is held, against the ideal in double precision."""
+    run = Execution(replace(part, states=tuple(replace(s, initial=0.0) for s in part.states)))
+    given: Mapping[str, float] = {
+        slot.name: float(index == port) for index, slot in enumerate(part.inputs)
+    }
+    state = np.zeros(ideal.nstates)
+    worst = largest = 0.0
+    for _ in range(steps):
+        wanted = float(ideal.C[0] @ state + ideal.D[0, port])
+        state = ideal.A @ state + ideal.B[:, port]
+        found = float(run.step(given)["Out"])
+        largest, error = max(largest, abs(wanted)), abs(found - wanted)
+        worst = max(worst, error if math.isfinite(error) else math.inf)
+        if not math.isfinite(worst):
+            break
+    return worst / largest if largest else worst

@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What runs is what was designed: default form of transfer functions, and the gate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import control
+import numpy as np
+import pytest
+from verification.support.codegen.controller_forms import (
+    FORMS,
+    exact_answer,
+    form_diagram,
+    random_controller,
+)
+
+from ravenbrick.codegen import generate_ada, generate_c
+from ravenbrick.errors import DesignError
+from ravenbrick.model import (
+    Block,
+    Diagram,
+    DiscreteTransferFunction,
+    Execution,
+    IntegrationMethod,
+    ZeroPoleGain,
+    fidelity,
+    transfer_function_block,
+)
+
+SAMPLE_TIME = 0.004
+# 1 / (s (s + 1)^2): its step response is 18 after 20 s.
+SLOW = ZeroPoleGain((), (0.0, -1.0, -1.0), 1.0)
+
+
+def last_output(diagram: Diagram, steps: int) -> float:
+    """Of a unit step."""
+    run = Execution(diagram)
+    for _ in range(steps):
+        found = run.step({"In": 1.0})
+    return float(found["Out"])
+
+
+def test_slow_poles_keep_their_digits_in_single_precision() -> None:
+    """20 s of integrator and two poles at 1 rad/s, sampled every 4 ms."""
+    exact = exact_answer(SLOW, SAMPLE_TIME, 5001, 5001)[-1]
+    assert exact == pytest.approx(18.0, abs=3e-3)
+    continuous = control.tf([1], np.poly([0, -1, -1]))
+    for system in (SLOW, continuous):
+        block = transfer_function_block("F", system, sample_time=SAMPLE_TIME)
+        diagram = form_diagram([block], SAMPLE_TIME)
+        assert last_output(diagram, 5001) == pytest.approx(exact, rel=3e-4)
+
+
+@pytest.mark.parametrize("generate", [generate_c, generate_ada])
+def test_a_direct_form_that_loses_its_digits_is_refused(generate: Callable[..., object]) -> None:
+    """The sentence names the block, how wrong it is, and what helps."""
+    sampled = SLOW.sampled(SAMPLE_TIME)
+    diagram = form_diagram(FORMS["direct"](sampled), SAMPLE_TIME)
+    with pytest.raises(DesignError, match=r"block 'Direct' would not do what was designed.*%"):
+        generate(diagram)
+    generate(diagram, tolerance=None)
+    own = form_diagram(FORMS["delta"](sampled), SAMPLE_TIME)
+    generate(own)
+    (row,) = fidelity(own).blocks
+    assert row.worst < 1e-5 and row.pole_shift < 1e-7
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("sample_time", [0.001, 0.02])
+def test_the_default_form_answers_as_sixty_digits_do(seed: int, sample_time: float) -> None:
+    """Random controllers, a step up and down."""
+    system = random_controller(np.random.default_rng(seed))
+    block = transfer_function_block("F", system, sample_time=sample_time)
+    run = Execution(form_diagram([block], sample_time))
+    exact = exact_answer(system, sample_time, 1200, 600)
+    found = [float(run.step({"In": float(k < 600)})["Out"]) for k in range(1200)]
+    assert np.abs(np.array(found) - exact).max() < 1e-3 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("method", list(IntegrationMethod))
+def test_roots_are_mapped_as_the_method_says(method: IntegrationMethod) -> None:
+    """Against python-control's mapping of the polynomials, at frequencies."""
+    names = {"forward Euler": "euler", "Tustin": "bilinear", "backward Euler": "backward_diff"}
+    zeros, poles = (-3.0,), (-1.0, -5 + 4j, -5 - 4j)
+    own = ZeroPoleGain(zeros, poles, 2.5).sampled(0.01, method)
+    wanted = control.sample_system(control.zpk(zeros, poles, 2.5), 0.01, names[method.value])
+    frequencies = np.geomspace(0.1, 300, 20)
+    assert np.allclose(own.response(frequencies), wanted(np.exp(1j * frequencies * 0.01)))
+
+
+def test_polynomials_that_do_not_fix_the_response_are_refused() -> None:
+    """Five poles at 1 rad/s every millisecond: sixteen digits are too few, their roots are not."""
+    slow = 1 - 1e-3
+    system = control.tf([1.0], np.poly([slow] * 5), 0.001)
+    with pytest.raises(DesignError, match=r"block 'F': the coefficients do not .*give the roots"):
+        transfer_function_block("F", system)
+    roots = ZeroPoleGain((), (slow - 1,) * 5, 1e-15, 0.001)
+    assert last_output(form_diagram([transfer_function_block("F", roots)], 0.001), 6000) > 0.5
+
+
+def test_an_integrator_beside_a_lag_is_one_although_its_coefficients_are_rounded() -> None:
+    """The product of z - 1 and z - 0.9048 in double precision."""
+    system = control.tf([1.0, 0.0], np.convolve([1, -1], [1, -0.9048]), 0.01)
+    assert 0 in ZeroPoleGain.of(system).poles
+
+
+def refused(make: Callable[[], Block | ZeroPoleGain]) -> str:
+    """The sentence."""
+    with pytest.raises((DesignError, ValueError)) as caught:
+        make()
+    return str(caught.value)
+
+
+def test_what_is_no_controller_is_refused_with_a_sentence() -> None:
+    """More zeros than poles, half a pair, a number."""
+    assert "at least as many poles" in refused(lambda: ZeroPoleGain((1.0,), (), 1.0))
+    assert "conjugate pairs" in refused(lambda: ZeroPoleGain((), (1j,), 1.0))
+    number = ZeroPoleGain((), (), 2.0, 0.01)
+    assert "use a Gain" in refused(lambda: transfer_function_block("F", number))
+
+
+def test_a_finite_impulse_response_stays_a_polynomial() -> None:
+    """Its poles are all at 0, where a polynomial is exact."""
+    block = transfer_function_block("F", control.tf([0.5, 0.25, 0.25], [1, 0, 0], 0.01))
+    assert isinstance(block, DiscreteTransferFunction)
