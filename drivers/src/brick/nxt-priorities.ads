@@ -2,9 +2,10 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Priorities of the drivers. Among interrupts the shortest deadline comes first: a byte on the
---  co-processor link lasts 22 us, a motor edge stays at least 0.5 ms and must not be miscounted; a
---  late tick of the sensors' buses makes them slower and nothing else, the display can wait,
---  sound has a buffer of some milliseconds, and a USB host tries again for as long as it takes.
+--  co-processor link takes 22 us and what the co-processor holds the clock (20 us), a motor edge
+--  stays at least 0.5 ms and must not be miscounted; a late tick of the sensors' buses makes them
+--  slower and nothing else, the display can wait, sound has a buffer of some milliseconds, and a
+--  USB host tries again for as long as it takes.
 
 with System;
 

@@ -100,12 +100,19 @@ package body NXT.AVR_IO is
    function Word_At (Frame : Input_Frame; Place : Positive) return Unsigned_16 is
      (Unsigned_16 (Frame (Place)) + 256 * Unsigned_16 (Frame (Place + 1)));
 
+   --  A frame from before the first sampling: LEGO's co-processor has measured the battery then,
+   --  but no port.
+   function Is_Unsampled (Frame : Input_Frame; Battery : Unsigned_16) return Boolean is
+     ((Battery and Battery_Mask) = 0
+      or else (Word_At (Frame, 1) or Word_At (Frame, 3) or Word_At (Frame, 5)
+               or Word_At (Frame, 7)) = 0);
+
    procedure Decode (Frame : Input_Frame; Values : out Inputs; Judgement : out Verdict) is
       Battery : constant Unsigned_16 := Word_At (Frame, 11);
    begin
       Values := (others => <>);
       Judgement := (if Sum (Frame) /= 16#FF# then Corrupt
-                    elsif (Battery and Battery_Mask) = 0 then Not_Sampled
+                    elsif Is_Unsampled (Frame, Battery) then Not_Sampled
                     else Valid);
       if Judgement = Valid then
          for Sensor in Sensor_Id loop

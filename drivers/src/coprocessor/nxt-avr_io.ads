@@ -59,8 +59,9 @@ package NXT.AVR_IO is
    function Encode (Values : Outputs) return Output_Frame;
 
    type Verdict is (Valid, Not_Sampled, Corrupt);
-   --  Not_Sampled: the sum is right, but the co-processor has not begun to sample. Until then it
-   --  sends zeros, and a battery that runs the brick never reads zero. Corrupt: the sum is wrong.
+   --  Not_Sampled: the sum is right, but the co-processor has not begun to sample. Until then all
+   --  ports read zero, which would be pressed touch sensors; sampled ports without a sensor read
+   --  full scale. A battery that runs the brick never reads zero. Corrupt: the sum is wrong.
 
    procedure Decode (Frame : Input_Frame; Values : out Inputs; Judgement : out Verdict);
    --  Values are the defaults unless Judgement is Valid.

@@ -33,11 +33,11 @@ SEVERAL = {
     "thumb_odd_target_cycles": 1,
     "flash_data_wait_cycles": 2,
     "pdc_steal_cycles": 4,
-    "aic_edge_cycles": 4,
+    "aic_edge_cycles": 5,
     "pio_filter_cycles": 2,
     "core_sync_cycles": 2,
     "mask_change_delayed": False,
-    "coprocessor_stretch_cycles": 961,
+    "coprocessor_stretch_cycles": 480,
 }
 
 
@@ -65,9 +65,11 @@ def verdicts(comparison: Comparison) -> dict[str, str]:
 
 
 def test_nothing_altered_confirms_every_parameter(image: ElfImage, nominal: Record) -> None:
-    """All rows agree, and no neighbour of a value gives the same rows."""
+    """All rows agree, and no neighbour of a value gives the same rows, but for a delay that ends
+    before the next load can see it."""
     comparison = compare(nominal, image)
-    assert verdicts(comparison) == {p.name: "confirmed" for p in PARAMETERS}
+    hidden = {"aic_level_cycles": "possible"}
+    assert verdicts(comparison) == {p.name: "confirmed" for p in PARAMETERS} | hidden
     assert comparison.timing == {} and comparison.unexplained == []
     assert all(row.agrees for row in comparison.rows)
     assert set(comparison.missing) == {"motor.B", "motor.C"}
@@ -82,7 +84,7 @@ def test_altered_parameters_are_found_together(image: ElfImage) -> None:
     assert stretch == pytest.approx(SEVERAL["coprocessor_stretch_cycles"], abs=48)
     assert found == {k: v for k, v in SEVERAL.items() if k != "coprocessor_stretch_cycles"}
     assert comparison.unexplained == []
-    unmoved = {name for name, word in verdicts(comparison).items() if word == "confirmed"}
+    unmoved = {name for name, word in verdicts(comparison).items() if word != "moved"}
     assert unmoved == {p.name for p in PARAMETERS} - set(SEVERAL)
 
 
@@ -100,7 +102,7 @@ def test_each_parameter_moves_its_rows(
     image: ElfImage, nominal: Record, parameter: Parameter
 ) -> None:
     """Otherwise the record could not say anything about it."""
-    others = [value for value in parameter.values if value != parameter.nominal] or [961]
+    others = [value for value in parameter.values if value != parameter.nominal] or [480]
     record = altered(image, PARTS[0], **{parameter.name: others[-1]})
     assert all(record.rows[name] != nominal.rows[name] for name in parameter.rows)
 
@@ -108,7 +110,8 @@ def test_each_parameter_moves_its_rows(
 @pytest.mark.parametrize("name", UNSEEN)
 def test_no_row_depends_on_an_unseen_parameter(image: ElfImage, nominal: Record, name: str) -> None:
     """It is named as such in each comparison."""
-    rows = altered(image, PARTS[0], **{name: 0}).rows
+    other = {"twi_stop_decision": "release", "coprocessor_pass_cycles": 2_000}.get(name, 0)
+    rows = altered(image, PARTS[0], **{name: other}).rows
     assert {key: nominal.rows[key] for key in rows} == rows
 
 

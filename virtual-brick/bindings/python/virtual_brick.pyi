@@ -314,3 +314,9 @@ def bound_execution_times(
     the interpreter lock. Raises ValueError for a wrong image, annotation or request; a function
     without a bound is an answer with its `error`.
     """
+
+def timing_parameters() -> str:
+    """The parameters of `timing` in the configuration, as a JSON list.
+
+    Each has its name, meaning, source, allowed values and the values of the three profiles.
+    """

@@ -9,6 +9,8 @@ import type { Actions, View } from "./view";
 const LABELS: Record<string, string> = {
   "battery.voltage": "battery",
   "fault.coprocessor_checksum": "checksums to corrupt",
+  "fault.coprocessor_torn_words": "answers with torn words",
+  "fault.coprocessor_refuses": "co-processor refuses frames",
   "fault.twi_stuck": "co-processor bus stuck",
 };
 

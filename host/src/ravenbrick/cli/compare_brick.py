@@ -28,7 +28,7 @@ from ravenbrick.image.raw_binary import flat_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
 from ravenbrick.self_test.comparison import Comparison, compare, equipment, verdict
-from ravenbrick.self_test.parameters import PARAMETERS, UNSEEN
+from ravenbrick.self_test.parameters import INSEPARABLE, PARAMETERS, UNSEEN
 from ravenbrick.self_test.record import Record, read_record, recorded_image, write_record
 from ravenbrick.self_test.taking import from_real_brick, from_virtual_brick
 from ravenbrick.telemetry.links import Link, LinkLostError, open_link
@@ -48,7 +48,7 @@ class Source(StrEnum):
 
 
 def _assignment(text: str) -> tuple[str, Any]:
-    names = [*(parameter.name for parameter in PARAMETERS), *UNSEEN]
+    names = [*(parameter.name for parameter in PARAMETERS), *UNSEEN, *INSEPARABLE]
     name, equals, value = text.partition("=")
     if not equals or name not in names:
         raise UsageError(f"--alter {text}: expected NAME=VALUE; the names are {', '.join(names)}")
@@ -145,7 +145,7 @@ def _print(reporter: Reporter, comparison: Comparison) -> None:
         ],
         left=("verdict",),
     )
-    for name, reason in UNSEEN.items():
+    for name, reason in {**UNSEEN, **INSEPARABLE}.items():
         reporter.print(f"not seen by the self-test: {name} ({reason})")
     if comparison.timing:
         reporter.print(

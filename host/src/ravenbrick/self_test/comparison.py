@@ -13,7 +13,7 @@ from ravenbrick.catalogue import part_values
 from ravenbrick.errors import RunFaultError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.self_test.fitting import Estimate, Rows, fit
-from ravenbrick.self_test.parameters import UNSEEN, Value
+from ravenbrick.self_test.parameters import INSEPARABLE, UNSEEN, Value
 from ravenbrick.self_test.record import PARTS, Record
 from ravenbrick.self_test.taking import Settings, from_virtual_brick
 from ravenbrick.self_test.tolerances import tolerance_of
@@ -69,7 +69,7 @@ class Comparison:
             "timing": self.timing,
             "unexplained": self.unexplained,
             "not_measured": dict(self.missing),
-            "not_seen": dict(UNSEEN),
+            "not_seen": {**UNSEEN, **INSEPARABLE},
         }
 
 

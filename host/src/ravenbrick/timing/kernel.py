@@ -88,8 +88,8 @@ EXCEPTION_CYCLES = 3
 # (`aic_level_cycles`, `core_sync_cycles`), the longest instruction.
 ALARM_LATENESS_CYCLES = {
     "optimistic": 16 + 4 + 5 + 20,
-    "nominal": 16 + 4 + 7 + 20,
-    "pessimistic": 16 + 4 + 8 + 20,
+    "nominal": 16 + 4 + 6 + 20,
+    "pessimistic": 16 + 4 + 7 + 20,
 }
 # What the alarm is set early by, so that the wake-up time has passed when its handler looks.
 ALARM_LEAD_CYCLES = 2 * (48 + 16)

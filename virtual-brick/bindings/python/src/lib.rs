@@ -33,7 +33,7 @@ mod virtual_brick {
     #[pymodule_export]
     use crate::errors::{AddressError, ConfigurationError, ImageError, InputError};
     #[pymodule_export]
-    use crate::timing::bound_execution_times;
+    use crate::timing::{bound_execution_times, timing_parameters};
     #[pymodule_export]
     use crate::values::{Stop, Thread};
 

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Execution-time bounds as a Python function: questions and answers are JSON.
+//! Timing as Python functions: bounds of execution times, the parameters that no document fixes.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use serde_json::json;
+use virtual_brick_facade::{Timing, TIMING_PARAMETERS};
 use wcet::{AnnotationFile, Request};
 
 use crate::chip_memory_map::memory_map;
@@ -59,4 +61,22 @@ pub(crate) fn bound_execution_times(
         .detach(|| request.answer(&elf, &map))
         .map_err(|e| wrong(&e))?;
     serde_json::to_string(&response).map_err(|e| wrong(&e))
+}
+
+/// The parameters of `timing` in the configuration, as a JSON list.
+#[pyfunction]
+pub(crate) fn timing_parameters() -> String {
+    let rows = TIMING_PARAMETERS.iter().map(|parameter| {
+        let value = |timing: Timing| parameter.values.get(&timing);
+        json!({
+            "name": parameter.name,
+            "meaning": parameter.meaning,
+            "source": parameter.source,
+            "values": parameter.values.to_string(),
+            "optimistic": value(Timing::optimistic()),
+            "nominal": value(Timing::nominal()),
+            "pessimistic": value(Timing::pessimistic()),
+        })
+    });
+    serde_json::Value::from_iter(rows).to_string()
 }

@@ -204,6 +204,10 @@ pub trait Board {
     fn twi_write(&mut self, now: Cycles, byte: u8) -> TwiReply;
     /// The slave gives a byte: value and stretch before it.
     fn twi_read(&mut self, now: Cycles) -> (u8, Cycles);
+    /// The master did not acknowledge the last byte: how long the slave holds SCL before STOP.
+    fn twi_end_of_read(&mut self, _now: Cycles) -> Cycles {
+        0
+    }
     /// STOP on the bus.
     fn twi_stop(&mut self, now: Cycles);
     /// One SPI frame of `bits` bits was shifted through the pins of the SPI while its select line

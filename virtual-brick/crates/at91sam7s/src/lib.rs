@@ -30,4 +30,4 @@ pub use memory::sram::WatchHit;
 pub use memory::AddressError;
 pub use pins::pin_log::LoggedPins;
 pub use system::rstc::ResetCause;
-pub use timing::{ChipConfiguration, CodeBufferLoss, FlashCost, TimingProfile};
+pub use timing::{ChipConfiguration, CodeBufferLoss, FlashCost, TimingProfile, TwiStopDecision};

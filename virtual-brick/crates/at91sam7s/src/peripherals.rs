@@ -139,7 +139,7 @@ impl Peripherals {
             rstc: Rstc::new(),
             wdt: Wdt::new(now),
             rtt: Rtt::new(now),
-            twi: Twi::new(),
+            twi: Twi::new(configuration.timing.twi_stop_decision),
             spi: Spi::new(),
             adc: Adc::new(),
             ssc: Ssc::new(),

@@ -36,6 +36,16 @@ pub enum CodeBufferLoss {
     Gap,
 }
 
+/// When the two-wire interface looks whether a write goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TwiStopDecision {
+    /// When a byte was acknowledged.
+    #[default]
+    Acknowledge,
+    /// When the slave has let SCL go after that.
+    Release,
+}
+
 /// Costs in master clock cycles of what the processor and the interrupt path do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimingProfile {
@@ -68,6 +78,8 @@ pub struct TimingProfile {
     pub pio_input_cycles: Cycles,
     /// Added on pins whose glitch filter is on.
     pub pio_filter_cycles: Cycles,
+    /// When the two-wire interface looks whether a write goes on.
+    pub twi_stop_decision: TwiStopDecision,
 }
 
 impl TimingProfile {
@@ -94,37 +106,34 @@ impl TimingProfile {
             thumb_odd_target_cycles: 0,
             code_buffer_loss: CodeBufferLoss::Branch,
             apb_cycles: 2,
-            aic_level_cycles: 4,
-            aic_edge_cycles: 5,
+            aic_level_cycles: 3,
+            aic_edge_cycles: 4,
             core_sync_cycles: 3,
             pdc_steal_cycles: 1,
             pio_input_cycles: 1,
             pio_filter_cycles: 1,
+            twi_stop_decision: TwiStopDecision::Acknowledge,
         }
     }
 
     /// Every doubtful value at its lowest.
     pub const fn optimistic() -> Self {
         Self {
-            flash_sequential_arm: FlashCost {
-                base_cycles: 1,
-                per_wait_state_cycles: 0,
-            },
-            aic_level_cycles: 3,
-            aic_edge_cycles: 4,
             core_sync_cycles: 2,
             pio_input_cycles: 0,
+            twi_stop_decision: TwiStopDecision::Release,
             ..Self::nominal()
         }
     }
 
-    /// Every doubtful value at its highest.
+    /// Every doubtful value at its highest that programs known to work allow: NBC's firmware needs
+    /// `aic_edge_cycles` and `core_sync_cycles` of at most 7 together.
     pub const fn pessimistic() -> Self {
         Self {
             thumb_odd_target_cycles: 1,
             code_buffer_loss: CodeBufferLoss::Gap,
             apb_cycles: 3,
-            core_sync_cycles: 4,
+            aic_level_cycles: 4,
             pdc_steal_cycles: 4,
             pio_input_cycles: 2,
             ..Self::nominal()

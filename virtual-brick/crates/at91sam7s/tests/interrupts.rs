@@ -40,19 +40,19 @@ fn first_seen(chip: &mut TestChip, event: u64) -> u64 {
 }
 
 #[test]
-fn an_internal_level_source_reaches_the_core_after_four_plus_three_cycles() {
+fn an_internal_level_source_reaches_the_core_after_three_plus_three_cycles() {
     let mut chip = running_chip();
     enable(&mut chip, 1, 0);
     let event = arm_interval_timer(&mut chip);
-    assert_eq!(first_seen(&mut chip, event), 7);
+    assert_eq!(first_seen(&mut chip, event), 6);
 }
 
 #[test]
-fn an_internal_edge_source_reaches_the_core_after_five_plus_three_cycles() {
+fn an_internal_edge_source_reaches_the_core_after_four_plus_three_cycles() {
     let mut chip = running_chip();
     enable(&mut chip, 1, EDGE);
     let event = arm_interval_timer(&mut chip);
-    assert_eq!(first_seen(&mut chip, event), 8);
+    assert_eq!(first_seen(&mut chip, event), 7);
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn an_edge_source_enabled_by_a_store_is_taken_after_the_next_instructions() {
     while !chip.irq() {
         chip.internal(1);
     }
-    assert_eq!(chip.now() - stored, 8);
+    assert_eq!(chip.now() - stored, 7);
 }
 
 #[test]

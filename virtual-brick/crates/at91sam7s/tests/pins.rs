@@ -159,8 +159,8 @@ fn edge_latency(filtered: bool) -> u64 {
 
 #[test]
 fn a_pin_edge_interrupts_after_the_input_stage_and_the_controller() {
-    assert_eq!(edge_latency(false), 1 + 4 + 3);
-    assert_eq!(edge_latency(true), 1 + 1 + 4 + 3);
+    assert_eq!(edge_latency(false), 1 + 3 + 3);
+    assert_eq!(edge_latency(true), 1 + 1 + 3 + 3);
 }
 
 #[test]

@@ -90,7 +90,7 @@ fn the_interval_timer_interrupts_once_per_acknowledged_period() {
     write(&mut chip, PIT, 0x0300_0000 | 999);
     let start = chip.now();
     for period in 1..=3 {
-        run_to(&mut chip, start + period * 16_000 + 7);
+        run_to(&mut chip, start + period * 16_000 + 6);
         assert!(!chip.irq(), "period {period}");
         chip.internal(1);
         assert!(chip.irq(), "period {period}");
@@ -175,7 +175,7 @@ fn a_stopped_processor_wakes_when_an_interrupt_is_asserted() {
         steps += 1;
     }
     assert!(steps <= 3, "idle time is skipped");
-    assert_eq!(chip.now(), event + 4);
+    assert_eq!(chip.now(), event + 3);
     assert!(!chip.irq());
     chip.internal(3);
     assert!(chip.irq());
@@ -183,7 +183,7 @@ fn a_stopped_processor_wakes_when_an_interrupt_is_asserted() {
         chip_events(&chip),
         [
             (stopped, ChipEvent::ProcessorStopped),
-            (event + 4, ChipEvent::ProcessorResumed)
+            (event + 3, ChipEvent::ProcessorResumed)
         ]
     );
     assert_eq!(read(&mut chip, PMC + 8) & 1, 1);
@@ -300,7 +300,7 @@ fn a_clock_ready_flag_interrupts() {
     while chip.processor_stopped() {
         chip.skip_to_next_event(u64::MAX);
     }
-    assert_eq!(chip.now(), written + 70_392 + 4);
+    assert_eq!(chip.now(), written + 70_392 + 3);
 }
 
 #[test]

@@ -110,16 +110,16 @@ fn an_alarm_may_disable_the_clock() {
 }
 
 #[test]
-fn the_alarm_interrupt_reaches_the_core_seven_cycles_after_the_compare() {
+fn the_alarm_interrupt_reaches_the_core_six_cycles_after_the_compare() {
     let mut chip = running_chip();
     write(&mut chip, 0xFFFF_F120, 1 << 12);
     write(&mut chip, CMR, WAVE | CPCSTOP);
     write(&mut chip, RC, 400);
     write(&mut chip, IER, CPCS);
     let zero = start(&mut chip, 2);
-    run_to(&mut chip, zero + 800 + 6);
+    run_to(&mut chip, zero + 800 + 5);
     assert!(!chip.irq());
-    run_to(&mut chip, zero + 800 + 7);
+    run_to(&mut chip, zero + 800 + 6);
     assert!(chip.irq());
 }
 

@@ -3,11 +3,11 @@
 //! Two-wire interface against a scripted slave: exact bus log and timing.
 use crate::common::Seen::{TwiRead, TwiStart, TwiStop, TwiWrite};
 use crate::common::{
-    bus_log, bus_sequence, cold_chip, read, run_to, running_chip, try_write, wait_for, write, Seen,
-    TestChip, PIOA, TWI,
+    bus_log, bus_sequence, cold_chip, read, run_to, running_chip, running_chip_with, try_write,
+    wait_for, write, Seen, TestChip, PIOA, TWI,
 };
 use arm7tdmi::bus::Width;
-use at91sam7s::FaultKind;
+use at91sam7s::{FaultKind, TimingProfile, TwiStopDecision};
 
 registers! {
     TWI; CR = 0x00, MMR = 0x04, CWGR = 0x10, SR = 0x20, IER = 0x24, RHR = 0x30, THR = 0x34,
@@ -26,7 +26,10 @@ const READ_FROM_1: u32 = 0x0001_1000;
 
 /// A chip whose TWI has its pins and the given clock waveform.
 fn two_wire_chip(waveform: u32) -> TestChip {
-    let mut chip = running_chip();
+    set_up(running_chip(), waveform)
+}
+
+fn set_up(mut chip: TestChip, waveform: u32) -> TestChip {
     write(&mut chip, PIOA + 0x04, 3 << 3);
     write(&mut chip, CWGR, waveform);
     write(&mut chip, CR, MSEN);
@@ -282,6 +285,36 @@ fn the_slave_may_hold_the_clock_after_its_address() {
     let log = bus_log(&chip, start);
     assert_eq!(log[1], (19 * 120 + 333, TwiWrite(5)));
     assert_eq!(log[2], (20 * 120 + 333, TwiStop));
+}
+
+#[test]
+fn a_byte_that_comes_while_the_slave_holds_the_clock_is_in_time_if_the_stop_waits_for_that() {
+    use TwiStopDecision::{Acknowledge, Release};
+    for (twi_stop_decision, goes_on) in [(Acknowledge, false), (Release, true)] {
+        let timing = TimingProfile {
+            twi_stop_decision,
+            ..TimingProfile::nominal()
+        };
+        let mut chip = set_up(running_chip_with(timing), 0x3939);
+        chip.board_mut().stretch_after_write = 960;
+        let start = send(&mut chip, &[5]);
+        run_to(&mut chip, start + 19 * 120 + 800);
+        write(&mut chip, THR, 6);
+        wait_for(&mut chip, SR, TXCOMP);
+        let stop_follows = bus_log(&chip, start)[2].1 == TwiStop;
+        assert_eq!(stop_follows, !goes_on, "{twi_stop_decision:?}");
+    }
+}
+
+#[test]
+fn the_slave_may_hold_the_clock_before_the_stop_of_a_read() {
+    let mut chip = two_wire_chip(0x3939);
+    chip.board_mut().stretch_after_read = 444;
+    write(&mut chip, MMR, READ_FROM_1);
+    write(&mut chip, CR, START | STOP);
+    let start = chip.now();
+    wait_for(&mut chip, SR, TXCOMP);
+    assert_eq!(bus_log(&chip, start)[2], (20 * 120 + 444, TwiStop));
 }
 
 #[test]

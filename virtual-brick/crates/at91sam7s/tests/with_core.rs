@@ -74,11 +74,11 @@ fn every_period_reaches_its_handler_within_one_branch_of_the_same_latency() {
     let (mut cpu, mut chip, epoch) = machine(&[BRANCH_TO_SELF]);
     run(&mut cpu, &mut chip, epoch + 100 * 16_000 + 100);
     assert_eq!(cpu.register(6), 100);
-    // Controller 5, synchroniser 3, rest of a branch up to 2, entry 3, opcode 1, vector 2.
+    // Controller 4, synchroniser 3, rest of a branch up to 2, entry 3, opcode 1, vector 2.
     let latencies = latencies(&chip, epoch);
     assert_eq!(latencies.len(), 100);
     assert!(
-        latencies.iter().all(|cycles| (14..=16).contains(cycles)),
+        latencies.iter().all(|cycles| (13..=15).contains(cycles)),
         "{latencies:?}"
     );
 }

@@ -41,6 +41,8 @@ pub enum Target {
     Push,
     BatteryVoltage,
     CorruptChecksums,
+    TornWords,
+    FramesRefused,
     BusStuck,
     UsbCable,
 }
@@ -131,13 +133,17 @@ pub fn inputs(sensors: [&Sensor; 4], robot: &RobotParameters) -> Vec<InputDescri
         unit: "V",
         target: Target::BatteryVoltage,
     });
-    inputs.push(InputDescription {
-        highest: 65_535.0,
-        ..switch(
-            "fault.coprocessor_checksum".to_owned(),
-            Target::CorruptChecksums,
-        )
-    });
+    for (name, target) in [
+        ("fault.coprocessor_checksum", Target::CorruptChecksums),
+        ("fault.coprocessor_torn_words", Target::TornWords),
+    ] {
+        inputs.push(InputDescription {
+            highest: 65_535.0,
+            ..switch(name.to_owned(), target)
+        });
+    }
+    let name = "fault.coprocessor_refuses".to_owned();
+    inputs.push(switch(name, Target::FramesRefused));
     inputs.push(switch("fault.twi_stuck".to_owned(), Target::BusStuck));
     inputs.push(switch("usb.plugged".to_owned(), Target::UsbCable));
     inputs

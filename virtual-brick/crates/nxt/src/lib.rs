@@ -43,7 +43,7 @@ pub use boot_monitor::BootMonitor;
 pub use bus_log::BusEvent;
 pub use buttons::Button;
 pub use configuration::{BoardConfiguration, SensorPorts};
-pub use coprocessor::{MotorCommand, SensorSupply, STRETCH_CYCLES};
+pub use coprocessor::{CoprocessorTiming, MotorCommand, SensorSupply};
 pub use display::{Display, Picture, COLUMNS, ROWS};
 pub use event::{BoardEvent, BoardEventKind, BoardFault, PowerOffReason};
 pub use inputs::{InputDescription, InputError};

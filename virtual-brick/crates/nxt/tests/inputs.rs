@@ -142,6 +142,8 @@ fn an_unknown_input_lists_those_that_exist() {
         "motor.B.load_torque",
         "battery.voltage",
         "fault.coprocessor_checksum",
+        "fault.coprocessor_torn_words",
+        "fault.coprocessor_refuses",
         "fault.twi_stuck",
         "usb.plugged",
     ];

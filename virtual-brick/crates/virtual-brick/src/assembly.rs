@@ -37,7 +37,7 @@ pub(crate) fn machine(configuration: &Configuration) -> Result<Machine, Configur
         &configuration.robot,
         configuration.seed,
     )?;
-    board.set_coprocessor_stretch(configuration.timing.coprocessor_stretch_cycles);
+    board.set_coprocessor_timing(configuration.timing.coprocessor);
     let chip = ChipConfiguration {
         timing: configuration.timing.chip,
         ..ChipConfiguration::default()

@@ -34,7 +34,9 @@ pub use at91sam7s::LoggedPins;
 pub use brick::{BrickError, Snapshot, VirtualBrick};
 pub use call_trace::TracedCall;
 pub use checkpoint::{Checkpoint, NotPassed};
-pub use configuration::{Configuration, ConfigurationError, Timing};
+pub use configuration::{
+    Configuration, ConfigurationError, Timing, TimingParameter, TimingValues, TIMING_PARAMETERS,
+};
 pub use engine::Engine;
 pub use image::{
     Image, ImageError, Line, Lines, ScalarKind, Section, Segment, Symbol, Symbols, Variable,

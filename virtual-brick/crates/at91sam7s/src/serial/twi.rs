@@ -5,8 +5,9 @@
 //! One bit lasts (CLDIV 2^CKDIV + 3) + (CHDIV 2^CKDIV + 3) master clock cycles; START and STOP
 //! take one bit each, a byte nine. A write frame begins when the first byte is put in THR, which
 //! moves to the shifter only after the address was acknowledged, and ends by itself when a byte
-//! was acknowledged and THR is empty: so STOP in CR changes nothing for writes. A read frame
-//! begins with START in CR and ends after the byte during whose eight data bits (or earlier)
+//! was acknowledged and THR is empty: so STOP in CR changes nothing for writes. Whether THR may
+//! still be filled while the slave holds SCL after its acknowledge is `twi_stop_decision`. A read
+//! frame begins with START in CR and ends after the byte during whose eight data bits (or earlier)
 //! STOP was set. Modes written during a frame count for the next one; a START or a first byte
 //! given while STOP is on the bus begins the next frame right after it.
 
@@ -14,6 +15,7 @@ use crate::board::{Board, Cycles, TwiReply};
 use crate::clock::NEVER;
 use crate::fault::{clock_disabled, no_register, Access};
 use crate::registers::registers;
+use crate::timing::TwiStopDecision;
 
 registers! {
     TWI_CR = 0x00, TWI_MMR = 0x04, TWI_IADR = 0x0C, TWI_CWGR = 0x10, TWI_SR = 0x20,
@@ -47,6 +49,8 @@ enum Phase {
     Write {
         byte: u8,
     },
+    /// The slave holds SCL after a byte, and nothing is in THR yet.
+    Held,
     /// Eight bits from the slave.
     Read {
         byte: u8,
@@ -64,6 +68,7 @@ enum Phase {
 /// Registers and the frame on the bus.
 #[derive(Clone, Debug)]
 pub(crate) struct Twi {
+    stop_decision: TwiStopDecision,
     enabled: bool,
     mode: u32,
     internal_address: u32,
@@ -81,8 +86,9 @@ pub(crate) struct Twi {
 }
 
 impl Twi {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(stop_decision: TwiStopDecision) -> Self {
         Self {
+            stop_decision,
             enabled: false,
             mode: 0,
             internal_address: 0,
@@ -178,11 +184,12 @@ impl Twi {
             Phase::Write { byte } => {
                 let reply = answer(connected, || board.twi_write(at, byte));
                 if reply.acknowledged {
-                    self.next_write(at + reply.stretch_cycles);
+                    self.next_write(at, reply.stretch_cycles);
                 } else {
                     self.refuse(at);
                 }
             }
+            Phase::Held => self.next_write(at, 0),
             Phase::Read { byte } => {
                 let last = self.stop_requested || !self.enabled;
                 self.enter(Phase::ReadAcknowledge { byte, last }, at, self.bit());
@@ -190,7 +197,12 @@ impl Twi {
             Phase::ReadAcknowledge { byte, last } => {
                 self.store(byte);
                 if last {
-                    self.stop(at, false);
+                    let stretch = if connected {
+                        board.twi_end_of_read(at)
+                    } else {
+                        0
+                    };
+                    self.stop(at + stretch, false);
                 } else {
                     self.next_read(at, board, connected);
                 }
@@ -215,14 +227,15 @@ impl Twi {
         if !reply.acknowledged {
             return self.refuse(at);
         }
-        let at = at + reply.stretch_cycles;
+        let released = at + reply.stretch_cycles;
         if read {
-            self.next_read(at, board, connected);
+            self.next_read(released, board, connected);
         } else if self.internal_length() != 0 {
             let remaining = self.internal_length();
-            self.enter(Phase::InternalAddress { remaining }, at, 9 * self.bit());
+            let phase = Phase::InternalAddress { remaining };
+            self.enter(phase, released, 9 * self.bit());
         } else {
-            self.next_write(at);
+            self.next_write(at, reply.stretch_cycles);
         }
     }
 
@@ -239,15 +252,18 @@ impl Twi {
         } else if self.frame_mode & MREAD != 0 {
             self.enter(Phase::Start { read: true }, at_next, self.bit());
         } else {
-            self.next_write(at_next);
+            self.next_write(at, reply.stretch_cycles);
         }
     }
 
-    /// Move THR to the shifter, or end the frame when it is empty.
-    fn next_write(&mut self, at: Cycles) {
+    /// Move THR to the shifter, or end the frame when it is empty. The slave holds SCL from `at`
+    /// on for `stretch` cycles.
+    fn next_write(&mut self, at: Cycles, stretch: Cycles) {
+        let waits = self.stop_decision == TwiStopDecision::Release && stretch > 0;
         match self.holding.take() {
-            Some(byte) => self.enter(Phase::Write { byte }, at, 9 * self.bit()),
-            None => self.stop(at, false),
+            Some(byte) => self.enter(Phase::Write { byte }, at + stretch, 9 * self.bit()),
+            None if waits => self.enter(Phase::Held, at, stretch),
+            None => self.stop(at + stretch, false),
         }
     }
 
@@ -333,7 +349,7 @@ impl Twi {
 
     fn control(&mut self, value: u32, now: Cycles) {
         if value & 1 << 7 != 0 {
-            *self = Self::new();
+            *self = Self::new(self.stop_decision);
         }
         if value & 1 << 3 != 0 {
             self.enabled = false;

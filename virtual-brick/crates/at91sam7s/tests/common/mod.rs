@@ -10,7 +10,7 @@ use at91sam7s::board::{
     Board, Character, ChipEvent, Cycles, PinLevels, PinOutputs, SerialPort, SoundBits, TwiReply,
     UsbAnswer, UsbSignal,
 };
-use at91sam7s::{Chip, ChipConfiguration};
+use at91sam7s::{Chip, ChipConfiguration, TimingProfile};
 
 /// Constants for registers by their offsets from a base address.
 macro_rules! registers {
@@ -62,6 +62,8 @@ pub struct ScriptedBoard {
     /// Number of written bytes that the slave acknowledges.
     pub acknowledges: Option<usize>,
     pub stretch_after_address: Cycles,
+    pub stretch_after_write: Cycles,
+    pub stretch_after_read: Cycles,
     pub spi_answer: u16,
     pub analogue: [u16; 8],
     pub supply_low: bool,
@@ -93,7 +95,7 @@ impl Board for ScriptedBoard {
         self.acknowledges = self.acknowledges.map(|n| n.saturating_sub(1));
         TwiReply {
             acknowledged,
-            stretch_cycles: 0,
+            stretch_cycles: self.stretch_after_write,
         }
     }
 
@@ -101,6 +103,10 @@ impl Board for ScriptedBoard {
         let byte = self.slave_bytes.pop_front().unwrap_or(0xFF);
         self.log.push((now, Seen::TwiRead(byte)));
         (byte, 0)
+    }
+
+    fn twi_end_of_read(&mut self, _now: Cycles) -> Cycles {
+        self.stretch_after_read
     }
 
     fn twi_stop(&mut self, now: Cycles) {
@@ -190,11 +196,20 @@ pub type TestChip = Chip<ScriptedBoard>;
 
 /// A chip as the boot monitor leaves it, with all peripheral clocks on and an empty log.
 pub fn running_chip() -> TestChip {
+    running_chip_with(TimingProfile::nominal())
+}
+
+/// The same chip with another timing.
+pub fn running_chip_with(timing: TimingProfile) -> TestChip {
     let board = ScriptedBoard {
         slave_address: 1,
         ..ScriptedBoard::default()
     };
-    let mut chip = Chip::new(board, ChipConfiguration::default());
+    let configuration = ChipConfiguration {
+        timing,
+        ..ChipConfiguration::default()
+    };
+    let mut chip = Chip::new(board, configuration);
     chip.enter_as_boot_monitor();
     write(&mut chip, PCER, 0xFFFF_FFFF);
     chip.board_mut().log.clear();

@@ -36,6 +36,11 @@ const MODULE_RXD: u32 = 1 << 21;
 const MODULE_RTS: u32 = 1 << 24;
 const MODULE_CTS: u32 = 1 << 25;
 const MODULE_STREAM_WANTED: u32 = 1 << 27;
+/// What the two-wire bus answers when nobody does.
+const REFUSED: TwiReply = TwiReply {
+    acknowledged: false,
+    stretch_cycles: 0,
+};
 /// Direction of port 4's RS485 transceiver: high while the brick drives the line.
 const RS485_DRIVES: u32 = 1 << 7;
 
@@ -92,12 +97,8 @@ impl Board for NxtBoard {
     fn twi_write(&mut self, now: Cycles, byte: u8) -> TwiReply {
         let reply = match &mut self.twi_script {
             Some(script) => script.written(),
-            None => {
-                if self.addressed {
-                    self.coprocessor.write(now, byte);
-                }
-                self.reply()
-            }
+            None if self.addressed => self.coprocessor.write(now, byte),
+            None => REFUSED,
         };
         let acknowledged = reply.acknowledged;
         let event = BusEvent::TwiWritten { byte, acknowledged };
@@ -108,11 +109,19 @@ impl Board for NxtBoard {
     fn twi_read(&mut self, now: Cycles) -> (u8, Cycles) {
         let (byte, stretch_cycles) = match &mut self.twi_script {
             Some(script) => script.read(),
-            None if self.addressed => (self.coprocessor.read(), self.coprocessor.stretch_cycles()),
+            None if self.addressed => self.coprocessor.read(),
             None => (0xFF, 0),
         };
         self.bus_log.add(now, BusEvent::TwiRead(byte));
         (byte, stretch_cycles)
+    }
+
+    fn twi_end_of_read(&mut self, _now: Cycles) -> Cycles {
+        if self.addressed {
+            self.coprocessor.stretch_cycles(0)
+        } else {
+            0
+        }
     }
 
     fn twi_stop(&mut self, now: Cycles) {
@@ -240,13 +249,13 @@ impl NxtBoard {
 
     fn address_coprocessor(&mut self, now: Cycles, address: u8, read: bool) -> TwiReply {
         self.addressed = address == ADDRESS && self.powered();
-        if self.addressed {
-            self.coprocessor.start(read);
-            if read {
-                self.first_readings_cycles.get_or_insert(now);
-            }
+        if !self.addressed {
+            return REFUSED;
         }
-        self.reply()
+        if read {
+            self.first_readings_cycles.get_or_insert(now);
+        }
+        self.coprocessor.start(read)
     }
 
     fn display_frame(&mut self, now: Cycles, byte: u8) {
@@ -274,18 +283,6 @@ impl NxtBoard {
         line.map_or(0, |index| self.port_voltage(now, index))
     }
 
-    const fn reply(&self) -> TwiReply {
-        let stretch_cycles = if self.addressed {
-            self.coprocessor.stretch_cycles()
-        } else {
-            0
-        };
-        TwiReply {
-            acknowledged: self.addressed,
-            stretch_cycles,
-        }
-    }
-
     /// Counts on the second digital line of a port: a sensor's voltage, or a level.
     fn port_voltage(&self, now: Cycles, index: usize) -> u16 {
         let level = if self.is_low(1 << ANALOGUE_PINS[index].1) {
@@ -308,7 +305,7 @@ impl NxtBoard {
 
     /// The clock of the two-wire bus while the co-processor holds it.
     const fn bus_low(&self) -> u32 {
-        if self.coprocessor.holds_bus() {
+        if self.coprocessor.faults.holds_bus {
             BUS_CLOCK
         } else {
             0

@@ -22,7 +22,7 @@ use crate::boot_monitor::BootMonitor;
 use crate::bus_log::{BusEvent, BusLog};
 use crate::buttons::{Button, Buttons};
 use crate::configuration::BoardConfiguration;
-use crate::coprocessor::{Coprocessor, Measurable};
+use crate::coprocessor::{Coprocessor, CoprocessorTiming, Measurable};
 use crate::display::Display;
 use crate::event::{BoardEvent, EventLog};
 use crate::inputs::{self, InputDescription, InputError, Target};
@@ -78,10 +78,12 @@ impl NxtBoard {
         let phase = random.next(TICK);
         let ports = Ports::new(&configuration.sensors);
         let inputs = inputs::inputs(ports.sensors(), robot);
+        let battery = Battery::new(configuration.battery.clone());
+        let timing = CoprocessorTiming::nominal();
         Ok(Self {
-            coprocessor: Coprocessor::new(phase),
+            coprocessor: Coprocessor::new(timing, 0, phase, battery.word()),
             buttons: Buttons::default(),
-            battery: Battery::new(configuration.battery.clone()),
+            battery,
             devices: TimedDevices::new(Devices {
                 refresh: Refresh::new(Display::new()),
                 ports,
@@ -111,12 +113,13 @@ impl NxtBoard {
     pub fn skip_coprocessor_start_up(&mut self, now: Cycles) {
         let measurable = self.measurable();
         self.coprocessor.skip_start_up(now, self.phase, measurable);
+        self.switch_supplies(now);
         self.devices.change().bluetooth.skip_start_up(now);
     }
 
-    /// How long the co-processor holds the two-wire bus's clock after a byte.
-    pub fn set_coprocessor_stretch(&mut self, cycles: Cycles) {
-        self.coprocessor.set_stretch(cycles);
+    /// How long the co-processor's program takes from now on.
+    pub fn set_coprocessor_timing(&mut self, timing: CoprocessorTiming) {
+        self.coprocessor.set_timing(timing);
     }
 
     /// When the co-processor's readings were asked for first.
@@ -192,7 +195,8 @@ impl NxtBoard {
     /// The chip comes back from a power cycle in its boot monitor, which takes the USB until a
     /// program switches the pull-up off.
     pub fn enter_boot_monitor(&mut self, now: Cycles) {
-        self.coprocessor.restart(now, self.phase);
+        let battery = self.battery.word();
+        self.coprocessor.restart(now, self.phase, battery);
         self.switch_supplies(now);
         self.boot_monitor = Some(BootMonitor::default());
         self.devices.change().usb.set_pull_up(true);
@@ -213,9 +217,8 @@ impl NxtBoard {
     /// 9 V supply of sensor port 1 to 4 that is in force; nothing for another number.
     #[must_use]
     pub fn sensor_supply(&self, port: usize) -> Option<crate::SensorSupply> {
-        (1..=4)
-            .contains(&port)
-            .then(|| self.coprocessor.sensor_supply(port - 1))
+        let index = port.checked_sub(1)?;
+        self.coprocessor.sensor_supplies().get(index).copied()
     }
 
     /// Sound played from one cycle to another as signed 16-bit samples of
@@ -266,9 +269,11 @@ impl NxtBoard {
             Target::Sensor(index, quantity) => devices.ports.set_input(index, quantity, value),
             Target::Plugged(index) => devices.ports.set_plugged(now, index, on),
             Target::Short(index, line) => devices.ports.set_short(now, index, line, on),
-            Target::CorruptChecksums => self.coprocessor.corrupt_checksums(value as u16),
+            Target::CorruptChecksums => self.coprocessor.faults.corrupt_checksums = value as u16,
+            Target::TornWords => self.coprocessor.faults.torn_words = value as u16,
+            Target::FramesRefused => self.coprocessor.faults.refuses_frames = on,
             Target::UsbCable => devices.usb.set_plugged(now, on),
-            Target::BusStuck => self.coprocessor.hold_bus(on),
+            Target::BusStuck => self.coprocessor.faults.holds_bus = on,
             Target::Button(button) => self.buttons.set(button, on),
             Target::BatteryVoltage => {
                 self.battery.set_voltage(value);
@@ -312,10 +317,10 @@ impl NxtBoard {
     }
 
     fn measurable(&self) -> Measurable {
+        let [one, two, three, four] = self.devices.get().ports.raw();
+        let (buttons, battery) = (self.buttons.word(), self.battery.word());
         Measurable {
-            ports: self.devices.get().ports.raw(),
-            buttons: self.buttons.word(),
-            battery: self.battery.word(),
+            words: [one, two, three, four, buttons, battery],
             battery_too_low: self.battery.refuses_start(),
         }
     }

@@ -40,6 +40,8 @@ pub struct Command {
     pub frequency_khz: u8,
     pub motors: [MotorCommand; 3],
     input_power: u8,
+    /// What the frame asks of the supply.
+    pub request: PowerRequest,
 }
 
 impl Command {
@@ -53,6 +55,7 @@ impl Command {
             frequency_khz: 4,
             motors: [motor; 3],
             input_power: 0x0F,
+            request: PowerRequest::StayOn,
         }
     }
 
@@ -66,6 +69,7 @@ impl Command {
             frequency_khz: 4,
             motors: [motor; 3],
             input_power: 0,
+            request: PowerRequest::StayOn,
         }
     }
 
@@ -89,16 +93,24 @@ impl Command {
             frequency_khz: bytes[1],
             motors: [motor(0), motor(1), motor(2)],
             input_power: bytes[7],
+            request: match [bytes[0], bytes[1]] {
+                [POWER_DOWN, _] => PowerRequest::PowerDown,
+                BOOT_MONITOR => PowerRequest::BootMonitor,
+                _ => PowerRequest::StayOn,
+            },
         }
     }
 }
 
-/// What a complete write means.
+/// What a byte completes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {
+    /// Nothing, or the handshake so far.
+    Part,
     Handshake,
-    /// Outputs, and what the frame asks of the supply.
-    Command(Command, PowerRequest),
+    Command(Command),
+    /// A frame with a wrong sum.
+    BadFrame,
 }
 
 /// The first bytes of a frame with outputs.
@@ -120,7 +132,7 @@ pub struct Incoming {
 
 impl Incoming {
     /// Takes one byte; tells what it completes.
-    pub fn push(&mut self, byte: u8) -> Option<Received> {
+    pub fn push(&mut self, byte: u8) -> Received {
         let index = self.count;
         self.count += 1;
         if let Some(place) = self.bytes.get_mut(index) {
@@ -129,22 +141,23 @@ impl Incoming {
         if self.bytes[0] == HANDSHAKE_MARK {
             return self.push_handshake(index, byte);
         }
-        (self.count == COMMAND_LENGTH && sum(&self.bytes) == 0xFF).then(|| self.command())
+        match self.count {
+            COMMAND_LENGTH if sum(&self.bytes) == 0xFF => {
+                Received::Command(Command::decode(&self.bytes))
+            }
+            COMMAND_LENGTH => Received::BadFrame,
+            _ => Received::Part,
+        }
     }
 
-    fn push_handshake(&mut self, index: usize, byte: u8) -> Option<Received> {
-        let expected = HANDSHAKE.get(index.checked_sub(1)?)?;
-        self.mismatch |= byte != *expected;
-        (index == HANDSHAKE.len() && !self.mismatch).then_some(Received::Handshake)
-    }
-
-    fn command(&self) -> Received {
-        let request = match [self.bytes[0], self.bytes[1]] {
-            [POWER_DOWN, _] => PowerRequest::PowerDown,
-            BOOT_MONITOR => PowerRequest::BootMonitor,
-            _ => PowerRequest::StayOn,
-        };
-        Received::Command(Command::decode(&self.bytes), request)
+    fn push_handshake(&mut self, index: usize, byte: u8) -> Received {
+        let expected = index.checked_sub(1).and_then(|place| HANDSHAKE.get(place));
+        self.mismatch |= expected.is_some_and(|expected| byte != *expected);
+        if index == HANDSHAKE.len() && !self.mismatch {
+            Received::Handshake
+        } else {
+            Received::Part
+        }
     }
 }
 
@@ -168,6 +181,11 @@ impl Outgoing {
     /// Makes the checksum wrong.
     pub fn corrupt_checksum(&mut self) {
         self.bytes[STATUS_LENGTH - 1] ^= 1;
+    }
+
+    /// Nothing was sent yet.
+    pub const fn is_whole(&self) -> bool {
+        self.next == 0
     }
 
     pub fn next_byte(&mut self) -> u8 {

@@ -3,175 +3,155 @@
 //! The ATmega48 co-processor: slave 1 of the two-wire bus, motor bridges, analogue inputs, power.
 
 mod frame;
+mod main_loop;
+mod power;
 mod pwm;
+mod timing;
 
-use at91sam7s::board::Cycles;
+use at91sam7s::board::{Cycles, TwiReply};
 use plant::{MotorDrive, MotorPort};
 
 use frame::{Command, Incoming, Outgoing, PowerRequest, Received};
 pub use frame::{MotorCommand, SensorSupply};
+use main_loop::MainLoop;
+use power::{Power, Tick};
+pub use timing::CoprocessorTiming;
 
 use crate::event::{BoardEventKind, BoardFault, EventLog, PowerOffReason};
-use crate::time::{microseconds, milliseconds, NEVER};
+use crate::time::{microseconds, NEVER};
 
 /// Address on the two-wire bus.
 pub const ADDRESS: u8 = 1;
-/// How long the interrupt handler of the two-wire interface holds SCL after a byte, unless
-/// configured otherwise: about 32 cycles of its 8 MHz clock (chosen).
-pub const STRETCH_CYCLES: Cycles = microseconds(4);
 /// How long it holds SCL when it hangs: until the master gives up.
 const HELD: Cycles = 1 << 48;
 
-/// Time from the chip's supply to the first sampling.
-const START_UP: Cycles = milliseconds(150);
-/// Sampling period: 93 periods of a 31,250 Hz timer, as a fraction in master clock cycles.
-const TICK_NUMERATOR: Cycles = 93 * 336_384_000;
-const TICK_DENOMINATOR: Cycles = 31_250 * 7;
-/// When the results of ports 1 to 4, buttons and battery are stored, after the tick began. The
-/// conversions alone take 78 us a port and 104 us each of the others; the rest is chosen so that
-/// the whole takes the 0.6 to 0.7 ms of the real loop.
-const STORED: [Cycles; 6] = [
-    microseconds(98),
-    microseconds(196),
-    microseconds(294),
-    microseconds(392),
-    microseconds(516),
-    microseconds(640),
+/// Results in the order in which sampling stores them: when after the tick began, and which word.
+/// The first of a port's two conversions is stored too. Measured on LEGO's source in a simulator
+/// of the ATmega48.
+const STORED: [(Cycles, usize); 10] = [
+    (microseconds(42), 0),
+    (microseconds(99), 0),
+    (microseconds(138), 1),
+    (microseconds(195), 1),
+    (microseconds(234), 2),
+    (microseconds(291), 2),
+    (microseconds(334), 3),
+    (microseconds(391), 3),
+    (microseconds(507), BUTTONS),
+    (microseconds(623), BATTERY),
 ];
-/// One pass of the main loop outside sampling, after which a command takes effect (chosen).
-const LOOP_PASS: Cycles = microseconds(20);
-/// Ticks without handshake until the brick switches off: about 298 s.
-const TICKS_WITHOUT_HANDSHAKE: u64 = 100_000;
-const POWER_DOWN_DELAY: Cycles = milliseconds(10);
-const LOW_BATTERY_DELAY: Cycles = milliseconds(1000);
-const BOOT_MONITOR_DELAY: Cycles = milliseconds(100);
-const SILENCE: Cycles = milliseconds(2000);
-const CLICK_PERIOD: Cycles = milliseconds(500);
+const BUTTONS: usize = 4;
+const BATTERY: usize = 5;
 
 /// What the co-processor can measure now.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurable {
-    /// Counts of the sensor ports.
-    pub ports: [u16; 4],
-    /// The button word.
-    pub buttons: u16,
-    /// The battery word.
-    pub battery: u16,
+    /// Counts of the sensor ports, the button word, the battery word.
+    pub words: [u16; 6],
     /// The battery does not suffice to start.
     pub battery_too_low: bool,
+}
+
+/// Faults of the link that a scenario can ask for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LinkFaults {
+    /// Status frames that will have a wrong checksum.
+    pub corrupt_checksums: u16,
+    /// Status frames that will have changed words half old and half new.
+    pub torn_words: u16,
+    /// It takes no frame from the chip: each counts as one with a wrong sum.
+    pub refuses_frames: bool,
+    /// It holds SCL after each byte, for good.
+    pub holds_bus: bool,
 }
 
 /// The co-processor.
 #[derive(Clone, Debug)]
 pub struct Coprocessor {
-    /// When sampling begins.
-    on_at: Cycles,
-    started: bool,
-    tick: u64,
-    /// When the sampling of this tick begins.
-    tick_at: Cycles,
+    timing: CoprocessorTiming,
+    main_loop: MainLoop,
+    power: Power,
     /// Index into [`STORED`] of the next result of this tick.
-    stage: usize,
+    stage: Option<usize>,
     readings: [u16; 6],
+    /// What they were when this tick began.
+    readings_before: [u16; 6],
     incoming: Incoming,
     outgoing: Outgoing,
     handshake: bool,
+    /// The frame that came in last.
+    command: Command,
+    /// It came after the last tick.
+    heard: bool,
     in_force: Command,
     /// States of the bridges by that command.
     drives: [MotorDrive; 3],
-    /// A command accepted but not yet in force, and when it will be.
-    accepted: Option<(Cycles, Command)>,
-    last_frame_at: Cycles,
-    next_click_at: Cycles,
-    power_off: Option<(Cycles, PowerOffReason)>,
+    /// When the frame that came in last will be in force.
+    update_at: Cycles,
+    sensor_supplies: [SensorSupply; 4],
     powered: bool,
     /// When something of this is due next.
     next_at: Cycles,
-    /// Status frames that will have a wrong checksum.
-    corrupt_checksums: u16,
-    holds_bus: bool,
-    stretch_cycles: Cycles,
+    /// What a scenario has broken.
+    pub faults: LinkFaults,
 }
 
 impl Coprocessor {
-    /// The chip's supply comes on at cycle 0; sampling begins after the start-up time and
-    /// `phase` cycles.
-    pub fn new(phase: Cycles) -> Self {
+    /// The chip's supply comes on at `now`, after which ticks begin within `phase` cycles.
+    /// The battery was measured before.
+    pub fn new(timing: CoprocessorTiming, now: Cycles, phase: Cycles, battery: u16) -> Self {
         let in_force = Command::at_reset();
         Self {
-            on_at: START_UP + phase,
-            started: false,
-            tick: 0,
-            tick_at: START_UP + phase,
-            stage: 0,
-            readings: [0; 6],
+            timing,
+            main_loop: MainLoop::running(now, now + phase, timing.pass_cycles),
+            power: Power::on(),
+            stage: None,
+            readings: [0, 0, 0, 0, 0, battery],
+            readings_before: [0; 6],
             incoming: Incoming::default(),
             outgoing: Outgoing::default(),
             handshake: false,
+            command: in_force,
+            heard: false,
             in_force,
             drives: drives(&in_force),
-            accepted: None,
-            last_frame_at: 0,
-            next_click_at: NEVER,
-            power_off: None,
+            update_at: NEVER,
+            sensor_supplies: [SensorSupply::Off; 4],
             powered: true,
-            next_at: START_UP + phase + STORED[0],
-            corrupt_checksums: 0,
-            holds_bus: false,
-            stretch_cycles: STRETCH_CYCLES,
+            next_at: now + phase,
+            faults: LinkFaults::default(),
         }
     }
 
-    /// Fault: the next `count` status frames have a wrong checksum.
-    pub fn corrupt_checksums(&mut self, count: u16) {
-        self.corrupt_checksums = count;
-    }
-
-    /// Fault: it holds SCL after each byte, for good.
-    pub fn hold_bus(&mut self, held: bool) {
-        self.holds_bus = held;
-    }
-
-    pub const fn holds_bus(&self) -> bool {
-        self.holds_bus
-    }
-
-    /// How long it holds SCL after a byte from now on.
-    pub fn set_stretch(&mut self, cycles: Cycles) {
-        self.stretch_cycles = cycles;
-    }
-
-    /// How long it holds SCL after a byte.
-    pub const fn stretch_cycles(&self) -> Cycles {
-        if self.holds_bus {
-            HELD
-        } else {
-            self.stretch_cycles
-        }
+    /// Times of its program from now on.
+    pub fn set_timing(&mut self, timing: CoprocessorTiming) {
+        let MainLoop {
+            tick_at,
+            next_tick_at,
+            ..
+        } = self.main_loop;
+        self.main_loop = MainLoop::running(tick_at, next_tick_at, timing.pass_cycles);
+        self.timing = timing;
     }
 
     /// The co-processor has been sampling for a while already when the run begins: its tick is
     /// `phase` cycles away.
     pub fn skip_start_up(&mut self, now: Cycles, phase: Cycles, measurable: Measurable) {
-        self.on_at = now + phase;
-        self.begin_tick(0);
-        self.started = true;
-        self.readings = readings(measurable);
+        self.main_loop = MainLoop::running(now, now + phase, self.timing.pass_cycles);
+        self.power = Power::operating();
+        self.stage = None;
+        self.readings = measurable.words;
+        self.readings_before = measurable.words;
+        self.sensor_supplies = [0, 1, 2, 3].map(|index| self.command.sensor_supply(index));
         self.plan();
     }
 
     /// The chip's supply comes back after a power cycle; faults from outside stay.
-    pub fn restart(&mut self, now: Cycles, phase: Cycles) {
+    pub fn restart(&mut self, now: Cycles, phase: Cycles, battery: u16) {
         *self = Self {
-            on_at: now + START_UP + phase,
-            tick_at: now + START_UP + phase,
-            last_frame_at: now,
-            corrupt_checksums: self.corrupt_checksums,
-            holds_bus: self.holds_bus,
-            stretch_cycles: self.stretch_cycles,
-            ..Self::new(phase)
+            faults: self.faults,
+            ..Self::new(self.timing, now, phase, battery)
         };
-        self.plan();
     }
 
     /// The supply is gone: bridges open, chip off.
@@ -185,6 +165,7 @@ impl Coprocessor {
     fn turn_off(&mut self, now: Cycles, reason: PowerOffReason, log: &mut EventLog) {
         self.powered = false;
         self.apply(now, Command::off(), log);
+        self.sensor_supplies = [SensorSupply::Off; 4];
         log.add(now, BoardEventKind::PowerOff(reason));
     }
 
@@ -198,14 +179,9 @@ impl Coprocessor {
         self.in_force.motors[motor.index()]
     }
 
-    /// 9 V supply of sensor port `index`, 0 to 3.
-    pub const fn sensor_supply(&self, index: usize) -> SensorSupply {
-        self.in_force.sensor_supply(index)
-    }
-
     /// 9 V supplies of the sensor ports.
-    pub fn sensor_supplies(&self) -> [SensorSupply; 4] {
-        [0, 1, 2, 3].map(|index| self.sensor_supply(index))
+    pub const fn sensor_supplies(&self) -> [SensorSupply; 4] {
+        self.sensor_supplies
     }
 
     /// States of the bridges.
@@ -214,42 +190,75 @@ impl Coprocessor {
     }
 
     /// The chip addresses the co-processor. A read takes the frame to be sent now.
-    pub fn start(&mut self, read: bool) {
+    pub fn start(&mut self, read: bool) -> TwiReply {
         if read {
-            self.outgoing = Outgoing::new(self.readings);
-            if self.corrupt_checksums > 0 {
-                self.corrupt_checksums -= 1;
+            self.outgoing = Outgoing::new(self.sent_words());
+            if self.faults.corrupt_checksums > 0 {
+                self.faults.corrupt_checksums -= 1;
                 self.outgoing.corrupt_checksum();
             }
+            self.acknowledge(self.timing.status_copy_cycles)
         } else {
             self.incoming = Incoming::default();
+            self.acknowledge(0)
         }
+    }
+
+    /// The words as its handler copies them: a byte at a time, while the main loop stores the low
+    /// byte of a word after the high one.
+    fn sent_words(&mut self) -> [u16; 6] {
+        let torn = |(new, old): (u16, u16)| new & 0xFF00 | old & 0xFF;
+        let pairs = [0, 1, 2, 3, 4, 5].map(|i| (self.readings[i], self.readings_before[i]));
+        let words = pairs.map(torn);
+        if self.faults.torn_words == 0 || words == self.readings {
+            return self.readings;
+        }
+        self.faults.torn_words -= 1;
+        words
     }
 
     /// A byte to the co-processor.
-    pub fn write(&mut self, now: Cycles, byte: u8) {
-        match self.incoming.push(byte) {
-            None => {}
-            Some(Received::Handshake) => self.handshake = true,
-            Some(Received::Command(command, request)) => {
-                self.accept(now, command);
-                match request {
-                    PowerRequest::StayOn => {}
-                    PowerRequest::PowerDown => {
-                        self.switch_off(now + POWER_DOWN_DELAY, PowerOffReason::Requested);
-                    }
-                    PowerRequest::BootMonitor => {
-                        self.switch_off(now + BOOT_MONITOR_DELAY, PowerOffReason::BootMonitor);
-                    }
-                }
+    pub fn write(&mut self, now: Cycles, byte: u8) -> TwiReply {
+        let extra_cycles = match self.incoming.push(byte) {
+            Received::Part => 0,
+            Received::Handshake => {
+                self.handshake = true;
+                0
             }
-        }
-        self.plan();
+            Received::Command(command) if !self.faults.refuses_frames => {
+                self.accept(now, command);
+                self.timing.good_frame_cycles
+            }
+            Received::Command(_) | Received::BadFrame => self.timing.bad_frame_cycles,
+        };
+        self.acknowledge(extra_cycles)
     }
 
-    /// The next byte from the co-processor.
-    pub fn read(&mut self) -> u8 {
-        self.outgoing.next_byte()
+    /// The next byte from the co-processor, and for how long it holds SCL before it. The first one
+    /// was ready when the address had been handled.
+    pub fn read(&mut self) -> (u8, Cycles) {
+        let stretch_cycles = if self.outgoing.is_whole() {
+            0
+        } else {
+            self.stretch_cycles(0)
+        };
+        (self.outgoing.next_byte(), stretch_cycles)
+    }
+
+    /// How long it holds SCL for what takes this long beside the handler.
+    pub const fn stretch_cycles(&self, extra_cycles: Cycles) -> Cycles {
+        if self.faults.holds_bus {
+            HELD
+        } else {
+            self.timing.stretch_cycles + extra_cycles
+        }
+    }
+
+    const fn acknowledge(&self, extra_cycles: Cycles) -> TwiReply {
+        TwiReply {
+            acknowledged: true,
+            stretch_cycles: self.stretch_cycles(extra_cycles),
+        }
     }
 
     pub const fn next_event(&self) -> Cycles {
@@ -258,59 +267,59 @@ impl Coprocessor {
 
     /// Works out again when something is due.
     fn plan(&mut self) {
-        let command = self.accepted.map_or(NEVER, |(at, _)| at);
-        let off = self.power_off.map_or(NEVER, |(at, _)| at);
-        let first = self
-            .stage_at()
-            .min(command)
-            .min(off)
-            .min(self.next_click_at);
-        self.next_at = if self.powered { first } else { NEVER };
+        let stage_at = self
+            .stage
+            .map(|stage| self.main_loop.tick_at + STORED[stage].0);
+        let tick_or_stage = stage_at.unwrap_or(self.main_loop.next_tick_at);
+        self.next_at = if self.powered {
+            tick_or_stage.min(self.update_at)
+        } else {
+            NEVER
+        };
     }
 
-    /// Serves what is due at `now`: commands, then results, then clicks, then the supply.
+    /// Serves what is due at `now`: commands, then results, then the state machine.
     pub fn advance(&mut self, now: Cycles, measurable: Measurable, log: &mut EventLog) {
         if !self.powered {
             return;
         }
-        if let Some((_, command)) = self.accepted.filter(|&(at, _)| at <= now) {
-            self.accepted = None;
-            self.apply(now, command, log);
+        if self.update_at <= now {
+            self.update_at = NEVER;
+            self.apply(now, self.command, log);
         }
-        if self.stage_at() <= now {
-            self.store(now, measurable);
-        }
-        if self.next_click_at <= now {
-            self.next_click_at += CLICK_PERIOD;
-            log.add(now, BoardEventKind::Click);
-        }
-        if let Some((_, reason)) = self.power_off.filter(|&(at, _)| at <= now) {
-            self.turn_off(now, reason, log);
+        match self.stage {
+            Some(stage) if self.main_loop.tick_at + STORED[stage].0 <= now => {
+                self.store(now, stage, measurable, log);
+            }
+            None if self.main_loop.next_tick_at <= now => self.begin_tick(now, measurable, log),
+            _ => {}
         }
         self.plan();
     }
 
-    /// A frequency that the timers do not serve leaves the last one.
-    fn accept(&mut self, now: Cycles, mut command: Command) {
-        self.last_frame_at = now;
-        self.next_click_at = NEVER;
-        if !(1..=32).contains(&command.frequency_khz) {
-            let last = self.accepted.map_or(self.in_force, |(_, command)| command);
-            command.frequency_khz = last.frequency_khz;
+    fn begin_tick(&mut self, now: Cycles, measurable: Measurable, log: &mut EventLog) {
+        let tick = self.power.begin_tick(measurable.battery_too_low);
+        self.main_loop.begin_tick(tick == Tick::Sample);
+        match tick {
+            Tick::Wait => {}
+            Tick::MeasureBattery => self.publish(BATTERY, measurable),
+            Tick::Sample => {
+                self.stage = Some(0);
+                self.readings_before = self.readings;
+            }
+            Tick::CutSupply(reason) => self.turn_off(now, reason, log),
         }
-        self.accepted = Some((self.effective_at(now), command));
     }
 
-    /// Commands wait for the start and for the end of the sampling that runs.
-    fn effective_at(&self, now: Cycles) -> Cycles {
-        if !self.started && now < self.on_at {
-            return self.on_at + STORED[5];
+    /// A frequency that the timers do not serve leaves the last one.
+    fn accept(&mut self, now: Cycles, mut command: Command) {
+        if !(1..=32).contains(&command.frequency_khz) {
+            command.frequency_khz = self.command.frequency_khz;
         }
-        if self.tick_at <= now {
-            self.tick_at + STORED[5]
-        } else {
-            now + LOOP_PASS
-        }
+        self.command = command;
+        self.heard = true;
+        self.update_at = self.main_loop.update_after(now);
+        self.plan();
     }
 
     fn apply(&mut self, now: Cycles, command: Command, log: &mut EventLog) {
@@ -334,46 +343,31 @@ impl Coprocessor {
         self.drives = drives(&command);
     }
 
-    fn switch_off(&mut self, at: Cycles, reason: PowerOffReason) {
-        if self.power_off.is_none() {
-            self.power_off = Some((at, reason));
+    fn publish(&mut self, word: usize, measurable: Measurable) {
+        self.readings[word] = measurable.words[word];
+    }
+
+    /// A port gets its supply back, or another one, after its second conversion.
+    fn store(&mut self, now: Cycles, stage: usize, measurable: Measurable, log: &mut EventLog) {
+        let word = STORED[stage].1;
+        self.publish(word, measurable);
+        if let Some(supply) = self.sensor_supplies.get_mut(word) {
+            *supply = self.command.sensor_supply(word);
+        }
+        self.stage = (stage + 1 < STORED.len()).then_some(stage + 1);
+        if self.stage.is_none() {
+            self.end_sampling(now, log);
         }
     }
 
-    fn begin_tick(&mut self, tick: u64) {
-        self.tick = tick;
-        self.tick_at = self.on_at + tick * TICK_NUMERATOR / TICK_DENOMINATOR;
-    }
-
-    fn stage_at(&self) -> Cycles {
-        self.tick_at + STORED[self.stage]
-    }
-
-    fn store(&mut self, now: Cycles, measurable: Measurable) {
-        self.readings[self.stage] = readings(measurable)[self.stage];
-        self.stage += 1;
-        if self.stage < STORED.len() {
-            return;
+    fn end_sampling(&mut self, now: Cycles, log: &mut EventLog) {
+        let request = self.command.request;
+        if request == PowerRequest::BootMonitor {
+            self.command.request = PowerRequest::StayOn;
         }
-        self.stage = 0;
-        self.begin_tick(self.tick + 1);
-        self.check_start(now, measurable);
-        self.check_silence(now);
-    }
-
-    fn check_start(&mut self, now: Cycles, measurable: Measurable) {
-        if !self.started && measurable.battery_too_low {
-            self.switch_off(now + LOW_BATTERY_DELAY, PowerOffReason::BatteryLow);
-        }
-        self.started = true;
-        if self.tick == TICKS_WITHOUT_HANDSHAKE && !self.handshake {
-            self.switch_off(now + POWER_DOWN_DELAY, PowerOffReason::NoHandshake);
-        }
-    }
-
-    fn check_silence(&mut self, now: Cycles) {
-        if self.next_click_at == NEVER && now >= self.last_frame_at + SILENCE {
-            self.next_click_at = now + CLICK_PERIOD;
+        let heard = std::mem::take(&mut self.heard);
+        if self.power.end_sampling(heard, self.handshake, request) {
+            log.add(now, BoardEventKind::Click);
         }
     }
 }
@@ -382,16 +376,4 @@ fn drives(command: &Command) -> [MotorDrive; 3] {
     command
         .motors
         .map(|motor| pwm::drive(motor, command.frequency_khz))
-}
-
-const fn readings(measurable: Measurable) -> [u16; 6] {
-    let [one, two, three, four] = measurable.ports;
-    [
-        one,
-        two,
-        three,
-        four,
-        measurable.buttons,
-        measurable.battery,
-    ]
 }

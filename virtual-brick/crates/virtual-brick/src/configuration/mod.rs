@@ -6,6 +6,7 @@
 
 mod error;
 mod timing;
+mod timing_parameters;
 
 use nxt::{BatteryConfiguration, BluetoothConfiguration, BoardConfiguration, SensorPorts};
 use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
@@ -15,6 +16,7 @@ use crate::engine::{Engine, JIT_THRESHOLD_RUNS};
 
 pub use error::ConfigurationError;
 pub use timing::Timing;
+pub use timing_parameters::{TimingParameter, Values as TimingValues, TIMING_PARAMETERS};
 
 /// One millisecond of the master clock, rounded up.
 const SIGNAL_PERIOD_CYCLES: u64 = 48_055;
@@ -67,7 +69,7 @@ struct Fields {
     #[serde(default)]
     engine: Engine,
     #[serde(default)]
-    timing: timing::TimingFields,
+    timing: serde_json::Map<String, serde_json::Value>,
 }
 
 #[derive(Default, Deserialize)]
@@ -119,7 +121,7 @@ impl Fields {
             sensors: self.sensors,
         };
         board.check()?;
-        let timing = self.timing.check()?;
+        let timing = Timing::from_fields(&self.timing)?;
         let defaults = trace::Limits::default();
         Ok(Configuration {
             seed: self.seed,
