@@ -7,7 +7,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Container
 from typing import Any
+
+from ravenbrick.errors import ExitCode
 
 from verification.commands import NoResultError
 from verification.support.paths import ROOT
@@ -15,13 +18,13 @@ from verification.support.paths import ROOT
 __all__ = ["build_example", "ravenbrick"]
 
 
-def ravenbrick(*arguments: str) -> dict[str, Any]:
-    """What the command answers as JSON. Raises `NoResultError` with what it said."""
+def ravenbrick(*arguments: str, accepted: Container[int] = (ExitCode.OK,)) -> dict[str, Any]:
+    """What the command answers as JSON. Raises `NoResultError` for an exit code not `accepted`."""
     command = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
     done = subprocess.run(
         [*command, *arguments, "--json"], cwd=ROOT, capture_output=True, text=True, check=False
     )
-    if done.returncode:
+    if done.returncode not in accepted:
         said = (done.stdout + done.stderr).strip()[-2000:]
         raise NoResultError(
             f"ravenbrick {' '.join(arguments)}: exit code {done.returncode}: {said}"

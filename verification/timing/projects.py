@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Programs that others wrote, analysed without a word about their timing.
+
+RAVENBRICK_PROJECTS names a folder of projects, each with a robot.toml and without a timing.toml.
+`ravenbrick analyse` bounds each one and compares the bounds with a run; a project that it asks a
+fact of is left out, with the question.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+from ravenbrick.errors import ExitCode
+
+from verification.built_examples import ravenbrick
+from verification.commands import Counts, NoResultError, NotRunError
+
+__all__ = ["suite"]
+
+VARIABLE = "RAVENBRICK_PROJECTS"
+ANSWERS = (ExitCode.OK, ExitCode.DEADLINE_CAN_BE_MISSED, ExitCode.NO_TIMING_BOUND)
+
+
+def _projects() -> list[Path]:
+    folder = os.environ.get(VARIABLE)
+    projects = sorted(found.parent for found in Path(folder).glob("*/robot.toml")) if folder else []
+    if not projects:
+        raise NotRunError(f"let {VARIABLE} name a folder of projects")
+    for project in projects:
+        if (project / "timing.toml").exists():
+            raise NotRunError(f"{project / 'timing.toml'}: take it away; the suite gives no facts")
+    return projects
+
+
+def suite() -> Counts:
+    """Projects with a verdict, schedulable or not, whose run stays below all bounds."""
+    projects, passed, excluded, failures = _projects(), 0, [], []
+    for project in projects:
+        print(project.name, file=sys.stderr, flush=True)
+        try:
+            answer = ravenbrick("analyse", str(project), accepted=ANSWERS)
+        except NoResultError as error:
+            failures.append(f"{project.name}: {error}")
+            continue
+        if answer.get("exit_code") == ExitCode.NO_TIMING_BOUND:
+            excluded.append({"count": 1, "reason": f"{project.name}: {answer['error']}"})
+        else:
+            passed += 1
+    return Counts(len(projects), passed, excluded, failures)
