@@ -5,7 +5,7 @@
 
 use crate::adc::{self, Adc};
 use crate::clock::Cycles;
-use crate::fault::{Access, FaultKind};
+use crate::fault::{not_modelled, Access, FaultKind};
 use crate::registers::registers;
 use crate::schedule::EventKind;
 use crate::serial::ports::{SerialPorts, DEBUG_UNIT, IDENTIFIERS};
@@ -249,7 +249,7 @@ impl Peripherals {
             Peripheral::Pwmc => self.pwmc.read(offset, now)?,
             Peripheral::Ssc => self.ssc.read(offset)?,
             Peripheral::Pmc => self.pmc.read(offset, now)?,
-            Peripheral::Rstc => self.rstc.read(offset)?,
+            Peripheral::Rstc => self.rstc.read(offset, now)?,
             Peripheral::Rtt => self.rtt.read(offset, now)?,
             Peripheral::Pit => self.pit.read(offset, now)?,
             Peripheral::Wdt => self.wdt.read(offset)?,
@@ -282,6 +282,9 @@ impl Peripherals {
             }
             Peripheral::Udp => {
                 let clocked = self.udp_clocked();
+                if clocked && !self.pmc.usb_clock_fits() {
+                    return not_modelled("UDP", "a USB clock other than 48 MHz (USBDIV)");
+                }
                 self.udp.write(offset, value, now, clocked)?;
             }
             Peripheral::Usart(DEBUG_UNIT) if matches!(offset, DBGU_CIDR | DBGU_EXID) => {}
@@ -297,7 +300,7 @@ impl Peripherals {
                 let clocked = clocked(ssc::IDENTIFIER);
                 self.ssc.write(offset, value, now, clocked)?;
             }
-            Peripheral::Rstc => return self.rstc.write(offset, value).map(Effect::Reset),
+            Peripheral::Rstc => return self.rstc.write(offset, value, now).map(Effect::Reset),
             Peripheral::Rtt => self.rtt.write(offset, value, now)?,
             Peripheral::Pit => {
                 if self.pit.write(offset, value, now)? {

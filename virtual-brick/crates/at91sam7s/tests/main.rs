@@ -6,6 +6,7 @@
 #[macro_use]
 mod common;
 
+mod bits;
 mod brown_out;
 mod characters;
 mod converter;

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Serial peripheral interface with its data controller channel.
 use crate::common::{
-    bus_log, bus_sequence, read, run_to, running_chip, wait_for, write, Seen, TestChip, PIOA, SPI,
-    SRAM,
+    bus_log, bus_sequence, read, run_to, running_chip, try_write, wait_for, write, Seen, TestChip,
+    PIOA, SPI, SRAM,
 };
-use arm7tdmi::bus::Bus;
+use arm7tdmi::bus::{Bus, Width};
 use at91sam7s::FaultKind;
 
 registers! {
@@ -266,6 +266,21 @@ fn each_transfer_of_the_data_controller_delays_the_processor_by_one_cycle() {
         1001,
         "two transfers were charged to the enabling store"
     );
+}
+
+#[test]
+fn only_clock_modes_whose_slaves_sample_at_rising_edges_are_modelled() {
+    for (settings, modelled) in [
+        (0x1800, false),
+        (0x1801, true),
+        (0x1802, true),
+        (0x1803, false),
+    ] {
+        let mut chip = select_by_peripheral();
+        write(&mut chip, CSR2, settings);
+        let sent = try_write(&mut chip, TDR, Width::Word, 1);
+        assert_eq!(sent.is_ok(), modelled, "{settings:#x}");
+    }
 }
 
 #[test]

@@ -348,6 +348,35 @@ fn software_resets_processor_and_peripherals_with_the_key_only() {
 }
 
 #[test]
+fn a_reset_of_the_peripherals_alone_is_not_reported_as_the_last_reset() {
+    let mut chip = running_chip();
+    write(&mut chip, RSTC, 0xA500_0004);
+    assert_eq!(chip.take_reset(), None);
+    assert_eq!(read(&mut chip, RSTC + 4), 1 << 16);
+}
+
+#[test]
+fn a_pulse_on_the_reset_pin_lasts_as_long_as_the_mode_says_and_resets_nothing() {
+    let mut chip = running_chip();
+    // ERSTL = 1: four slow clock periods. URSTIEN without URSTEN: the edge interrupts.
+    write(&mut chip, RSTC + 8, 0xA500_0110);
+    write(&mut chip, RSTC, 0xA500_0008);
+    let start = chip.now();
+    chip.internal(10);
+    assert_eq!(read(&mut chip, AIC + 0x10C) & 2, 2);
+    assert_eq!(
+        read(&mut chip, RSTC + 4),
+        1 << 17 | 1,
+        "SRCMP, URSTS, pin low"
+    );
+    assert_eq!(read(&mut chip, AIC + 0x10C) & 2, 0);
+    run_to(&mut chip, start + slow(4) - 3);
+    assert_eq!(read(&mut chip, RSTC + 4), 1 << 17);
+    assert_eq!(read(&mut chip, RSTC + 4), 1 << 16, "the pin is high again");
+    assert_eq!(chip.take_reset(), None);
+}
+
+#[test]
 fn the_boot_monitor_leaves_the_watchdog_mode_used_up_and_full_speed() {
     let mut chip = cold_chip();
     chip.enter_as_boot_monitor();

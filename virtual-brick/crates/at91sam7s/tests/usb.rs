@@ -109,6 +109,16 @@ fn give(chip: &mut TestChip, endpoint: usize, bytes: &[u8]) {
 }
 
 #[test]
+fn the_port_is_refused_while_its_clock_is_not_48_mhz() {
+    let mut chip = usb_chip();
+    // As the boot monitor leaves it, but with USBDIV = 0: 96 MHz.
+    write(&mut chip, PMC + 0x2C, 0x0048_1C0E);
+    assert!(try_write(&mut chip, CSR[0], Width::Word, EPEDS).is_err());
+    let text = chip.fault().unwrap().to_string();
+    assert!(text.starts_with("UDP: a USB clock other than 48 MHz (USBDIV)"));
+}
+
+#[test]
 fn the_end_of_a_bus_reset_interrupts_whatever_the_mask() {
     let mut chip = usb_chip();
     write(&mut chip, FADDR, 0x105);

@@ -166,8 +166,8 @@ impl<B: Board> Chip<B> {
         peripherals: bool,
         at: Cycles,
     ) {
-        self.peripherals.rstc.set_cause(cause);
         if processor {
+            self.peripherals.rstc.set_cause(cause);
             self.reset = Some(cause);
             self.stopped = false;
             self.peripherals.wdt = Wdt::new(at);

@@ -12,7 +12,7 @@ use crate::board::Board;
 use crate::clock::{Cycles, NEVER};
 use crate::fault::{clock_disabled, no_register, not_modelled, Access};
 use crate::pins::pio::Pio;
-use crate::registers::{flags, number_in_row, registers};
+use crate::registers::{check_written, flags, number_in_row, registers, unmodelled, Unmodelled};
 use crate::serial::pdc::{Pdc, Stream};
 
 registers! {
@@ -36,7 +36,15 @@ const PCSDEC: u32 = 1 << 2;
 const FDIV: u32 = 1 << 3;
 const LLB: u32 = 1 << 7;
 const CSAAT: u32 = 1 << 3;
+const CPOL: u32 = 1 << 0;
+const NCPHA: u32 = 1 << 1;
 const LASTXFER: u32 = 1 << 24;
+/// MODFDIS and the flags MODF and NSSR have no effect: no other master drives the board's bus.
+const UNMODELLED: &[Unmodelled] = &[unmodelled(
+    SPI_MR,
+    PCSDEC,
+    "an external chip select decoder",
+)];
 /// Shortest delay between two chip selects.
 const LEAST_SELECT_DELAY: Cycles = 6;
 
@@ -181,6 +189,9 @@ impl Spi {
         if divider == 0 {
             return not_modelled(NAME, "SCBR = 0");
         }
+        if (settings & CPOL != 0) == (settings & NCPHA != 0) {
+            return not_modelled(NAME, "a slave that samples at falling edges (CPOL = NCPHA)");
+        }
         let period = if self.mode & FDIV != 0 {
             32 * divider
         } else {
@@ -285,13 +296,16 @@ impl Spi {
     }
 
     pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
+        check_written(NAME, UNMODELLED, offset, value)?;
         match offset {
             SPI_CR => return self.control(value, clocked),
             SPI_MR => self.mode = value & 0xFF0F_009F,
             SPI_TDR => return self.transmit(value, now),
             SPI_IER => self.mask |= value & 0x3FF,
             SPI_IDR => self.mask &= !value,
-            SPI_CSR0..=SPI_CSR3 => self.chip_select[number_in_row(offset, SPI_CSR0)] = value,
+            SPI_CSR0..=SPI_CSR3 => {
+                self.chip_select[number_in_row(offset, SPI_CSR0)] = value & !(1 << 2);
+            }
             SPI_RDR | SPI_SR | SPI_IMR => {}
             0x100..=0x124 => return self.pdc.write(offset, value, NAME),
             _ => return no_register(NAME, offset),
@@ -347,9 +361,6 @@ impl Stream for Spi {
         }
         if self.mode & MSTR == 0 {
             return not_modelled(NAME, "slave mode");
-        }
-        if self.mode & PCSDEC != 0 {
-            return not_modelled(NAME, "an external chip select decoder");
         }
         self.transmit = Some(value);
         self.start(now)

@@ -12,7 +12,7 @@ use crate::board::{Board, Cycles, SoundBits};
 use crate::clock::NEVER;
 use crate::fault::{clock_disabled, no_register, not_modelled, Access};
 use crate::pins::pio::Pio;
-use crate::registers::{flags, number_in_row, registers};
+use crate::registers::{check_written, flags, number_in_row, registers, unmodelled, Unmodelled};
 use crate::serial::pdc::{Pdc, Stream};
 
 registers! {
@@ -39,7 +39,21 @@ const TXEN: u32 = 1 << 16;
 const MASKABLE: u32 = 0xFFF;
 
 const MSBF: u32 = 1 << 7;
-const FSDEN: u32 = 1 << 23;
+
+/// Without effect are the receiver's registers and flags, since reception is refused, and what
+/// concerns the pins TK and TF, which the board uses otherwise: CKO, CKI, PERIOD, FSLEN, FSEDGE.
+/// DATDEF is the level of TD between words: silence.
+const UNMODELLED: &[Unmodelled] = &[
+    unmodelled(SSC_TCMR, 3, "a transmit clock from RK or TK"),
+    unmodelled(SSC_TCMR, 3 << 6, "a gated transmit clock (CKG)"),
+    unmodelled(SSC_TCMR, 0xF << 8, "a transmit start other than continuous"),
+    unmodelled(SSC_TCMR, 0xFF << 16, "a start delay (STTDLY)"),
+    unmodelled(SSC_TFMR, 7 << 20, "a frame synchronisation output (FSOS)"),
+    unmodelled(SSC_TFMR, 1 << 23, "frame synchronisation data"),
+];
+/// Fields of RCMR and TCMR, of RFMR and TFMR.
+const CLOCK_FIELDS: [u32; 2] = [0xFFFF_1FFF, 0xFFFF_0FFF];
+const FRAME_FIELDS: [u32; 2] = [0x017F_0FBF, 0x01FF_0FBF];
 
 /// A word in the shifter and when its last bit ends.
 #[derive(Clone, Copy, Debug)]
@@ -193,21 +207,17 @@ impl Ssc {
     }
 
     pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
+        check_written(NAME, UNMODELLED, offset, value)?;
         match offset {
             SSC_CR => return self.control(value, now, clocked),
             SSC_CMR => {
                 self.divider = value & 0xFFF;
                 self.start(now);
             }
-            SSC_RCMR => self.receive_clock = value,
-            SSC_RFMR => self.receive_frame = value,
-            SSC_TCMR => self.set_clock(value)?,
-            SSC_TFMR => {
-                if value & FSDEN != 0 {
-                    return not_modelled(NAME, "frame synchronisation data");
-                }
-                self.transmit_frame = value;
-            }
+            SSC_RCMR => self.receive_clock = value & CLOCK_FIELDS[0],
+            SSC_RFMR => self.receive_frame = value & FRAME_FIELDS[0],
+            SSC_TCMR => self.transmit_clock = value & CLOCK_FIELDS[1],
+            SSC_TFMR => self.transmit_frame = value & FRAME_FIELDS[1],
             SSC_THR => return self.transmit(value, now),
             SSC_TSHR => self.synchronisation = value & 0xFFFF,
             SSC_RC0R | SSC_RC1R => self.compare[number_in_row(offset, SSC_RC0R)] = value & 0xFFFF,
@@ -217,20 +227,6 @@ impl Ssc {
             0x100..=0x124 => return self.pdc.write(offset, value, NAME),
             _ => return no_register(NAME, offset),
         }
-        Ok(())
-    }
-
-    fn set_clock(&mut self, value: u32) -> Access {
-        if value & 3 != 0 {
-            return not_modelled(NAME, "a transmit clock from RK or TK");
-        }
-        if value >> 8 & 0xF != 0 {
-            return not_modelled(NAME, "a transmit start other than continuous");
-        }
-        if value >> 16 & 0xFF != 0 {
-            return not_modelled(NAME, "a start delay (STTDLY)");
-        }
-        self.transmit_clock = value;
         Ok(())
     }
 

@@ -5,7 +5,7 @@
 use crate::clock::{slow_clock_cycles, Cycles, NEVER, SLOW_CLOCK_HZ};
 use crate::clock::{MASTER_CLOCK_HZ_DENOMINATOR, MASTER_CLOCK_HZ_NUMERATOR};
 use crate::fault::{no_register, not_modelled, Access};
-use crate::registers::{number_in_row, registers};
+use crate::registers::{check_written, number_in_row, registers, unmodelled, Unmodelled};
 
 registers! {
     PMC_SCER = 0x00, PMC_SCDR = 0x04, PMC_SCSR = 0x08, PMC_PCER = 0x10, PMC_PCDR = 0x14,
@@ -24,6 +24,12 @@ const PCK: u32 = 1 << 0;
 const SYSTEM_CLOCKS: u32 = 1 << 7 | 7 << 8;
 /// Peripheral identifiers 2 and 4 to 14 have a clock switch.
 const PERIPHERAL_CLOCKS: u32 = 0x7FF4;
+/// OUT has no effect: the PLL locks at any setting. The programmable clocks reach no pin.
+const UNMODELLED: &[Unmodelled] = &[unmodelled(
+    CKGR_MOR,
+    1 << 1,
+    "a clock on XIN in place of the crystal (OSCBYPASS)",
+)];
 /// Main clock periods in 16 slow clock periods.
 const MAIN_FREQUENCY: u32 = (16 * MAIN_CLOCK_HZ / SLOW_CLOCK_HZ) as u32;
 
@@ -84,6 +90,14 @@ impl Pmc {
         self.system & bit != 0
     }
 
+    /// The clock of the USB port, PLL / 2^USBDIV, is within 0.25 % of 48 MHz (USB 2.0, 7.1.11).
+    pub(crate) fn usb_clock_fits(&self) -> bool {
+        let factor = u64::from(self.pll >> 16 & 0x7FF) + 1;
+        let divider = u64::from(self.pll & 0xFF) << (self.pll >> 28 & 3);
+        let clock = MAIN_CLOCK_HZ * factor;
+        clock.abs_diff(48_000_000 * divider) <= 120_000 * divider
+    }
+
     fn status(&self, now: Cycles) -> u32 {
         let mut status = self.system & 7 << 8;
         for (at, bit) in [
@@ -138,6 +152,7 @@ impl Pmc {
     }
 
     pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<Request> {
+        check_written("PMC", UNMODELLED, offset, value)?;
         match offset {
             PMC_SCER => self.system |= value & SYSTEM_CLOCKS,
             PMC_SCDR => {
@@ -167,8 +182,8 @@ impl Pmc {
     }
 
     fn set_oscillator(&mut self, value: u32, now: Cycles) {
-        let was_on = self.oscillator & 3 != 0;
-        self.oscillator = value & 0xFF03;
+        let was_on = self.oscillator & 1 != 0;
+        self.oscillator = value & 0xFF01;
         self.oscillator_at = match (value & 1 != 0, was_on) {
             (false, _) => NEVER,
             (true, true) => self.oscillator_at,

@@ -2,16 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Reset controller (AT91SAM7S datasheet, 6175M, chapter 13).
 
+use crate::clock::{slow_clock_cycles, Cycles};
 use crate::fault::{no_register, Access};
-use crate::registers::registers;
+use crate::registers::{flags, registers};
 
 registers! {
     RSTC_CR = 0x00, RSTC_SR = 0x04, RSTC_MR = 0x08,
 }
 
 const KEY: u32 = 0xA5;
-/// Brown-out flag of the status, and its interrupt enable of the mode.
+/// Flags of the status: an edge on NRST, brown-out, level of NRST, a software reset in progress.
+const URSTS: u32 = 1 << 0;
 const BODSTS: u32 = 1 << 1;
+const NRSTL: u32 = 1 << 16;
+const SRCMP: u32 = 1 << 17;
+/// Fields of the mode: NRST resets, NRST interrupts when it does not reset, brown-out interrupts.
+const URSTEN: u32 = 1 << 0;
+const URSTIEN: u32 = 1 << 4;
 const BODIEN: u32 = 1 << 16;
 
 /// What reset the chip last.
@@ -41,7 +48,10 @@ pub(crate) struct ResetRequest {
 pub(crate) struct Rstc {
     mode: u32,
     cause: ResetCause,
-    brown_out: bool,
+    /// URSTS and BODSTS.
+    seen: u32,
+    /// End of the pulse on NRST that software asked for. Nothing on the board listens to it.
+    pulse_until: Cycles,
 }
 
 impl Rstc {
@@ -49,48 +59,52 @@ impl Rstc {
         Self {
             mode: 0,
             cause: ResetCause::PowerUp,
-            brown_out: false,
+            seen: 0,
+            pulse_until: 0,
         }
     }
 
     /// The detector saw a low supply and does not reset.
     pub(crate) fn brown_out(&mut self) {
-        self.brown_out = true;
+        self.seen |= BODSTS;
     }
 
     pub(crate) fn interrupt(&self) -> bool {
-        self.brown_out && self.mode & BODIEN != 0
+        let user = self.mode & (URSTEN | URSTIEN) == URSTIEN;
+        let masked = flags(&[(user, URSTS), (self.mode & BODIEN != 0, BODSTS)]);
+        self.seen & masked != 0
     }
 
     pub(crate) fn set_cause(&mut self, cause: ResetCause) {
         self.cause = cause;
     }
 
-    /// Reading the status clears the brown-out flag.
-    pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
+    /// Reading the status clears the flags of NRST and of the brown-out.
+    pub(crate) fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
         match offset {
             RSTC_CR => Ok(0),
             RSTC_SR => {
-                let flag = if std::mem::take(&mut self.brown_out) {
-                    BODSTS
-                } else {
-                    0
-                };
-                Ok((self.cause as u32) << 8 | 1 << 16 | flag)
+                let pulse = now < self.pulse_until;
+                let pin = if pulse { SRCMP } else { NRSTL };
+                Ok((self.cause as u32) << 8 | pin | std::mem::take(&mut self.seen))
             }
             RSTC_MR => Ok(self.mode),
             _ => no_register("RSTC", offset),
         }
     }
 
-    pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access<ResetRequest> {
+    pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access<ResetRequest> {
         let keyed = value >> 24 == KEY;
         match offset {
             RSTC_CR if keyed => {
+                if value & 1 << 3 != 0 {
+                    self.seen |= URSTS;
+                    self.pulse_until = now + slow_clock_cycles(2 << (self.mode >> 8 & 0xF));
+                }
                 return Ok(ResetRequest {
                     processor: value & 1 << 0 != 0,
                     peripherals: value & 1 << 2 != 0,
-                })
+                });
             }
             RSTC_MR if keyed => self.mode = value & 0x0001_0F11,
             RSTC_CR | RSTC_SR | RSTC_MR => {}

@@ -10,7 +10,7 @@
 use crate::board::{Cycles, UsbAnswer, UsbSignal};
 use crate::clock::NEVER;
 use crate::fault::{clock_disabled, no_register, Access};
-use crate::registers::{number_in_row, registers};
+use crate::registers::{check_written, number_in_row, registers, unmodelled, Unmodelled};
 
 mod endpoint;
 
@@ -26,6 +26,10 @@ pub(crate) const IDENTIFIER: u8 = 11;
 /// Bit of `PMC_SCER` that switches the 48 MHz clock of the port.
 pub(crate) const SYSTEM_CLOCK: u32 = 1 << 7;
 
+/// Isochronous endpoints are refused where their type is written.
+const UNMODELLED: &[Unmodelled] = &[unmodelled(UDP_GLB_STAT, 1 << 2, "remote wake-up (ESR)")];
+/// Fields of the global state that software writes.
+const GLOBAL_FIELDS: u32 = 0x17;
 /// Time for a write of `UDP_CSRx` to cross into the USB clock domain: one period of each clock,
 /// which are equal, and one of uncertainty.
 const CROSSING_CYCLES: Cycles = 3;
@@ -171,9 +175,10 @@ impl Udp {
     }
 
     pub(crate) fn write(&mut self, offset: u32, value: u32, now: Cycles, clocked: bool) -> Access {
+        check_written(NAME, UNMODELLED, offset, value)?;
         self.advance(now);
         match offset {
-            UDP_GLB_STAT => self.global = value & 0x1F,
+            UDP_GLB_STAT => self.global = value & GLOBAL_FIELDS,
             UDP_FADDR => self.function = value & 0x17F,
             UDP_IER => self.mask |= value & MASKABLE,
             UDP_IDR => self.mask &= !value,

@@ -4,23 +4,44 @@
 
 use super::{Usart, FRAME, OVRE, TIMEOUT};
 use crate::clock::{Cycles, NEVER};
-use crate::fault::{clock_disabled, not_modelled, Access};
+use crate::fault::{clock_disabled, Access};
+use crate::registers::{unmodelled, Unmodelled};
 use crate::serial::pdc::Stream;
+use crate::serial::usart::registers::{US_CR, US_IER, US_MR};
 
 /// PARE, NACK and ITERATION, besides the flags that this model can set.
 const RESET_STATUS: u32 = OVRE | FRAME;
+
+const LOOPS: Unmodelled = unmodelled(US_MR, 1 << 14, "automatic echo or remote loopback");
+/// Without effect are STPBRK and RXBRK, since breaks are refused; RSTIT, RSTNACK, INACK, DSNACK,
+/// MAX_ITERATION, ITERATION, NACK, FIDI, NER and IF, which only refused modes have; FILTER, since
+/// the board's lines have no glitches; DTRDIS, which is the line's state after reset.
+pub(super) const USART: &[Unmodelled] = &[
+    unmodelled(US_CR, 1 << 9, "sending a break"),
+    unmodelled(US_CR, 1 << 12, "multidrop mode"),
+    unmodelled(US_CR, 1 << 16, "the line DTR"),
+    unmodelled(
+        US_MR,
+        0xF,
+        "a mode other than normal, RS485 and hardware handshaking",
+    )
+    .above(2),
+    unmodelled(US_MR, 3 << 4, "a clock other than MCK and MCK/8").above(1 << 4),
+    unmodelled(US_MR, 1 << 8, "synchronous mode"),
+    unmodelled(US_MR, 7 << 9, "multidrop mode").above(5 << 9),
+    LOOPS,
+    unmodelled(US_MR, 1 << 18, "the clock output SCK"),
+];
+/// FNTRST has no effect: the board has no debug probe.
+pub(super) const DEBUG_UNIT: &[Unmodelled] = &[
+    LOOPS,
+    unmodelled(US_IER, 3 << 30, "the debug communication channel"),
+];
 
 impl Usart {
     /// Write of the control register; `clocked` is the identifier of a clock that is off.
     pub(super) fn control(&mut self, value: u32, now: Cycles, unclocked: Option<u8>) -> Access {
         let bit = |number: u32| value >> number & 1 != 0;
-        if bit(9) {
-            return not_modelled(self.name(), "sending a break");
-        }
-        // Bits 13 and 14 reset what only ISO 7816 mode has.
-        if !self.is_debug_unit() && bit(12) {
-            return not_modelled(self.name(), "multidrop mode");
-        }
         if let Some(identifier) = unclocked.filter(|_| bit(4) || bit(6)) {
             return clock_disabled(self.name(), identifier);
         }
@@ -78,31 +99,12 @@ impl Usart {
         }
     }
 
-    pub(super) fn set_mode(&mut self, value: u32, now: Cycles) -> Access {
-        if value >> 9 & 7 > 5 {
-            return not_modelled(self.name(), "multidrop mode");
-        }
-        if value >> 14 & 1 != 0 {
-            return not_modelled(self.name(), "automatic echo or remote loopback");
-        }
+    pub(super) fn set_mode(&mut self, value: u32, now: Cycles) {
         if self.is_debug_unit() {
             self.mode = value & 0xCE00;
-            return Ok(());
+        } else {
+            self.mode = value & 0x173F_FFFF;
+            self.start(now);
         }
-        if value & 0xF > 2 {
-            return not_modelled(
-                self.name(),
-                "a mode other than normal, RS485 and hardware handshaking",
-            );
-        }
-        if value >> 4 & 3 > 1 {
-            return not_modelled(self.name(), "a clock other than MCK and MCK/8");
-        }
-        if value & 1 << 8 != 0 {
-            return not_modelled(self.name(), "synchronous mode");
-        }
-        self.mode = value & 0x171F_FFFF;
-        self.start(now);
-        Ok(())
     }
 }

@@ -2,21 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Which register of a serial line answers at which offset.
 
-use super::{Usart, MODEM_CHANGES};
+use super::{control, Usart, MODEM_CHANGES};
 use crate::clock::Cycles;
 use crate::fault::{no_register, Access};
-use crate::registers::registers;
+use crate::registers::{check_written, registers};
 use crate::serial::pdc::Stream;
 
 registers! {
-    US_CR = 0x00, US_MR = 0x04, US_IER = 0x08, US_IDR = 0x0C, US_IMR = 0x10, US_CSR = 0x14,
+    US_IDR = 0x0C, US_IMR = 0x10, US_CSR = 0x14,
     US_RHR = 0x18, US_THR = 0x1C, US_BRGR = 0x20, US_RTOR = 0x24, US_TTGR = 0x28,
     US_FIDI = 0x40, US_NER = 0x44, US_IF = 0x4C, DBGU_FNR = 0x48,
 }
 
+pub(super) const US_CR: u32 = 0x00;
+pub(super) const US_MR: u32 = 0x04;
+pub(super) const US_IER: u32 = 0x08;
+
 /// Flags that can interrupt: of a USART, of the debug unit.
 const MASKABLE: u32 = 0x000F_3FFF;
-const MASKABLE_DEBUG_UNIT: u32 = 0xC000_1AFB;
+const MASKABLE_DEBUG_UNIT: u32 = 0x1AFB;
 
 impl Usart {
     /// Read a register; the identifiers of the debug unit are read elsewhere.
@@ -52,9 +56,15 @@ impl Usart {
         now: Cycles,
         unclocked: Option<u8>,
     ) -> Access {
+        let unmodelled = if self.is_debug_unit() {
+            control::DEBUG_UNIT
+        } else {
+            control::USART
+        };
+        check_written(self.name(), unmodelled, offset, value)?;
         match offset {
             US_CR => return self.control(value, now, unclocked),
-            US_MR => return self.set_mode(value, now),
+            US_MR => self.set_mode(value, now),
             US_IER => self.mask |= value & self.maskable(),
             US_IDR => self.mask &= !value,
             US_THR => self.transmit(value, now)?,

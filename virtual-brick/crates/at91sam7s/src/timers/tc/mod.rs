@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use crate::clock::{Cycles, NEVER};
 use crate::fault::{clock_disabled, no_register, not_modelled, Access};
-use crate::registers::registers;
+use crate::registers::{check_written, registers, unmodelled, Unmodelled};
 
 pub(crate) mod block;
 mod capture;
@@ -38,7 +38,6 @@ const LDRBS: u32 = 1 << 6;
 const ETRGS: u32 = 1 << 7;
 
 const CLKI: u32 = 1 << 3;
-const BURST: u32 = 3 << 4;
 /// Stop on RC compare (waveform) or RB load (capture).
 const STOP: u32 = 1 << 6;
 /// Disable on RC compare (waveform) or RB load (capture).
@@ -46,6 +45,13 @@ const DISABLE: u32 = 1 << 7;
 const CPCTRG: u32 = 1 << 14;
 const WAVE: u32 = 1 << 15;
 const TOP: u32 = 0xFFFF;
+/// The block mode has no effect: it chooses between external clocks.
+const UNMODELLED: &[Unmodelled] = &[
+    unmodelled(TC_CMR, 7, "counting an external clock (TCCLKS XC0 to XC2)").above(4),
+    unmodelled(TC_CMR, 3 << 4, "gating the clock by a burst signal"),
+];
+/// Fields of the mode register in capture mode.
+const CAPTURE_FIELDS: u32 = 0x000F_C7FF;
 
 /// Input line of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -408,6 +414,7 @@ impl Channel {
     }
 
     fn write(&mut self, offset: u32, value: u32, now: Cycles) -> Access {
+        check_written(self.name(), UNMODELLED, offset, value)?;
         self.advance(now);
         match offset {
             TC_CCR => return self.control(value, now),
@@ -447,25 +454,12 @@ impl Channel {
     }
 
     fn set_mode(&mut self, value: u32, now: Cycles) -> Access {
-        if value & 7 > 4 {
-            return not_modelled(
-                NAMES[usize::from(self.number)],
-                "counting an external clock (TCCLKS XC0 to XC2)",
-            );
+        let waveform = value & WAVE != 0;
+        if waveform && value >> 10 & 3 != 0 && value >> 8 & 3 != 0 {
+            return not_modelled(self.name(), "an external event on XC0 to XC2");
         }
-        if value & BURST != 0 {
-            return not_modelled(
-                NAMES[usize::from(self.number)],
-                "gating the clock by a burst signal",
-            );
-        }
-        if value & WAVE != 0 && value >> 10 & 3 != 0 && value >> 8 & 3 != 0 {
-            return not_modelled(
-                NAMES[usize::from(self.number)],
-                "an external event on XC0 to XC2",
-            );
-        }
-        self.rebase(now, |channel| channel.mode = value);
+        let fields = if waveform { u32::MAX } else { CAPTURE_FIELDS };
+        self.rebase(now, |channel| channel.mode = value & fields);
         Ok(())
     }
 }
