@@ -81,7 +81,9 @@ package body NXT.TWI.Bus is
       Controller.TWI_CR := Enable_Master;
    end Reset;
 
-   --  Wait until one of Flags is up; what was up is in Seen, nothing when patience ended.
+   --  Wait until one of Flags is up; what was up is in Seen, nothing when patience ended. A status
+   --  that is read while a stop condition is on the bus loses Not_Acknowledged (erratum of the
+   --  chip): a transfer that is complete too early was refused as well.
    procedure Await (Flags : Word; Seen : out Word) is
    begin
       for Poll in 1 .. Patience loop
@@ -97,7 +99,7 @@ package body NXT.TWI.Bus is
       Controller.TWI_MMR := To_Device (Word (Device));
       for Value of Message loop
          Controller.TWI_THR := Word (Value);
-         Await (Transmit_Ready or Not_Acknowledged, Seen);
+         Await (Transmit_Ready or Transfer_Complete or Not_Acknowledged, Seen);
          exit when Seen /= Transmit_Ready;
       end loop;
       Acknowledged := Seen = Transmit_Ready;
@@ -118,14 +120,14 @@ package body NXT.TWI.Bus is
       Controller.TWI_MMR := To_Device (Word (Device)) or Master_Reads;
       Controller.TWI_CR := Registers.TWI.Start;
       for Place in Message'Range loop
-         Await (Receive_Ready or Not_Acknowledged, Seen);
-         exit when Seen /= Receive_Ready;
+         Await (Receive_Ready or Transfer_Complete or Not_Acknowledged, Seen);
+         exit when not Has (Seen, Receive_Ready);
          Message (Place) := Byte (Controller.TWI_RHR and 16#FF#);
          if Place = Message'Last - 1 then
             Controller.TWI_CR := Stop;
          end if;
       end loop;
-      Complete := Seen = Receive_Ready;
+      Complete := Has (Seen, Receive_Ready);
       if Complete then
          Await (Transfer_Complete, Seen);
          Complete := Seen = Transfer_Complete;

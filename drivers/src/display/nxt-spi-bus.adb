@@ -31,6 +31,8 @@ package body NXT.SPI.Bus is
       PIOA.PIO_ASR := A_Lines;
       PIOA.PIO_BSR := B_Lines;
       PIOA.PIO_PDR := A_Lines or B_Lines;
+      --  Some revisions of the chip need the reset twice (erratum).
+      Controller.SPI_CR := Reset;
       Controller.SPI_CR := Reset;
       Controller.SPI_MR := Master or Ignore_Mode_Fault or Select_Line_2;
       Controller.SPI_CSR2 := Display_Timing;

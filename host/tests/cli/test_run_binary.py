@@ -56,3 +56,14 @@ def test_bytes_that_do_not_fit_into_ram_are_refused(project: Path) -> None:
     answer = run(str(project), "press", "--bin", str(IMAGE), "--at", "ram")
     assert not answer["ok"]
     assert "262144" in answer["error"] or "memory" in answer["error"]
+
+
+def test_bytes_for_all_of_the_ram_start_at_its_beginning(project: Path) -> None:
+    """As a debug probe loads them, over the boot monitor's part."""
+    loop = project / "loop.bin"
+    loop.write_bytes(b"\xfe\xff\xff\xea" * 0x4000)
+    answer = run(str(project), "press", "--bin", str(loop), "--at", "whole-ram")
+    assert "0x00200000" in answer["error"], answer
+    loop.write_bytes(loop.read_bytes() + b"\0")
+    answer = run(str(project), "press", "--bin", str(loop), "--at", "whole-ram")
+    assert "65537 bytes" in answer["error"]

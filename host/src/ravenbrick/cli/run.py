@@ -179,10 +179,18 @@ def _show(run: Run, reporter: Reporter) -> None:
         reporter.print(f"warning: {warning}")
 
 
-def _given_image(binary: Path | None, at: ImageChoice, elf: Path | None) -> ElfImage | None:
+class LoadPlace(StrEnum):
+    """Memory into which an image without headers is loaded."""
+
+    RAM = "ram"
+    WHOLE_RAM = "whole-ram"
+    FLASH = "flash"
+
+
+def _given_image(binary: Path | None, at: LoadPlace, elf: Path | None) -> ElfImage | None:
     """The image of the options; None for the project's own."""
     if binary:
-        return read_binary(binary, at.kind)
+        return read_binary(binary, at.value)
     return read_image(elf) if elf else None
 
 
@@ -211,7 +219,10 @@ def run_command(
         Path | None, typer.Option(help="Recording or run file of the page to replay.")
     ] = None,
     binary: Annotated[Path | None, typer.Option("--bin", help="Raw binary image.")] = None,
-    at: Annotated[ImageChoice, typer.Option(help="Load address of --bin.")] = ImageChoice.FLASH,
+    at: Annotated[
+        LoadPlace,
+        typer.Option(help="Load address of --bin: 0x202000, 0x200000 (by JTAG) or 0x100000."),
+    ] = LoadPlace.FLASH,
     timing_profile: TimingProfileOption = TimingProfile.NOMINAL,
     engine: Annotated[
         Engine, typer.Option(help="Execution engine; 'make native' makes 'fast' faster.")

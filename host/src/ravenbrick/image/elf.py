@@ -53,6 +53,7 @@ RAM = Region("RAM", 0x0020_0000, 0x0021_0000)
 IMAGE_RAM = Region("RAM that the boot monitor leaves", 0x0020_2000, 0x0021_0000)
 FLASH = Region("flash", 0x0010_0000, 0x0014_0000)
 REGIONS = {"ram": IMAGE_RAM, "flash": FLASH}
+LOAD_REGIONS = REGIONS | {"whole-ram": RAM}
 
 
 @dataclass(frozen=True)
@@ -203,12 +204,13 @@ def _content(path: Path) -> bytes:
         raise _refuse(path, f"cannot be read ({error.strerror})") from None
 
 
-def read_binary(path: Path, kind: ImageKind) -> ElfImage:
-    """Read an image without headers, for the beginning of flash or of the RAM for programs.
+def read_binary(path: Path, place: str) -> ElfImage:
+    """Read an image without headers, for the beginning of one of `LOAD_REGIONS`.
 
     Raises `ImageFileError` when it is empty or too large.
     """
-    content, region = _content(path), REGIONS[kind]
+    content, region = _content(path), LOAD_REGIONS[place]
+    kind: ImageKind = "flash" if region is FLASH else "ram"
     if not 0 < len(content) <= region.size:
         raise ImageFileError(
             f"{path}: has {len(content)} bytes, expected 1 to {region.size} for {region.name}; "

@@ -41,10 +41,12 @@ pub(crate) struct Adc {
     remaining: u32,
     ends: Cycles,
     warm: bool,
+    /// Erratum: a read of a channel's result clears DRDY.
+    channel_read_clears_drdy: bool,
 }
 
 impl Adc {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(channel_read_clears_drdy: bool) -> Self {
         Self {
             mode: 0,
             channels: 0,
@@ -55,6 +57,7 @@ impl Adc {
             remaining: 0,
             ends: NEVER,
             warm: false,
+            channel_read_clears_drdy,
         }
     }
 
@@ -153,6 +156,9 @@ impl Adc {
             ADC_CDR0..=ADC_CDR7 => {
                 let channel = number_in_row(offset, ADC_CDR0);
                 self.status &= !(1 << channel);
+                if self.channel_read_clears_drdy {
+                    self.status &= !DRDY;
+                }
                 self.data[channel]
             }
             _ => return no_register(NAME, offset),
@@ -163,7 +169,7 @@ impl Adc {
         match offset {
             ADC_CR => {
                 if value & 1 != 0 {
-                    *self = Self::new();
+                    *self = Self::new(self.channel_read_clears_drdy);
                 }
                 if value & 2 != 0 {
                     self.trigger(now);

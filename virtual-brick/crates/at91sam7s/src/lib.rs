@@ -10,6 +10,7 @@
 mod adc;
 mod chip;
 mod clock;
+mod errata;
 mod fault;
 mod memory;
 mod peripherals;
@@ -25,6 +26,7 @@ pub mod board;
 
 pub use chip::Chip;
 pub use clock::{MASTER_CLOCK_HZ_DENOMINATOR, MASTER_CLOCK_HZ_NUMERATOR, SLOW_CLOCK_HZ};
+pub use errata::Errata;
 pub use fault::{Fault, FaultKind};
 pub use memory::sram::WatchHit;
 pub use memory::AddressError;

@@ -7,6 +7,7 @@
 //! fixes are the fields that differ between the optimistic and the pessimistic profile.
 
 use crate::clock::Cycles;
+use crate::errata::Errata;
 
 /// Cost of one flash access as a function of the wait states in `MC_FMR`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,6 +153,8 @@ impl Default for TimingProfile {
 pub struct ChipConfiguration {
     /// Costs of accesses and interrupts.
     pub timing: TimingProfile,
+    /// Faults of the silicon.
+    pub errata: Errata,
     /// `DBGU_CIDR`: the part number that software reads.
     pub chip_identifier: u32,
 }
@@ -160,6 +163,7 @@ impl Default for ChipConfiguration {
     fn default() -> Self {
         Self {
             timing: TimingProfile::nominal(),
+            errata: Errata::default(),
             chip_identifier: 0x270B_0941,
         }
     }

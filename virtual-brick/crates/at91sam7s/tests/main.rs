@@ -10,6 +10,7 @@ mod bits;
 mod brown_out;
 mod characters;
 mod converter;
+mod errata;
 mod interrupts;
 mod memory;
 mod pins;

@@ -40,6 +40,7 @@ pub(crate) fn machine(configuration: &Configuration) -> Result<Machine, Configur
     board.set_coprocessor_timing(configuration.timing.coprocessor);
     let chip = ChipConfiguration {
         timing: configuration.timing.chip,
+        errata: configuration.errata,
         ..ChipConfiguration::default()
     };
     Ok(Chip::new(board, chip))

@@ -10,8 +10,6 @@ use at91sam7s::AddressError;
 use image::Image;
 
 const RAM_START: u32 = 0x0020_0000;
-/// The boot monitor keeps the RAM below: nothing can be loaded there.
-const RAM_LOAD_START: u32 = 0x0020_2000;
 const RAM_END: u32 = 0x0021_0000;
 const FLASH_START: u32 = 0x0010_0000;
 const FLASH_END: u32 = 0x0014_0000;
@@ -19,7 +17,8 @@ const FLASH_END: u32 = 0x0014_0000;
 /// Kind of image, decided from the segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Placement {
-    /// Loaded into RAM and started at its entry by the boot monitor.
+    /// Loaded into RAM and started at its entry, by the boot monitor or, where that keeps the first
+    /// 8 KB for itself, by a debug probe: both leave the chip in the same state.
     Ram,
     /// Programmed into flash and started at power-on.
     Flash,
@@ -56,7 +55,7 @@ impl fmt::Display for PlacementError {
             Self::SegmentOutside { address, length } => write!(
                 f,
                 "a segment of {length} bytes at {address:#010X} lies outside the memory for \
-                 programs: RAM 0x00202000 to 0x0020FFFF, flash 0x00100000 to 0x0013FFFF; \
+                 programs: RAM 0x00200000 to 0x0020FFFF, flash 0x00100000 to 0x0013FFFF; \
                  link with one of the brick's linker scripts"
             ),
             Self::TooLarge {
@@ -103,19 +102,16 @@ fn in_flash(address: u32) -> bool {
 fn check_load_memory(address: u32, length: u32) -> Result<(), PlacementError> {
     if in_flash(address) {
         fits("flash", FLASH_START..FLASH_END, address, length)
-    } else if (RAM_LOAD_START..RAM_END).contains(&address) {
-        fits("RAM", RAM_LOAD_START..RAM_END, address, length)
+    } else if (RAM_START..RAM_END).contains(&address) {
+        fits("RAM", RAM_START..RAM_END, address, length)
     } else {
         Err(PlacementError::SegmentOutside { address, length })
     }
 }
 
-/// Where a segment lies while the program runs: RAM below the load area and the remapped
-/// vectors at 0 are allowed here.
+/// Where a segment lies while the program runs: the remapped vectors at 0 are allowed here.
 fn check_run_time_memory(address: u32, length: u32) -> Result<(), PlacementError> {
-    if (RAM_START..RAM_LOAD_START).contains(&address) {
-        fits("RAM", RAM_LOAD_START..RAM_END, address, length)
-    } else if address < RAM_END - RAM_START {
+    if address < RAM_END - RAM_START {
         fits("RAM", 0..RAM_END - RAM_START, address, length)
     } else {
         check_load_memory(address, length)

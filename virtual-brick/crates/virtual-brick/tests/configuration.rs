@@ -102,6 +102,19 @@ fn text_that_is_not_json_is_refused_with_line_and_column() {
 }
 
 #[test]
+fn each_fault_of_the_silicon_has_a_switch() {
+    let silicon = |json| Configuration::from_json(json).unwrap().errata;
+    assert!(silicon("{}").twi_nack_lost);
+    assert!(!silicon("{}").spi_reset_needs_two);
+    let switched = silicon(r#"{"errata": {"twi_nack_lost": false, "spi_reset_needs_two": true}}"#);
+    assert!(!switched.twi_nack_lost);
+    assert!(switched.spi_reset_needs_two);
+    let (path, message) = problem(r#"{"errata": {"twi_nack": true}}"#);
+    assert_eq!(path, "errata.twi_nack");
+    assert!(message.contains("twi_nack_lost"), "{message}");
+}
+
+#[test]
 fn timing_is_a_profile_with_single_values_in_its_place() {
     let configuration = Configuration::from_json("{}").unwrap();
     assert_eq!(configuration.timing, virtual_brick::Timing::default());

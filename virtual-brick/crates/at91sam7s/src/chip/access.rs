@@ -10,6 +10,7 @@ use crate::memory;
 use crate::peripherals::{decode, Effect, Peripheral};
 use crate::pins::pio::Pio;
 use crate::pins::PIOA;
+use crate::serial::twi;
 use crate::system::aic::Outcome;
 use crate::system::pmc::{Pmc, Request};
 use crate::system::rstc::ResetCause;
@@ -71,6 +72,10 @@ impl<B: Board> Chip<B> {
             }
             _ => self.peripherals.write(peripheral, offset, value, now)?,
         };
+        if (peripheral, offset) == (Peripheral::Twi, twi::TWI_CR) {
+            let high = self.pins.pio.pins() & twi::LINES == twi::LINES;
+            self.peripherals.twi.follow_lines(value, high);
+        }
         self.follow_effect(effect);
         self.refresh_after_access(peripheral, offset);
         Ok(())

@@ -96,11 +96,14 @@ pub(crate) struct Spi {
     phase: Phase,
     active_select: Option<u8>,
     release_after: bool,
+    /// Erratum: one software reset in a row leaves the chip select unconnected.
+    reset_needs_two: bool,
+    half_reset: bool,
     pdc: Pdc,
 }
 
 impl Spi {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(reset_needs_two: bool) -> Self {
         Self {
             enabled: false,
             mode: 0,
@@ -113,6 +116,8 @@ impl Spi {
             phase: Phase::Idle,
             active_select: None,
             release_after: false,
+            reset_needs_two,
+            half_reset: false,
             pdc: Pdc::new(),
         }
     }
@@ -120,7 +125,11 @@ impl Spi {
     /// Software reset: everything but the data controller.
     fn software_reset(&mut self) {
         let pdc = self.pdc.clone();
-        *self = Self { pdc, ..Self::new() };
+        *self = Self {
+            pdc,
+            half_reset: self.reset_needs_two && !self.half_reset,
+            ..Self::new(self.reset_needs_two)
+        };
     }
 
     /// Status flags without side effects.
@@ -235,7 +244,11 @@ impl Spi {
         let answer = if DATA_PINS.iter().all(|&pin| pio.is_peripheral_a(pin)) {
             let select = usize::from(frame.select);
             let (a, b) = SELECT_PINS.get(select).copied().unwrap_or_default();
-            let selected = pio.given_to_peripherals(a, b);
+            let selected = if self.half_reset {
+                0
+            } else {
+                pio.given_to_peripherals(a, b)
+            };
             board.spi_frame(at, selected, frame.data, frame.bits)
         } else {
             0

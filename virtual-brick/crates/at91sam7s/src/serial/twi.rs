@@ -13,17 +13,22 @@
 
 use crate::board::{Board, Cycles, TwiReply};
 use crate::clock::NEVER;
+use crate::errata::Errata;
 use crate::fault::{clock_disabled, no_register, Access};
 use crate::registers::registers;
 use crate::timing::TwiStopDecision;
 
+/// The control register.
+pub(crate) const TWI_CR: u32 = 0x00;
 registers! {
-    TWI_CR = 0x00, TWI_MMR = 0x04, TWI_IADR = 0x0C, TWI_CWGR = 0x10, TWI_SR = 0x20,
+    TWI_MMR = 0x04, TWI_IADR = 0x0C, TWI_CWGR = 0x10, TWI_SR = 0x20,
     TWI_IER = 0x24, TWI_IDR = 0x28, TWI_IMR = 0x2C, TWI_RHR = 0x30, TWI_THR = 0x34,
 }
 
 const NAME: &str = "TWI";
 pub(crate) const IDENTIFIER: u8 = 9;
+/// Pins TWD and TWCK.
+pub(crate) const LINES: u32 = 1 << 3 | 1 << 4;
 const TXCOMP: u32 = 1 << 0;
 const RXRDY: u32 = 1 << 1;
 const TXRDY: u32 = 1 << 2;
@@ -83,10 +88,15 @@ pub(crate) struct Twi {
     frame_internal_address: u32,
     phase: Phase,
     until: Cycles,
+    errata: Errata,
+    /// Enabled or reset with a line low: dead until a reset with both high.
+    locked: bool,
+    /// The status was read while the running stop condition was on the bus.
+    nack_lost: bool,
 }
 
 impl Twi {
-    pub(crate) fn new(stop_decision: TwiStopDecision) -> Self {
+    pub(crate) fn new(stop_decision: TwiStopDecision, errata: Errata) -> Self {
         Self {
             stop_decision,
             enabled: false,
@@ -103,6 +113,9 @@ impl Twi {
             frame_internal_address: 0,
             phase: Phase::Idle,
             until: NEVER,
+            errata,
+            locked: false,
+            nack_lost: false,
         }
     }
 
@@ -132,7 +145,7 @@ impl Twi {
 
     /// Begin a frame if one is asked for and the bus is free.
     fn try_start(&mut self, now: Cycles) {
-        if self.phase != Phase::Idle || !self.enabled {
+        if self.phase != Phase::Idle || !self.enabled || self.locked {
             return;
         }
         let read = self.mode & MREAD != 0;
@@ -183,6 +196,9 @@ impl Twi {
             }
             Phase::Write { byte } => {
                 let reply = answer(connected, || board.twi_write(at, byte));
+                if self.errata.twi_received_byte_overwritten {
+                    self.received = byte;
+                }
                 if reply.acknowledged {
                     self.next_write(at, reply.stretch_cycles);
                 } else {
@@ -300,9 +316,10 @@ impl Twi {
         self.until = NEVER;
         self.flags |= TXCOMP;
         if refused {
-            self.flags |= NACK;
+            self.flags |= if self.nack_lost { 0 } else { NACK };
             self.holding = None;
         }
+        self.nack_lost = false;
         self.try_start(at);
     }
 
@@ -315,6 +332,8 @@ impl Twi {
             TWI_SR => {
                 let value = self.status();
                 self.flags &= !(OVRE | NACK);
+                let ending = matches!(self.phase, Phase::Stop { .. });
+                self.nack_lost = ending && self.errata.twi_nack_lost;
                 value
             }
             TWI_IMR => self.mask,
@@ -349,10 +368,13 @@ impl Twi {
 
     fn control(&mut self, value: u32, now: Cycles) {
         if value & 1 << 7 != 0 {
-            *self = Self::new(self.stop_decision);
+            *self = Self::new(self.stop_decision, self.errata);
         }
         if value & 1 << 3 != 0 {
             self.enabled = false;
+            if self.errata.twi_disable_freezes {
+                self.until = NEVER;
+            }
         } else if value & 1 << 2 != 0 {
             self.enabled = true;
         }
@@ -369,6 +391,17 @@ impl Twi {
             self.stop_requested |= stop;
         }
         self.try_start(now);
+    }
+
+    /// After a write of the control register: the lines' levels decide whether the interface
+    /// still works.
+    pub(crate) fn follow_lines(&mut self, control: u32, high: bool) {
+        const RESET_OR_ENABLE: u32 = 1 << 7 | 1 << 2;
+        if self.errata.twi_locked_by_low_line && control & RESET_OR_ENABLE != 0 && !high {
+            self.locked = true;
+            self.phase = Phase::Idle;
+            self.until = NEVER;
+        }
     }
 
     /// A read frame is on the bus and not yet ending.

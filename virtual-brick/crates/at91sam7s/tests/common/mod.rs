@@ -10,7 +10,7 @@ use at91sam7s::board::{
     Board, Character, ChipEvent, Cycles, PinLevels, PinOutputs, SerialPort, SoundBits, TwiReply,
     UsbAnswer, UsbSignal,
 };
-use at91sam7s::{Chip, ChipConfiguration, TimingProfile};
+use at91sam7s::{Chip, ChipConfiguration, Errata, TimingProfile};
 
 /// Constants for registers by their offsets from a base address.
 macro_rules! registers {
@@ -196,17 +196,27 @@ pub type TestChip = Chip<ScriptedBoard>;
 
 /// A chip as the boot monitor leaves it, with all peripheral clocks on and an empty log.
 pub fn running_chip() -> TestChip {
-    running_chip_with(TimingProfile::nominal())
+    chip_with(TimingProfile::nominal(), Errata::NONE)
 }
 
 /// The same chip with another timing.
 pub fn running_chip_with(timing: TimingProfile) -> TestChip {
+    chip_with(timing, Errata::NONE)
+}
+
+/// The same chip with faults of the silicon.
+pub fn faulty_chip(errata: Errata) -> TestChip {
+    chip_with(TimingProfile::nominal(), errata)
+}
+
+fn chip_with(timing: TimingProfile, errata: Errata) -> TestChip {
     let board = ScriptedBoard {
         slave_address: 1,
         ..ScriptedBoard::default()
     };
     let configuration = ChipConfiguration {
         timing,
+        errata,
         ..ChipConfiguration::default()
     };
     let mut chip = Chip::new(board, configuration);

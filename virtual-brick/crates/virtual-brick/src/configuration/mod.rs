@@ -8,6 +8,7 @@ mod error;
 mod timing;
 mod timing_parameters;
 
+use at91sam7s::Errata;
 use nxt::{BatteryConfiguration, BluetoothConfiguration, BoardConfiguration, SensorPorts};
 use plant::{BodyParameters, MotorPorts, RobotParameters, Surroundings};
 use serde::Deserialize;
@@ -43,6 +44,8 @@ pub struct Configuration {
     pub jit_synchronous: bool,
     /// Timing that no document fixes.
     pub timing: Timing,
+    /// Faults of the silicon that the chip has.
+    pub errata: Errata,
 }
 
 #[derive(Deserialize)]
@@ -70,6 +73,8 @@ struct Fields {
     engine: Engine,
     #[serde(default)]
     timing: serde_json::Map<String, serde_json::Value>,
+    #[serde(default)]
+    errata: Errata,
 }
 
 #[derive(Default, Deserialize)]
@@ -139,6 +144,7 @@ impl Fields {
             jit_threshold_runs: JIT_THRESHOLD_RUNS,
             jit_synchronous: false,
             timing,
+            errata: self.errata,
         })
     }
 }
