@@ -169,11 +169,26 @@ def test_every_statement_names_its_block() -> None:
             assert f": '<Root>/{block.name}' */" in text
 
 
-def test_a_word_of_c_cannot_name_a_block() -> None:
+def test_ports_and_blocks_may_have_the_names_of_the_step_s_own_variables(tmp_path: Path) -> None:
+    """Fields of structures and local variables of the step function do not meet."""
+    diagram = Diagram("words", 0.004)
+    chain = (Inport("u"), Gain("work", gain=2.0), Gain("while", gain=3.0), Outport("y"))
+    diagram.connect_chain(*map(diagram.add, chain))
+    generate_c(diagram).write(tmp_path)
+    (tmp_path / "ports.c").write_text(
+        '#include "words.h"\nExternalInputs_words words_U;\nExternalOutputs_words words_Y;\n'
+    )
+    library = host_library(tmp_path, "words.c", "ports.c")
+    ctypes.c_float.in_dll(library, "words_U").value = 1.5
+    library.words_step()
+    assert ctypes.c_float.in_dll(library, "words_Y").value == 9.0
+
+
+def test_a_word_of_c_cannot_name_a_port() -> None:
     """The message names the block."""
     diagram = Diagram("words", 0.004)
-    source = diagram.add(Inport("In"))
-    diagram.connect_chain(source, diagram.add(Gain("while")), diagram.add(Outport("Out")))
+    source = diagram.add(Inport("while"))
+    diagram.connect_chain(source, diagram.add(Gain("Double")), diagram.add(Outport("Out")))
     with pytest.raises(DesignError, match="'while' is a word of C"):
         generate_c(diagram)
 

@@ -40,6 +40,7 @@ from ravenbrick.model import (
     state_space_block,
     transfer_function_block,
 )
+from ravenbrick.model.flattening import with_shifts
 
 STEPS = 400
 
@@ -92,7 +93,7 @@ def test_linear_blocks_linearise_to_what_they_compute(name: str) -> None:
     """python-control's response of the linearised diagram, from the initial states."""
     diagram = block_diagram(name, DataType.REAL64)
     inputs = inputs_for(diagram, seed=5)
-    start = [slot.initial for slot in diagram.lower().states]
+    start = [slot.initial for slot in with_shifts(diagram.lower()).states]
     found = control.forced_response(linearise(diagram), U=inputs.T, X0=start).outputs
     assert np.allclose(np.ravel(found), outputs_of(diagram, inputs), atol=1e-9)
 
@@ -160,7 +161,7 @@ REFUSED = [
     (lambda: Backlash("X", width=-1.0), "width must be >= 0"),
     (lambda: LookupTable("X", breakpoints=(0.0, 0.0)), "breakpoints must rise"),
     (lambda: LookupTable("X", breakpoints=(0.0, 1.0), table=(1.0,)), "as many values"),
-    (lambda: Delay("X", length=0), "between 1 and 256 samples, not 0"),
+    (lambda: Delay("X", length=0), "between 1 and 1024 samples, not 0"),
     (lambda: MovingAverage("X", length=1), "between 2 and 256"),
     (lambda: ComplementaryFilter("X", weight=1.5), "between 0 and 1"),
     (lambda: PidController("X", filter_step=2.5), "between 0 and 2, not 2.5"),

@@ -80,7 +80,7 @@ def test_saturation_holds_both_limits_and_passes_the_rest() -> None:
 
 def test_single_precision_rounds_after_every_operation() -> None:
     """A sum that double precision would keep is lost in single precision."""
-    diagram = single(model.DiscreteIntegrator("B", initial=16777216.0))
+    diagram = single(model.DiscreteIntegrator("B", gain=1.0, initial=16777216.0))
     assert run(diagram, np.array([1.0, 1.0, 0.0])).tolist() == [16777216.0] * 3
 
 

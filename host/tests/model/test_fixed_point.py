@@ -16,6 +16,7 @@ from ravenbrick.control import PlantInLoop, one_step_errors
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
     Diagram,
+    DiscreteIntegrator,
     DiscreteTransferFunction,
     Execution,
     FixedFormat,
@@ -163,3 +164,16 @@ def test_a_counter_is_bounded_by_what_it_is_compared_with() -> None:
     )
     found = program.ranges[Kind.STATE, "B_SINCE"]
     assert 3.0 <= found.high < 1e7
+
+
+@pytest.mark.parametrize("nonlinear", [False, True])
+def test_the_error_about_a_missing_range_names_the_block_that_needs_it(nonlinear: bool) -> None:
+    """An integrator: neither what it drives nor the relay that cannot be linearised."""
+    diagram = Diagram("drift", 0.01)
+    integral = DiscreteIntegrator("Integral", gain=1.0)
+    smooth = DiscreteTransferFunction("Smooth", numerator=(0.0, 0.5), denominator=(1.0, -0.5))
+    last = [Relay("Contact")] if nonlinear else []
+    chain = [Inport("In"), integral, smooth, UnitDelay("Memory"), *last, Outport("Out")]
+    diagram.connect_chain(*(diagram.add(block) for block in chain))
+    with pytest.raises(DesignError, match=r"^the state of 'Integral' has no bound of its own"):
+        to_fixed_point(diagram, FixedPointOptions({"In": 1.0}))

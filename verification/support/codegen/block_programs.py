@@ -21,7 +21,6 @@ INTEGRATORS = ("forward_euler", "tustin", "backward_euler", "pid", "delta_transf
 # Functions of numbers have no integer twin, or need more bits than there are.
 NOT_FIXED = (
     "custom",
-    "sine",
     "ramp",
     "quotient",
     "sine_of",

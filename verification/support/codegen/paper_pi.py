@@ -43,7 +43,7 @@ def paper_pi() -> Diagram:
     proportional = diagram.add(Gain("Proportional", gain=share))
     step = Parameter("Ki_Ts", gains.integral * SAMPLE_TIME, "V/V", "integral gain, one sample")
     increment = diagram.add(Gain("Integral_Gain", gain=step))
-    integral = diagram.add(DiscreteIntegrator("Integral"))
+    integral = diagram.add(DiscreteIntegrator("Integral", gain=1.0))
     demand = diagram.add(Sum("Demand"))
     limit = Parameter("Limit", SUPPLY, "V", "largest voltage")
     saturated = diagram.add(Saturation("Saturated", limit=limit))

@@ -14,17 +14,18 @@ from ravenbrick.codegen.ada_text import (
     ada_literal,
     ada_name,
     ada_type,
+    oldest,
     stored_format,
     wrapped,
 )
-from ravenbrick.codegen.generator import GeneratedCode, block_title
+from ravenbrick.codegen.generator import GeneratedCode
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
 from ravenbrick.model.fidelity import TOLERANCE, check_fidelity
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.integer_ranges import integer_ranges, key
-from ravenbrick.model.number_format import FixedFormat, Interval
+from ravenbrick.model.number_format import Enumeration, FixedFormat, Interval
 
 __all__ = ["generate_ada"]
 
@@ -84,7 +85,7 @@ class _Package:
         self._ranges = integer_ranges(program) if self._fixed else {}
         self._name = ada_name(program.name)
         self._text = AdaText(program, self._checked_names())
-        self._statements = [self._text.statement(s) for s in program.statements]
+        self._body = self._text.instructions(program.statements)[1:]
 
     def _checked_names(self) -> dict[str, str]:
         """Ada name by C name; two that differ by letter case only are refused."""
@@ -124,7 +125,11 @@ class _Package:
     def _record(self, name: str, slots: Sequence[ir.Slot], about: str) -> list[str]:
         lines = [f"   type {name} is record"]
         for slot in slots:
-            lines += wrapped(f"{ada_name(slot.name)} : {self._typed(slot)};", 6)
+            kind = self._typed(slot)
+            if isinstance(slot, ir.DelayLine):
+                kind = ada_name(f"{slot.name}_Line")
+                lines.append(f"      {oldest(slot)} : {kind}_Place;")
+            lines += wrapped(f"{ada_name(slot.name)} : {kind};", 6)
             facts = ", ".join(filter(None, [slot.description, slot.unit])) or f"of {slot.block}"
             lines += [f"      --  {line.strip()}" for line in wrapped(facts, 0)]
         if not slots:
@@ -138,6 +143,20 @@ class _Package:
             power = f"2.0 ** ({-form.fraction})"
             lines += [f"   type {ada_type(form)} is delta {power} range {low} .. {high} with"]
             lines += [f"     Small => {power}, Size => {form.width};", ""]
+        for machine in {slot.data_type: None for slot in self._program.states}:
+            if isinstance(machine, Enumeration):
+                members = ", ".join(map(ada_name, machine.members))
+                lines += wrapped(f"type {ada_type(machine)} is ({members}) with", 3)
+                lines += ["     Convention => C;", ""]
+        for slot in self._program.states:
+            if isinstance(slot, ir.DelayLine):
+                name = ada_name(f"{slot.name}_Line")
+                lines += [
+                    f"   subtype {name}_Place is Natural range 0 .. {slot.length - 1};",
+                    f"   type {name} is array ({name}_Place) of {self._typed(slot)} with",
+                    "     Convention => C;",
+                    "",
+                ]
         return lines
 
     def _parameters(self) -> list[str]:
@@ -184,10 +203,7 @@ class _Package:
         lines += self._record("Work_Area", program.states, "State of one instance")
         lines += self._parameters()
         lines += ["   procedure Initialize (Work : out Work_Area) with"]
-        starts = [
-            f"Work.{ada_name(s.name)} = {ada_literal(s.initial, s.data_type)}"
-            for s in program.states
-        ]
+        starts = [_holds_initially(slot) for slot in program.states]
         post = wrapped(f"Post => {' and then '.join(starts or ['Work.Unused = 0'])}", 5)
         lines += ["     Global => null,", *post]
         lines = self._finish(lines, f"{program.name}_initialize_instance")
@@ -224,7 +240,7 @@ class _Package:
         """Outputs that a saturation feeds, with its limit."""
         limits: dict[str, ir.Expression] = {}
         found = []
-        for statement in self._program.statements:
+        for statement in ir.statements(self._program.statements):
             target, expression = statement.target, statement.expression
             if isinstance(expression, ir.Clamp) and isinstance(
                 expression.limit, ir.Literal | ir.Read
@@ -254,22 +270,25 @@ class _Package:
         for text in ada_helpers(program):
             lines += text.split("\n")
         lines += ["   procedure Initialize (Work : out Work_Area) is", "   begin"]
-        lines += [
-            f"      Work.{ada_name(s.name)} := {ada_literal(s.initial, s.data_type)};"
-            for s in program.states
-        ] or ["      Work.Unused := 0;"]
+        starts = [line for slot in program.states for line in self._text.initial(slot)]
+        lines += [f"      {line}" for line in starts or ["Work.Unused := 0;"]]
         lines += ["   end Initialize;", "", *self._step_profile(), "   is"]
+        kept = ir.read_elsewhere(program)
         for slot in program.signals:
-            lines += wrapped(f"{ada_name(slot.name)} : {self._typed(slot)};", 6)
+            start = f" := {ada_literal(0.0, stored_format(slot))}" if slot in kept else ""
+            lines += wrapped(f"{ada_name(slot.name)} : {self._typed(slot)}{start};", 6)
         lines.append("   begin")
-        for index, (statement, texts) in enumerate(
-            zip(program.statements, self._statements, strict=True)
-        ):
-            lines += [""] if index else []
-            lines.append(f"      --  {block_title(statement)}: {statement.block}")
-            for text in texts:
-                indent = len(text) - len(text.lstrip())
-                lines += wrapped(text.lstrip(), 6 + indent)
+        for text in self._body:
+            inner = text.lstrip()
+            lines += wrapped(inner, 6 + len(text) - len(inner)) if inner else [""]
         if not program.states:
             lines += ["      Work.Unused := 0;"]
         return [*lines, "   end Step;", "", f"end {name};", ""]
+
+
+def _holds_initially(slot: ir.Slot) -> str:
+    """What is true of a state after its initialisation."""
+    name, value = ada_name(slot.name), ada_literal(slot.initial, slot.data_type)
+    if isinstance(slot, ir.DelayLine):
+        return f"(for all Sample of Work.{name} => Sample = {value})"
+    return f"Work.{name} = {value}"

@@ -8,7 +8,6 @@ from ravenbrick.codegen.ada_text import (
     ada_literal,
     ada_name,
     ada_type,
-    expressions,
     nearest_name,
     wrapped,
 )
@@ -96,14 +95,14 @@ def _words(expression: ir.Expression) -> dict[str, str]:
 
 def needs_interfaces(program: ir.Program) -> bool:
     """Whether the body works on the integers behind fixed-point values."""
-    return any(isinstance(node, ir.Rescale) for node in expressions(program))
+    return any(isinstance(node, ir.Rescale) for node in ir.expressions(program))
 
 
 def ada_helpers(program: ir.Program) -> list[str]:
     """Declarations before the step procedure, each once, with the tables' numbers."""
     found: dict[str, None] = {}
     tables: dict[str, None] = {}
-    for node in expressions(program):
+    for node in ir.expressions(program):
         if isinstance(node, ir.Rescale) and node.rounding is Rounding.NEAREST:
             found[_NEAREST_QUOTIENT] = None
         elif isinstance(node, ir.Rounded):

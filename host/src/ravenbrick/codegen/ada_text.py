@@ -5,27 +5,28 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from ravenbrick.codegen.c_text import c_literal
+from ravenbrick.codegen.c_text import SHARED_GUARDS, block_title, c_literal, line_index
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.linearisation import fraction_of
-from ravenbrick.model.number_format import FixedFormat, Rounding
+from ravenbrick.model.number_format import Enumeration, FixedFormat, Rounding
 
 __all__ = [
     "AdaText",
     "ada_literal",
     "ada_name",
     "ada_type",
-    "expressions",
     "nearest_name",
+    "oldest",
     "stored_format",
     "wrapped",
 ]
 
 _WIDTH = 96
+_SHORT_CONDITION = 50
 _REAL_TYPES = {ir.DataType.REAL32: "Float", ir.DataType.REAL64: "Long_Float"}
 _RESERVED = frozenset(
     """abort abs abstract accept access aliased all and array at begin body case constant declare
@@ -54,11 +55,15 @@ def ada_type(form: ir.NumberFormat) -> str:
     if isinstance(form, FixedFormat):
         name = str(form)
         return name[0].upper() + name[1:]
+    if isinstance(form, Enumeration):
+        return ada_name(form.name)
     return _REAL_TYPES[form]
 
 
 def ada_literal(value: float, form: ir.NumberFormat) -> str:
     """Text that is exactly the number of the format; of a fixed-point one `value` is raw."""
+    if isinstance(form, Enumeration):
+        return ada_name(form.members[int(value)])
     if not isinstance(form, FixedFormat):
         return c_literal(value, form).removesuffix("F").replace("e", "E")
     exact = Fraction(int(value)) * Fraction(2) ** -form.fraction
@@ -88,18 +93,14 @@ def wrapped(text: str, indent: int) -> list[str]:
     )
 
 
+def oldest(line: ir.DelayLine) -> str:
+    """The field with the place of a delay line's oldest sample."""
+    return ada_name(line_index(line))
+
+
 def nearest_name(form: ir.NumberFormat) -> str:
     """The last part of a helper's name: Real32 or Real64."""
     return "Real32" if form is ir.DataType.REAL32 else "Real64"
-
-
-def expressions(program: ir.Program) -> Iterator[ir.Expression]:
-    """All expressions of a program with those inside them."""
-    waiting = [statement.expression for statement in reversed(program.statements)]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        waiting.extend(reversed(ir.children(node)))
 
 
 def _is_one(expression: ir.Expression) -> bool:
@@ -135,6 +136,8 @@ class AdaText:
                 return f"Inputs.{name}"
             case ir.Kind.OUTPUT:
                 return f"Outputs.{name}"
+            case ir.Kind.STATE if isinstance(slot, ir.DelayLine):
+                return f"Work.{name} (Work.{oldest(slot)})"
             case ir.Kind.STATE:
                 return f"Work.{name}"
             case ir.Kind.PARAMETER if not isinstance(slot.data_type, FixedFormat):
@@ -215,9 +218,7 @@ class AdaText:
         return f"({text})" if nested else text
 
     def _fixed_choice(self, select: ir.Select) -> str:
-        condition = select.condition
-        test = f"{self._in_word(condition.left)} {condition.operator} "
-        test += self._in_word(condition.right)
+        test = self._condition(select.condition)
         chosen, otherwise = self._in_word(select.chosen), self._in_word(select.otherwise)
         return f"(if {test} then {chosen} else {otherwise})"
 
@@ -232,8 +233,81 @@ class AdaText:
             return f"{own}'Fixed_Value (Nearest_Quotient ({value}, 2 ** {expression.bits}))"
         return f"{own}'Fixed_Value ({value} / 2 ** {expression.bits})"
 
-    def statement(self, statement: ir.Statement) -> list[str]:
-        """Statements that do what the program's statement does, without indentation."""
+    def instructions(
+        self, instructions: Sequence[ir.Instruction], *, titled: bool = True
+    ) -> list[str]:
+        """Statements that do what the program's do, without indentation.
+
+        If `titled`, a comment names the block of each, after an empty line.
+        """
+        lines: list[str] = []
+        for one in instructions:
+            if titled:
+                lines += ["", f"--  {block_title(one)}: {one.block}"]
+            match one:
+                case ir.Statement():
+                    lines += self._statement(one)
+                case ir.Restart(states=states):
+                    lines += [line for slot in states for line in self.initial(slot)]
+                case ir.If():
+                    lines += [*self._if(one, "if"), "end if;"]
+                case ir.Case():
+                    lines += self._case(one)
+        return lines
+
+    def initial(self, slot: ir.Slot) -> list[str]:
+        """Statements that give a state its initial value."""
+        name, value = self._names[slot.name], ada_literal(slot.initial, slot.data_type)
+        if isinstance(slot, ir.DelayLine):
+            return [f"Work.{name} := (others => {value});", f"Work.{oldest(slot)} := 0;"]
+        return [f"Work.{name} := {value};"]
+
+    def _if(self, one: ir.If, word: str) -> list[str]:
+        """From the word, if or elsif, to the last statement."""
+        first, *others = map(self._condition, one.conditions)
+        lines = [f"{word} {first}", *(f"  and then {other}" for other in others), "then"]
+        if not others and len(first) < _SHORT_CONDITION:
+            lines = [f"{word} {first} then"]
+        lines += self._inner(one.body, one)
+        match one.otherwise:
+            case ():
+                return lines
+            case (ir.If() as other,):
+                return [*lines, *self._if(other, "elsif")]
+            case _:
+                return [*lines, "else", *self._inner(one.otherwise, one)]
+
+    def _inner(self, instructions: Sequence[ir.Instruction], one: ir.If) -> list[str]:
+        titled = one.block_type in SHARED_GUARDS
+        lines = self.instructions(instructions, titled=titled)
+        return [f"   {line}".rstrip() for line in lines[titled:]]
+
+    def _case(self, one: ir.Case) -> list[str]:
+        form = one.selector.data_type
+        assert isinstance(form, Enumeration)
+        lines = [f"case {self.variable(one.selector)} is"]
+        for member, branch in zip(form.members, one.branches, strict=True):
+            lines.append(f"   when {ada_name(member)} =>")
+            lines += [f"      {line}" for line in self.instructions(branch, titled=False)]
+        return [*lines, "end case;"]
+
+    def _condition(self, test: ir.Comparison) -> str:
+        if isinstance(ir.expression_type(test.left), FixedFormat):
+            return f"{self._in_word(test.left)} {test.operator} {self._in_word(test.right)}"
+        return self._infix(test.operator, test.left, test.right)
+
+    def _entry(self, statement: ir.Statement, line: ir.DelayLine) -> list[str]:
+        """The newest sample replaces the oldest, whose place moves on."""
+        index = f"Work.{oldest(line)}"
+        following = f"(if {index} = {line.length - 1} then 0 else {index} + 1)"
+        return [*self._stored(statement), f"{index} := {following};"]
+
+    def _statement(self, statement: ir.Statement) -> list[str]:
+        if isinstance(statement.target, ir.DelayLine):
+            return self._entry(statement, statement.target)
+        return self._stored(statement)
+
+    def _stored(self, statement: ir.Statement) -> list[str]:
         target = self.variable(statement.target)
         expression = statement.expression
         match expression:

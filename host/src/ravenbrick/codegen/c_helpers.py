@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from ravenbrick.codegen.c_text import c_literal, format_suffix
 from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import Rounding
@@ -57,14 +55,6 @@ static {real} {model}_look_up_{suffix}(const {real} breakpoints[], const {real} 
 """
 
 
-def _nodes(program: ir.Program) -> Iterator[ir.Expression]:
-    waiting = [statement.expression for statement in reversed(program.statements)]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        waiting.extend(reversed(ir.children(node)))
-
-
 def _words(expression: ir.Expression) -> dict[str, str]:
     single = ir.expression_type(expression) is ir.DataType.REAL32
     return {
@@ -80,7 +70,7 @@ def _words(expression: ir.Expression) -> dict[str, str]:
 def helper_functions(program: ir.Program) -> list[str]:
     """Lines with the static functions that the step function calls, each once."""
     found: dict[str, None] = {}
-    for node in _nodes(program):
+    for node in ir.expressions(program):
         if isinstance(node, ir.Rescale) and node.rounding is Rounding.NEAREST:
             found[_NEAREST_QUOTIENT.format(model=program.name)] = None
         elif isinstance(node, ir.Rounded):
@@ -102,7 +92,7 @@ def _twin(program: ir.Program, call: ir.Call) -> str:
 def table_arrays(program: ir.Program) -> list[str]:
     """Lines inside the step function with the tables' numbers."""
     lines: dict[str, None] = {}
-    for node in _nodes(program):
+    for node in ir.expressions(program):
         if not isinstance(node, ir.Table):
             continue
         form = ir.expression_type(node.value)

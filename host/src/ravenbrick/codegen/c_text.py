@@ -4,20 +4,43 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
-from ravenbrick.model.number_format import FixedFormat, Rounding
+from ravenbrick.model.number_format import Enumeration, FixedFormat, Rounding
 
-__all__ = ["ACCUMULATOR", "C_KEYWORDS", "c_literal", "c_statement", "c_type", "format_suffix"]
+__all__ = [
+    "ACCUMULATOR",
+    "C_KEYWORDS",
+    "FILL_INDEX",
+    "SHARED_GUARDS",
+    "block_title",
+    "c_initial",
+    "c_instructions",
+    "c_literal",
+    "c_local",
+    "c_type",
+    "format_suffix",
+    "line_index",
+    "type_name",
+]
 
 C_KEYWORDS = frozenset(
     """auto break case char const continue default do double else enum extern float for goto if
     inline int long register restrict return short signed sizeof static struct switch typedef
-    union unsigned void volatile while work u y""".split()
+    union unsigned void volatile while""".split()
 )
 ACCUMULATOR = "accumulator"
+# Conditions around the instructions of several blocks.
+SHARED_GUARDS = ("Rate", "Enable")
+FILL_INDEX = "fill_index"
+_STEP_NAMES = frozenset(["work", "u", "y", ACCUMULATOR, FILL_INDEX]) | C_KEYWORDS
+_ABBREVIATIONS = {"Pid": "PID"}
 
 
 def c_literal(value: float, data_type: ir.NumberFormat) -> str:
@@ -25,7 +48,7 @@ def c_literal(value: float, data_type: ir.NumberFormat) -> str:
 
     Of a fixed-point format the value is the raw one.
     """
-    if isinstance(data_type, FixedFormat):
+    if isinstance(data_type, FixedFormat | Enumeration):
         return str(int(value))
     number = data_type.scalar(value)
     if not np.isfinite(number):
@@ -36,11 +59,45 @@ def c_literal(value: float, data_type: ir.NumberFormat) -> str:
     return f"{text}F" if data_type is ir.DataType.REAL32 else text
 
 
+def type_name(program: ir.Program, form: ir.NumberFormat) -> str:
+    """The C type of a format; enumerations belong to the model."""
+    return f"{program.name}_{form.name}" if isinstance(form, Enumeration) else form.value
+
+
 def c_type(slot: ir.Slot) -> str:
-    """The C type of a variable; local integers take a word, which the processor prefers."""
+    """The C type of a number; local integers take a word, which the processor prefers."""
     if slot.kind is ir.Kind.SIGNAL and isinstance(slot.data_type, FixedFormat):
         return "int32_T"
     return slot.data_type.value
+
+
+def c_local(slot: ir.Slot) -> str:
+    """The name of a local variable; those of the step function itself are kept free."""
+    return f"{slot.name}_value" if slot.name in _STEP_NAMES else slot.name
+
+
+def line_index(line: ir.DelayLine) -> str:
+    """The field with the place of a delay line's oldest sample."""
+    return f"{line.name}_oldest"
+
+
+def c_initial(program: ir.Program, slot: ir.Slot) -> list[str]:
+    """Lines of C, without indentation, that give a state its initial value."""
+    if not isinstance(slot, ir.DelayLine):
+        return [f"work->{slot.name} = {_c_constant(program, slot.initial, slot.data_type)};"]
+    value = _c_constant(program, slot.initial, slot.data_type)
+    return [
+        f"for ({FILL_INDEX} = 0U; {FILL_INDEX} < {slot.length}U; {FILL_INDEX}++) {{",
+        f"  work->{slot.name}[{FILL_INDEX}] = {value};",
+        "}",
+        f"work->{line_index(slot)} = 0U;",
+    ]
+
+
+def _c_constant(program: ir.Program, value: float, form: ir.NumberFormat) -> str:
+    if isinstance(form, Enumeration):
+        return f"{program.name}_{form.members[int(value)]}"
+    return c_literal(value, form)
 
 
 def c_variable(program: ir.Program, slot: ir.Slot) -> str:
@@ -50,12 +107,14 @@ def c_variable(program: ir.Program, slot: ir.Slot) -> str:
             return f"u->{slot.name}"
         case ir.Kind.OUTPUT:
             return f"y->{slot.name}"
+        case ir.Kind.STATE if isinstance(slot, ir.DelayLine):
+            return f"work->{slot.name}[work->{line_index(slot)}]"
         case ir.Kind.STATE:
             return f"work->{slot.name}"
         case ir.Kind.PARAMETER:
             return f"{program.name}_P.{slot.name}"
         case ir.Kind.SIGNAL:
-            return slot.name
+            return c_local(slot)
 
 
 def format_suffix(expression: ir.Expression) -> str:
@@ -70,7 +129,7 @@ def _c_expression(program: ir.Program, expression: ir.Expression, *, nested: boo
             narrow = c_type(slot) == "int16_T"
             return f"(int32_T){text}" if nested and narrow else text
         case ir.Literal(value=value, data_type=data_type):
-            text = c_literal(value, data_type)
+            text = _c_constant(program, value, data_type)
             return f"({text})" if text.startswith("-") else text
         case ir.Cast(value=value, data_type=data_type):
             return f"({data_type.value})({_c_expression(program, value)})"
@@ -117,8 +176,83 @@ def _c_infix(program: ir.Program, operator: str, left: ir.Expression, right: ir.
     return f"{first} {operator} {second}"
 
 
-def c_statement(program: ir.Program, statement: ir.Statement) -> list[str]:
+def c_instructions(
+    program: ir.Program, instructions: Sequence[ir.Instruction], *, titled: bool = True
+) -> list[str]:
+    """Lines of C, without indentation, that do what the instructions do.
+
+    If `titled`, a comment names the block of each, after an empty line.
+    """
+    lines: list[str] = []
+    for one in instructions:
+        if titled:
+            lines += ["", f"/* {block_title(one)}: '<Root>/{one.block}' */"]
+        lines += _c_instruction(program, one)
+    return lines
+
+
+def block_title(one: ir.Instruction) -> str:
+    """What an instruction is to its block: its type, or the update of its state."""
+    first, *others = re.findall("[A-Z][a-z0-9]*", one.block_type)
+    kind = " ".join([_ABBREVIATIONS.get(first, first), *map(str.lower, others)])
+    if not isinstance(one, ir.Statement) or one.target.kind is not ir.Kind.STATE:
+        return kind
+    own = kind if kind.startswith(tuple(_ABBREVIATIONS.values())) else kind[0].lower() + kind[1:]
+    return f"Update of {own}"
+
+
+def _c_instruction(program: ir.Program, one: ir.Instruction) -> list[str]:
+    match one:
+        case ir.Statement():
+            return _c_statement(program, one)
+        case ir.Restart(states=states):
+            return [line for slot in states for line in c_initial(program, slot)]
+        case ir.If():
+            return _c_if(program, one)
+        case ir.Case():
+            return _c_switch(program, one)
+
+
+def _c_if(program: ir.Program, one: ir.If) -> list[str]:
+    """An if with its else; an else that is an if alone goes on with `else if`."""
+    tests = [_c_infix(program, test.operator, test.left, test.right) for test in one.conditions]
+    condition = tests[0] if len(tests) == 1 else " && ".join(f"({test})" for test in tests)
+    titled = one.block_type in SHARED_GUARDS
+    lines = [f"if ({condition}) {{", *_indented(program, one.body, titled=titled)]
+    match one.otherwise:
+        case ():
+            return [*lines, "}"]
+        case (ir.If() as other,):
+            head, *rest = _c_if(program, other)
+            return [*lines, f"}} else {head}", *rest]
+        case _:
+            return [*lines, "} else {", *_indented(program, one.otherwise), "}"]
+
+
+def _c_switch(program: ir.Program, one: ir.Case) -> list[str]:
+    """One clause per member; the last is also the default, which MISRA C wants."""
+    form = one.selector.data_type
+    assert isinstance(form, Enumeration)
+    lines = [f"switch ({c_variable(program, one.selector)}) {{"]
+    for place, (member, branch) in enumerate(zip(form.members, one.branches, strict=True), 1):
+        lines.append(f"  case {program.name}_{member}:")
+        lines += ["  default:"] if place == len(one.branches) else []
+        lines += [f"  {line}" for line in _indented(program, branch)]
+        lines.append("    break;")
+    return [*lines, "}"]
+
+
+def _indented(
+    program: ir.Program, instructions: Sequence[ir.Instruction], *, titled: bool = False
+) -> list[str]:
+    lines = c_instructions(program, instructions, titled=titled)
+    return [f"  {line}".rstrip() for line in lines[titled:]]
+
+
+def _c_statement(program: ir.Program, statement: ir.Statement) -> list[str]:
     """Lines of C, without indentation, that do what the statement does."""
+    if isinstance(statement.target, ir.DelayLine):
+        return _c_entry(program, statement, statement.target)
     target = c_variable(program, statement.target)
     expression = statement.expression
     if isinstance(expression, ir.Bounded):
@@ -134,6 +268,20 @@ def c_statement(program: ir.Program, statement: ir.Statement) -> list[str]:
         f"  {target} = -{limit};",
         "} else {",
         f"  {target} = {value};",
+        "}",
+    ]
+
+
+def _c_entry(program: ir.Program, statement: ir.Statement, line: ir.DelayLine) -> list[str]:
+    """The newest sample replaces the oldest, whose place moves on."""
+    index = f"work->{line_index(line)}"
+    sample = ir.Slot(line.kind, f"{line.name}[{index}]", line.data_type, line.block)
+    return [
+        *_c_statement(program, replace(statement, target=sample)),
+        f"if ({index} >= {line.length - 1}U) {{",
+        f"  {index} = 0U;",
+        "} else {",
+        f"  {index} = {index} + 1U;",
         "}",
     ]
 

@@ -13,10 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from ravenbrick.codegen.c_text import line_index
 from ravenbrick.errors import DesignError, ToolMissingError
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.number_format import FixedFormat, Rounding
-from ravenbrick.model.program import Program, Rescale, Slot, children
+from ravenbrick.model.program import DelayLine, Program, Rescale, Slot, expressions
 
 __all__ = ["FramaCResult", "check_with_frama_c", "frama_c_goals"]
 
@@ -67,10 +68,10 @@ def frama_c_goals(fixed: FixedPoint, *, tunable: bool = True) -> str:
     """
     program = fixed.program
     name = program.name
-    states = [_between(f"work->{slot.name}", fixed, slot) for slot in program.states]
+    states = [text for slot in program.states for text in _kept(fixed, slot)]
     parameters = program.parameters if tunable else ()
     values = [f"{name}_P.{slot.name} == {int(slot.initial)}" for slot in parameters]
-    written = [f"work->{slot.name}" for slot in program.states]
+    written = [text for slot in program.states for text in _fields(slot)]
     written += [f"y->{slot.name}" for slot in program.outputs]
     outputs = [_between(f"y->{slot.name}", fixed, slot) for slot in program.outputs]
     contract = [
@@ -121,11 +122,8 @@ def frama_c_goals(fixed: FixedPoint, *, tunable: bool = True) -> str:
 
 def _quotient_contract(program: Program) -> list[str]:
     """What the helper that rounds to nearest promises, for each unit that the step gives it."""
-    waiting = [statement.expression for statement in program.statements]
     units = set()
-    while waiting:
-        one = waiting.pop()
-        waiting += children(one)
+    for one in expressions(program):
         if isinstance(one, Rescale) and one.rounding is Rounding.NEAREST:
             units.add(1 << one.bits)
     if not units:
@@ -154,6 +152,24 @@ def _limits(slot: Slot) -> tuple[int, int]:
 def _between(text: str, fixed: FixedPoint, slot: Slot) -> str:
     found = fixed.raw_ranges[slot.kind, slot.name]
     return f"{int(found.low)} <= {text} <= {int(found.high)}"
+
+
+def _kept(fixed: FixedPoint, slot: Slot) -> list[str]:
+    """What holds of a state before and after each step."""
+    if not isinstance(slot, DelayLine):
+        return [_between(f"work->{slot.name}", fixed, slot)]
+    sample = _between(f"work->{slot.name}[i]", fixed, slot)
+    return [
+        f"\\forall integer i; 0 <= i < {slot.length} ==> {sample}",
+        f"work->{line_index(slot)} < {slot.length}",
+    ]
+
+
+def _fields(slot: Slot) -> list[str]:
+    """The parts of the state that a step writes."""
+    if not isinstance(slot, DelayLine):
+        return [f"work->{slot.name}"]
+    return [f"work->{slot.name}[0 .. {slot.length - 1}]", f"work->{line_index(slot)}"]
 
 
 def check_with_frama_c(files: Mapping[str, str], name: str) -> FramaCResult:

@@ -12,6 +12,7 @@ from fractions import Fraction
 from ravenbrick.errors import DesignError, ToolMissingError
 from ravenbrick.model import program as ir
 from ravenbrick.model.fixed_point import FixedPoint
+from ravenbrick.model.flattening import flattened
 from ravenbrick.model.linearisation import fraction_of
 from ravenbrick.model.number_format import FixedFormat, Rounding
 
@@ -54,9 +55,9 @@ class _Script:
 
     def _reachable(self) -> set[tuple[ir.Kind, str]]:
         """What the outputs depend on in this step."""
-        program = self._fixed.program
+        program = flattened(self._fixed.program)
         needed = {(s.kind, s.name) for s in program.outputs if s.name in self._goals}
-        for statement in reversed(program.statements):
+        for statement in reversed(list(ir.statements(program.statements))):
             if statement.target.kind is ir.Kind.STATE:
                 continue
             if (statement.target.kind, statement.target.name) in needed:
@@ -70,7 +71,7 @@ class _Script:
 
     def text(self, bounds: Mapping[str, float]) -> str:
         """The whole script."""
-        program = self._fixed.program
+        program = flattened(self._fixed.program)
         lines = [
             "# SPDX-FileCopyrightText: 2026 Ravenbrick contributors",
             "# SPDX-License-Identifier: Apache-2.0",
@@ -79,7 +80,7 @@ class _Script:
         ]
         if not bounds:
             return "\n".join([*lines, "# No bound is stated: a block decides or rounds.", ""])
-        for statement in program.statements:
+        for statement in ir.statements(program.statements):
             target = statement.target
             if target.kind is ir.Kind.STATE or (target.kind, target.name) not in self._needed:
                 continue

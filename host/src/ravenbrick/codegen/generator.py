@@ -5,25 +5,36 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ravenbrick import __version__
 from ravenbrick.codegen.c_helpers import helper_functions, table_arrays
-from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS, c_literal, c_statement, c_type
+from ravenbrick.codegen.c_text import (
+    ACCUMULATOR,
+    C_KEYWORDS,
+    FILL_INDEX,
+    block_title,
+    c_initial,
+    c_instructions,
+    c_literal,
+    c_local,
+    c_type,
+    line_index,
+    type_name,
+)
 from ravenbrick.codegen.rtwtypes import RTWTYPES, used_types
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
 from ravenbrick.model.fidelity import TOLERANCE, check_fidelity
-from ravenbrick.model.number_format import FixedFormat
+from ravenbrick.model.number_format import Enumeration, FixedFormat
 
-__all__ = ["GeneratedCode", "block_title", "generate_c"]
+__all__ = ["GeneratedCode", "generate_c"]
 
-_ABBREVIATIONS = {"Pid": "PID"}
 # The checker sees no other translation unit that refers to what Ada imports.
+_ANY = ir.Slot(ir.Kind.SIGNAL, "", ir.DataType.REAL32, "")
 _INTERFACE = "/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada application */"
 
 
@@ -92,10 +103,8 @@ def generate_c(
 
 
 def _check_names(program: ir.Program) -> None:
-    slots = (*program.inputs, *program.outputs, *program.parameters, *program.states)
-    reserved = C_KEYWORDS | {ACCUMULATOR} if ir.is_fixed_point(program) else C_KEYWORDS
-    for slot in (*slots, *program.signals):
-        if slot.name in reserved:
+    for slot in (*program.inputs, *program.outputs, *program.parameters, *program.states):
+        if slot.name in C_KEYWORDS:
             raise DesignError(f"block '{slot.block}': '{slot.name}' is a word of C; rename it")
     if not program.inputs or not program.outputs:
         raise DesignError(f"diagram '{program.name}' needs at least one Inport and one Outport")
@@ -117,15 +126,42 @@ def _head(program: ir.Program, digest: str) -> str:
     )
 
 
-def _structure(name: str, slots: Sequence[ir.Slot], *, with_values: bool = False) -> list[str]:
-    lines = ["typedef struct {"]
+def _fields(program: ir.Program, slots: Sequence[ir.Slot]) -> list[tuple[str, str, int, ir.Slot]]:
+    """Type, name, number of elements and variable of each field of a structure."""
+    fields = []
     for slot in slots:
+        length = slot.length if isinstance(slot, ir.DelayLine) else 1
+        fields.append((type_name(program, slot.data_type), slot.name, length, slot))
+        if isinstance(slot, ir.DelayLine):
+            fields.append(("uint32_T", line_index(slot), 1, slot))
+    return fields
+
+
+def _enumerations(program: ir.Program) -> list[str]:
+    """The types of the state machines' states."""
+    forms = {slot.data_type: slot.block for slot in program.states}
+    lines = []
+    for form, block in forms.items():
+        if isinstance(form, Enumeration):
+            members = ",\n".join(f"  {program.name}_{member}" for member in form.members)
+            lines += [f"/* States of '<Root>/{block}'. */", "typedef enum {", members]
+            lines += [f"}} {type_name(program, form)};", ""]
+    return lines
+
+
+def _structure(
+    program: ir.Program, name: str, slots: Sequence[ir.Slot], *, with_values: bool = False
+) -> list[str]:
+    name = f"{name}_{program.name}"
+    lines = ["typedef struct {"]
+    for type_, field, length, slot in _fields(program, slots):
         about = (
             ", ".join(filter(None, [slot.description, slot.unit])) or f"of '<Root>/{slot.block}'"
         )
         if with_values:
             about += f"; referenced by '<Root>/{slot.block}'"
-        lines.append(f"  {slot.data_type.value} {slot.name}; /* {about} */")
+        array = f"[{length}]" if length > 1 else ""
+        lines.append(f"  {type_} {field}{array}; /* {about} */")
     if not slots:
         lines.append("  uint8_T unused; /* the diagram has none */")
     return [*lines, f"}} {name};", ""]
@@ -135,13 +171,14 @@ def _header_file(program: ir.Program, *, only_used: bool) -> str:
     name = program.name
     guard = f"{name.upper()}_H"
     lines = [f"#ifndef {guard}", f"#define {guard}", "", '#include "rtwtypes.h"', ""]
-    lines += ["/* Inputs. */", *_structure(f"ExternalInputs_{name}", program.inputs)]
-    lines += ["/* Outputs. */", *_structure(f"ExternalOutputs_{name}", program.outputs)]
-    lines += ["/* State of one instance. */", *_structure(f"D_Work_{name}", program.states)]
+    lines += ["/* Inputs. */", *_structure(program, "ExternalInputs", program.inputs)]
+    lines += ["/* Outputs. */", *_structure(program, "ExternalOutputs", program.outputs)]
+    lines += _enumerations(program)
+    lines += ["/* State of one instance. */", *_structure(program, "D_Work", program.states)]
     if program.parameters or not only_used:
         lines += [
             "/* Tunable parameters, shared by all instances. */",
-            *_structure(f"Parameters_{name}", program.parameters, with_values=True),
+            *_structure(program, "Parameters", program.parameters, with_values=True),
             f"extern Parameters_{name} {name}_P;",
             "",
         ]
@@ -161,8 +198,8 @@ def _header_file(program: ir.Program, *, only_used: bool) -> str:
         "/* '<Root>' : the diagram; its blocks in order of execution:",
     ]
     seen: dict[str, str] = {}
-    for statement in program.statements:
-        seen.setdefault(statement.block, _block_type(statement))
+    for statement in ir.statements(program.statements):
+        seen.setdefault(statement.block, block_title(replace(statement, target=_ANY)))
     lines += [f" * '<Root>/{block}' : {kind}" for block, kind in seen.items()]
     return "\n".join([*lines, " */", "", f"#endif /* {guard} */", ""])
 
@@ -173,20 +210,21 @@ def _source_file(program: ir.Program, *, only_used: bool) -> str:
     lines = [f'#include "{name}.h"', ""]
     if not only_used:
         lines = ["#include <stddef.h>", "", *lines]
-        lines += _layout_checks(f"ExternalInputs_{name}", program.inputs)
-        lines += _layout_checks(f"ExternalOutputs_{name}", program.outputs)
-        lines += _layout_checks(f"D_Work_{name}", program.states)
-        lines += _layout_checks(f"Parameters_{name}", program.parameters)
+        lines += _layout_checks(program, "ExternalInputs", program.inputs)
+        lines += _layout_checks(program, "ExternalOutputs", program.outputs)
+        lines += _layout_checks(program, "D_Work", program.states)
+        lines += _layout_checks(program, "Parameters", program.parameters)
         lines.append("")
     if program.parameters or not only_used:
         lines += _parameters(program, traced)
     lines += [_INTERFACE, f"D_Work_{name} {name}_DW;", ""]
     lines += helper_functions(program)
     lines += [_INTERFACE, f"void {name}_initialize_instance(D_Work_{name} *work)", "{"]
-    lines += [
-        f"  work->{slot.name} = {c_literal(slot.initial, slot.data_type)};{_origin(slot, traced)}"
-        for slot in program.states
-    ]
+    if any(isinstance(slot, ir.DelayLine) for slot in program.states):
+        lines += [f"  uint32_T {FILL_INDEX};", ""]
+    for slot in program.states:
+        first, *others = c_initial(program, slot)
+        lines += [f"  {first}{_origin(slot, traced)}", *(f"  {line}" for line in others)]
     if not program.states:
         lines.append("  work->unused = 0U;")
     lines += ["}", "", *_step(program, traced), ""]
@@ -197,17 +235,18 @@ def _source_file(program: ir.Program, *, only_used: bool) -> str:
     return "\n".join(lines)
 
 
-def _layout_checks(structure: str, slots: Sequence[ir.Slot]) -> list[str]:
+def _layout_checks(program: ir.Program, name: str, slots: Sequence[ir.Slot]) -> list[str]:
     """Array types of negative size where an offset is not what an importing language expects."""
+    structure = f"{name}_{program.name}"
     lines, offset, widest = [], 0, 1
-    for slot in slots:
-        size = slot.data_type.size_bytes
+    for type_, field, length, slot in _fields(program, slots):
+        size = 4 if type_ == "uint32_T" else slot.data_type.size_bytes
         offset = -(-offset // size) * size
         widest = max(widest, size)
-        condition = f"offsetof({structure}, {slot.name}) == {offset}U"
-        lines.append(f"typedef char {structure}_{slot.name}_at_{offset}[")
+        condition = f"offsetof({structure}, {field}) == {offset}U"
+        lines.append(f"typedef char {structure}_{field}_at_{offset}[")
         lines.append(f"  ({condition}) ? 1 : -1];")
-        offset += size
+        offset += size * length
     if slots:
         total = -(-offset // widest) * widest
         condition = f"sizeof({structure}) == {total}U"
@@ -227,21 +266,6 @@ def _parameters(program: ir.Program, traced: bool) -> list[str]:
     return [*lines, "};", ""]
 
 
-def _block_type(statement: ir.Statement) -> str:
-    """The class name as words: DiscreteIntegrator becomes 'Discrete integrator'."""
-    first, *others = re.findall("[A-Z][a-z0-9]*", statement.block_type)
-    return " ".join([_ABBREVIATIONS.get(first, first), *map(str.lower, others)])
-
-
-def block_title(statement: ir.Statement) -> str:
-    """What a statement is to its block: its type, or the update of its state."""
-    kind = _block_type(statement)
-    if statement.target.kind is not ir.Kind.STATE:
-        return kind
-    own = kind if kind.startswith(tuple(_ABBREVIATIONS.values())) else kind[0].lower() + kind[1:]
-    return f"Update of {own}"
-
-
 def _origin(slot: ir.Slot, traced: bool) -> str:
     """A comment with the block that a variable belongs to, and its scaling."""
     if not traced:
@@ -259,13 +283,18 @@ def _step(program: ir.Program, traced: bool) -> list[str]:
         "{",
     ]
     lines += table_arrays(program)
+    kept = ir.read_elsewhere(program)
     for slot in program.signals:
-        lines.append(f"  {c_type(slot)} {slot.name};{_origin(slot, traced)}")
-    if any(isinstance(statement.expression, ir.Bounded) for statement in program.statements):
+        kind = c_type(slot) if isinstance(slot.data_type, FixedFormat) else ""
+        kind = kind or type_name(program, slot.data_type)
+        start = f" = {c_literal(0.0, slot.data_type)}" if slot in kept else ""
+        lines.append(f"  {kind} {c_local(slot)}{start};{_origin(slot, traced)}")
+    statements = list(ir.statements(program.statements))
+    if any(isinstance(statement.expression, ir.Bounded) for statement in statements):
         lines.append(f"  int32_T {ACCUMULATOR};")
-    for statement in program.statements:
-        lines += ["", f"  /* {block_title(statement)}: '<Root>/{statement.block}' */"]
-        lines += [f"  {line}" for line in c_statement(program, statement)]
+    if ir.restarts_line(program.statements):
+        lines.append(f"  uint32_T {FILL_INDEX};")
+    lines += [f"  {line}".rstrip() for line in c_instructions(program, program.statements)]
     if not program.states:
         lines += ["", "  (void)work;"]
     return [*lines, "}"]

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import TypeVar
 
 from ravenbrick.errors import DesignError
@@ -63,7 +63,7 @@ class Diagram:
         self.name = name
         self.sample_time = sample_time
         self._blocks: dict[str, Block] = {}
-        self._sources: dict[tuple[str, int], str] = {}
+        self._sources: dict[tuple[str, int], tuple[str, int]] = {}
         self._enabled: dict[str, _Enabled] = {}
 
     @property
@@ -107,13 +107,18 @@ class Diagram:
         """The block runs in every `divisor`-th step, beginning with the first."""
         return 1 if block.sample_time is None else round(block.sample_time / self.sample_time)
 
-    def connect(self, source: Block, target: Block, port: int = 0) -> None:
-        """Draw a line from the output of `source` to input `port` (from 0) of `target`."""
+    def connect(self, source: Block, target: Block, port: int = 0, *, output: int = 0) -> None:
+        """Draw a line from an output of `source` to input `port` of `target`, both from 0."""
         for block in (source, target):
             if self._blocks.get(block.name) is not block:
                 raise DiagramError(f"block '{block.name}' is not in diagram '{self.name}'; add it")
         if source.output_type is None:
             raise DiagramError(f"block '{source.name}' has no output port to start a line at")
+        if not 0 <= output < source.output_count:
+            raise DiagramError(
+                f"block '{source.name}' has {source.output_count} output ports, "
+                f"so there is no port {output}"
+            )
         if not 0 <= port < len(target.input_types):
             raise DiagramError(
                 f"block '{target.name}' has {len(target.input_types)} input ports, "
@@ -122,7 +127,7 @@ class Diagram:
         if (target.name, port) in self._sources:
             raise DiagramError(
                 f"input {port} of block '{target.name}' is already connected to "
-                f"'{self._sources[target.name, port]}'"
+                f"'{self._sources[target.name, port][0]}'"
             )
         wanted = target.input_types[port]
         if source.output_type is not wanted:
@@ -130,7 +135,7 @@ class Diagram:
                 f"'{source.name}' gives {source.output_type.value}, but input {port} of "
                 f"'{target.name}' takes {wanted.value}; put a Conversion between them"
             )
-        self._sources[target.name, port] = source.name
+        self._sources[target.name, port] = source.name, output
 
     def connect_chain(self, *blocks: Block) -> None:
         """Draw lines through `blocks`, each into input 0 of the next."""
@@ -157,20 +162,29 @@ class Diagram:
 
     def source(self, block: Block, port: int) -> Block:
         """The block whose output feeds input `port` of `block`."""
-        return self._blocks[self._sources[block.name, port]]
+        return self._blocks[self._sources[block.name, port][0]]
+
+    def source_output(self, block: Block, port: int) -> int:
+        """Which output of `source(block, port)` the line begins at."""
+        return self._sources[block.name, port][1]
 
     def order(self) -> tuple[Block, ...]:
         """The blocks such that each comes after those its output needs; ties as added.
 
+        Blocks of one rate stand together as far as that allows.
         Raises `DiagramError` that names open inputs, unused outputs or the algebraic loop.
         """
         self._check_connected()
         waiting = {block.name: self._needs(block) for block in self.blocks}
         ordered: list[Block] = []
+        rate = 1
         while waiting:
-            ready = next((name for name, needs in waiting.items() if not needs), None)
-            if ready is None:
+            free = [name for name, needs in waiting.items() if not needs]
+            if not free:
                 raise AlgebraicLoopError(self.name, self._loop(waiting))
+            same = (name for name in free if self.divisor(self._blocks[name]) == rate)
+            ready = next(same, free[0])
+            rate = self.divisor(self._blocks[ready])
             del waiting[ready]
             for needs in waiting.values():
                 needs.discard(ready)
@@ -180,7 +194,7 @@ class Diagram:
     def _needs(self, block: Block) -> set[str]:
         """The blocks whose outputs the block's output needs in the same step."""
         needs = {
-            self._sources[block.name, port]
+            self._sources[block.name, port][0]
             for port in range(len(block.input_types))
             if block.feedthrough(port)
         }
@@ -197,7 +211,8 @@ class Diagram:
                         f"input {port} of block '{block.name}' is not connected; draw a line to it "
                         "or remove the block"
                     )
-        used = {*self._sources.values(), *(enabled.by for enabled in self._enabled.values())}
+        used = {name for name, _ in self._sources.values()}
+        used |= {enabled.by for enabled in self._enabled.values()}
         for block in self.blocks:
             if block.output_type is not None and block.name not in used:
                 raise DiagramError(
@@ -241,7 +256,7 @@ class Diagram:
             outputs=tuple(b.slot for b in self.blocks if isinstance(b, Outport)),
             parameters=self._parameters(),
             states=states,
-            signals=tuple(signals),
+            signals=signals,
             statements=tuple(lowering.statements),
         )
 
@@ -261,79 +276,176 @@ class Diagram:
 class _Lowering:
     """One pass over the blocks in order. What runs at a slower rate is held in between.
 
-    A counter per rate says whether it is the rate's turn; a slow block's output and states are
-    states of the program that keep their values in the steps that are not its turn.
+    A counter per rate says whether it is the rate's turn. Neighbours of one rate share one guard;
+    what is read outside of it is a state that keeps its value in the other steps. The states of a
+    slow block change inside the same guard if their inputs are known there, else at the end.
     """
 
     def __init__(self, diagram: Diagram) -> None:
         self._diagram = diagram
-        self._values: dict[str, ir.Expression] = {}
+        self._values: dict[tuple[str, int], ir.Expression] = {}
         self._counters: dict[int, ir.Slot] = {}
         self._begun: dict[str, ir.Slot] = {}
-        self.signals: list[ir.Slot] = []
+        self._blocks = [self._timed(block) for block in diagram.order()]
+        self._runs = self._numbered_runs()
+        self._read_at = self._places_of_readers()
+        self._signals: dict[ir.Slot, None] = {}
         self.held: list[ir.Slot] = []
-        self.statements: list[ir.Statement] = []
-        ordered = diagram.order()
-        for block in ordered:
-            self._outputs(block)
-        for block in ordered:
-            self._updates(block)
+        self.statements: list[ir.Instruction] = []
+        for _, run in groupby(self._blocks, lambda block: self._runs[block.name]):
+            self._run(list(run))
+        late = [block for block in self._blocks if not self._updates_in_run(block)]
+        for _, group in groupby(late, self._guards_of_states):
+            blocks = list(group)
+            updates = [one for block in blocks for one in self._updates(block)]
+            self.statements += self._guarded(self._guards_of_states(blocks[0]), updates)
         for divisor, counter in sorted(self._counters.items()):
             self._count(divisor, counter)
         for name, was in self._begun.items():
-            self.statements.append(ir.Statement(was, self._values[name], name, "Enable"))
+            self.statements.append(ir.Statement(was, self._values[name, 0], name, "Enable"))
+        for statement in ir.statements(self.statements):
+            if statement.target.kind is ir.Kind.SIGNAL:
+                self._signals.setdefault(statement.target)
 
-    def _outputs(self, block: Block) -> None:
+    @property
+    def signals(self) -> tuple[ir.Slot, ...]:
+        """Values that no step keeps."""
+        return tuple(self._signals)
+
+    def _timed(self, block: Block) -> Block:
+        return block.timed(block.sample_time or self._diagram.sample_time)
+
+    def _resets(self, block: Block) -> bool:
+        enabled = self._diagram.enabled_by(block)
+        return enabled is not None and enabled[1] and bool(block.states())
+
+    def _numbered_runs(self) -> dict[str, int]:
+        """Neighbours that share a guard have the same number; a reset begins a new run."""
+        runs: dict[str, int] = {}
+        number, before = 0, None
+        for block in self._blocks:
+            guards = self._guards_of_outputs(block)
+            if before not in (None, guards) or (guards and self._resets(block)):
+                number += 1
+            runs[block.name], before = number, guards
+        return runs
+
+    def _sources_of(self, block: Block) -> Iterator[tuple[int, Block, int]]:
+        for port in range(len(block.input_types)):
+            yield (
+                port,
+                self._diagram.source(block, port),
+                self._diagram.source_output(block, port),
+            )
+
+    def _updates_in_run(self, block: Block) -> bool:
+        """Whether a guarded block's inputs are all known at the end of its run."""
+        own = self._runs[block.name]
+        return bool(self._guards_of_outputs(block)) and all(
+            self._runs[source.name] <= own for _, source, _ in self._sources_of(block)
+        )
+
+    def _places_of_readers(self) -> dict[tuple[str, int], set[int]]:
+        """By output: the runs that read it, -1 for what is outside of all."""
+        places: dict[tuple[str, int], set[int]] = {}
+        for block in self._blocks:
+            own = self._runs[block.name]
+            at_update = self._updated_at(block)
+            for port, source, output in self._sources_of(block):
+                found = places.setdefault((source.name, output), set())
+                found |= at_update | ({own} if block.feedthrough(port) else set())
+            enabled = self._diagram.enabled_by(block)
+            if enabled is not None:
+                places.setdefault((enabled[0].name, 0), set()).add(-1)
+        for block in self._blocks:
+            places.get((block.name, 0), set()).update(self._updated_at(block))
+        return places
+
+    def _updated_at(self, block: Block) -> set[int]:
+        """Where the states change: the block's run, or -1; nowhere if there are none."""
+        if not block.states():
+            return set()
+        return {self._runs[block.name] if self._updates_in_run(block) else -1}
+
+    def _run(self, blocks: Sequence[Block]) -> None:
+        """The outputs of neighbours with one guard, and the states that can change with them."""
+        found: list[ir.Instruction] = []
+        for block in blocks:
+            if self._resets(block):
+                self.statements += found
+                found = []
+                self._reset(block)
+            found += self._outputs(block)
+        for block in blocks:
+            if self._updates_in_run(block):
+                guards = self._guards_of_states(block)[len(self._guards_of_outputs(block)) :]
+                found += self._guarded(guards, self._updates(block))
+        self.statements += self._guarded(self._guards_of_outputs(blocks[0]), found)
+
+    def _outputs(self, block: Block) -> tuple[ir.Instruction, ...]:
         inputs = self._inputs(block)
         if isinstance(block, Inport):
-            self._values[block.name] = block.output(inputs)
-            return
-        self._reset(block)
-        for target, expression in block.intermediates(inputs):
-            self._signal(block, target, expression)
+            self._values[block.name, 0] = block.output(inputs)
+            return ()
         if isinstance(block, Outport):
-            self.statements.append(_of(block, block.slot, inputs[0]))
-            return
+            return (_of(block, block.slot, inputs[0]),)
+        targets = [self._target(block, output) for output in range(block.output_count)]
+        return block.compute(inputs, targets)
+
+    def _target(self, block: Block, output: int) -> ir.Slot | None:
+        """The variable of an output: a state if it is read outside of its guard."""
+        readers = self._read_at.get((block.name, output))
+        if readers is None:
+            return None
         assert block.output_type is not None
-        expression = block.output(inputs)
-        if self._diagram.divisor(block) == 1:
-            target = ir.Slot(ir.Kind.SIGNAL, block.name, block.output_type, block.name)
-            self._signal(block, target, expression)
-        else:
-            target = ir.Slot(ir.Kind.STATE, f"{block.name}_held", block.output_type, block.name)
+        name = block.name if block.output_count == 1 else f"{block.name}_{output + 1}"
+        if self._guards_of_outputs(block) and readers - {self._runs[block.name]}:
+            target = ir.Slot(ir.Kind.STATE, f"{name}_held", block.output_type, block.name)
             self.held.append(target)
-            self._assign_in_turn(block, target, expression)
-        self._values[block.name] = ir.Read(target)
+        else:
+            target = ir.Slot(ir.Kind.SIGNAL, name, block.output_type, block.name)
+        self._values[block.name, output] = ir.Read(target)
+        return target
 
-    def _updates(self, block: Block) -> None:
-        inputs = self._inputs(block)
+    def _updates(self, block: Block) -> list[ir.Statement]:
         pending = ir.Read(ir.Slot(ir.Kind.SIGNAL, "", block.data_type, ""))
-        output = self._values.get(block.name, pending)
-        for target, expression in block.updates(inputs, output):
-            if target.kind is ir.Kind.SIGNAL:
-                self._signal(block, target, expression)
-            elif self._conditions(block):
-                self._assign_in_turn(block, target, expression)
-            else:
-                self.statements.append(_of(block, target, expression))
+        output = self._values.get((block.name, 0), pending)
+        return [_of(block, *one) for one in block.updates(self._inputs(block), output)]
 
-    def _conditions(self, block: Block) -> list[ir.Comparison]:
-        """What must hold for the block's states to change."""
-        found = []
-        if self._diagram.divisor(block) != 1:
-            count = ir.Read(self._counter(self._diagram.divisor(block)))
-            found.append(ir.Comparison("<=", count, _count_of(0)))
-        enabled = self._diagram.enabled_by(block)
-        if enabled is not None:
-            half = ir.Literal(0.5, enabled[0].data_type)
-            found.append(ir.Comparison(">=", self._values[enabled[0].name], half))
-        return found
+    def _guards_of_outputs(self, block: Block) -> tuple[str | int, ...]:
+        """What decides whether the block's outputs change: a rate, and what enables it."""
+        divisor = self._diagram.divisor(block)
+        return () if divisor == 1 else self._guards_of_states(block)
+
+    def _guards_of_states(self, block: Block) -> tuple[str | int, ...]:
+        divisor, enabled = self._diagram.divisor(block), self._diagram.enabled_by(block)
+        rate = () if divisor == 1 else (divisor,)
+        return rate if enabled is None else (*rate, enabled[0].name)
+
+    def _guarded(
+        self, guards: Sequence[str | int], body: Sequence[ir.Instruction]
+    ) -> tuple[ir.Instruction, ...]:
+        """The instructions under all of the guards."""
+        if not guards or not body:
+            return tuple(body)
+        tests, names = [], []
+        for guard in guards:
+            if isinstance(guard, int):
+                counter = self._counter(guard)
+                tests.append(ir.Comparison("<=", ir.Read(counter), _count_of(0)))
+                names.append(counter.block)
+            else:
+                value = self._values[guard, 0]
+                half = ir.Literal(0.5, ir.expression_type(value))
+                tests.append(ir.Comparison(">=", value, half))
+                names.append(guard)
+        kind = "Rate" if isinstance(guards[0], int) else "Enable"
+        return (ir.If(tuple(tests), tuple(body), (), names[0], kind),)
 
     def _reset(self, block: Block) -> None:
         """States begin anew in the step in which the block is enabled again."""
         enabled = self._diagram.enabled_by(block)
-        if enabled is None or not enabled[1] or not block.states():
-            return
+        assert enabled is not None
         by = enabled[0]
         half, zero = ir.Literal(0.5, by.data_type), ir.Literal(0.0, by.data_type)
         begun = ir.Slot(ir.Kind.SIGNAL, f"{by.name}_begins", by.data_type, by.name)
@@ -342,24 +454,11 @@ class _Lowering:
             self._begun[by.name] = was
             self.held.append(was)
             test = ir.Comparison(">=", ir.Read(was), half)
-            self._signal(by, begun, ir.Select(test, zero, self._values[by.name]))
-        for state in block.states():
-            first = ir.Literal(state.initial, state.data_type)
-            chosen = ir.Select(ir.Comparison(">=", ir.Read(begun), half), first, ir.Read(state))
-            self.statements.append(_of(block, state, chosen))
-
-    def _signal(self, block: Block, target: ir.Slot, expression: ir.Expression) -> None:
-        self.signals.append(target)
-        self.statements.append(_of(block, target, expression))
-
-    def _assign_in_turn(self, block: Block, target: ir.Slot, expression: ir.Expression) -> None:
-        if isinstance(expression, ir.Clamp):
-            limited = ir.Slot(ir.Kind.SIGNAL, f"{block.name}_limited", target.data_type, block.name)
-            self._signal(block, limited, expression)
-            expression = ir.Read(limited)
-        for condition in self._conditions(block):
-            expression = ir.Select(condition, expression, ir.Read(target))
-        self.statements.append(_of(block, target, expression))
+            begins = ir.Select(test, zero, self._values[by.name, 0])
+            self.statements.append(_of(by, begun, begins))
+        test = ir.Comparison(">=", ir.Read(begun), half)
+        restart = ir.Restart(block.states(), block.name, type(block).__name__)
+        self.statements.append(ir.If((test,), (restart,), (), by.name, "Enable"))
 
     def _counter(self, divisor: int) -> ir.Slot:
         if divisor not in self._counters:
@@ -369,17 +468,21 @@ class _Lowering:
         return self._counters[divisor]
 
     def _count(self, divisor: int, counter: ir.Slot) -> None:
+        kind = "RateCounter"
         last = ir.Comparison(">=", ir.Read(counter), _count_of(divisor - 1))
-        following = ir.Select(last, _count_of(0), ir.Binary("+", ir.Read(counter), _count_of(1)))
-        self.statements.append(ir.Statement(counter, following, counter.block, "Rate"))
+        begin = ir.Statement(counter, _count_of(0), counter.block, kind)
+        more = ir.Binary("+", ir.Read(counter), _count_of(1))
+        following = ir.Statement(counter, more, counter.block, kind)
+        self.statements.append(ir.If((last,), (begin,), (following,), counter.block, kind))
 
     def _inputs(self, block: Block) -> list[ir.Expression]:
         """Values at the inputs; those not yet computed are without feed-through."""
         inputs = []
-        for port in range(len(block.input_types)):
-            name = self._diagram.source(block, port).name
-            pending = ir.Read(ir.Slot(ir.Kind.SIGNAL, name, block.input_types[port], name))
-            inputs.append(self._values.get(name, pending))
+        for port, source, output in self._sources_of(block):
+            pending = ir.Read(
+                ir.Slot(ir.Kind.SIGNAL, source.name, block.input_types[port], source.name)
+            )
+            inputs.append(self._values.get((source.name, output), pending))
         return inputs
 
 

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ class Execution:
     def __init__(self, diagram: Diagram | ir.Program) -> None:
         self.program = diagram.lower() if isinstance(diagram, Diagram) else diagram
         self._values: dict[_Key, Any] = {}
+        self._newer: dict[_Key, deque[Any]] = {}
         for slot in self.program.parameters:
             self._values[_key(slot)] = slot.data_type.scalar(slot.initial)
         self.reset()
@@ -40,7 +42,13 @@ class Execution:
     def reset(self) -> None:
         """Give the states their initial values; parameters keep theirs."""
         for slot in self.program.states:
-            self._values[_key(slot)] = slot.data_type.scalar(slot.initial)
+            self._fill(slot, slot.initial)
+
+    def _fill(self, slot: ir.Slot, value: float) -> None:
+        """Give a state a value, a delay line in all its samples."""
+        self._values[_key(slot)] = slot.data_type.scalar(value)
+        if isinstance(slot, ir.DelayLine):
+            self._newer[_key(slot)] = deque([slot.data_type.scalar(value)] * (slot.length - 1))
 
     def set_parameter(self, name: str, value: float) -> None:
         """Change a parameter from the next step on; raises `KeyError` for an unknown name."""
@@ -56,11 +64,11 @@ class Execution:
         if slot is None:
             known = ", ".join(slot.name for slot in self.program.states)
             raise KeyError(f"no state '{name}'; there are: {known}")
-        self._values[_key(slot)] = slot.data_type.scalar(value)
+        self._fill(slot, value)
 
     @property
     def states(self) -> dict[str, Any]:
-        """Present values of the states by name."""
+        """Present values of the states by name; of a delay line the oldest sample."""
         return {slot.name: self._values[_key(slot)] for slot in self.program.states}
 
     def step(self, inputs: Mapping[str, float]) -> dict[str, Any]:
@@ -69,9 +77,28 @@ class Execution:
         for slot in self.program.inputs:
             values[_key(slot)] = slot.data_type.scalar(inputs[slot.name])
         with np.errstate(all="ignore"):
-            for statement in self.program.statements:
-                values[_key(statement.target)] = evaluate(statement.expression, values)
+            self._execute(self.program.statements)
         return {slot.name: values[_key(slot)] for slot in self.program.outputs}
+
+    def _execute(self, instructions: Iterable[ir.Instruction]) -> None:
+        values = self._values
+        for one in instructions:
+            match one:
+                case ir.Statement(target=target, expression=expression):
+                    value = evaluate(expression, values)
+                    if isinstance(target, ir.DelayLine):
+                        newer = self._newer[_key(target)]
+                        newer.append(value)
+                        value = newer.popleft()
+                    values[_key(target)] = value
+                case ir.If(conditions=conditions, body=body, otherwise=otherwise):
+                    met = all(holds(condition, values) for condition in conditions)
+                    self._execute(body if met else otherwise)
+                case ir.Case(selector=selector, branches=branches):
+                    self._execute(branches[values[_key(selector)]])
+                case ir.Restart(states=states):
+                    for slot in states:
+                        self._fill(slot, slot.initial)
 
 
 def evaluate(expression: ir.Expression, values: Mapping[_Key, Any]) -> Any:

@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -16,6 +18,7 @@ from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram, DiagramError
 from ravenbrick.model.execution import Execution
+from ravenbrick.model.flattening import with_shifts
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.linearisation import linear_system
 
@@ -26,6 +29,7 @@ _FREQUENCIES = 60
 _LONGEST = 2000
 _SHORTEST = 100
 _SAME = 1e-12
+_OUTPUT = re.compile(r"(_\d+)?(_held)?")
 
 
 @dataclass(frozen=True)
@@ -132,24 +136,27 @@ def as_held(program: ir.Program) -> ir.Program:
         program,
         parameters=tuple(map(slot, program.parameters)),
         states=tuple(map(slot, program.states)),
-        statements=tuple(replace(s, expression=held(s.expression)) for s in program.statements),
+        statements=ir.mapped(program.statements, held),
     )
 
 
 def _parts(program: ir.Program) -> list[tuple[str, ir.Program]]:
-    """A program of its own for each block with states; what it reads of others are its inputs."""
+    """A program of its own for each output of a block with states, at the block's rate.
+
+    What it reads of others are its inputs.
+    """
     found = []
+    program = with_shifts(program)
     by_block: dict[str, list[ir.Statement]] = {}
-    for statement in program.statements:
+    for statement in ir.statements(program.statements):
         by_block.setdefault(statement.block, []).append(statement)
     for block, statements in by_block.items():
-        states = tuple(slot for slot in program.states if slot.block == block)
-        kinds = {statement.block_type for statement in statements} - {"Enable", "Rate"}
-        own = [s for s in statements if s.target.kind is ir.Kind.SIGNAL and s.target.name == block]
-        if not states or len(kinds) != 1 or len(own) != 1:
+        held = {f"{block}_held", f"{block}_was"}
+        states = tuple(s for s in program.states if s.block == block and s.name not in held)
+        kinds = {statement.block_type for statement in statements} - {"Enable", "RateCounter"}
+        targets = Counter(statement.target for statement in statements)
+        if not states or len(kinds) != 1 or max(targets.values()) > 1:
             continue
-        out = ir.Slot(ir.Kind.OUTPUT, "Out", own[0].target.data_type, block)
-        last = ir.Statement(out, ir.Read(own[0].target), block, own[0].block_type)
         read = _read(statements)
         own_names = {(s.target.kind, s.target.name) for s in statements}
         inputs = tuple(
@@ -157,16 +164,20 @@ def _parts(program: ir.Program) -> list[tuple[str, ir.Program]]:
             for name, slot in read.items()
             if slot.kind is not ir.Kind.PARAMETER and name not in own_names
         )
-        place = statements.index(own[0]) + 1
-        part = replace(
-            program,
-            inputs=inputs,
-            outputs=(out,),
-            states=states,
-            parameters=tuple(s for s in program.parameters if (s.kind, s.name) in read),
-            statements=(*statements[:place], last, *statements[place:]),
-        )
-        found.append((kinds.pop(), part))
+        for place, own in enumerate(statements, 1):
+            if not _OUTPUT.fullmatch(own.target.name.removeprefix(block)):
+                continue
+            out = ir.Slot(ir.Kind.OUTPUT, "Out", own.target.data_type, block)
+            last = ir.Statement(out, ir.Read(own.target), block, own.block_type)
+            part = replace(
+                program,
+                inputs=inputs,
+                outputs=(out,),
+                states=states,
+                parameters=tuple(s for s in program.parameters if (s.kind, s.name) in read),
+                statements=(*statements[:place], last, *statements[place:]),
+            )
+            found.append((next(iter(kinds)), part))
     return found
 
 

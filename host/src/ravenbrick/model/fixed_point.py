@@ -5,14 +5,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
+from ravenbrick.model.assignments import multiplied_sums, plain_stores, several_times
 from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.integer_ranges import Key, expression_range, integer_ranges, key
-from ravenbrick.model.number_format import FixedFormat, Interval, Rounding, finest_fraction
+from ravenbrick.model.number_format import (
+    Enumeration,
+    FixedFormat,
+    Interval,
+    Rounding,
+    finest_fraction,
+)
 from ravenbrick.model.ranges import real_ranges
 
 __all__ = ["FixedPoint", "FixedPointOptions", "to_fixed_point"]
@@ -112,19 +119,18 @@ def to_fixed_point(diagram: Diagram | ir.Program, options: FixedPointOptions) ->
 
 def _without_idle_limits(program: ir.Program, ranges: Mapping[Key, Interval]) -> ir.Program:
     """Leave out limits that no value reaches; beside one that is reached stands the range's."""
-    statements = []
-    for statement in program.statements:
-        bounded = statement.expression
-        if isinstance(bounded, ir.Bounded):
-            allowed = Interval(bounded.low, bounded.high)
-            reached = expression_range(bounded.value, ranges, statement.block)
-            low, high = max(bounded.low, int(reached.low)), min(bounded.high, int(reached.high))
-            kept = (
-                bounded.value if reached.within(allowed) else replace(bounded, low=low, high=high)
-            )
-            statement = replace(statement, expression=kept)
-        statements.append(statement)
-    return replace(program, statements=tuple(statements))
+
+    def without(expression: ir.Expression) -> ir.Expression:
+        if not isinstance(expression, ir.Bounded):
+            return expression
+        allowed = Interval(expression.low, expression.high)
+        reached = expression_range(expression.value, ranges, program.name)
+        if reached.within(allowed):
+            return expression.value
+        low, high = int(reached.low), int(reached.high)
+        return replace(expression, low=max(expression.low, low), high=min(expression.high, high))
+
+    return replace(program, statements=ir.mapped(program.statements, without))
 
 
 @dataclass(frozen=True)
@@ -161,11 +167,15 @@ class _Rewriting:
         self._slots: dict[Key, ir.Slot] = {}
         self._block = ""
         self.constants: dict[tuple[str, ir.Literal], float] = {}
-        self._narrow = _multiplied_sums(source)
+        self._narrow = multiplied_sums(source)
+        self._chosen = several_times(source)
         for slot in source.inputs:
             self._declare(slot, 16, finest_fraction(ranges[key(slot)], 16))
-        kept = _plain_stores(source)
+        kept = plain_stores(source)
         for slot in source.states:
+            if not isinstance(slot.data_type, ir.DataType):
+                self._slots[key(slot)] = slot
+                continue
             width = 16 if key(slot) in kept else 32
             finest = finest_fraction(ranges[key(slot)], width)
             self._declare(slot, width, finest if width == 16 else min(finest, fraction))
@@ -191,7 +201,7 @@ class _Rewriting:
 
     def program(self) -> ir.Program:
         """The fixed-point program."""
-        statements = tuple(self._statement(statement) for statement in self._source.statements)
+        statements = self._instructions(self._source.statements)
         source, slots = self._source, self._slots
         for slot in source.parameters:
             if key(slot) not in slots:
@@ -207,9 +217,49 @@ class _Rewriting:
             statements=statements,
         )
 
+    def _instructions(self, given: Iterable[ir.Instruction]) -> tuple[ir.Instruction, ...]:
+        found: list[ir.Instruction] = []
+        for one in given:
+            match one:
+                case ir.Statement():
+                    found.append(self._statement(one))
+                case ir.Restart(states=states):
+                    slots = tuple(self._slots[key(slot)] for slot in states)
+                    found.append(replace(one, states=slots))
+                case ir.If(conditions=conditions):
+                    self._block = one.block
+                    tests = tuple(map(self._condition, conditions))
+                    body, otherwise = map(self._instructions, (one.body, one.otherwise))
+                    found.append(replace(one, conditions=tests, body=body, otherwise=otherwise))
+                case ir.Case(branches=branches):
+                    found.append(replace(one, branches=tuple(map(self._instructions, branches))))
+        return tuple(found)
+
+    def _condition(self, condition: ir.Comparison) -> ir.Comparison:
+        left, right = self._aligned(condition.left, condition.right)
+        return ir.Comparison(condition.operator, left.expression, right.expression)
+
+    def _several(self, statement: ir.Statement) -> ir.Statement:
+        """One of the assignments of a signal: all of them share its format."""
+        target = statement.target
+        if isinstance(target.data_type, Enumeration):
+            self._slots[key(target)] = target
+            return statement
+        range_ = self._ranges[key(target)]
+        whole = isinstance(target.data_type, FixedFormat)
+        fraction = 0 if whole else min(finest_fraction(range_, 16), self._fraction)
+        slot = self._declare(target, 32, fraction)
+        if _is_constant(statement.expression):
+            value = self._constant(statement.expression, fraction, 32)
+        else:
+            value = self._at_fraction(self._convert(statement.expression), fraction)
+        return replace(statement, target=slot, expression=value.expression)
+
     def _statement(self, statement: ir.Statement) -> ir.Statement:
         self._block = statement.block
         target = statement.target
+        if isinstance(target.data_type, Enumeration) or key(target) in self._chosen:
+            return self._several(statement)
         value = self._convert(statement.expression)
         if target.kind is ir.Kind.STATE:
             slot = self._slots[key(target)]
@@ -276,8 +326,7 @@ class _Rewriting:
             case ir.Table():
                 return self._convert(ir.as_choices(expression))
             case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
-                one, other = self._aligned(condition.left, condition.right)
-                test = ir.Comparison(condition.operator, one.expression, other.expression)
+                test = self._condition(condition)
                 first, second = self._aligned(chosen, otherwise)
                 select = ir.Select(test, first.expression, second.expression)
                 return _Scaled(select, first.fraction, first.interval.hull(second.interval))
@@ -403,50 +452,3 @@ def _is_constant(expression: ir.Expression) -> bool:
     if isinstance(expression, ir.Read):
         return expression.slot.kind is ir.Kind.PARAMETER
     return isinstance(expression, ir.Literal)
-
-
-def _multiplied_sums(program: ir.Program) -> set[str]:
-    """Signals that a sum adds whose result is multiplied: they get 16 bits before the sum."""
-    multiplied = {
-        side.slot.name
-        for statement in program.statements
-        if isinstance(statement.expression, ir.Binary) and statement.expression.operator == "*"
-        for side in (statement.expression.left, statement.expression.right)
-        if isinstance(side, ir.Read) and side.slot.kind is ir.Kind.SIGNAL
-    }
-    found: set[str] = set()
-    for statement in program.statements:
-        expression = statement.expression
-        if statement.target.name not in multiplied or statement.target.kind is not ir.Kind.SIGNAL:
-            continue
-        if not isinstance(expression, ir.Binary) or expression.operator == "*":
-            continue
-        inner = [expression]
-        while inner:
-            node = inner.pop()
-            for side in (node.left, node.right):
-                if isinstance(side, ir.Binary) and side.operator != "*":
-                    inner.append(side)
-                elif isinstance(side, ir.Read) and side.slot.kind is ir.Kind.SIGNAL:
-                    found.add(side.slot.name)
-    products = {
-        statement.target.name
-        for statement in program.statements
-        if isinstance(statement.expression, ir.Binary) and statement.expression.operator == "*"
-    }
-    return found & products
-
-
-def _plain_stores(program: ir.Program) -> set[Key]:
-    """States whose update only stores a value, as in a delay."""
-    return {
-        key(statement.target)
-        for statement in program.statements
-        if statement.target.kind is ir.Kind.STATE
-        and isinstance(statement.expression, ir.Read)
-        and not _is_own_signal(statement.expression.slot, statement.block)
-    }
-
-
-def _is_own_signal(slot: ir.Slot, block: str) -> bool:
-    return slot.kind is ir.Kind.SIGNAL and slot.block == block

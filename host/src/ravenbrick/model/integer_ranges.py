@@ -7,8 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ravenbrick.model import program as ir
-from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
-from ravenbrick.model.ranges import Key, key
+from ravenbrick.model.flattening import flattened
+from ravenbrick.model.number_format import Enumeration, FixedFormat, Interval, Rounding
+from ravenbrick.model.ranges import Key, key, narrowed
 
 __all__ = ["Key", "expression_range", "integer_ranges", "key"]
 
@@ -23,9 +24,10 @@ def integer_ranges(program: ir.Program) -> dict[Key, Interval]:
     them as they are; a state that still grows gets its whole format, which the next step must
     keep. Raises `OverflowError` that names the block whose result exceeds 32 bits or its format.
     """
+    program = flattened(program)
     ranges: dict[Key, Interval] = {}
     for slot in program.inputs:
-        ranges[key(slot)] = Interval(*_format(slot).limits)
+        ranges[key(slot)] = _limits(slot)
     for slot in program.parameters + program.states:
         ranges[key(slot)] = Interval(slot.initial, slot.initial)
     for last_chance in (False, True):
@@ -41,20 +43,23 @@ def integer_ranges(program: ir.Program) -> dict[Key, Interval]:
             break
         for slot in program.states:
             if key(slot) in growing:
-                ranges[key(slot)] = Interval(*_format(slot).limits)
+                ranges[key(slot)] = _limits(slot)
     raise OverflowError(f"the range of state '{growing[0][1]}' has no end")
 
 
-def _format(slot: ir.Slot) -> FixedFormat:
-    assert isinstance(slot.data_type, FixedFormat)
-    return slot.data_type
+def _limits(slot: ir.Slot) -> Interval:
+    form = slot.data_type
+    if isinstance(form, Enumeration):
+        return Interval(0, len(form.members) - 1)
+    assert isinstance(form, FixedFormat)
+    return Interval(*form.limits)
 
 
 def _pass(program: ir.Program, ranges: dict[Key, Interval]) -> None:
-    for statement in program.statements:
+    for statement in ir.statements(program.statements):
         target = statement.target
         result = expression_range(statement.expression, ranges, statement.block)
-        if not result.within(Interval(*_format(target).limits)):
+        if not result.within(_limits(target)):
             raise OverflowError(f"block '{statement.block}' exceeds {target.data_type}")
         ranges[key(target)] = result
 
@@ -85,10 +90,15 @@ def expression_range(
         case ir.Rescale(value=inner, bits=bits, rounding=rounding):
             result = _rescaled(expression_range(inner, ranges, block), bits, rounding, block)
         case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
-            for side in (condition.left, condition.right):
-                expression_range(side, ranges, block)
-            first = expression_range(chosen, ranges, block)
-            result = first.hull(expression_range(otherwise, ranges, block))
+            sides = [
+                expression_range(side, ranges, block) for side in (condition.left, condition.right)
+            ]
+            branches = [
+                expression_range(branch, known, block)
+                for holds, branch in ((True, chosen), (False, otherwise))
+                if (known := narrowed(condition, sides, ranges, holds=holds, unit=1))
+            ]
+            result = branches[0].hull(branches[-1])
         case _:
             raise OverflowError(f"block '{block}' is not in fixed point")
     if not result.within(_WORD):

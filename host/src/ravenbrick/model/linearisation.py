@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram, DiagramError
+from ravenbrick.model.flattening import flattened, with_shifts
 from ravenbrick.model.lazy import control
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.number_format import FixedFormat
@@ -48,7 +49,8 @@ class ErrorSource:
 def linearise(diagram: Diagram | ir.Program) -> control.StateSpace:
     """The linear system that the diagram is as long as no limit is reached.
 
-    States, inputs and outputs in the program's order; those of a fixed-point program in raw units,
+    States (a delay line's samples each, the newest first), inputs and outputs in the program's
+    order; those of a fixed-point program in raw units,
     without rounding. Raises `DiagramError` for a product of two signals and for blocks that are
     not linear. Exact: affine forms run through the program's own statements.
     """
@@ -58,7 +60,7 @@ def linearise(diagram: Diagram | ir.Program) -> control.StateSpace:
 def linear_system(diagram: Diagram | ir.Program) -> LinearSystem:
     """The matrices of `linearise`."""
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
-    return _Linearisation(program, 0).system()
+    return _Linearisation(flattened(with_shifts(program)), 0).system()
 
 
 def linearise_with_errors(
@@ -68,9 +70,10 @@ def linearise_with_errors(
 
     Inputs are the program's, then one per rounding in order of execution, then one per state.
     """
+    program = flattened(with_shifts(program))
     roundings = [
         (statement.block, _kind(statement), math.ldexp(1.0, -fraction_of(node)), node.rounding)
-        for statement in program.statements
+        for statement in ir.statements(program.statements)
         for node in _rescales(statement.expression)
     ]
     lines = _Linearisation(program, len(roundings) + len(program.states))
@@ -141,7 +144,7 @@ class _Linearisation:
             values[slot.kind, slot.name] = self._unit(column)
         for slot in program.parameters:
             values[slot.kind, slot.name] = slot.initial * self._unit(-1)
-        for statement in program.statements:
+        for statement in ir.statements(program.statements):
             try:
                 form = self._form(statement.expression)
             except DiagramError as error:

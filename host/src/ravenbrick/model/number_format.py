@@ -11,7 +11,7 @@ from enum import Enum
 
 from ravenbrick.errors import DesignError
 
-__all__ = ["FixedFormat", "Interval", "Rounding", "finest_fraction"]
+__all__ = ["Enumeration", "FixedFormat", "Interval", "Rounding", "finest_fraction"]
 
 
 class Rounding(Enum):
@@ -89,6 +89,29 @@ class FixedFormat:
     def real(self, raw: int) -> float:
         """What a raw value stands for."""
         return math.ldexp(raw, -self.fraction)
+
+
+@dataclass(frozen=True)
+class Enumeration:
+    """Named alternatives, kept as their places 0, 1, 2 ... in a word."""
+
+    name: str
+    members: tuple[str, ...]
+
+    @property
+    def value(self) -> str:
+        """The name of the type."""
+        return self.name
+
+    @property
+    def scalar(self) -> Callable[[float], int]:
+        """Python's integers hold the places."""
+        return int
+
+    @property
+    def size_bytes(self) -> int:
+        """Size of one value in memory, as the brick's binary interface has it."""
+        return 4
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Straight-line programs: what a block diagram means, operation by operation.
+"""Programs without loops: what a block diagram means, operation by operation.
 
 A diagram is lowered once to a `Program`. The simulation executes it, the code generator prints it,
 `linearise` propagates affine forms through it: one order of operations, one rounding after each.
@@ -8,29 +8,34 @@ A diagram is lowered once to a `Program`. The simulation executes it, the code g
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
 
-from ravenbrick.model.number_format import FixedFormat, Rounding
+from ravenbrick.model.number_format import Enumeration, FixedFormat, Rounding
 
 __all__ = [
     "Binary",
     "Bounded",
     "Call",
+    "Case",
     "Cast",
     "Clamp",
     "Comparison",
     "DataType",
+    "DelayLine",
     "Expression",
+    "If",
+    "Instruction",
     "Kind",
     "Literal",
     "NumberFormat",
     "Program",
     "Read",
     "Rescale",
+    "Restart",
     "Rounded",
     "Select",
     "Slot",
@@ -39,7 +44,13 @@ __all__ = [
     "as_choices",
     "children",
     "expression_type",
+    "expressions",
     "is_fixed_point",
+    "mapped",
+    "read_elsewhere",
+    "rebuilt",
+    "restarts_line",
+    "statements",
     "with_constants",
 ]
 
@@ -61,7 +72,7 @@ class DataType(Enum):
         return 4 if self is DataType.REAL32 else 8
 
 
-NumberFormat = DataType | FixedFormat
+NumberFormat = DataType | FixedFormat | Enumeration
 
 
 class Kind(Enum):
@@ -85,6 +96,16 @@ class Slot:
     initial: float = 0.0
     unit: str = ""
     description: str = ""
+
+
+@dataclass(frozen=True)
+class DelayLine(Slot):
+    """A state that holds the last `length` samples.
+
+    Reading it gives the oldest sample; assigning to it drops that one and adds the newest.
+    """
+
+    length: int = 1
 
 
 @dataclass(frozen=True)
@@ -216,6 +237,42 @@ class Statement:
 
 
 @dataclass(frozen=True)
+class Restart:
+    """The states get their initial values."""
+
+    states: tuple[Slot, ...]
+    block: str
+    block_type: str
+
+
+@dataclass(frozen=True)
+class If:
+    """`body` if all conditions hold, else `otherwise`.
+
+    A signal that is assigned in one of both only is read there only.
+    """
+
+    conditions: tuple[Comparison, ...]
+    body: tuple[Instruction, ...]
+    otherwise: tuple[Instruction, ...]
+    block: str
+    block_type: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """The branch of the selector's value, one per member of its enumeration."""
+
+    selector: Slot
+    branches: tuple[tuple[Instruction, ...], ...]
+    block: str
+    block_type: str
+
+
+Instruction = Statement | Restart | If | Case
+
+
+@dataclass(frozen=True)
 class Program:
     """One step of a diagram: `statements` in order, outputs first, then the states' updates."""
 
@@ -226,7 +283,7 @@ class Program:
     parameters: tuple[Slot, ...]
     states: tuple[Slot, ...]
     signals: tuple[Slot, ...]
-    statements: tuple[Statement, ...]
+    statements: tuple[Instruction, ...]
 
 
 def is_fixed_point(program: Program) -> bool:
@@ -236,31 +293,117 @@ def is_fixed_point(program: Program) -> bool:
 
 def with_constants(program: Program) -> Program:
     """The same program with its parameters' present values as literals."""
-    statements = tuple(
-        replace(statement, expression=_constant(statement.expression))
-        for statement in program.statements
-    )
-    return replace(program, parameters=(), statements=statements)
+    return replace(program, parameters=(), statements=mapped(program.statements, _constant))
+
+
+def statements(instructions: Iterable[Instruction]) -> Iterator[Statement]:
+    """All assignments, with those inside of conditions, in order."""
+    for one in instructions:
+        match one:
+            case Statement():
+                yield one
+            case If(body=body, otherwise=otherwise):
+                yield from statements((*body, *otherwise))
+            case Case(branches=branches):
+                for branch in branches:
+                    yield from statements(branch)
+
+
+def expressions(program: Program) -> Iterator[Expression]:
+    """All expressions of a program with those inside them, in order."""
+    waiting = list(reversed(list(_outermost(program.statements))))
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting.extend(reversed(children(node)))
+
+
+def _outermost(instructions: Iterable[Instruction]) -> Iterator[Expression]:
+    for one in instructions:
+        match one:
+            case Statement(expression=expression):
+                yield expression
+            case If(conditions=conditions, body=body, otherwise=otherwise):
+                yield from (side for test in conditions for side in (test.left, test.right))
+                yield from _outermost((*body, *otherwise))
+            case Case(branches=branches):
+                for branch in branches:
+                    yield from _outermost(branch)
+
+
+def restarts_line(instructions: Iterable[Instruction]) -> bool:
+    """Whether a delay line gets its initial values again."""
+    for one in instructions:
+        match one:
+            case Restart(states=states):
+                if any(isinstance(slot, DelayLine) for slot in states):
+                    return True
+            case If(body=body, otherwise=otherwise):
+                if restarts_line((*body, *otherwise)):
+                    return True
+    return False
+
+
+def read_elsewhere(program: Program) -> set[Slot]:
+    """Signals that are assigned under one condition and read under another."""
+    assigned: dict[Slot, int] = {}
+    found: set[Slot] = set()
+    for place, one in enumerate(program.statements):
+        own = replace(program, statements=(one,))
+        read = {node.slot for node in expressions(own) if isinstance(node, Read)}
+        found |= {slot for slot in read if assigned.get(slot, place) != place}
+        if isinstance(one, If):
+            assigned |= {statement.target: place for statement in statements((one,))}
+    return {slot for slot in found if slot.kind is Kind.SIGNAL}
+
+
+def mapped(
+    instructions: Iterable[Instruction], change: Callable[[Expression], Expression]
+) -> tuple[Instruction, ...]:
+    """The same instructions with other expressions, those of conditions included."""
+    found: list[Instruction] = []
+    for one in instructions:
+        match one:
+            case Statement(expression=expression):
+                found.append(replace(one, expression=change(expression)))
+            case Restart():
+                found.append(one)
+            case If(conditions=conditions, body=body, otherwise=otherwise):
+                tests = tuple(
+                    Comparison(test.operator, change(test.left), change(test.right))
+                    for test in conditions
+                )
+                inner = mapped(body, change), mapped(otherwise, change)
+                found.append(replace(one, conditions=tests, body=inner[0], otherwise=inner[1]))
+            case Case(branches=branches):
+                found.append(replace(one, branches=tuple(mapped(b, change) for b in branches)))
+    return tuple(found)
 
 
 def _constant(expression: Expression) -> Expression:
     match expression:
         case Read(slot=slot) if slot.kind is Kind.PARAMETER:
             return Literal(slot.initial, slot.data_type)
-        case Binary(left=left, right=right):
-            return replace(expression, left=_constant(left), right=_constant(right))
-        case Clamp(value=value, limit=limit):
-            return Clamp(_constant(value), _constant(limit))
-        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
-            sides = _constant(condition.left), _constant(condition.right)
-            test = Comparison(condition.operator, *sides)
-            return Select(test, _constant(chosen), _constant(otherwise))
-        case Call(arguments=arguments):
-            return replace(expression, arguments=tuple(map(_constant, arguments)))
+        case _:
+            return rebuilt(expression, _constant)
+
+
+def rebuilt(expression: Expression, change: Callable[[Expression], Expression]) -> Expression:
+    """The same expression with each of those directly inside it changed."""
+    match expression:
         case Literal() | Read():
             return expression
+        case Binary(left=left, right=right):
+            return replace(expression, left=change(left), right=change(right))
+        case Clamp(value=value, limit=limit):
+            return Clamp(change(value), change(limit))
+        case Select(condition=condition, chosen=chosen, otherwise=otherwise):
+            test = Comparison(condition.operator, change(condition.left), change(condition.right))
+            return Select(test, change(chosen), change(otherwise))
+        case Call(arguments=arguments):
+            return replace(expression, arguments=tuple(map(change, arguments)))
         case _:
-            return replace(expression, value=_constant(expression.value))
+            return replace(expression, value=change(expression.value))
 
 
 def expression_type(expression: Expression) -> NumberFormat:

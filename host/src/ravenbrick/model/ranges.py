@@ -4,23 +4,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import DiagramError
+from ravenbrick.model.flattening import flattened, samples, with_shifts
+from ravenbrick.model.lazy import csgraph
 from ravenbrick.model.linearisation import linearise
 from ravenbrick.model.number_format import Interval
 
-__all__ = ["Key", "key", "real_ranges"]
+__all__ = ["Key", "key", "narrowed", "real_ranges"]
 
 Key = tuple[ir.Kind, str]
+Array = npt.NDArray[np.float64]
 
 _ROUNDS = 60
 _MOST_STEPS = 100_000
 _REMAINDER = 1e-6
+_SLOWEST = 1e-4
 
 
 def key(slot: ir.Slot) -> Key:
@@ -35,6 +40,7 @@ def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key,
     of the linear program bounds (an integrator has no bound of its own). Parameters have the
     single value they begin with. Raises `DesignError` that names the block without a range.
     """
+    program = flattened(program)
     ranges: dict[Key, Interval] = {}
     for slot in program.inputs:
         if slot.block not in given:
@@ -47,13 +53,14 @@ def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key,
         start = Interval(slot.initial, slot.initial)
         ranges[key(slot)] = given[slot.block].hull(start) if slot.block in given else start
     starts = dict(ranges)
-    if _iterate(program, ranges, free):
+    growing = _iterate(program, ranges, free)
+    if not growing:
         return ranges
     try:
-        _use_peak_gains(program, ranges, free)
+        _use_peak_gains(program, ranges, free, growing)
     except DesignError:
         ranges = starts
-        if _iterate(program, ranges, free, _landmarks(program)):
+        if not _iterate(program, ranges, free, _landmarks(program)):
             return ranges
         raise
     _pass(program, ranges, frozenset(key(slot) for slot in program.states))
@@ -63,7 +70,7 @@ def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key,
 def _landmarks(program: ir.Program) -> list[float]:
     """Where a range that grows may end: the numbers that values are compared with, and one more."""
     found = {0.0}
-    waiting = [statement.expression for statement in program.statements]
+    waiting = [statement.expression for statement in ir.statements(program.statements)]
     while waiting:
         node = waiting.pop()
         waiting.extend(ir.children(node))
@@ -77,12 +84,13 @@ def _iterate(
     ranges: dict[Key, Interval],
     free: list[ir.Slot],
     landmarks: list[float] | None = None,
-) -> bool:
-    """Grow the free states' ranges until none grows; False if that does not end.
+) -> list[ir.Slot]:
+    """Grow the free states' ranges until none grows; those that do not end to grow.
 
     With `landmarks` a growing range grows to the next of them at once.
     """
     fixed = frozenset(key(slot) for slot in program.states) - {key(slot) for slot in free}
+    growing: list[ir.Slot] = []
     for _ in range(_ROUNDS):
         before = {key(slot): ranges[key(slot)] for slot in free}
         _pass(program, ranges, fixed)
@@ -90,9 +98,10 @@ def _iterate(
             ranges[name] = ranges[name].hull(interval)
             if landmarks is not None and ranges[name] != interval:
                 ranges[name] = _widened(ranges[name], interval, landmarks)
-        if all(ranges[name] == interval for name, interval in before.items()):
-            return True
-    return False
+        growing = [slot for slot in free if ranges[key(slot)] != before[key(slot)]]
+        if not growing:
+            break
+    return growing
 
 
 def _widened(found: Interval, before: Interval, landmarks: list[float]) -> Interval:
@@ -105,7 +114,7 @@ def _widened(found: Interval, before: Interval, landmarks: list[float]) -> Inter
 
 
 def _pass(program: ir.Program, ranges: dict[Key, Interval], kept: frozenset[Key]) -> None:
-    for statement in program.statements:
+    for statement in ir.statements(program.statements):
         if key(statement.target) not in kept:
             ranges[key(statement.target)] = _range(statement.expression, ranges, statement.block)
 
@@ -143,54 +152,107 @@ def _range(expression: ir.Expression, ranges: Mapping[Key, Interval], block: str
 def _choice(select: ir.Select, ranges: Mapping[Key, Interval], block: str) -> Interval:
     """The hull of both branches, each with what its condition says of a variable."""
     branches = []
+    test = select.condition
+    sides = [_range(side, ranges, block) for side in (test.left, test.right)]
     for holds, branch in ((True, select.chosen), (False, select.otherwise)):
-        known = _with_condition(select.condition, ranges, block, holds=holds)
+        known = narrowed(test, sides, ranges, holds=holds)
         if known is not None:
             branches.append(_range(branch, known, block))
-    return branches[0] if len(branches) == 1 else branches[0].hull(branches[1])
+    return branches[0].hull(branches[-1])
 
 
-def _with_condition(
-    condition: ir.Comparison, ranges: Mapping[Key, Interval], block: str, *, holds: bool
+def narrowed(
+    condition: ir.Comparison,
+    sides: Sequence[Interval],
+    ranges: Mapping[Key, Interval],
+    *,
+    holds: bool,
+    unit: int = 0,
 ) -> Mapping[Key, Interval] | None:
-    """The ranges where the condition holds (or not); None if that cannot be."""
-    left, right = (_range(side, ranges, block) for side in (condition.left, condition.right))
+    """The ranges where the condition holds (or not); None if that cannot be.
+
+    `sides` are the ranges of what is compared, `unit` the least difference of unequal values.
+    """
+    left, right = sides
     below = (condition.operator in ("<", "<=")) == holds
-    if (left.low > right.high) if below else (left.high < right.low):
+    apart = unit if (condition.operator in ("<", ">")) == holds else 0
+    low = left.low if below else max(left.low, right.low + apart)
+    high = min(left.high, right.high - apart) if below else left.high
+    if low > high:
         return None
     if not isinstance(condition.left, ir.Read):
         return ranges
-    low = left.low if below else max(left.low, right.low)
-    high = min(left.high, right.high) if below else left.high
     return {**ranges, key(condition.left.slot): Interval(low, high)}
 
 
-def _use_peak_gains(program: ir.Program, ranges: dict[Key, Interval], free: list[ir.Slot]) -> None:
+def _use_peak_gains(
+    program: ir.Program, ranges: dict[Key, Interval], free: list[ir.Slot], growing: list[ir.Slot]
+) -> None:
     """Bound the free states by the peak gains of the linear program."""
     try:
         system = linearise(program)
     except DiagramError as error:
-        raise DesignError(f"{error}; give ranges for the states") from error
-    index = {key(slot): place for place, slot in enumerate(program.states)}
-    rows = [index[key(slot)] for slot in free]
+        raise _unbounded(_first_growing(program, growing)) from error
+    states = with_shifts(program).states
+    index = {key(slot): place for place, slot in enumerate(states)}
+    single = [sample for slot in free for sample in samples(slot)]
+    rows = [index[key(slot)] for slot in single]
     matrix = system.A[np.ix_(rows, rows)]
-    held = [place for place in range(len(program.states)) if place not in rows]
+    held = [place for place in range(len(states)) if place not in rows]
     drive = np.hstack([system.B[rows], system.A[np.ix_(rows, held)]])
-    sources = [*program.inputs, *(program.states[place] for place in held)]
-    sizes = np.array([ranges[key(slot)].size for slot in sources])
-    start = np.abs([slot.initial for slot in free])
-    constant = np.zeros(len(rows))
+    known = {key(one): ranges[key(slot)] for slot in program.states for one in samples(slot)}
+    sizes = np.array(
+        [ranges[key(slot)].size for slot in program.inputs]
+        + [known[key(states[place])].size for place in held]
+    )
+    start = np.abs([slot.initial for slot in single])
     bound, step = start.copy(), np.eye(len(rows))
     for _ in range(_MOST_STEPS):
-        bound = bound + np.abs(step @ drive) @ sizes + constant
+        bound = bound + np.abs(step @ drive) @ sizes
         step = matrix @ step
         left = np.abs(step).sum()
         if left < _REMAINDER:
             break
     else:
-        names = ", ".join(f"'{name}'" for name in dict.fromkeys(slot.block for slot in free))
-        raise DesignError(
-            f"the state of {names} has no bound of its own; give its range: it saturates there"
-        )
-    for slot, size in zip(free, bound * (1 + 2 * left) + start, strict=True):
-        ranges[key(slot)] = Interval.around_zero(float(size))
+        raise _unbounded([single[row] for row in _not_decaying(matrix)])
+    found = dict(zip(map(key, single), bound * (1 + 2 * left) + start, strict=True))
+    for slot in free:
+        size = max(float(found[key(one)]) for one in samples(slot))
+        ranges[key(slot)] = Interval.around_zero(size)
+
+
+def _unbounded(states: list[ir.Slot]) -> DesignError:
+    names = ", ".join(f"'{name}'" for name in dict.fromkeys(slot.block for slot in states))
+    return DesignError(
+        f"the state of {names} has no bound of its own; give its range: it saturates there"
+    )
+
+
+def _not_decaying(matrix: Array) -> list[int]:
+    """The rows of the states that keep each other from decaying; what they drive is left out."""
+    count, part = csgraph.connected_components(matrix != 0.0, connection="strong")
+    found: list[int] = []
+    for number in range(count):
+        rows = np.flatnonzero(part == number)
+        poles = np.linalg.eigvals(matrix[np.ix_(rows, rows)])
+        if np.abs(poles).max() > 1.0 - _SLOWEST:
+            found += rows.tolist()
+    return found or list(range(len(matrix)))
+
+
+def _first_growing(program: ir.Program, growing: list[ir.Slot]) -> list[ir.Slot]:
+    """Those of the growing states that no other growing state drives, loops taken as a whole."""
+    names = [key(slot) for slot in growing]
+    reads: dict[Key, set[Key]] = {key(slot): {key(slot)} for slot in program.states}
+    for statement in ir.statements(program.statements):
+        reads[key(statement.target)] = _read_by(statement.expression, reads)
+    edges = np.array([[source in reads[target] for source in names] for target in names])
+    _, part = csgraph.connected_components(edges, connection="strong")
+    driven = {part[target] for target, source in np.argwhere(edges) if part[target] != part[source]}
+    return [slot for place, slot in enumerate(growing) if part[place] not in driven]
+
+
+def _read_by(expression: ir.Expression, reads: Mapping[Key, set[Key]]) -> set[Key]:
+    if isinstance(expression, ir.Read):
+        return set(reads.get(key(expression.slot), ()))
+    return {name for child in ir.children(expression) for name in _read_by(child, reads)}

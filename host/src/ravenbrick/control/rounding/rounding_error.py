@@ -13,6 +13,7 @@ from ravenbrick.control.rounding.peak_gain import peak_gain
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.fixed_point import FixedPoint
+from ravenbrick.model.flattening import flattened
 from ravenbrick.model.lazy import control
 from ravenbrick.model.linearisation import (
     ErrorSource,
@@ -159,7 +160,7 @@ def one_step_errors(fixed: FixedPoint) -> dict[str, float]:
 def _deciding_blocks(source: ir.Program) -> set[str]:
     """Blocks whose output is not a linear function of what they read, limits aside."""
     found = set()
-    for statement in source.statements:
+    for statement in ir.statements(flattened(source).statements):
         waiting: list[ir.Expression] = [statement.expression]
         while waiting:
             node = waiting.pop()
@@ -186,7 +187,7 @@ class _ErrorPass:
 
     def outputs(self) -> dict[str, float]:
         """Bounds by outport."""
-        for statement in self._fixed.program.statements:
+        for statement in ir.statements(flattened(self._fixed.program).statements):
             self._block, target = statement.block, statement.target
             if statement.block in self._deciding or self._depends(statement.expression):
                 self._open.add((target.kind, target.name))

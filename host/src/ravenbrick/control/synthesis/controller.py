@@ -52,7 +52,7 @@ def pi_diagram(
         )
     )
     increment = diagram.add(Sum("Increment", signs="++"))
-    integral = diagram.add(DiscreteIntegrator("Integral", method=pi.method))
+    integral = diagram.add(DiscreteIntegrator("Integral", gain=1.0, method=pi.method))
     demand = diagram.add(Sum("Demand", signs="++"))
     limit = Parameter("Saturation", supply_voltage, "V", "largest voltage, the battery's")
     saturation = diagram.add(Saturation("Saturated", limit=limit))

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from ravenbrick.model import program as ir
@@ -54,7 +54,7 @@ def number(value: Value) -> float:
 
 @dataclass(frozen=True)
 class Block:
-    """A block with at most one output port.
+    """A block.
 
     `data_type` is the format of the ports. `sample_time` in s, or None to take the diagram's.
     Subclasses say how many inputs they have and whether the output needs input `i` in the same
@@ -94,6 +94,30 @@ class Block:
     def output(self, inputs: Inputs) -> ir.Expression:
         """The output; inputs without feed-through must not be read."""
         raise NotImplementedError(f"block type {type(self).__name__} has no output")
+
+    @property
+    def output_count(self) -> int:
+        """Number of output ports, all of the format `output_type`."""
+        return 0 if self.output_type is None else 1
+
+    def outputs(self, inputs: Inputs) -> tuple[ir.Expression, ...]:
+        """One expression per output port."""
+        return (self.output(inputs),)
+
+    def compute(
+        self, inputs: Inputs, targets: Sequence[ir.Slot | None]
+    ) -> tuple[ir.Instruction, ...]:
+        """Instructions that assign the outputs; None stands for one that nothing reads."""
+        values = zip(targets, self.outputs(inputs), strict=True)
+        used = [(target, value) for target, value in values if target is not None]
+        return tuple(self._assign(*one) for one in (*self.intermediates(inputs), *used))
+
+    def _assign(self, target: ir.Slot, value: ir.Expression) -> ir.Statement:
+        return ir.Statement(target, value, self.name, type(self).__name__)
+
+    def timed(self, sample_time: float) -> Block:
+        """The block as it is when it runs every `sample_time` (s)."""
+        return self
 
     def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """New values of the states, in order of assignment.
@@ -360,12 +384,13 @@ class IntegrationMethod(Enum):
 
 @dataclass(frozen=True)
 class DiscreteIntegrator(Block):
-    """Sum of `gain * u` by `method`; for an integral over time `gain` is the sample time in s.
+    """Integral of `u` over time by `method`: the sum of `gain * u`.
 
-    With `gain` 1 it accumulates: the sample time is then part of the gain before it.
+    `gain` is the sample time in s unless given. With `gain` 1 the block accumulates: the sample
+    time is then part of the gain before it.
     """
 
-    gain: float = 1.0
+    gain: float | None = None
     method: IntegrationMethod = IntegrationMethod.FORWARD_EULER
     initial: float = 0.0
 
@@ -377,8 +402,13 @@ class DiscreteIntegrator(Block):
         """The sum."""
         return (self._state("DSTATE", self.initial),)
 
+    def timed(self, sample_time: float) -> DiscreteIntegrator:
+        """With the sample time as gain, unless another is given."""
+        return replace(self, gain=sample_time) if self.gain is None else self
+
     def _increment(self, value: ir.Expression) -> ir.Expression:
         half = self.method is IntegrationMethod.TUSTIN
+        assert self.gain is not None
         return _scaled(self, self.gain / 2 if half else self.gain, value)
 
     def output(self, inputs: Inputs) -> ir.Expression:

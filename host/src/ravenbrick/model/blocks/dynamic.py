@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -28,50 +29,55 @@ __all__ = [
     "state_space_block",
 ]
 
-_LONGEST_DELAY = 256
+_LONGEST_DELAY = 1024
+_LONGEST_AVERAGE = 256
+# Up to here it takes fewer cycles to move all samples than to keep an index.
+_MOST_SHIFTED = 3
 
 
-def _check_length(block: Block, length: int, least: int) -> None:
-    if not least <= length <= _LONGEST_DELAY:
+def _check_length(block: Block, length: int, least: int, most: int) -> None:
+    if not least <= length <= most:
         raise ValueError(
-            f"block '{block.name}': the length must lie between {least} and {_LONGEST_DELAY} "
+            f"block '{block.name}': the length must lie between {least} and {most} "
             f"samples, not {length}"
         )
 
 
-class _WithSamples(Block):
-    """A block that keeps the last inputs, the newest in the first state."""
-
-    def _kept(self) -> tuple[int, float]:
-        """How many, and their initial value."""
-        raise NotImplementedError
-
-    def states(self) -> tuple[ir.Slot, ...]:
-        """Earlier inputs, newest first."""
-        count, initial = self._kept()
-        return tuple(self._state(f"DSTATE{index}", initial) for index in range(1, count + 1))
-
-    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
-        """Each sample moves on by one, the oldest first."""
-        states = self.states()
-        moved = [
-            (states[index], ir.Read(states[index - 1])) for index in range(len(states) - 1, 0, -1)
-        ]
-        return (*moved, (states[0], inputs[0]))
+def _shifted(states: Sequence[ir.Slot], newest: ir.Expression) -> Assignments:
+    """Each sample moves on by one, the oldest first."""
+    moved = [(states[at], ir.Read(states[at - 1])) for at in range(len(states) - 1, 0, -1)]
+    return (*moved, (states[0], newest))
 
 
 @dataclass(frozen=True)
-class Delay(_WithSamples):
-    """The input of `length` steps before; time and memory grow with the length."""
+class Delay(Block):
+    """The input of `length` steps before; the time that it takes does not grow with the length."""
 
     length: int = 1
     initial: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_length(self, self.length, 1)
+        _check_length(self, self.length, 1, _LONGEST_DELAY)
 
-    def _kept(self) -> tuple[int, float]:
-        return self.length, self.initial
+    def states(self) -> tuple[ir.Slot, ...]:
+        """Earlier inputs: a few samples, newest first, or a line of them."""
+        if self.length > _MOST_SHIFTED:
+            form, initial = self.data_type, self.initial
+            return (
+                ir.DelayLine(
+                    ir.Kind.STATE,
+                    f"{self.name}_DSTATE",
+                    form,
+                    self.name,
+                    initial,
+                    length=self.length,
+                ),
+            )
+        return tuple(self._state(f"DSTATE{at}", self.initial) for at in range(1, self.length + 1))
+
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
+        """The newest sample enters."""
+        return _shifted(self.states(), inputs[0])
 
     def feedthrough(self, port: int) -> bool:
         """The output is a state alone."""
@@ -83,7 +89,7 @@ class Delay(_WithSamples):
 
 
 @dataclass(frozen=True)
-class MovingAverage(_WithSamples):
+class MovingAverage(Block):
     """Mean of the last `length` inputs; those before the first step are `initial`.
 
     All are added anew in each step, the newest first, so that no rounding error is kept.
@@ -93,10 +99,15 @@ class MovingAverage(_WithSamples):
     initial: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_length(self, self.length, 2)
+        _check_length(self, self.length, 2, _LONGEST_AVERAGE)
 
-    def _kept(self) -> tuple[int, float]:
-        return self.length - 1, self.initial
+    def states(self) -> tuple[ir.Slot, ...]:
+        """Earlier inputs, newest first."""
+        return tuple(self._state(f"DSTATE{at}", self.initial) for at in range(1, self.length))
+
+    def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
+        """The newest sample enters."""
+        return _shifted(self.states(), inputs[0])
 
     def output(self, inputs: Inputs) -> ir.Expression:
         """The sum times 1 / length."""
@@ -233,45 +244,62 @@ class PidController(Block):
         )
 
 
+Row = tuple[float, ...]
+
+
 @dataclass(frozen=True)
 class DiscreteStateSpace(Block):
-    """x_next = A x + B u, y = C x + D u with one output; one port per column of B.
+    """x_next = A x + B u, y = C x + D u; an input per column of B, an output per row of C.
 
-    `a` (n, n) and `b` (n, m) as rows, `c` (n), `d` (m). Zeros cost nothing.
+    `a` (n, n), `b` (n, m), `c` (p, n) and `d` (p, m) as rows; with a single output `c` and `d` may
+    be plain rows. Zeros cost nothing.
     """
 
-    a: tuple[tuple[float, ...], ...] = ((0.0,),)
-    b: tuple[tuple[float, ...], ...] = ((1.0,),)
-    c: tuple[float, ...] = (1.0,)
-    d: tuple[float, ...] = (0.0,)
-    initial: tuple[float, ...] = ()
+    a: tuple[Row, ...] = ((0.0,),)
+    b: tuple[Row, ...] = ((1.0,),)
+    c: tuple[Row, ...] | Row = (1.0,)
+    d: tuple[Row, ...] | Row = (0.0,)
+    initial: Row = ()
 
     def __post_init__(self) -> None:
-        order, ports = len(self.a), len(self.d)
+        order, ports, rows = len(self.a), len(self._d[0]), len(self._c)
         good = (
             order > 0
             and ports > 0
-            and all(len(row) == order for row in self.a)
+            and all(len(row) == order for row in (*self.a, *self._c))
             and len(self.b) == order
-            and all(len(row) == ports for row in self.b)
-            and len(self.c) == order
+            and len(self._d) == rows
+            and all(len(row) == ports for row in (*self.b, *self._d))
             and len(self.initial) in (0, order)
         )
         if not good:
             raise ValueError(
                 f"block '{self.name}': the shapes of a, b, c, d and initial do not fit; for "
-                f"{order} states and {ports} inputs: ({order}, {order}), ({order}, {ports}), "
-                f"({order}), ({ports}), ({order})"
+                f"{order} states, {ports} inputs and {rows} outputs: ({order}, {order}), "
+                f"({order}, {ports}), ({rows}, {order}), ({rows}, {ports}), ({order})"
             )
+
+    @property
+    def _c(self) -> tuple[Row, ...]:
+        return _as_rows(self.c)
+
+    @property
+    def _d(self) -> tuple[Row, ...]:
+        return _as_rows(self.d)
 
     @property
     def input_types(self) -> tuple[ir.DataType, ...]:
         """One port per input."""
-        return (self.data_type,) * len(self.d)
+        return (self.data_type,) * len(self._d[0])
+
+    @property
+    def output_count(self) -> int:
+        """One port per row of C."""
+        return len(self._c)
 
     def feedthrough(self, port: int) -> bool:
-        """Where d is not 0."""
-        return self.d[port] != 0.0
+        """Where d is not 0 in any row."""
+        return any(row[port] != 0.0 for row in self._d)
 
     def states(self) -> tuple[ir.Slot, ...]:
         """x."""
@@ -291,9 +319,10 @@ class DiscreteStateSpace(Block):
             total = ir.Binary("+", total, term)
         return total
 
-    def output(self, inputs: Inputs) -> ir.Expression:
+    def outputs(self, inputs: Inputs) -> tuple[ir.Expression, ...]:
         """C x + D u from left to right."""
-        return self._row((*self.c, *self.d), (*map(ir.Read, self.states()), *inputs))
+        values = (*map(ir.Read, self.states()), *inputs)
+        return tuple(self._row((*c, *d), values) for c, d in zip(self._c, self._d, strict=True))
 
     def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
         """All next states are computed before the first is stored."""
@@ -307,20 +336,28 @@ class DiscreteStateSpace(Block):
         return (*computed, *stored)
 
 
+def _as_rows(numbers: tuple[Row, ...] | Row) -> tuple[Row, ...]:
+    """Rows of a matrix, which may be a single plain one."""
+    if any(isinstance(one, tuple) for one in numbers):
+        return cast(tuple[Row, ...], numbers)
+    return (cast(Row, numbers),)
+
+
 def state_space_block(
     name: str,
     system: control.StateSpace,
-    output: int = 0,
+    output: int | None = None,
     data_type: ir.DataType = ir.DataType.REAL32,
 ) -> DiscreteStateSpace:
-    """One output of a discrete python-control system, such as an observer or an LQG controller."""
+    """A discrete python-control system, such as an observer or an LQG controller.
+
+    All its outputs, one port each, or only the one with the number `output`.
+    """
     if not control.isdtime(system, strict=True):
         raise ValueError(f"block '{name}': the system is continuous; discretise it first")
+    chosen = slice(None) if output is None else slice(output, output + 1)
+    a, b, c, d = (np.asarray(one).tolist() for one in (system.A, system.B, system.C, system.D))
+    rows = [tuple(map(tuple, matrix)) for matrix in (a, b, c[chosen], d[chosen])]
     return DiscreteStateSpace(
-        name,
-        data_type,
-        a=tuple(map(tuple, np.asarray(system.A).tolist())),
-        b=tuple(map(tuple, np.asarray(system.B).tolist())),
-        c=tuple(np.asarray(system.C)[output].tolist()),
-        d=tuple(np.asarray(system.D)[output].tolist()),
+        name, data_type, a=rows[0], b=rows[1], c=rows[2], d=rows[3]
     )

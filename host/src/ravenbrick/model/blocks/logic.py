@@ -6,17 +6,21 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from ravenbrick.model import program as ir
-from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, Value
+from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, Value, choose
+from ravenbrick.model.number_format import Enumeration, FixedFormat
 
 __all__ = ["CustomFunction", "MachineState", "StateMachine", "Transition", "ZeroOrderHold"]
 
 _LONGEST_WAIT = 1 << 22
+_COUNT = FixedFormat(32, 0)
 _OPERATORS = ("<", "<=", ">", ">=")
 _PARAMETER = re.compile(r"[a-z][a-z0-9_]*[a-z0-9]\Z|[a-z]\Z")
+
+_STATE_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*\Z")
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,11 @@ class StateMachine(Block):
                 f"block '{self.name}': a state machine has at least two states with different "
                 f"names, not {names}"
             )
+        for name in names:
+            if not _STATE_NAME.match(name):
+                raise ValueError(
+                    f"block '{self.name}': the state's name '{name}' must be an identifier"
+                )
         for move in self.transitions:
             self._check(move, names)
 
@@ -155,63 +164,98 @@ class StateMachine(Block):
             *(move.threshold for move in self.transitions),
         )
 
-    def states(self) -> tuple[ir.Slot, ...]:
-        """Number of the state, steps spent in it."""
-        return self._state("DSTATE", 0.0), self._state("SINCE", 0.0)
+    @property
+    def _timed_moves(self) -> bool:
+        return any(move.after for move in self.transitions)
 
-    def intermediates(self, inputs: Inputs) -> Assignments:
-        """For each state where it leads to, then the next state."""
-        found: list[tuple[ir.Slot, ir.Expression]] = []
-        for index, state in enumerate(self.machine_states):
-            follow: ir.Expression = self._literal(float(index))
-            moves = [move for move in self.transitions if move.source == state.name]
-            for move in reversed(moves):
-                kept = self._local(f"from{index}_{len(found)}")
-                found.append((kept, follow))
-                follow = self._move(move, inputs, ir.Read(kept))
-            found.append((self._local(f"from{index}"), follow))
-        last = len(self.machine_states) - 1
-        chosen: ir.Expression = ir.Read(self._local(f"from{last}"))
-        for index in range(last - 1, -1, -1):
-            chosen = self._by_number(index, ir.Read(self._local(f"from{index}")), chosen)
-        found.append((self._local("next"), chosen))
+    def _number(self) -> ir.Slot:
+        members = tuple(f"{self.name}_{state.name}" for state in self.machine_states)
+        form = Enumeration(f"{self.name}_State", members)
+        return ir.Slot(ir.Kind.STATE, f"{self.name}_DSTATE", form, self.name)
+
+    def _since(self) -> ir.Slot:
+        return ir.Slot(ir.Kind.STATE, f"{self.name}_SINCE", _COUNT, self.name)
+
+    def states(self) -> tuple[ir.Slot, ...]:
+        """The state; the steps spent in it, if a transition waits."""
+        return (self._number(), self._since()) if self._timed_moves else (self._number(),)
+
+    def _following(self, state: ir.Slot, suffix: str) -> ir.Slot:
+        """The value that a state variable gets at the end of the step."""
+        return ir.Slot(ir.Kind.SIGNAL, f"{self.name}_{suffix}", state.data_type, self.name)
+
+    def compute(
+        self, inputs: Inputs, targets: Sequence[ir.Slot | None]
+    ) -> tuple[ir.Instruction, ...]:
+        """For each state the transitions in order, then what it is to stay."""
+        target = targets[0]
+        branches = []
+        for place, state in enumerate(self.machine_states):
+            found = self._arrived(place, place, target)
+            for move in reversed(self.transitions):
+                if move.source == state.name:
+                    found = (self._move(move, place, inputs, target, found),)
+            branches.append(found)
+        kind = type(self).__name__
+        return (ir.Case(self._number(), tuple(branches), self.name, kind),)
+
+    def _arrived(
+        self, place: int, source: int, target: ir.Slot | None
+    ) -> tuple[ir.Instruction, ...]:
+        """The values in the state at `place`, coming from `source`."""
+        state = self._number()
+        following = self._following(state, "next")
+        found = [self._assign(following, ir.Literal(place, state.data_type))]
+        if self._timed_moves:
+            spent = self._following(self._since(), "spent")
+            stays = place == source
+            found.append(self._assign(spent, self._longer(place) if stays else _count_of(1)))
+        if target is not None:
+            value = self._value(self.machine_states[place].output)
+            found.append(self._assign(target, value))
         return tuple(found)
 
-    def _by_number(self, index: int, own: ir.Expression, others: ir.Expression) -> ir.Select:
-        """`own` in the states up to `index`, counted by the stored number."""
-        below = ir.Comparison("<", ir.Read(self.states()[0]), self._literal(index + 0.5))
-        return ir.Select(below, own, others)
+    def _longer(self, place: int) -> ir.Expression:
+        """The steps spent in a state after one more, as far as a transition counts them."""
+        name = self.machine_states[place].name
+        moves = [move for move in self.transitions if move.source == name]
+        longest = max((move.after for move in moves), default=0)
+        if longest <= 1:
+            return _count_of(1)
+        since = ir.Read(self._since())
+        more = ir.Binary("+", since, _count_of(1))
+        if any(move.port is None for move in moves):  # which ends the state before
+            return more
+        most = _count_of(longest)
+        return choose(since, ">=", most, most, more)
 
-    def _move(self, move: Transition, inputs: Inputs, otherwise: ir.Expression) -> ir.Expression:
+    def _move(
+        self,
+        move: Transition,
+        source: int,
+        inputs: Inputs,
+        target: ir.Slot | None,
+        otherwise: tuple[ir.Instruction, ...],
+    ) -> ir.If:
         names = [state.name for state in self.machine_states]
-        target: ir.Expression = self._literal(float(names.index(move.target)))
-        if move.port is not None:
-            wanted = ir.Comparison(move.operator, inputs[move.port], self._value(move.threshold))
-            target = ir.Select(wanted, target, otherwise)
+        tests = []
         if move.after:
-            waited = ir.Comparison(
-                ">=", ir.Read(self.states()[1]), self._literal(float(move.after))
-            )
-            target = ir.Select(waited, target, otherwise)
-        return target
-
-    def output(self, inputs: Inputs) -> ir.Expression:
-        """The output of the next state."""
-        chosen = self._value(self.machine_states[-1].output)
-        for index in range(len(self.machine_states) - 2, -1, -1):
-            below = ir.Comparison("<", ir.Read(self._local("next")), self._literal(index + 0.5))
-            chosen = ir.Select(below, self._value(self.machine_states[index].output), chosen)
-        return chosen
+            waited = _count_of(move.after)
+            tests.append(ir.Comparison(">=", ir.Read(self._since()), waited))
+        if move.port is not None:
+            threshold = self._value(move.threshold)
+            tests.append(ir.Comparison(move.operator, inputs[move.port], threshold))
+        found = self._arrived(names.index(move.target), source, target)
+        return ir.If(tuple(tests), found, otherwise, self.name, type(self).__name__)
 
     def updates(self, inputs: Inputs, output: ir.Expression) -> Assignments:
-        """The time begins anew with each transition."""
-        number, since = self.states()
-        following = ir.Read(self._local("next"))
-        most = self._literal(float(_LONGEST_WAIT))
-        one = ir.Binary("+", ir.Read(since), self._literal(1.0))
-        counted = ir.Select(ir.Comparison(">=", ir.Read(since), most), most, one)
-        moved = ir.Binary("-", following, ir.Read(number))
-        start, half = self._literal(1.0), self._literal(0.5)
-        down = ir.Select(ir.Comparison("<", moved, self._literal(-0.5)), start, counted)
-        spent = ir.Select(ir.Comparison(">", moved, half), start, down)
-        return ((since, spent), (number, following))
+        """State and time follow."""
+        suffixes = ("next", "spent")
+        return tuple(
+            (state, ir.Read(self._following(state, suffix)))
+            for state, suffix in zip(self.states(), suffixes, strict=False)
+        )
+
+
+def _count_of(value: int) -> ir.Literal:
+    return ir.Literal(value, _COUNT)

@@ -14,6 +14,7 @@ from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
 from ravenbrick.model.execution import evaluate
+from ravenbrick.model.flattening import flattened, with_shifts
 from ravenbrick.simulink.simulation.continuous import TICK, TIME, LinearSystem, TimeFunction
 from ravenbrick.simulink.simulation.modes import Mode, Values
 
@@ -49,20 +50,21 @@ class Hybrid:
     """
 
     def __init__(self, diagram: Diagram, sampled: set[str]) -> None:
-        program = diagram.lower()
+        program = flattened(with_shifts(diagram.lower()))
         blocks = {block.name: block for block in diagram.blocks}
         self._program = program
+        statements = list(ir.statements(program.statements))
         self._functions = [b for b in diagram.blocks if isinstance(b, TimeFunction)]
         continuous = {n for n, block in blocks.items() if isinstance(block, LinearSystem)}
         self._states = [slot for slot in program.states if slot.block in continuous]
         state = ir.Kind.STATE
         derivatives = {
-            s.target.name: s.expression for s in program.statements
+            s.target.name: s.expression for s in statements
             if s.block in continuous and s.target.kind is state
         }  # fmt: skip
         self._derivatives = [derivatives[slot.name] for slot in self._states]
         self._at_samples = [
-            s for s in program.statements if not (s.block in continuous and s.target.kind is state)
+            s for s in statements if not (s.block in continuous and s.target.kind is state)
         ]
         self._always = [
             s for s in self._at_samples
