@@ -47,20 +47,22 @@ def named(program: Program, prefix: str, name: str) -> Program:
     return replace(program, name=f"{prefix}{name}")
 
 
-def measure(programs: Mapping[str, Program], options: tuple[str, ...] = ()) -> dict[str, Form]:
+def measure(
+    programs: Mapping[str, Program], options: tuple[str, ...] = (), steps: int = STEPS
+) -> dict[str, Form]:
     """All programs on the brick, a dozen per image; those named `ada_...` in Ada."""
     found: dict[str, Form] = {}
     names = list(programs)
     for first in range(0, len(names), SHARE):
         share = {name: programs[name] for name in names[first : first + SHARE]}
         with tempfile.TemporaryDirectory() as folder:
-            found |= _measure_share(share, Path(folder), options)
+            found |= _measure_share(share, Path(folder), options, steps)
         print(f"  {min(first + SHARE, len(names))} of {len(names)} programs", file=sys.stderr)
     return found
 
 
 def _measure_share(
-    programs: Mapping[str, Program], folder: Path, options: tuple[str, ...]
+    programs: Mapping[str, Program], folder: Path, options: tuple[str, ...], steps: int
 ) -> dict[str, Form]:
     sources, objects = [], []
     for name, program in programs.items():
@@ -72,14 +74,14 @@ def _measure_share(
             sources.append(f"{name}.c")
         ports = f"ExternalInputs_{name} {name}_U;\nExternalOutputs_{name} {name}_Y;\n"
         (folder / f"{name}_ports.c").write_text(f'#include "{name}.h"\n{ports}')
-        check = check_program(random_vectors(program, STEPS, seed=13))
+        check = check_program(random_vectors(program, steps, seed=13))
         (folder / f"{name}_check.c").write_text(check)
         sources += [f"{name}_ports.c", f"{name}_check.c"]
     image = image_of_checks(folder, programs, sources, tuple(objects), options)
     costs, brick = step_costs(image, {name: f"{name}_step_instance" for name in programs})
     forms = {}
     for name in programs:
-        assert brick.read_int(f"{name}_check_steps", "u32") == STEPS, name
+        assert brick.read_int(f"{name}_check_steps", "u32") == steps, name
         forms[name] = Form(brick.read_int(f"{name}_check_failures", "u32"), costs[name])
     return forms
 
@@ -246,7 +248,7 @@ def page(block_lines: list[str], lots: list[str], controller_lines: list[str]) -
             "difference columns compare the simulation, in single precision and in fixed point,",
             "with the block's definition in double precision, for inputs within 10 (fixed point:",
             "2). A quantiser may choose the other of two equally near levels. User-defined",
-            "functions, quotients, sines, roots, angles, and a ramp without end have no",
+            "functions, quotients, sines of signals, roots, angles, and a ramp without end have no",
             "fixed-point form; use a LookupTable instead.",
             "",
             "| Block | Single: difference | Fixed: difference | C single | Ada single | C fixed "

@@ -10,7 +10,13 @@ from pathlib import Path
 
 WARNINGS = ("-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic")
 STRICT = ("-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wstrict-prototypes", "-Wfloat-equal")
-ARM = ("-mcpu=arm7tdmi", "-ffreestanding", "-ffunction-sections", "-fdata-sections")
+ARM = (
+    "-mcpu=arm7tdmi",
+    "-ffreestanding",
+    "-fno-short-enums",
+    "-ffunction-sections",
+    "-fdata-sections",
+)
 # This processor has no load delays: to reorder before registers are chosen only costs registers.
 WORD_FLAGS = ("-fno-schedule-insns",)
 START = 0x0020_2000
@@ -42,7 +48,8 @@ def ada_object(folder: Path, body: str, *, checks: bool = True) -> Path:
     target = folder / f"{Path(body).stem}.o"
     tested = ("-gnata", "-gnato") if checks else ("-gnatp",)
     command = ("arm-linux-gnueabi-gcc-12", "-c", "-x", "ada", "-O2", *tested, *ADA_WARNINGS)
-    plain = (*WORD_FLAGS, "-mfloat-abi=soft", "-fno-pic", "-fno-stack-protector")
+    no_memset = "-fno-tree-loop-distribute-patterns"
+    plain = (*WORD_FLAGS, no_memset, "-mfloat-abi=soft", "-fno-pic", "-fno-stack-protector")
     no_tables = ("-fno-unwind-tables", "-fno-asynchronous-unwind-tables", "-fno-exceptions")
     arm = ("-mcpu=arm7tdmi", "-marm", *plain, *no_tables, "-ffunction-sections", "-fdata-sections")
     run(*command, *arm, f"-I{folder}", folder / body, "-o", target)

@@ -25,7 +25,10 @@ COMPILER = "arm-none-eabi-gcc"
 PACKAGE = "gcc-arm-none-eabi"
 ORIGIN = 0x0020_2000
 # This processor has no load delays: to reorder before registers are chosen only costs registers.
-FLAGS = ("-O2", "-fno-schedule-insns", "-mcpu=arm7tdmi", "-ffreestanding", "-ffunction-sections")
+FLAGS = (
+    "-O2", "-fno-schedule-insns", "-mcpu=arm7tdmi", "-ffreestanding", "-ffunction-sections",
+    "-fno-short-enums",
+)  # fmt: skip
 LIMIT_INSTRUCTIONS = 3_000_000
 STEPS = 24
 BENCH = {

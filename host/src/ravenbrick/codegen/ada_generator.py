@@ -125,13 +125,15 @@ class _Package:
     def _record(self, name: str, slots: Sequence[ir.Slot], about: str) -> list[str]:
         lines = [f"   type {name} is record"]
         for slot in slots:
-            kind = self._typed(slot)
+            facts = ", ".join(filter(None, [slot.description, slot.unit])) or f"of {slot.block}"
+            told = [f"      --  {line.strip()}" for line in wrapped(facts, 0)]
             if isinstance(slot, ir.DelayLine):
                 kind = ada_name(f"{slot.name}_Line")
-                lines.append(f"      {oldest(slot)} : {kind}_Place;")
-            lines += wrapped(f"{ada_name(slot.name)} : {kind};", 6)
-            facts = ", ".join(filter(None, [slot.description, slot.unit])) or f"of {slot.block}"
-            lines += [f"      --  {line.strip()}" for line in wrapped(facts, 0)]
+                lines += [f"      {ada_name(slot.name)} : {kind};", *told]
+                lines += [f"      {oldest(slot)} : {kind}_Place;"]
+            else:
+                lines += wrapped(f"{ada_name(slot.name)} : {self._typed(slot)};", 6)
+            lines += told
         if not slots:
             lines.append("      Unused : Unsigned_8;")
         return [*lines, "   end record with Convention => C;", f"   --  {about}", ""]

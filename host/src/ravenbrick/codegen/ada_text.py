@@ -259,7 +259,8 @@ class AdaText:
         """Statements that give a state its initial value."""
         name, value = self._names[slot.name], ada_literal(slot.initial, slot.data_type)
         if isinstance(slot, ir.DelayLine):
-            return [f"Work.{name} := (others => {value});", f"Work.{oldest(slot)} := 0;"]
+            loop = f"for Sample of Work.{name} loop"
+            return [loop, f"   Sample := {value};", "end loop;", f"Work.{oldest(slot)} := 0;"]
         return [f"Work.{name} := {value};"]
 
     def _if(self, one: ir.If, word: str) -> list[str]:
