@@ -358,6 +358,4 @@ def state_space_block(
     chosen = slice(None) if output is None else slice(output, output + 1)
     a, b, c, d = (np.asarray(one).tolist() for one in (system.A, system.B, system.C, system.D))
     rows = [tuple(map(tuple, matrix)) for matrix in (a, b, c[chosen], d[chosen])]
-    return DiscreteStateSpace(
-        name, data_type, a=rows[0], b=rows[1], c=rows[2], d=rows[3]
-    )
+    return DiscreteStateSpace(name, data_type, a=rows[0], b=rows[1], c=rows[2], d=rows[3])
