@@ -13,6 +13,6 @@ LONGEST_S = 300
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
 
-def open_page(address: str) -> Any:
+def open_page(address: str | urllib.request.Request) -> Any:
     """The answer of a server of this computer; raises `HTTPError`."""
     return _DIRECT.open(address, timeout=LONGEST_S)

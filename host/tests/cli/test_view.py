@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import threading
 import urllib.error
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -193,3 +194,19 @@ def test_a_wrong_run_file_is_refused(
     file = run_file(project, tmp_path / "wrong.json", **changes)
     found, answer = call("run", project, "drive", "--replay", file)
     assert (found, named in answer["error"]) == (code, True)
+
+
+@pytest.mark.parametrize("host", ["attacker.example", "attacker.example:8080", "127.0.0.1.example"])
+def test_a_name_of_another_site_gets_nothing(host: str) -> None:
+    """A site can have its name lead to this machine, and would be the page's own origin."""
+    with page_server(PAGE, 0, "token") as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{server.server_port}/token/"
+        with open_page(address) as answer:
+            assert answer.read() == b"<p>page</p>"
+        request = urllib.request.Request(address, headers={"Host": host})
+        with pytest.raises(urllib.error.HTTPError, match="421"):
+            open_page(request)
+        with pytest.raises(urllib.error.HTTPError, match="404"):
+            open_page(f"http://127.0.0.1:{server.server_port}/")
+        server.shutdown()

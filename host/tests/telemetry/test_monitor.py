@@ -12,6 +12,8 @@ import socket
 import subprocess
 import sys
 import threading
+import urllib.error
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -185,10 +187,20 @@ def test_the_live_page_is_served_on_this_computer(server: Server, tmp_path: Path
     )
     assert process.stdout is not None
     # The command takes another port than the one that was free, if that is in use by now.
-    said = (re.search(r"the page is (http://127\.0\.0\.1:\d+)", line) for line in process.stdout)
+    said = (
+        re.search(r"the page is (http://127\.0\.0\.1:\d+/\S+/);", line) for line in process.stdout
+    )
     address = next(found[1] for found in said if found)
     with open_page(address) as answer:
         page = answer.read().decode("utf-8")
+    # A site whose name leads here by now, a socket of the sliders, a page without the token.
+    for url, host, code in (
+        (address, "attacker.example", 421),
+        (f"{address}1/ws", "attacker.example", 421),
+        (re.sub(r"/[^/]+/$", "/", address), "localhost", 404),
+    ):
+        with pytest.raises(urllib.error.HTTPError, match=str(code)):
+            open_page(urllib.request.Request(url, headers={"Host": host}))
     (tmp_path / "seen").touch()
     told, _ = process.communicate(timeout=300)
     assert "Ravenbrick monitor" in page or "figure" in page

@@ -25,6 +25,7 @@ from ravenbrick.errors import ToolMissingError, UsageError, shown_path
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.run_time import run_time_home
 from ravenbrick.image.source_texts import source_texts
+from ravenbrick.local_server import access_token, is_local
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
 from ravenbrick.timing.results.bounds_file import own_bounds, read_bounds
@@ -59,8 +60,10 @@ def _page() -> dict[str, bytes]:
 class _Handler(BaseHTTPRequestHandler):
     """Files of the page, and the project's session and image beside them."""
 
-    def __init__(self, *arguments: Any, served: dict[str, bytes], **options: Any) -> None:
-        self._served = served
+    def __init__(
+        self, *arguments: Any, served: dict[str, bytes], token: str, **options: Any
+    ) -> None:
+        self._served, self._token = served, token
         super().__init__(*arguments, **options)
 
     def end_headers(self) -> None:
@@ -72,8 +75,12 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_HEAD(self) -> bytes | None:
         """Head of the answer; the content that follows it, if there is such a file."""
-        name = self.path.partition("?")[0].lstrip("/") or "index.html"
-        content = self._served.get(name)
+        if not is_local(self.headers.get("Host", "")):
+            self.send_error(421, "this server answers to the names of this machine only")
+            return None
+        whole = self.path.partition("?")[0].lstrip("/")
+        name = whole.removeprefix(self._token).lstrip("/") or "index.html"
+        content = self._served.get(name) if whole.startswith(self._token) else None
         if content is None:
             self.send_error(404)
             return None
@@ -94,9 +101,12 @@ class _Handler(BaseHTTPRequestHandler):
         """Requests are not news."""
 
 
-def page_server(served: dict[str, bytes], port: int) -> ThreadingHTTPServer:
-    """A server on this machine only; port 0 takes a free one. Raises `UsageError`."""
-    handler = partial(_Handler, served=served)
+def page_server(served: dict[str, bytes], port: int, token: str = "") -> ThreadingHTTPServer:
+    """A server on this machine only, below a folder `token`; port 0 takes a free one.
+
+    Raises `UsageError`.
+    """
+    handler = partial(_Handler, served=served, token=token)
     try:
         return ThreadingHTTPServer((LOOPBACK, port), handler)
     except OSError as error:
@@ -161,8 +171,9 @@ def view_command(
         written = _write(served, out)
         reporter.print(f"{out}: the page; put it on any static web server")
         return written
-    with page_server(served, port) as server:
-        address = f"http://{LOOPBACK}:{server.server_port}/"
+    token = access_token()
+    with page_server(served, port, token) as server:
+        address = f"http://{LOOPBACK}:{server.server_port}/{token}/"
         reporter.print(f"the brick is at {address}; Ctrl-C ends it")
         if not proven:
             reporter.print("no response-time bounds; run 'ravenbrick analyse' to compute them")

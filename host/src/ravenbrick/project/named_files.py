@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 __all__ = ["named_file"]
@@ -15,6 +16,7 @@ def named_file(name: str | Path, project: Path, kept: Path, suffix: str) -> Path
     There, in `kept`, the name may lack its suffix. None when no file has this name.
     """
     for path in (Path(name), project / name, kept / name, kept / f"{name}{suffix}"):
-        if path.is_file():
-            return path
+        with suppress(OSError):  # such as a name longer than any file's
+            if path.is_file():
+                return path
     return None

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,7 @@ __all__ = ["SimulinkBlock", "SimulinkSystem", "read_simulink"]
 _LARGEST_BYTES = 64 << 20
 _MOST_FILES = 4000
 _DEEPEST = 200
+_MOST_ELEMENTS = 300_000
 _ROOTS = ("simulink/systems/system_root.xml", "simulink/blockdiagram.xml")
 _SETTINGS = re.compile(r"simulink/(blockdiagram|configSet\d+)\.xml\Z")
 _WANTED = ("PreLoadFcn", "InitFcn", "StopTime")
@@ -86,7 +88,7 @@ def read_simulink(path: Path) -> SimulinkSystem:
             with zipfile.ZipFile(path) as archive:
                 return _Archive(archive, path).root()
         data = path.read_bytes()
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError) as error:
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, zlib.error) as error:
         raise DesignError(
             f"{path}: the archive is damaged: {error}; save the model again"
         ) from error
@@ -153,9 +155,9 @@ class _Archive:
 def _walk(node: _Node) -> Iterator[_Node]:
     waiting = [node]
     while waiting:
-        one = waiting.pop(0)
+        one = waiting.pop()
         yield one
-        waiting[:0] = one.children
+        waiting += reversed(one.children)
 
 
 def _settings(node: _Node) -> dict[str, str]:
@@ -171,9 +173,13 @@ def _settings(node: _Node) -> dict[str, str]:
 
 def _parse_xml(data: bytes, place: str) -> _Node:
     root = _Node("", {})
-    stack = [root]
+    stack, count = [root], 0
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        if count > _MOST_ELEMENTS:
+            raise DesignError(f"{place}: has more than {_MOST_ELEMENTS} elements")
         if len(stack) > _DEEPEST:
             raise DesignError(f"{place}: nested more than {_DEEPEST} deep")
         stack[-1].children.append(_Node(tag, attributes))

@@ -13,6 +13,7 @@ from typing import Any
 
 from ravenbrick.errors import ToolMissingError, UsageError
 from ravenbrick.installation import advice_for_python
+from ravenbrick.local_server import access_token, is_local
 from ravenbrick.telemetry.monitor import Monitor
 from ravenbrick.telemetry.picture import draw_signals, units_of
 from ravenbrick.telemetry.session import Session
@@ -91,6 +92,7 @@ def show_live(
         plt.switch_backend("WebAgg")
         from matplotlib.backends.backend_webagg import WebAggApplication
         from tornado.ioloop import IOLoop
+        from tornado.web import ErrorHandler
         from tornado.websocket import WebSocketClosedError
     except ImportError as error:
         raise ToolMissingError(
@@ -112,11 +114,20 @@ def show_live(
         if not isinstance(context.get("exception"), WebSocketClosedError):
             loop.default_exception_handler(context)
 
+    class LocalApplication(WebAggApplication):
+        """The page for this machine's own names; a site that is bound to it later gets none."""
+
+        def find_handler(self, request: Any, **options: Any) -> Any:
+            if is_local(request.headers.get("Host", "")):
+                return super().find_handler(request, **options)
+            return self.get_handler_delegate(request, ErrorHandler, {"status_code": 421})
+
     timer.start()
     rcParams["webagg.port"] = port
-    WebAggApplication.initialize(address=_LOOPBACK)  # type: ignore[no-untyped-call]
-    page_port = WebAggApplication.port  # type: ignore[attr-defined]
-    tell(f"the page is http://{_LOOPBACK}:{page_port}; Ctrl-C ends")
+    token = access_token()
+    LocalApplication.initialize(f"/{token}", address=_LOOPBACK)  # type: ignore[no-untyped-call]
+    page_port = LocalApplication.port  # type: ignore[attr-defined]
+    tell(f"the page is http://{_LOOPBACK}:{page_port}/{token}/; Ctrl-C ends")
     loop = IOLoop.current()
     loop.asyncio_loop.set_exception_handler(complain)  # type: ignore[attr-defined]
     try:

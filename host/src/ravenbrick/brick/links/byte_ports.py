@@ -12,6 +12,7 @@ import tty
 from typing import Protocol
 
 from ravenbrick.errors import UsageError
+from ravenbrick.local_server import is_http
 
 __all__ = ["BytePort", "listening_socket", "open_port", "waiting_client"]
 
@@ -68,6 +69,7 @@ class TcpPort:
         self._server = listening_socket(port, any_port="tcp:0")
         self._client: socket.socket | None = None
         self._unsent = b""
+        self._first: bytes | None = b""
         self.address = f"tcp:{self._server.getsockname()[1]}"
 
     @property
@@ -75,7 +77,7 @@ class TcpPort:
         """A client is there; takes the next one that waits."""
         if self._client is None:
             self._client = waiting_client(self._server)
-            self._unsent = b""
+            self._unsent, self._first = b"", b""
         return self._client is not None
 
     def read(self) -> bytes:
@@ -90,6 +92,19 @@ class TcpPort:
             data = b""
         if not data:
             self._drop()
+        return self._known(data)
+
+    def _known(self, data: bytes) -> bytes:
+        """The data, unless a browser sends it: any site can have one post to a port here."""
+        if self._first is None or not data:
+            return data
+        self._first += data
+        request = is_http(self._first)
+        if request:
+            self._drop()
+        if request is not False:
+            return b""
+        data, self._first = self._first, None
         return data
 
     def write(self, data: bytes) -> None:
