@@ -4,6 +4,7 @@
 # What the project needs from outside. Python packages are pinned in tools/requirements/,
 # Rust crates in virtual-brick/Cargo.lock.
 DEBIAN_PACKAGES=(
+    bubblewrap
     gnat-12-arm-linux-gnueabi
     gcc-arm-none-eabi
     libnewlib-arm-none-eabi

@@ -20,6 +20,7 @@ NASTY = 'speed: slow, 50% | "fast"\r\n::error::x'
 RESULT: dict[str, Any] = {
     "submission": 'Lovelace, "Ada"',
     "rubric": "lab-01",
+    "isolation": "bubblewrap 0.8.0",
     "points": 2.5,
     "of": 6.0,
     "checks": [
@@ -132,7 +133,8 @@ def test_github_reads_back_what_was_found() -> None:
     commands = [workflow_command(line) for line in lines]
     assert commands[0] == ("error", {"title": NASTY}, NASTY)
     assert commands[1] == ("error", {"title": "secret"}, "(hidden check)")
-    assert commands[2][0] == "notice" and commands[2][2].endswith("2.5 of 6 points")
+    assert commands[2][0] == "notice"
+    assert commands[2][2].endswith("2.5 of 6 points (isolation: bubblewrap 0.8.0)")
     assert len(commands) == 3
     with pytest.raises(AssertionError):
         workflow_command(f"::error title={NASTY}::x".splitlines()[0])

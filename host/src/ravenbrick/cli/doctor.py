@@ -21,6 +21,7 @@ from ravenbrick import __version__
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import ConnectionFailedError, ToolMissingError
+from ravenbrick.grading.isolation import IsolationError, find_isolation
 from ravenbrick.hardware.upload import LOADERS, brick_to_load
 from ravenbrick.hardware.usb_bricks import find_bricks
 from ravenbrick.image import build
@@ -176,6 +177,14 @@ def _checks() -> list[Check]:
     return [python, *_tools(), *map(_requirement, _requirements()), _module()]
 
 
+def _grading() -> Check:
+    """Whether submissions can be isolated; only `grade` needs it, and can be told to go without."""
+    try:
+        return Check("isolation of submissions", True, find_isolation().name)
+    except IsolationError as error:
+        return Check("isolation of submissions", False, error.sentence)
+
+
 def _connection() -> list[Check]:
     """What a real brick needs; nothing of it is needed for the virtual one."""
     loaders = [_loader(tool) for tool in LOADERS.values()]
@@ -218,15 +227,17 @@ def doctor_command(json_output: JsonOption = False) -> dict[str, Any]:
         [[check.name, "ok" if check.ok else "MISSING", check.found] for check in checks],
         left=("state", "found"),
     )
-    connection = _connection()
-    reporter.print("\nFor a real brick:")
-    reporter.table(
-        ("component", "state", "found"),
-        [[check.name, "ok" if check.ok else "no", check.found] for check in connection],
-        left=("state", "found"),
-    )
+    grading, connection = _grading(), _connection()
+    for title, optional in (("grading", [grading]), ("a real brick", connection)):
+        reporter.print(f"\nFor {title}:")
+        reporter.table(
+            ("component", "state", "found"),
+            [[check.name, "ok" if check.ok else "no", check.found] for check in optional],
+            left=("state", "found"),
+        )
     _refuse([check for check in checks if not check.ok])
     return {
         "checks": [asdict(check) for check in checks],
+        "grading": asdict(grading),
         "connection": [asdict(check) for check in connection],
     }

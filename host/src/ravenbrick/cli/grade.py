@@ -47,8 +47,22 @@ def grade_command(
     ] = os.cpu_count() or 1,
     dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler.")] = None,
     run_design: Annotated[
-        bool, typer.Option("--run-design", help="Run each submission's design.py on this machine.")
+        bool, typer.Option("--run-design", help="Run each submission's design.py in the sandbox.")
     ] = False,
+    trust: Annotated[
+        bool,
+        typer.Option(
+            "--trust-submissions",
+            envvar="RAVENBRICK_TRUST_SUBMISSIONS",
+            help="Grading without a sandbox: submissions can do what you can do.",
+        ),
+    ] = False,
+    secret: Annotated[
+        str | None,
+        typer.Option(
+            help="Text that hidden seeds are drawn from (default: one for each --output)."
+        ),
+    ] = None,
     form: Annotated[Form, typer.Option("--format", help="Format of the report.")] = Form.TEXT,
     report: Annotated[
         Path | None, typer.Option(help="File for the report (default: print it).")
@@ -64,12 +78,11 @@ def grade_command(
         raise UsageError("Gradescope accepts the results of one submission only; name one")
     reporter = Reporter(json_output)
     with reporter.step(f"grade {len(found)} by '{chosen.name}'") as step:
-        results = run_campaign(chosen, found, output, workers, dask, run_design, step.progress)
+        results = run_campaign(
+            chosen, found, output, workers, dask, run_design, trust, secret, step.progress
+        )
         mean = sum(result["points"] for result in results) / len(results)
         step.note = f"{mean:.4g} of {chosen.points:g} points on average"
-    defects = [f"{r['submission']}: {r['defect']}" for r in results if "defect" in r]
-    if defects:
-        raise RavenbrickError(f"the grader failed on {defects[0]}", detail="\n".join(defects[1:]))
     text = ADAPTERS[form.value](results)
     if report is not None:
         atomic_write(report, text)
@@ -78,6 +91,9 @@ def grade_command(
     else:
         rows = [[r["submission"], f"{r['points']:g}"] for r in results]
         reporter.table(("submission", f"of {chosen.points:g}"), rows)
+    defects = [f"{r['submission']}: {r['defect']}" for r in results if "defect" in r]
+    if defects:
+        raise RavenbrickError(f"the grader failed on {defects[0]}", detail="\n".join(defects[1:]))
     low = [r["submission"] for r in results if r["points"] < at_least * r["of"]]
     if low:
         error = CriteriaError(

@@ -39,6 +39,7 @@ def readable(results: list[Result]) -> str:
     for result in results:
         total = f"{result['points']:g} of {result['of']:g}"
         lines += [f"## {result['submission']}: {total}", ""]
+        lines += [f"Isolation: {result['isolation']}", ""]
         lines += ["| Check | Points | Found |", "|---|---|---|"]
         for row in result["checks"]:
             name, found = _cell(row["name"]), _cell(_told(row))
@@ -65,7 +66,8 @@ def gradescope(results: list[Result]) -> str:
         }
         for row in result["checks"]
     ]
-    return json.dumps({"score": result["points"], "tests": tests}, indent=1) + "\n"
+    report = {"score": result["points"], "output": f"Isolation: {result['isolation']}"}
+    return json.dumps({**report, "tests": tests}, indent=1) + "\n"
 
 
 def nbgrader(results: list[Result]) -> str:
@@ -96,6 +98,7 @@ def github_actions(results: list[Result]) -> str:
             if row["points"] < row["of"]:
                 lines.append(f"::error title={_escaped(row['name'], True)}::{_escaped(_told(row))}")
         total = f"{result['submission']}: {result['points']:g} of {result['of']:g} points"
+        total += f" (isolation: {result['isolation']})"
         lines.append(f"::notice title=Points::{_escaped(total)}")
     return "\n".join(lines) + "\n"
 

@@ -45,6 +45,10 @@ class Wanted:
             return False, f"{ANSWERS_FILE} has no '{self.name}'"
         if isinstance(value, bool) or not isinstance(value, int | float):
             return False, f"{self.name}: expected a number"
+        try:
+            value = float(value)
+        except OverflowError:
+            return False, f"{self.name}: the number is too large"
         low, high = self.minimum, self.maximum
         met = (low is None or value >= low) and (high is None or value <= high)
         return met, f"{self.name} = {value:g}"

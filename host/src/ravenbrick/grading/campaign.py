@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
+import secrets
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict
@@ -13,10 +16,13 @@ from typing import Any
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.errors import UsageError
+from ravenbrick.grading.build import prepare_base
+from ravenbrick.grading.isolation import TRUST, find_isolation, isolation_named
 from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.sandbox import allow_sessions, end_sessions
-from ravenbrick.grading.submission import Submission
-from ravenbrick.grading.work import Job, grade_one, prepare_base
+from ravenbrick.grading.submission import Submission, states
+from ravenbrick.grading.work import Job, failed_result, grade_one
+from ravenbrick.image.locks import locked
 from ravenbrick.installation import optional_module
 
 __all__ = ["on_cluster", "run_campaign"]
@@ -42,13 +48,10 @@ def _keep(results: Path, submission: Submission, digest: str, result: Result) ->
     atomic_write(_stored(results, submission), content)
 
 
-def _stamp(rubric: Rubric, submission: Submission) -> str:
-    """Changes with the rubric and with any file of the submission."""
-    files = [submission.path]
-    if submission.path.is_dir():
-        files = sorted(path for path in submission.path.rglob("*") if path.is_file())
-    states = [(str(f), f.stat().st_size, f.stat().st_mtime_ns) for f in files]
-    return f"{rubric.digest} {states}"
+def _stamp(job: Job, submission: Submission) -> str:
+    """Changes with the rubric, with how it is graded and with any file of the submission."""
+    how = (job.rubric_digest, job.isolation, job.secret, job.design, list(states(submission)))
+    return hashlib.sha256(repr(how).encode("utf-8", "replace")).hexdigest()
 
 
 def _with_threads(jobs: dict[str, Job], workers: int) -> Iterator[tuple[str, Result]]:
@@ -70,9 +73,15 @@ def _on_cluster(values: dict[str, Any]) -> Result:
 
 
 def on_cluster(
-    work: Callable[[dict[str, Any]], Result], jobs: dict[str, dict[str, Any]], address: str
+    work: Callable[[dict[str, Any]], Result],
+    jobs: dict[str, dict[str, Any]],
+    address: str,
+    failed: Callable[[str, str], Result] | None = None,
 ) -> Iterator[tuple[str, Result]]:
-    """On the workers of a Dask scheduler, which must see the same folders."""
+    """On the workers of a Dask scheduler, which must see the same folders.
+
+    A job that takes its workers with it gives the result of `failed`, or raises without one.
+    """
     distributed = optional_module("distributed", "distributed", "cluster", "work on a cluster")
     try:
         client = distributed.Client(address, timeout=20)
@@ -80,8 +89,29 @@ def on_cluster(
         raise UsageError(f"no Dask scheduler answers at '{address}' ({error})") from None
     with client:
         futures = {client.submit(work, values, pure=False): name for name, values in jobs.items()}
-        for future, result in distributed.as_completed(futures, with_results=True):
-            yield futures[future], result
+        for future in distributed.as_completed(futures):
+            name = futures[future]
+            if failed and future.status == "error":
+                yield name, failed(name, f"{future.exception()}")
+            else:
+                yield name, future.result()
+
+
+def _remove_unfinished(folder: Path) -> None:
+    """What a killed campaign had not finished writing."""
+    for file in folder.rglob("*.part"):
+        file.unlink(missing_ok=True)
+
+
+def _secret(folder: Path, given: str | None) -> str:
+    """What hidden seeds are drawn from: given, or drawn once for this folder."""
+    file = folder / "secret"
+    if given is None and file.is_file():
+        return file.read_text("utf-8")
+    secret = secrets.token_hex(16) if given is None else given
+    atomic_write(file, secret)
+    file.chmod(0o600)
+    return secret
 
 
 def run_campaign(
@@ -91,29 +121,62 @@ def run_campaign(
     workers: int,
     dask: str | None = None,
     design: bool = False,
+    trust: bool = False,
+    secret: str | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> list[Result]:
-    """Results in the order of the submissions; `folder` keeps them and the images."""
+    """Results in the order of the submissions; `folder` keeps them and the images.
+
+    Hidden seeds are drawn from `secret`, by default one that `folder` keeps. Raises
+    `IsolationError` where submissions cannot be isolated and are not trusted.
+    """
+    isolation = isolation_named(TRUST) if trust else find_isolation()
     folder = folder.resolve()
-    results, cache = folder / "results" / rubric.name, folder / "cache"
-    stamps = {s.name: _stamp(rubric, s) for s in submissions}
+    with locked(folder, "that grades into this folder"):
+        _remove_unfinished(folder)
+        if rubric.needs_image:
+            prepare_base(isolation, rubric, folder / "cache")
+        jobs = {
+            s.name: Job(
+                rubric=str(rubric.path.resolve()),
+                rubric_digest=rubric.digest,
+                submission=s.name,
+                path=os.path.abspath(s.path),
+                cache=str(folder / "cache"),
+                isolation=isolation.name,
+                secret=_secret(folder, secret),
+                design=design,
+            )
+            for s in submissions
+        }
+        return _run(rubric, submissions, jobs, folder, workers, dask, progress)
+
+
+def _run(
+    rubric: Rubric,
+    submissions: list[Submission],
+    jobs: dict[str, Job],
+    folder: Path,
+    workers: int,
+    dask: str | None,
+    progress: Callable[[float], None],
+) -> list[Result]:
+    """Grade what has no result yet."""
+    results = folder / "results" / rubric.name
+    stamps = {s.name: _stamp(jobs[s.name], s) for s in submissions}
     done = {s.name: _kept(results, s, stamps[s.name]) for s in submissions}
-    waiting = [s for s in submissions if done[s.name] is None]
-    if waiting and rubric.needs_image:
-        prepare_base(rubric, cache)
-    jobs = {
-        s.name: Job(str(rubric.path.resolve()), s.name, str(s.path.resolve()), str(cache), design)
-        for s in waiting
-    }
+    waiting = {name: job for name, job in jobs.items() if done[name] is None}
     by_name = {s.name: s for s in submissions}
-    plain = {name: asdict(job) for name, job in jobs.items()}
-    if dask and jobs:
-        stream = on_cluster(_on_cluster, plain, dask)
+    if dask and waiting:
+        plain = {name: asdict(job) for name, job in waiting.items()}
+        stream = on_cluster(
+            _on_cluster, plain, dask, lambda name, why: failed_result(jobs[name], rubric, why)
+        )
     else:
-        stream = _with_threads(jobs, max(workers, 1))
-    for count, (name, result) in enumerate(stream, len(submissions) - len(waiting) + 1):
+        stream = _with_threads(waiting, max(workers, 1))
+    for count, (name, result) in enumerate(stream, len(jobs) - len(waiting) + 1):
         done[name] = result
         if "defect" not in result:
             _keep(results, by_name[name], stamps[name], result)
-        progress(count / len(submissions))
+        progress(count / len(jobs))
     return [finished for s in submissions if (finished := done[s.name]) is not None]

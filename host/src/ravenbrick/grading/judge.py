@@ -1,24 +1,31 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`python -m ravenbrick.grading.judge RUBRIC IMAGE ANSWER`: the runs of one image, judged."""
+"""`python -m ravenbrick.grading.judge`: the runs of one image, judged.
+
+Its input is what `work` pickled, its output the rows of all checks. The judge runs inside the
+sandbox: a program on the virtual brick reaches neither.
+"""
 
 from __future__ import annotations
 
 import json
+import os
+import pickle
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import RavenbrickError
-from ravenbrick.grading.rubric import Check, Rubric, read_rubric
-from ravenbrick.grading.work import ELF, check_row
+from ravenbrick.grading.draws import Pulses, hidden_seeds
+from ravenbrick.grading.rubric import Check, Rubric, check_row
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.memory import memory_report
-from ravenbrick.project.criteria import Expectation
+from ravenbrick.project.criteria import DeadlinesMet, Expectation
 from ravenbrick.project.criteria_text import parse_expectation
-from ravenbrick.project.scenario import Scenario, read_scenario
+from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.measures import RunMeasures, check_survival, evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.verdict import expects_fault, judge
@@ -29,18 +36,22 @@ CheckedRun = tuple[Recording, RunMeasures]
 class _Runs:
     """Runs each scenario with each seed once."""
 
-    def __init__(self, rubric: Rubric, image: ElfImage) -> None:
-        self._rubric, self._image = rubric, image
-        self._played: dict[tuple[Path, int], CheckedRun] = {}
+    def __init__(self, rubric: Rubric, scenarios: dict[Path, Scenario], image: ElfImage) -> None:
+        self._rubric, self._scenarios, self._image = rubric, scenarios, image
+        self._played: dict[tuple[Path, int, Pulses | None], CheckedRun] = {}
 
     def scenario(self, check: Check, seed: int | None) -> Scenario:
         """The check's scenario with the seed and, of the check, the expectation."""
         assert check.scenario is not None
-        read = read_scenario(check.scenario, self._rubric.robot)
+        read = self._scenarios[check.scenario]
         own: tuple[Expectation, ...] = ()
-        if check.kind == "expect":
-            own = (parse_expectation(check.value, check.place),)
         seeded = read if seed is None else replace(read, seed=seed)
+        if check.kind == "expect":
+            text, pulses = check.value, check.pulses
+            if pulses:
+                seeded = replace(seeded, inputs=pulses.inputs(read.inputs, seeded.seed))
+                text = pulses.filled(text, seeded.seed)
+            own = (parse_expectation(text, check.place),)
         return (
             seeded if check.kind == "criteria" else replace(seeded, criteria=(), expectations=own)
         )
@@ -49,7 +60,7 @@ class _Runs:
         """The recording and its measures; raises `RavenbrickError`."""
         assert check.scenario is not None
         scenario = self.scenario(check, seed)
-        key = (check.scenario, scenario.seed)
+        key = (check.scenario, scenario.seed, check.pulses)
         if key not in self._played:
             recording = VirtualTarget().run(self._rubric.robot, scenario, self._image)
             self._played[key] = recording, measure_run(self._rubric.robot, scenario, recording)
@@ -59,9 +70,22 @@ class _Runs:
         return recording, measures
 
 
-def _judge_run(runs: _Runs, check: Check, seed: int | None) -> tuple[bool, str]:
+def _absent_task(rubric: Rubric, expected: Sequence[Expectation], measures: RunMeasures) -> str:
+    """A task of the rubric that the program does not have, where deadlines of all are judged.
+
+    A task under another name has no deadline, and would miss none.
+    """
+    if not any(isinstance(e, DeadlinesMet) and e.task is None for e in expected):
+        return ""
+    found = {task.name.lower() for task in measures.tasks}
+    return next((name for name in rubric.tasks if name.lower() not in found), "")
+
+
+def _judge_run(rubric: Rubric, runs: _Runs, check: Check, seed: int | None) -> tuple[bool, str]:
     recording, measures = runs.run(check, seed)
     scenario = runs.scenario(check, seed)
+    if absent := _absent_task(rubric, scenario.expectations, measures):
+        return False, f"there is no task '{absent}', whose deadlines are judged; name it so"
     if check.kind == "criteria":
         results = evaluate_criteria(scenario, recording, measures)
         missed = [result.label for result in results if not result.met]
@@ -80,21 +104,24 @@ def _judge_image(check: Check, image: ElfImage, rubric: Rubric) -> tuple[bool, s
     return used <= check.value, f"{used} bytes"
 
 
-def judge_check(rubric: Rubric, image: ElfImage, runs: _Runs, check: Check) -> dict[str, Any]:
+def judge_check(
+    rubric: Rubric, image: ElfImage, runs: _Runs, check: Check, secret: str
+) -> dict[str, Any]:
     """Points in proportion to the seeds that pass; `found` tells the first that does not.
 
     Answers do not concern the image; they are graded elsewhere.
     """
     if check.kind == "answer":
         return check_row(check, 0.0, "")
-    seeds: tuple[int | None, ...] = check.seeds or (None,)
+    drawn = hidden_seeds(secret, check.name, check.hidden_seeds)
+    seeds: tuple[int | None, ...] = (*check.seeds, *drawn) or (None,)
     passed, found = 0, ""
     for seed in seeds:
         try:
             if check.scenario is None:
                 met, seen = _judge_image(check, image, rubric)
             else:
-                met, seen = _judge_run(runs, check, seed)
+                met, seen = _judge_run(rubric, runs, check, seed)
         except RavenbrickError as error:
             met, seen = False, _without_folders(error.sentence)
         passed += met
@@ -110,14 +137,20 @@ def _without_folders(sentence: str) -> str:
     )
 
 
-def main(rubric_path: str, image_folder: str, answer: str) -> None:
-    """Write the rows of all checks."""
-    rubric = read_rubric(Path(rubric_path))
-    image = read_image(Path(image_folder) / ELF)
-    runs = _Runs(rubric, image)
-    rows = [judge_check(rubric, image, runs, check) for check in rubric.checks]
-    Path(answer).write_text(json.dumps(rows), encoding="utf-8")
+def main() -> None:
+    """Write the rows of all checks; nothing else that writes gets the pipe of the result."""
+    result = os.dup(sys.stdout.fileno())
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    rubric, secret, scenarios, elf, link_map = pickle.load(sys.stdin.buffer)
+    file = Path("image.elf").resolve()
+    file.write_bytes(elf)
+    file.with_suffix(".map").write_bytes(link_map)
+    image = read_image(file)
+    runs = _Runs(rubric, scenarios, image)
+    rows = [judge_check(rubric, image, runs, check, secret) for check in rubric.checks]
+    with os.fdopen(result, "w", encoding="utf-8") as stream:
+        json.dump(rows, stream)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

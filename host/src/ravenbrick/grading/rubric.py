@@ -12,6 +12,7 @@ from typing import Any
 
 from ravenbrick import __version__
 from ravenbrick.grading.answers import parse_wanted
+from ravenbrick.grading.draws import Pulses
 from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
 from ravenbrick.project.named_files import named_file
 from ravenbrick.project.robot import Robot, read_robot
@@ -20,7 +21,7 @@ from ravenbrick.project.workspace import tree
 from ravenbrick.schemas.located_toml import LocatedToml, read_toml
 from ravenbrick.schemas.validation import validate
 
-__all__ = ["Check", "Limits", "Rubric", "read_rubric"]
+__all__ = ["Check", "Limits", "Rubric", "check_row", "read_rubric"]
 
 KINDS = ("expect", "criteria", "stack_share_at_most", "memory_at_most", "builds", "answer")
 RUNS = ("expect", "criteria", "stack_share_at_most")
@@ -51,6 +52,8 @@ class Check:
     value: Any
     scenario: Path | None
     seeds: tuple[int, ...]
+    hidden_seeds: int
+    pulses: Pulses | None
     hidden: bool
     place: str
 
@@ -65,6 +68,7 @@ class Rubric:
     project: Path
     folders: tuple[str, ...]
     keep: frozenset[str]
+    tasks: tuple[str, ...]
     limits: Limits
     checks: tuple[Check, ...]
     robot: Robot
@@ -79,6 +83,17 @@ class Rubric:
     def points(self) -> float:
         """All that can be had."""
         return sum(check.points for check in self.checks)
+
+
+def check_row(check: Check, share: float, found: str) -> dict[str, Any]:
+    """A check's row of a result: its share of the points, and what was found."""
+    return {
+        "name": check.name,
+        "points": round(share * check.points, 4),
+        "of": check.points,
+        "hidden": check.hidden,
+        "found": found,
+    }
 
 
 def digest_of(files: Iterable[Path], root: Path) -> str:
@@ -129,9 +144,17 @@ def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: R
         must = "needs a 'scenario'" if kind in RUNS else "runs nothing; remove 'scenario'"
         raise document.error(("checks", index), f"'{kind}' {must}")
     place = f"{document.path}:{document.line_of(('checks', index))}"
+    try:
+        pulses = Pulses(**table["pulses"]) if "pulses" in table else None
+    except ValueError as error:
+        raise document.error(("checks", index, "pulses"), str(error)) from None
+    if pulses and kind != "expect":
+        raise document.error(("checks", index, "pulses"), "needs 'expect'")
     if kind == "expect":
         try:
-            parse_expectation(table["expect"], place)
+            parse_expectation(
+                pulses.filled(table["expect"], 0) if pulses else table["expect"], place
+            )
         except ExpectationSyntaxError as error:
             raise document.error(("checks", index, "expect"), str(error)) from None
     if kind == "answer":
@@ -147,6 +170,8 @@ def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: R
         value=table[kind],
         scenario=scenario and _scenario(document, index, scenario, robot),
         seeds=tuple(table.get("seeds", ())),
+        hidden_seeds=table.get("hidden_seeds", 0),
+        pulses=pulses,
         hidden=table.get("hidden", False),
         place=place,
     )
@@ -172,6 +197,7 @@ def read_rubric(path: Path) -> Rubric:
         project=project,
         folders=tuple(values.get("folders", ("src", "generated"))),
         keep=frozenset(values.get("keep", ())),
+        tasks=tuple(values.get("tasks", (task.name for task in robot.tasks))),
         limits=Limits(**values.get("limits", {})),
         checks=checks,
         robot=robot,

@@ -1,28 +1,36 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A process with limits: time, memory, file size; own session and a bare environment.
-
-This keeps a bad program from taking the machine; it is not a border against an attacker who has
-found a way to execute code on the host. Such code has no place in a submission: only the compiler
-reads it, and it runs on the virtual brick.
-"""
+"""One call in the sandbox: content in, a result and messages out by two pipes, all bounded."""
 
 from __future__ import annotations
 
 import os
-import resource
+import selectors
 import signal
 import subprocess
 import threading
+import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import IO
 
-__all__ = ["Outcome", "allow_sessions", "end_sessions", "run_limited"]
+from ravenbrick.grading.isolation import Bounds, Isolation
 
-MEGABYTE = 1 << 20
-TAIL = 4000
+__all__ = ["Outcome", "allow_sessions", "end_sessions", "run_isolated"]
+
+TAIL = 20_000
+PIECE = 1 << 16
+MESSAGES_MAX = 4 << 20
+RESULT_MAX = 64 << 20
+# A program that waits uses no processor time; a busy machine is not its fault.
+PATIENCE = 4
+# How long what still holds the pipes may do so after the first process has ended.
+GRACE_S = 1.0
+POLL_S = 0.2
+XCPU = 128 + signal.SIGXCPU
+TIME_WORDS = "CPU time limit exceeded"
 # Sessions by their process numbers, of all threads.
 _RUNNING: set[int] = set()
 _STOPPED = threading.Event()
@@ -30,18 +38,69 @@ _STOPPED = threading.Event()
 
 @dataclass(frozen=True)
 class Outcome:
-    """Exit code, end of the output, and whether a limit ended it."""
+    """Exit code, end of the messages, the result, and which limit ended it."""
 
     code: int
     output: str
-    timed_out: bool
+    result: bytes
+    timed_out: bool = False
+    flooded: bool = False
 
 
-def _limit(seconds: int, memory_mb: int, file_mb: int) -> None:
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
-    resource.setrlimit(resource.RLIMIT_AS, (memory_mb * MEGABYTE,) * 2)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (file_mb * MEGABYTE,) * 2)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+@dataclass
+class _Pipes:
+    """What goes through the pipes of one process."""
+
+    process: subprocess.Popen[bytes]
+    content: memoryview
+    result: bytearray = field(default_factory=bytearray)
+    messages: bytearray = field(default_factory=bytearray)
+    said: int = 0
+
+    def write(self, pipe: IO[bytes]) -> bool:
+        """Pass on a piece of the content; whether that was all, or nobody reads any more."""
+        try:
+            self.content = self.content[os.write(pipe.fileno(), self.content[:PIECE]) :]
+        except BrokenPipeError:
+            return True
+        return not self.content
+
+    def read(self, pipe: IO[bytes]) -> bool:
+        """Take a piece; whether the pipe has ended."""
+        piece = os.read(pipe.fileno(), PIECE)
+        if pipe is self.process.stdout:
+            self.result += piece
+        else:
+            self.said += len(piece)
+            self.messages = (self.messages + piece)[-TAIL:]
+        return not piece
+
+    @property
+    def flooded(self) -> bool:
+        """Too much was written."""
+        return self.said > MESSAGES_MAX or len(self.result) > RESULT_MAX
+
+    def attend(self, seconds: float) -> bool:
+        """Serve the pipes until they end, too much came, or the time is over; whether it is."""
+        process, end = self.process, time.monotonic() + seconds
+        assert process.stdin and process.stdout and process.stderr
+        with selectors.DefaultSelector() as ready:
+            ready.register(process.stdin, selectors.EVENT_WRITE, self.write)
+            ready.register(process.stdout, selectors.EVENT_READ, self.read)
+            ready.register(process.stderr, selectors.EVENT_READ, self.read)
+            while ready.get_map() and not self.flooded:
+                if time.monotonic() > end:
+                    return process.poll() is None
+                for key, _events in ready.select(POLL_S):
+                    pipe: IO[bytes] = key.fileobj  # type: ignore[assignment]
+                    if key.data(pipe):
+                        ready.unregister(pipe)
+                        pipe.close()
+                if process.poll() is not None:
+                    end = min(end, time.monotonic() + GRACE_S)
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(0 if self.flooded else max(end - time.monotonic(), 0))
+        return process.poll() is None and not self.flooded
 
 
 def _kill(session: int) -> None:
@@ -61,51 +120,53 @@ def end_sessions() -> None:
         _kill(session)
 
 
-def run_limited(
+def run_isolated(
+    isolation: Isolation,
     command: Sequence[str],
-    folder: Path,
-    seconds: int,
-    memory_mb: int,
-    file_mb: int,
-    extra: dict[str, str] | None = None,
+    bounds: Bounds,
+    *,
+    content: bytes = b"",
+    readable: Sequence[Path] = (),
+    hidden: Sequence[Path] = (),
+    variables: dict[str, str] | None = None,
 ) -> Outcome:
-    """Run a command in `folder`; its whole session is killed after ten times `seconds`.
+    """Run a command with `content` as its input; it is killed after a multiple of its seconds.
 
-    `seconds` bounds the processor time; waiting for a busy machine is not the program's fault.
+    Its standard output is the result, its error output the messages for people. It can read the
+    paths of `readable`, but nothing in a folder of `hidden` that is not named itself.
     """
-    environment = {
-        "PATH": os.environ.get("PATH", os.defpath),
-        "HOME": str(folder),
-        "TMPDIR": str(folder),
-        "LANG": "C.UTF-8",
-        "OMP_NUM_THREADS": "1",
-        "OPENBLAS_NUM_THREADS": "1",
-        **(extra or {}),
-    }
-    process = subprocess.Popen(
-        command,
-        cwd=folder,
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-        preexec_fn=lambda: _limit(seconds, memory_mb, file_mb),
-    )
+    with isolation.call(command, bounds, readable, hidden) as (whole, folder):
+        environment = {
+            "PATH": isolation.path,
+            "HOME": str(folder),
+            "TMPDIR": str(folder),
+            "LANG": "C.UTF-8",
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+            **(variables or {}),
+        }
+        with subprocess.Popen(
+            whole,
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        ) as process:
+            return _outcome(process, content, PATIENCE * bounds.seconds)
+
+
+def _outcome(process: subprocess.Popen[bytes], content: bytes, seconds: float) -> Outcome:
+    pipes = _Pipes(process, memoryview(content))
     _RUNNING.add(process.pid)
-    if _STOPPED.is_set():
-        _kill(process.pid)
     try:
-        output, _ = process.communicate(timeout=10 * seconds)
-        timed_out = process.returncode == -signal.SIGXCPU
-    except subprocess.TimeoutExpired:
-        _kill(process.pid)
-        output, _ = process.communicate()
-        timed_out = True
-    except BaseException:
+        if _STOPPED.is_set():
+            _kill(process.pid)
+        late = pipes.attend(seconds)
+    finally:
         _kill(process.pid)
         process.wait()
-        raise
-    finally:
         _RUNNING.discard(process.pid)
-    return Outcome(process.returncode, output.decode("utf-8", "replace")[-TAIL:], timed_out)
+    output = pipes.messages.decode("utf-8", "replace")
+    timed_out = late or process.returncode in (XCPU, -signal.SIGXCPU) or TIME_WORDS in output
+    return Outcome(process.returncode, output, bytes(pipes.result), timed_out, pipes.flooded)

@@ -4,25 +4,42 @@
 
 from __future__ import annotations
 
-import re
+import os
+import stat
 import zipfile
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from ravenbrick.errors import UsageError
 from ravenbrick.grading.answers import ANSWERS_FILE
 
-__all__ = ["Submission", "find_submissions", "read_sources", "refusal"]
+__all__ = [
+    "DESIGN",
+    "Submission",
+    "SubmissionError",
+    "accepted_source",
+    "find_submissions",
+    "read_files",
+    "states",
+]
 
+DESIGN = "design.py"
 SUFFIXES = (".adb", ".ads", ".c", ".h")
-LARGEST = 1_000_000
-MOST = 500
-# Options for host tools have no place in a source file: they could load a plug-in of the linker.
-FORBIDDEN = re.compile(
-    rb"\bLinker_Options\b|\.incbin\b|\bmachine_attribute\b.*plugin", re.IGNORECASE
-)
-OUTSIDE = re.compile(rb'^\s*#\s*include\s*["<](/|[^">]*\.\.)', re.MULTILINE)
+OTHER_ARCHIVES = (".7z", ".bz2", ".gz", ".rar", ".tar", ".tgz", ".xz")
+FILE_MAX = 1_000_000
+TOTAL_MAX = 8_000_000
+FILES_MAX = 500
+ARCHIVE_MAX = 20_000_000
+ENTRIES_MAX = 10_000
+DEPTH_MAX = 16
+ENCRYPTED = 1  # ZIP file format specification (APPNOTE) 4.4.4
+NAME_MAX = 100
+
+
+class SubmissionError(Exception):
+    """What is wrong with a submission, for the student."""
 
 
 @dataclass(frozen=True)
@@ -33,21 +50,35 @@ class Submission:
     path: Path
 
 
+def _readable(name: str) -> str:
+    """A name that any terminal and file shows: the file system's may be any bytes."""
+    text = os.fsencode(name).decode("utf-8", "backslashreplace")
+    return "".join(c if c.isprintable() and c != "/" else "?" for c in text)[:NAME_MAX] or "?"
+
+
+def _is_archive(path: Path) -> bool:
+    return path.suffix.lower() in (".zip", *OTHER_ARCHIVES)
+
+
+def _named(path: Path) -> Submission:
+    name = path.name
+    return Submission(_readable(name[:-4] if name.lower().endswith(".zip") else name), path)
+
+
 def find_submissions(paths: list[Path]) -> list[Submission]:
     """Each path is a submission, or a folder of submissions; raises `UsageError`."""
     found: list[Submission] = []
     for path in paths:
-        if path.is_file() and path.suffix == ".zip":
-            found.append(Submission(path.stem, path))
+        if _is_archive(path) and not path.is_dir():
+            found.append(_named(path.resolve()))
         elif (path / "src").is_dir() or (path / ANSWERS_FILE).is_file():
-            found.append(Submission(path.resolve().name, path))
+            found.append(_named(path.resolve()))
         elif path.is_dir():
-            inner = sorted(p for p in path.iterdir() if p.suffix == ".zip" or p.is_dir())
-            found += [Submission(p.stem if p.is_file() else p.name, p) for p in inner]
+            inner = sorted(p for p in path.iterdir() if _is_archive(p) or p.is_dir())
+            found += _distinct([_named(p) for p in inner])
         else:
             raise UsageError(f"'{path}' is neither a folder nor a .zip file; name a submission")
-    names = [submission.name for submission in found]
-    doubled = sorted({name for name in names if names.count(name) > 1})
+    doubled = sorted(n for n, count in Counter(s.name for s in found).items() if count > 1)
     if doubled:
         raise UsageError(f"several submissions are called '{doubled[0]}'; rename them")
     if not found:
@@ -55,55 +86,120 @@ def find_submissions(paths: list[Path]) -> list[Submission]:
     return found
 
 
-def _members(submission: Submission) -> Iterator[tuple[PurePosixPath, int, bytes]]:
-    """Name, size and content of every small file, whatever it is."""
-    if submission.path.is_dir():
-        for path in sorted(submission.path.rglob("*")):
-            if path.is_file() and not path.is_symlink():
-                size = path.stat().st_size
-                name = PurePosixPath(path.relative_to(submission.path).as_posix())
-                yield name, size, path.read_bytes() if size <= LARGEST else b""
-        return
-    with zipfile.ZipFile(submission.path) as archive:
-        for info in sorted(archive.infolist(), key=lambda info: info.filename):
-            if not info.is_dir():
-                small = info.file_size <= LARGEST
-                content = archive.read(info) if small else b""
-                yield PurePosixPath(info.filename), info.file_size, content
+def _distinct(found: list[Submission]) -> list[Submission]:
+    """Of one folder: a folder and an archive of one name are told apart by their whole names."""
+    counts = Counter(s.name for s in found)
+    whole = [
+        s if counts[s.name] == 1 else Submission(_readable(s.path.name), s.path) for s in found
+    ]
+    seen: Counter[str] = Counter()
+    for place, submission in enumerate(whole):
+        seen[submission.name] += 1
+        if seen[submission.name] > 1:
+            name = f"{submission.name}-{seen[submission.name]}"
+            whole[place] = Submission(name, submission.path)
+    return whole
 
 
-def read_sources(
+def _walk(top: Path) -> Iterator[tuple[PurePosixPath, os.DirEntry[str]]]:
+    """Regular files below a folder, never through a link; raises `SubmissionError`."""
+    waiting, count = [(PurePosixPath(), top)], 0
+    while waiting:
+        inside, folder = waiting.pop()
+        if len(inside.parts) > DEPTH_MAX:
+            raise SubmissionError(f"has folders more than {DEPTH_MAX} deep; submit src/ alone")
+        with os.scandir(folder) as entries:
+            for entry in sorted(entries, key=lambda entry: entry.name):
+                count += 1
+                if count > ENTRIES_MAX:
+                    raise SubmissionError(f"has more than {ENTRIES_MAX} files; submit src/ alone")
+                if entry.is_dir(follow_symlinks=False):
+                    waiting.append((inside / entry.name, Path(entry.path)))
+                elif entry.is_file(follow_symlinks=False):
+                    yield inside / entry.name, entry
+
+
+def _in_folder(top: Path, folders: tuple[str, ...]) -> Iterator[tuple[PurePosixPath, int, bytes]]:
+    for name, entry in _walk(top):
+        if _is_wanted(name, folders):
+            size = entry.stat(follow_symlinks=False).st_size
+            yield name, size, Path(entry.path).read_bytes() if size <= FILE_MAX else b""
+
+
+def _in_archive(path: Path, folders: tuple[str, ...]) -> Iterator[tuple[PurePosixPath, int, bytes]]:
+    if path.suffix.lower() != ".zip":
+        raise SubmissionError(f"is a {path.suffix} file; submit a .zip file")
+    file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)
+    with os.fdopen(file, "rb") as stream:
+        state = os.fstat(file)
+        if not stat.S_ISREG(state.st_mode):
+            raise SubmissionError("is not a file; submit a .zip file")
+        if state.st_size > ARCHIVE_MAX:
+            raise SubmissionError(
+                f"is larger than {ARCHIVE_MAX // 1_000_000} MB; submit src/ alone"
+            )
+        with zipfile.ZipFile(stream) as archive:
+            for info in sorted(archive.infolist(), key=lambda info: info.filename):
+                name = PurePosixPath(info.filename.replace("\\", "/"))
+                if not info.is_dir() and _is_wanted(name, folders):
+                    if info.flag_bits & ENCRYPTED:
+                        raise SubmissionError("has a password; submit it without one")
+                    small = info.file_size <= FILE_MAX
+                    yield name, info.file_size, archive.read(info) if small else b""
+
+
+def accepted_source(name: str, folders: tuple[str, ...]) -> bool:
+    """Whether a name, its last two parts, is that of an Ada or C file in one of the folders."""
+    path = PurePosixPath(name)
+    plain = all(32 < ord(c) < 127 for c in path.name)
+    return path.suffix in SUFFIXES and path.parent.name in folders and plain
+
+
+def _is_wanted(name: PurePosixPath, folders: tuple[str, ...]) -> bool:
+    return name.name in (ANSWERS_FILE, DESIGN) or accepted_source(str(name), folders)
+
+
+def read_files(
     submission: Submission, folders: tuple[str, ...], must_have: bool = True
 ) -> dict[str, bytes]:
-    """Sources by `folder/file`, at any depth of an archive, and answers.toml by its name.
+    """Sources by `folder/file`, at any depth, answers.toml and design.py by their names.
 
-    Raises `UsageError`, also when there are no sources but `must_have` is true.
+    Raises `SubmissionError`, also when there are no sources but `must_have` is true.
     """
-    sources: dict[str, bytes] = {}
+    files: dict[str, bytes] = {}
+    path = submission.path
+    inside = _in_folder if path.is_dir() else _in_archive
     try:
-        for name, size, content in _members(submission):
-            if name.name == ANSWERS_FILE and 0 < size <= LARGEST:
-                sources.setdefault(ANSWERS_FILE, content)
-                continue
-            if name.suffix not in SUFFIXES or name.parent.name not in folders:
-                continue
-            if size > LARGEST or len(sources) >= MOST:
-                raise UsageError(f"{submission.name}: '{name}' is too large, or too many files")
-            sources[f"{name.parent.name}/{name.name}"] = content
-    except (zipfile.BadZipFile, OSError, RuntimeError) as error:
-        raise UsageError(f"{submission.name}: cannot be read ({error}); submit it again") from None
-    if must_have and not any(name.startswith("src/") for name in sources):
-        raise UsageError(f"{submission.name}: has no Ada or C sources below src/")
-    return sources
+        if path.is_symlink():
+            raise SubmissionError("is a link to another place; submit the files themselves")
+        for name, size, content in inside(path, folders):
+            if size > FILE_MAX or len(files) >= FILES_MAX:
+                raise SubmissionError(f"has too many files, or '{name}' is too large")
+            alone = name.name in (ANSWERS_FILE, DESIGN)
+            files.setdefault(name.name if alone else f"{name.parent.name}/{name.name}", content)
+            if sum(map(len, files.values())) > TOTAL_MAX:
+                raise SubmissionError(f"has more than {TOTAL_MAX // 1_000_000} MB of sources")
+    except SubmissionError:
+        raise
+    except Exception as error:
+        # Readers of archives raise whatever their parts do: a student's file must not end a class.
+        said = " ".join(str(error).split())[:NAME_MAX] or type(error).__name__
+        raise SubmissionError(f"cannot be read ({said}); submit it again") from None
+    if must_have and not any(name.startswith("src/") for name in files):
+        raise SubmissionError("has no Ada or C sources below src/")
+    return files
 
 
-def refusal(sources: dict[str, bytes]) -> str | None:
-    """Why sources are not compiled: options for tools of the host, or files outside."""
-    for name, content in sorted(sources.items()):
-        for pattern in (FORBIDDEN, OUTSIDE):
-            match = pattern.search(content)
-            if match:
-                line = content.count(b"\n", 0, match.start()) + 1
-                text = match.group(0).decode("utf-8", "replace").strip()
-                return f"{name}:{line}: '{text}' is not allowed in a submission; remove it"
-    return None
+def states(submission: Submission) -> Iterable[str]:
+    """Changes with any file of the submission; a folder that cannot be read has its own state."""
+    path = submission.path
+    try:
+        if path.is_symlink() or not path.is_dir():
+            return [_state(path.lstat(), path.name)]
+        return [_state(e.stat(follow_symlinks=False), str(name)) for name, e in _walk(path)]
+    except (OSError, SubmissionError) as error:
+        return [str(error)]
+
+
+def _state(found: os.stat_result, name: str) -> str:
+    return f"{name!r} {found.st_size} {found.st_mtime_ns} {found.st_ctime_ns}"

@@ -49,7 +49,7 @@ __all__ = [
     "clean_project",
     "current_image",
     "find_tool",
-    "gprbuild_call",
+    "gprbuild_switches",
     "manifest_file",
 ]
 
@@ -126,22 +126,25 @@ def current_image(workspace: Workspace, robot: Robot, kind: BuildKind) -> ElfIma
     return None if design_is_due(workspace, settings) else read_image(elf)
 
 
-def gprbuild_call(
-    settings: Settings, run_time: Path, values: dict[str, str], folder: Path
-) -> tuple[list[str], dict[str, str]]:
-    """The command for gprbuild and gprclean, without their own name, and its environment.
-
-    `folder` gets a file with the folders of our project files, whose names may hold any character.
-    """
-    tools, drivers = tree() / "tools", tree() / "drivers"
-    path_file = folder / "projects.txt"
-    path_file.write_text(f"{tools}\n{drivers}\n", encoding="utf-8")
+def gprbuild_switches(settings: Settings, run_time: Path, values: dict[str, str]) -> list[str]:
+    """The command for gprbuild and gprclean in a project's folder, without their own name."""
+    tools = tree() / "tools"
     values = {**settings.values(), **values, "RUN_TIME": str(run_time)}
     command = [f"--config={tools / 'ravenbrick.cgpr'}", "-P", PROJECT_FILE]
     command += [f"-X{name}={value}" for name, value in values.items()]
-    command += [f"--implicit-with={tools / 'run_time.gpr'}"]
-    environment = {"GPR_PROJECT_PATH_FILE": str(path_file), "RAVENBRICK_RTS": str(run_time)}
-    return command, environment | {"LC_ALL": "C.UTF-8"}
+    return [*command, f"--implicit-with={tools / 'run_time.gpr'}"]
+
+
+def _environment(run_time: Path, folder: Path) -> dict[str, str]:
+    """The variables of gprbuild.
+
+    `folder` gets a file with the folders of our project files, whose names may hold any character.
+    """
+    path_file = folder / "projects.txt"
+    path_file.write_text(f"{tree() / 'tools'}\n{tree() / 'drivers'}\n", encoding="utf-8")
+    environment = {k: v for k, v in os.environ.items() if k != "GPR_PROJECT_PATH"}
+    environment |= {"GPR_PROJECT_PATH_FILE": str(path_file), "RAVENBRICK_RTS": str(run_time)}
+    return environment | {"LC_ALL": "C.UTF-8"}
 
 
 def _sources(
@@ -249,8 +252,8 @@ def _build(
         place = "flash" if settings.debug else kind
         values = {"IMAGE": place, "PROJECT": workspace.project.name, "ROBOT": robot.name}
         values["RAVENBRICK_BUILD"] = str(workspace.products)
-        call, own = gprbuild_call(settings, run_time, values, Path(private))
-        environment = {k: v for k, v in os.environ.items() if k != "GPR_PROJECT_PATH"} | own
+        call = gprbuild_switches(settings, run_time, values)
+        environment = _environment(run_time, Path(private))
         folders, files = _sources(call, workspace.project, environment)
         if "GENERATED" in os.environ and folders and settings.generated not in folders:
             raise BuildError(

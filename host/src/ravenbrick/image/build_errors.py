@@ -14,7 +14,8 @@ __all__ = ["build_failure", "disk_full", "errors_in", "is_disk_full"]
 
 # Compilers and project files: "file:line:column: [error:] sentence", never a warning or a remark.
 _AT = re.compile(
-    r"^(?P<place>\S.*?:\d+(?::\d+)?): (?P<kind>(?:fatal |internal compiler )?error: )?(?P<text>.+)$"
+    r"^(?P<place>\S.*?:\d+(?::\d+)?): "
+    r"(?P<kind>(?:fatal |internal compiler )?[Ee]rror: )?(?P<text>.+)$"
 )
 _REMARK = re.compile(r"(warning|note|info|\(style\)|in function)\b|undefined reference")
 _UNDEFINED = re.compile(

@@ -1,0 +1,328 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Hostile and broken submissions to the first lab: each with what its student is told.
+
+`SECRET` stands for what must not leave the host: files and variables of the campaign hold it.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from verification.support.submissions import SOURCES, write_submission
+
+__all__ = ["ATTACKS", "SECRET", "Attack", "Place"]
+
+SECRET = "ravenbrick-canary-4711"
+TASKS = SOURCES["tasks.adb"]
+TOUCH = "with NXT.Touch_Sensors;\n"
+MISSING = r"No such file|can't open|cannot open|not found|no include path"
+
+
+@dataclass(frozen=True)
+class Place:
+    """What an attack may know of the host: the files that it is after, and where it lies."""
+
+    secret_file: Path
+    rubric: Path
+    solutions: Path
+
+
+@dataclass(frozen=True)
+class Attack:
+    """One submission: what it tries, how it is made at a path, and what the report says.
+
+    `says` is a pattern of the first lost check; `at_most` the most points that it may get.
+    """
+
+    name: str
+    tries: str
+    make: Callable[[Path, Place], object]
+    says: str
+    at_most: float = 0.0
+    design: bool = False
+
+
+def _ada(text: str) -> Callable[[Path, Place], object]:
+    """A declaration in the tasks; {secret}, {rubric} and {solutions} are paths in all texts."""
+    return _body("package body Tasks is\n", f"package body Tasks is\n{text}")
+
+
+def _asm(template: str) -> Callable[[Path, Place], object]:
+    """The tasks with a machine-code insertion in the first statement."""
+
+    def make(path: Path, place: Place) -> object:
+        text = TASKS.replace(TOUCH, TOUCH + "with System.Machine_Code;\n")
+        insertion = f"System.Machine_Code.Asm ({_filled(template, place)}, Volatile => True);"
+        return write_submission(path, text.replace("Presses.Add;", insertion))
+
+    return make
+
+
+def _c(text: str) -> Callable[[Path, Place], object]:
+    """A C file beside the tasks."""
+    return lambda path, place: write_submission(path, **{"extra.c": _filled(text, place)})
+
+
+def _file(name: str, text: str) -> Callable[[Path, Place], object]:
+    return lambda path, place: write_submission(path, **{name: _filled(text, place)})
+
+
+def _design(text: str) -> Callable[[Path, Place], object]:
+    def make(path: Path, place: Place) -> None:
+        write_submission(path)
+        (path / "design.py").write_text(_filled(text, place))
+
+    return make
+
+
+def _body(old: str, new: str) -> Callable[[Path, Place], object]:
+    assert old in TASKS
+    return lambda path, place: write_submission(path, TASKS.replace(old, new))
+
+
+def _filled(text: str, place: Place) -> str:
+    text = text.replace("{secret}", str(place.secret_file))
+    return text.replace("{rubric}", str(place.rubric)).replace("{solutions}", str(place.solutions))
+
+
+def _answers(text: str) -> Callable[[Path, Place], object]:
+    def make(path: Path, place: Place) -> None:
+        write_submission(path)
+        (path / "answers.toml").write_text(text)
+
+    return make
+
+
+def _zip(path: Path, change: Callable[[bytes], bytes] = bytes, **others: str) -> None:
+    with zipfile.ZipFile(path.with_suffix(".zip"), "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in (SOURCES | others).items():
+            archive.writestr(f"src/{name}", text)
+    file = path.with_suffix(".zip")
+    file.write_bytes(change(file.read_bytes()))
+
+
+def _encrypted(content: bytes) -> bytes:
+    """Flag bit 0 in each header (APPNOTE 4.4.4)."""
+    changed = bytearray(content)
+    for mark, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        for found in re.finditer(re.escape(mark), content):
+            changed[found.start() + offset] |= 1
+    return bytes(changed)
+
+
+def _other_method(content: bytes) -> bytes:
+    changed = bytearray(content)
+    for mark, offset in ((b"PK\x03\x04", 8), (b"PK\x01\x02", 10)):
+        for found in re.finditer(re.escape(mark), content):
+            changed[found.start() + offset] = 99
+    return bytes(changed)
+
+
+def _bad_deflate(content: bytes) -> bytes:
+    start = content.index(b"PK\x03\x04") + 60
+    return content[:start] + b"\xff" * 40 + content[start + 40 :]
+
+
+def _bomb(path: Path, place: Place) -> None:
+    with zipfile.ZipFile(path.with_suffix(".zip"), "w", zipfile.ZIP_DEFLATED) as archive:
+        with archive.open("src/big.c", "w", force_zip64=True) as member:
+            for _ in range(300):
+                member.write(bytes(1_000_000))
+
+
+def _many_bombs(path: Path, place: Place) -> None:
+    with zipfile.ZipFile(path.with_suffix(".zip"), "w", zipfile.ZIP_DEFLATED) as archive:
+        for number in range(400):
+            archive.writestr(f"src/a{number}.c", bytes(900_000))
+
+
+def _deep(path: Path, place: Place) -> None:
+    """Deeper than anybody means."""
+    path.mkdir()
+    start = os.open(".", os.O_RDONLY)
+    try:
+        os.chdir(path)
+        for _ in range(400):
+            os.mkdir("deeper")
+            os.chdir("deeper")
+    finally:
+        os.fchdir(start)
+        os.close(start)
+
+
+def _many_files(path: Path, place: Place) -> None:
+    write_submission(path)
+    (path / "notes").mkdir()
+    for number in range(12_000):
+        (path / "notes" / f"{number}").touch()
+
+
+def _bad_name(path: Path, place: Place) -> None:
+    """Not UTF-8: the folder's own name, and one inside."""
+    folder = Path(os.fsdecode(os.fsencode(path) + b"-\xff\xfe"))
+    write_submission(folder)
+    (folder / os.fsdecode(b"\xe9\x80.txt")).touch()
+
+
+def _source_link(path: Path, place: Place) -> None:
+    write_submission(path)
+    (path / "src" / "tasks.adb").unlink()
+    (path / "src" / "tasks.adb").symlink_to(place.secret_file)
+
+
+def _folder_link(path: Path, place: Place) -> None:
+    path.mkdir()
+    (path / "src").symlink_to(place.secret_file.parent)
+
+
+def _pipe(path: Path, place: Place) -> None:
+    os.mkfifo(path.with_suffix(".zip"))
+
+
+def _own_project(path: Path, place: Place) -> None:
+    write_submission(path)
+    (path / "robot.gpr").write_text('project Robot is for Main use ("evil.adb"); end Robot;')
+    (path / "Makefile").write_text(f"all:\n\tcat {place.secret_file}\n")
+    (path / "robot.toml").write_text("schema_version = 9\n")
+    (path / "src" / "gnat.adc").write_text("pragma Restrictions (No_Tasking);")
+
+
+COMPILER = [
+    Attack("linker-option", "pragma Linker_Options", _ada(
+        'pragma Linker_Options ("-Wl,-plugin,src/evil.so");\n'), r"tasks.*linker option.*plugin"),
+    Attack("linker-brackets", "the same in bracket notation", _ada(
+        'pragma Linker_["4F"]ptions ("-Wl,-plugin,src/evil.so");\n'), r"linker option.*plugin"),
+    Attack("linker-library", "a library of the host", _ada(
+        'pragma Linker_Options ("/usr/lib/x86_64-linux-gnu/libc.so.6");\n'), "linker option"),
+    Attack("asm-include", "the assembler reads a file", _asm('".include ""{secret}"""'), MISSING),
+    Attack("asm-incbin", "the same, the word in two parts", _asm(
+        '".inc" & "bin ""{secret}"""'), MISSING),
+    Attack("asm-rubric", "the assembler reads the rubric", _asm(
+        '".inc" & "bin ""{rubric}"""'), MISSING),
+    Attack("c-include", "an include of a file", _c('#include "{secret}"\n'), MISSING),
+    Attack("c-digraph", "a digraph", _c('%:include "{secret}"\n'), MISSING),
+    Attack("c-comment", "a comment in the directive", _c('#/**/include "{secret}"\n'), MISSING),
+    Attack("c-splice", "a line splice in the directive", _c(
+        '#inc\\\nlude "{secret}"\n'), MISSING),
+    Attack("c-macro", "a macro as the name", _c(
+        '#define F "{secret}"\n#include F\n'), MISSING),
+    Attack("c-import", "#import", _c('#import "{secret}"\n'), MISSING),
+    Attack("c-passwd", "the accounts of the host", _c('#include "/etc/passwd"\n'), MISSING),
+    Attack("c-rubric", "the rubric with its tolerances", _c('#include "{rubric}"\n'), MISSING),
+    Attack("c-solutions", "the solutions", _c('#include "{solutions}"\n'), MISSING),
+    Attack("c-oracle", "asks which files there are", _c(
+        '#if __has_include("{secret}")\n#error it is there\n#else\n#error none\n#endif\n'),
+        r"error none|#error none|none"),
+    Attack("c-environment", "the variables of the compiler", _c(
+        '#include "/proc/self/environ"\n'), "", 99),
+    Attack("c-other-process", "the variables of the grader", _c(
+        '#include "/proc/1/environ"\n'), r"extra\.c|environ|error"),
+    Attack("c-messages", "messages without end", _c(
+        '#pragma message "' + "x" * 4000 + '"\n#include __FILE__\n#include __FILE__\n'),
+        "messages never end|nested|took more"),
+    Attack("c-expansion", "a macro that doubles 40 times", _c(
+        "#define A0 1+1\n"
+        + "".join(f"#define A{n + 1} A{n}+A{n}\n" for n in range(40))
+        + "int x = A40;\n"), "took more|memory|exhausted|error"),
+    Attack("c-large", "an object of 1.5 GB", _c("char x[1500000000] = {1};\n"), "."),
+    Attack("ada-power", "a static number of 10 ** 400_000_000", _ada(
+        "   Big : constant := 10 ** 400_000_000;\n"), "took more|storage|memory|tasks.adb"),
+    Attack("ada-digits", "a literal of 20,000 digits", _ada(
+        f"   Big : constant Integer := {'9' * 20_000};\n"), "tasks.adb"),
+    Attack("kernel-unit", "a unit of the kernel", _file(
+        "ravenbrick-threads.ads", "package Ravenbrick.Threads is\nend Ravenbrick.Threads;\n"), "."),
+    Attack("run-time-unit", "a unit of Ada's library", _file(
+        "a-reatim.ads", "package Ada.Real_Time is\nend Ada.Real_Time;\n"), "."),
+    Attack("system-unit", "package System", _file(
+        "system.ads", "package System is\n   pragma Pure;\nend System;\n"), "."),
+    Attack("kernel-symbol", "a symbol of the kernel", _c(
+        "int ravenbrick__threads__running_thread;\n"), "a name of the run-time"),
+    Attack("own-project", "its own project file, Makefile, robot.toml", _own_project, "", 99),
+]  # fmt: skip
+FILES = [
+    Attack("zip-noise", "bytes that are no archive", lambda path, place: path.with_suffix(
+        ".zip").write_bytes(bytes(range(256)) * 40), "cannot be read.*not a zip"),
+    Attack("zip-empty", "an empty file", lambda path, place: path.with_suffix(
+        ".zip").touch(), "cannot be read"),
+    Attack("zip-cut", "half of an archive", lambda path, place: _zip(
+        path, lambda content: content[: len(content) // 2]), "cannot be read"),
+    Attack("zip-deflate", "corrupt compressed data", lambda path, place: _zip(
+        path, _bad_deflate), "cannot be read"),
+    Attack("zip-encrypted", "a password", lambda path, place: _zip(
+        path, _encrypted), "password"),
+    Attack("zip-method", "an unknown compression", lambda path, place: _zip(
+        path, _other_method), "cannot be read.*compression"),
+    Attack("zip-bomb", "300 MB in 300 KB", _bomb, "too large"),
+    Attack("zip-many-bombs", "400 files of 900 KB in 360 KB", _many_bombs, "more than 8 MB"),
+    Attack("rar", "another kind of archive", lambda path, place: path.with_suffix(
+        ".rar").write_bytes(b"Rar!"), "submit a .zip"),
+    Attack("named-pipe", "a pipe instead of an archive", _pipe, "not a file"),
+    Attack("link", "a link to the root folder", lambda path, place: path.symlink_to("/"), "link"),
+    Attack("link-folder", "src/ is a link", _folder_link, "no Ada or C"),
+    Attack("link-source", "a source is a link to a secret", _source_link, "body"),
+    Attack("deep", "400 folders deep", _deep, "deep"),
+    Attack("many-files", "12,000 files", _many_files, "more than"),
+    Attack("bad-names", "names that are not UTF-8", _bad_name, "", 99),
+    Attack("long-number", "an answer of 400 digits", _answers(
+        f"presses = {'9' * 400}\n"), "too large", 99),
+    Attack("longer-number", "an answer of 10,000 digits", _answers(
+        f"presses = {'9' * 10_000}\n"), "answers.toml", 99),
+    Attack("not-a-number", "an answer nan", _answers("presses = nan\n"), "nan", 99),
+    Attack("nested-answers", "10,000 brackets", _answers(
+        f"presses = {'[' * 10_000}\n"), "answers.toml", 99),
+]  # fmt: skip
+BRICK = [
+    Attack("endless-loop", "a task that never waits", _body(
+        "Now := NXT", "loop null; end loop;\n         Now := NXT"), "rad/s|missed|presses", 5),
+    Attack("wild-write", "a write to no memory", _body(
+        "Presses.Add;", "declare X : Integer with Import, Address => "
+        "System'To_Address (16#7000_0000#); begin X := 1; end;"), ".", 5),
+    Attack("renamed-tasks", "tasks that robot.toml does not name", lambda path, place: (
+        write_submission(path, TASKS.replace("Control_Task", "Other_Task"), **{
+            "tasks.ads": SOURCES["tasks.ads"].replace("Control_Task", "Other_Task")})),
+        "control_task", 8),
+    Attack("constant", "prints the count of the public scenario", _body(
+        "Put_Noupdate (Presses.Count);", "Put_Noupdate (Integer'(2));"), "presses 2|hidden", 8.5),
+]  # fmt: skip
+DESIGN = [
+    Attack("design-files", "reads the secret and the rubric", _design(
+        "import sys\nfor f in ('{secret}', '{rubric}', '{solutions}', '/etc/shadow'):\n"
+        "    try:\n        print(open(f).read())\n"
+        "    except OSError as e: print(f, e)\nsys.exit('done')\n"), "No such file", design=True),
+    Attack("design-write", "writes beside the secret", _design(
+        "open('{secret}.new', 'w').write('x')\n"), "Error", design=True),
+    Attack("design-network", "connects to a server", _design(
+        "import socket\nsocket.create_connection(('1.1.1.1', 53), 5)\n"), "Network", design=True),
+    Attack("design-forks", "a fork bomb", _design(
+        "import os\nwhile True: os.fork()\n"), "unavailable", design=True),
+    Attack("design-session", "a child in its own session holds the pipes", _design(
+        "import os, time\nif os.fork() == 0:\n    os.setsid()\n    time.sleep(10_000)\n"),
+        "", 99, True),
+    Attack("design-output", "output without end", _design(
+        "while True: print('x' * 10_000)\n"), "never end", design=True),
+    Attack("design-sleep", "waits for ever", _design(
+        "import time\ntime.sleep(100_000)\n"), "took more", design=True),
+    Attack("design-memory", "takes 20 GB", _design(
+        "x = [bytearray(1 << 30) for _ in range(20)]\n"), "MemoryError", design=True),
+    Attack("design-disk", "fills the disk", _design(
+        "for n in range(100):\n    open(f'f{n}', 'wb').write(bytes(50_000_000))\n"),
+        "No space", design=True),
+    Attack("design-kill", "kills all that it may", _design(
+        "import os\nos.kill(-1, 9)\nos.kill(1, 9)\n"), "", 99, True),
+    Attack("design-root", "becomes root", _design(
+        "import os\nos.setuid(0)\nopen('/root/x', 'w')\n"), "Error", design=True),
+    Attack("design-link", "leaves links as generated sources", _design(
+        "import os\nos.makedirs('generated', exist_ok=True)\n"
+        "os.symlink('{secret}', 'generated/a.c')\n"), "", 99, True),
+    Attack("design-result", "writes its own marks into every pipe", _design(
+        "import os, glob\nfor f in glob.glob('/proc/[0-9]*/fd/*'):\n"
+        "    try: os.write(os.open(f, os.O_WRONLY | os.O_NONBLOCK), b'[]')\n"
+        "    except OSError: pass\n"), "", 99, True),
+]  # fmt: skip
+ATTACKS = (*COMPILER, *FILES, *BRICK, *DESIGN)
