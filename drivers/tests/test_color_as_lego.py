@@ -11,9 +11,9 @@ import nxt.sensor
 import nxt.sensor.generic
 import pytest
 from ravenbrick.brick.links.peers import UsbComputer
+from ravenbrick.brick.links.telegrams import UsbTelegrams
 
 from verification.support.bricks.nxt_firmware import MENU_MS, firmware_brick, run_ms
-from verification.support.bricks.nxt_sockets import UsbSocket
 from verification.support.bricks.observe import SURFACES
 
 PORT = nxt.sensor.Port.S2
@@ -25,7 +25,7 @@ def watching() -> tuple[Any, Any]:
     """A brick with LEGO's firmware, and nxt-python's view of its colour sensor."""
     brick = firmware_brick(sensors={"2": {"kind": "color"}})
     run_ms(brick, MENU_MS)
-    remote = nxt.brick.Brick(UsbSocket(UsbComputer(brick)))
+    remote = nxt.brick.Brick(UsbTelegrams(UsbComputer(brick)))
     sensor = remote.get_sensor(PORT, nxt.sensor.generic.Color)
     run_ms(brick, START_MS)
     return brick, sensor

@@ -16,9 +16,9 @@ import nxt.sensor.digital
 import nxt.sensor.generic
 import pytest
 from ravenbrick.brick.links.peers import BluetoothComputer, UsbComputer
+from ravenbrick.brick.links.telegrams import BluetoothTelegrams, UsbTelegrams
 from ravenbrick.errors import PeerError
 
-from verification.support.bricks.nxt_sockets import BluetoothSocket, UsbSocket
 from verification.support.bricks.observe import Brick
 
 DEVICE, CONFIGURATION, TEXT = 1, 2, 3
@@ -46,9 +46,9 @@ def host(request: pytest.FixtureRequest, brick: Callable[..., Brick]) -> Host:
     device.run(1500)
     socket: Any
     if request.param == "usb":
-        socket = UsbSocket(UsbComputer(device.device))
+        socket = UsbTelegrams(UsbComputer(device.device))
     else:
-        socket = BluetoothSocket(BluetoothComputer(device.device, pin="1234"))
+        socket = BluetoothTelegrams(BluetoothComputer(device.device, pin="1234"))
     return Host(nxt.brick.Brick(socket), device, request.param)
 
 

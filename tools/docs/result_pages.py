@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Reference pages from results: plant versus published points, firmware images, fuzzing."""
+"""Reference pages from results: plant, firmware images, witnesses from real bricks, fuzzing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from tools.docs.lcd_picture import lcd_svg
 
-__all__ = ["firmware_pages", "fuzz_page", "plant_page"]
+__all__ = ["firmware_pages", "fuzz_page", "plant_page", "witness_page"]
 
 Row = dict[str, Any]
 
@@ -132,6 +132,40 @@ def firmware_pages(rows: list[Row]) -> dict[str, str]:
         known = f"{source}; {row['bytes']:,} bytes, SHA-256 `{row['sha256'][:16]}…`"
         lines.append(_row([row["name"], known, ran, image]))
     return {"reference/firmware-images.md": "\n".join([*lines, ""]), **files}
+
+
+WITNESS_HEAD = """# Witnesses from real bricks
+
+Generated from `verification/firmware/witnesses/results.json` by
+`python -m verification.firmware.witnesses.campaign`; do not edit.
+
+Each witness is a program or firmware that others wrote and that is known from real bricks. Its
+functions are tried on the virtual brick, with unmodified images. None of them is part of this
+project: `verification/firmware/witnesses/images.toml` says where each was published, and
+`RAVENBRICK_FIRMWARE` names the folder of files called by their SHA-256 digest. A row keeps the date
+of its last run; an absent image does not change it.
+
+*yes*: the function works; **no**: it does not, and the second table says what was seen.
+"""
+
+
+def witness_page(rows: list[Row]) -> str:
+    """Witness x function, then what was seen of each."""
+    names = list(dict.fromkeys(row["witness"] for row in rows))
+    functions = sorted({row["function"] for row in rows})
+    found = {(row["witness"], row["function"]): row for row in rows}
+    words = {"passed": "yes", "failed": "**no**"}
+    lines = [HEAD + WITNESS_HEAD, _row(["Witness", *functions]), "|---|" + "---|" * len(functions)]
+    for name in names:
+        cells = [found.get((name, function)) for function in functions]
+        lines.append(_row([name, *(words[cell["outcome"]] if cell else "" for cell in cells)]))
+    lines += ["", "## Observations", "", _row(["Witness", "Function", "Seen", "Date"])]
+    lines += ["|---|---|---|---|"]
+    for row in rows:
+        bad = "**no**: " if row["outcome"] == "failed" else ""
+        seen = bad + row["seen"].replace("|", "\\|")
+        lines.append(_row([row["witness"], row["function"], seen, row["date"]]))
+    return "\n".join([*lines, ""])
 
 
 FUZZ_HEAD = """# Fuzzing

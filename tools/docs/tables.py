@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page
+from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page, witness_page
 from verification.table import SUITES, Suite, read_suites
 
 __all__ = ["benchmark_table", "merge_rows", "read_rows", "suites_table", "write_rows"]
@@ -120,6 +120,7 @@ def write_rows(path: Path, rows: list[Row]) -> None:
 
 VERIFICATION, BENCHMARKS = ROOT / "verification", ROOT / "verification" / "benchmarks"
 POINTS = VERIFICATION / "plant" / "points.json"
+WITNESSES = VERIFICATION / "firmware" / "witnesses" / "results.json"
 DOCS = ROOT / "docs"
 
 
@@ -141,6 +142,7 @@ PAGES: tuple[tuple[Path, Callable[[Any], dict[Path, str]]], ...] = (
     (BENCHMARKS / "results.json", _one(BENCHMARKS / "results.md", benchmark_table)),
     (POINTS, _one(DOCS / "reference" / "plant-points.md", plant_page)),
     (VERIFICATION / "firmware" / "images.json", _firmware),
+    (WITNESSES, _one(DOCS / "reference" / "witnesses.md", witness_page)),
     (VERIFICATION / "fuzz" / "results.json", _one(DOCS / "reference" / "fuzzing.md", fuzz_page)),
 )
 

@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 from verification.support.bricks.nxt_firmware import CONFIGURATION, encoder, firmware_brick, run_ms
-from verification.support.bricks.nxt_sockets import UsbSocket
 
 from ravenbrick.brick.fmu_body import CoSimulation, FmuBody
 from ravenbrick.brick.links.peers import UsbComputer
+from ravenbrick.brick.links.telegrams import UsbTelegrams
 from ravenbrick.catalogue import part_values
 from ravenbrick.cli.app import app
 from ravenbrick.errors import RunFaultError, UsageError
@@ -60,7 +60,7 @@ def driven(path: Path) -> tuple[float, float, str]:
     run_ms(brick, MENU_MS)
     joined = CoSimulation(brick, body)
     try:
-        with nxt.brick.Brick(UsbSocket(UsbComputer(joined))) as remote:
+        with nxt.brick.Brick(UsbTelegrams(UsbComputer(joined))) as remote:
             motor = remote.get_motor(nxt.motor.Port.B)
             motor.run(80)
             run_ms(joined, 1000)

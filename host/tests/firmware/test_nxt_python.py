@@ -17,18 +17,21 @@ from verification.support.bricks.nxt_firmware import (
     encoder,
     run_ms,
 )
-from verification.support.bricks.nxt_sockets import BluetoothSocket, UsbSocket
 
 from ravenbrick.brick.links.peers import BluetoothComputer, UsbComputer
+from ravenbrick.brick.links.telegrams import BluetoothTelegrams, UsbTelegrams
 
 PROGRAM = "task main() { OnFwd(OUT_B, 50); Wait(400); Off(OUT_B); Wait(5000); }"
 
 
-@pytest.fixture(params=[BluetoothSocket, UsbSocket])
+@pytest.fixture(params=[BluetoothTelegrams, UsbTelegrams])
 def client(request: pytest.FixtureRequest) -> Iterator[tuple[nxt.brick.Brick, Any]]:
     """The client connected with a brick, and that brick."""
     brick = brick_at_the_menu()
-    computers = {BluetoothSocket: BluetoothComputer(brick, COMPUTER), UsbSocket: UsbComputer(brick)}
+    computers = {
+        BluetoothTelegrams: BluetoothComputer(brick, COMPUTER),
+        UsbTelegrams: UsbComputer(brick),
+    }
     with nxt.brick.Brick(request.param(computers[request.param])) as connected:
         yield connected, brick
 

@@ -46,6 +46,7 @@ COMMANDS = {
     "design": "Run design.py: tune, discretise, simulate, and generate the controller's C.",
     "doctor": "Check the toolchain, the Python modules and the connection to a real brick.",
     "export": "Convert a recording for Perfetto, GTKWave, Surfer, Foxglove, CSV or Parquet.",
+    "firmware": "Test a firmware image: buttons, LCD text, motors, USB and Bluetooth clients.",
     "grade": "Build and run submissions in a sandbox, and grade them by a rubric.",
     "home": "Print the folder of the Ravenbrick tree, for Makefiles.",
     "identify": "Run an experiment on the virtual brick; fit and validate the motor's parameters.",

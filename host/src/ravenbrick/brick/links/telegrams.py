@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The ways of nxt-python to a brick, over the virtual air and the virtual cable."""
+"""Connections of nxt-python to a brick, over the virtual air and the virtual cable.
+
+They are what `nxt.brick.Brick` takes; nxt-python itself is not needed here.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,11 @@ import struct
 
 from ravenbrick.brick.links.peers import BluetoothComputer, UsbComputer
 
-__all__ = ["BluetoothSocket", "UsbSocket"]
+__all__ = ["BluetoothTelegrams", "UsbTelegrams"]
 
 
-class BluetoothSocket:
-    """nxt-python's way to a brick, over the virtual air: each telegram behind its length."""
+class BluetoothTelegrams:
+    """Over the air: each telegram behind its length."""
 
     bsize = 118
     type = "bluetooth"
@@ -35,8 +38,8 @@ class BluetoothSocket:
         self._computer.close()
 
 
-class UsbSocket:
-    """nxt-python's way to a brick, over the virtual cable."""
+class UsbTelegrams:
+    """Over the cable: a telegram is a transfer."""
 
     bsize = 60
     type = "usb"

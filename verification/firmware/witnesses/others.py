@@ -1,0 +1,354 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Functions of leJOS, nxtOSEK, Pybricks, pbLua and of programs built with GNAT GPL."""
+
+from __future__ import annotations
+
+import struct
+from functools import partial
+from typing import Any
+
+import nxt.brick
+from ravenbrick.brick.firmware import FirmwareBrick
+
+from verification.firmware.witnesses.library import check, images, switched_on
+from verification.firmware.witnesses.link import commands, count_frames
+from verification.firmware.witnesses.pybricks import PybricksHub, compiled
+
+FLASH, PAGE_BYTES, FLASH_BYTES, FIRMWARE_PAGES = 0x0010_0000, 256, 0x4_0000, 420
+
+
+def lejos_brick() -> FirmwareBrick:
+    """Virtual machine, menu behind it and an empty directory, as its own tool flashes them."""
+    machine, menu = (images()[f"leJOS NXJ, {part}"] for part in ("virtual machine", "menu"))
+    start = -(-len(machine.content) // PAGE_BYTES) * PAGE_BYTES
+    image = bytearray(b"\xff" * FLASH_BYTES)
+    image[: len(machine.content)] = machine.content
+    image[start : start + len(menu.content)] = menu.content
+    mark = machine.content.index(b"MNUAMNULFLSP")
+    image[mark : mark + 12] = struct.pack("<3I", FLASH + start, len(menu.content), FIRMWARE_PAGES)
+    directory = FIRMWARE_PAGES * PAGE_BYTES
+    image[directory : directory + 3 * PAGE_BYTES] = bytes(3 * PAGE_BYTES)
+    return switched_on(bytes(image), FLASH)
+
+
+def lejos_runs(brick: FirmwareBrick) -> None:
+    """Upload the Java program over USB and start it."""
+    brick.expect_text("Run Default", within=8)
+    content = images()["leJOS NXJ, Proof.nxj"].content
+    telegrams = brick.usb_telegrams()
+    brick.run(0.5)
+    name = b"Proof.nxj".ljust(20, b"\0")
+
+    def ask(telegram: bytes) -> bytes:
+        telegrams.send(telegram)
+        reply = telegrams.recv()
+        assert reply[:3] == bytes([2, telegram[1], 0]), reply.hex()
+        return reply
+
+    handle = ask(b"\x01\x81" + name + struct.pack("<I", len(content)))[3]
+    for at in range(0, len(content), 60):
+        ask(bytes([1, 0x83, handle]) + content[at : at + 60])
+    ask(bytes([1, 0x84, handle]))
+    telegrams.send(b"\x80\x00" + name)
+
+
+@check("leJOS NXJ", "motor")
+def lejos_turns_a_motor() -> str:
+    """Motor.A.rotate(360) of a Java program, and its print."""
+    brick = lejos_brick()
+    lejos_runs(brick)
+    brick.expect_text("angle 36", within=8)
+    assert 355 <= brick.encoder("A") <= 365, brick.encoder("A")
+    return f"Java: 360 degrees asked for, {brick.encoder('A')} turned"
+
+
+@check("leJOS NXJ", "LCD")
+def lejos_prints() -> str:
+    """LCD.drawString of a Java program."""
+    brick = lejos_brick()
+    lejos_runs(brick)
+    brick.expect_text("Java begins", within=8)
+    return "Java prints"
+
+
+@check("leJOS NXJ", "sensor")
+def lejos_senses_and_sounds() -> str:
+    """The Java program waits for the touch sensor, then plays a tone."""
+    brick = lejos_brick()
+    lejos_runs(brick)
+    brick.expect_text("angle 36", within=8)
+    brick.run(0.5)
+    assert not any("pressed" in line for line in brick.lines)
+    brick.set("touch.1", 1)
+    brick.expect_text("done", within=4)
+    return "Java: goes on when the touch sensor is pressed"
+
+
+@check("leJOS NXJ", "sound")
+def lejos_sounds() -> str:
+    """Sound.playTone(880, 300) of the Java program."""
+    brick = lejos_brick()
+    lejos_runs(brick)
+    brick.expect_text("angle 36", within=8)
+    brick.run(0.5)
+    began = brick.seconds
+    brick.set("touch.1", 1)
+    brick.expect_text("done", within=4)
+    seconds, hertz = brick.tone(began)
+    assert abs(seconds - 0.3) < 0.02 and abs(hertz - 880) < 18, (seconds, hertz)
+    return f"Java: 880 Hz for 0.3 s asked for, {hertz:.0f} Hz for {seconds:.2f} s heard"
+
+
+@check("leJOS NXJ", "files")
+def lejos_keeps_files() -> str:
+    """nxt-python finds the uploaded file."""
+    brick = lejos_brick()
+    lejos_runs(brick)
+    return "Proof.nxj written over USB and started"
+
+
+@check("leJOS NXJ", "USB")
+def lejos_speaks_usb() -> str:
+    """nxt-python over USB at the menu."""
+    brick = lejos_brick()
+    brick.expect_text("Run Default", within=8)
+    info = nxt.brick.Brick(brick.usb_telegrams()).get_device_info()
+    assert info[0] == "Rover"
+    return f"nxt-python: name {info[0]}"
+
+
+@check("leJOS NXJ", "Bluetooth")
+def lejos_speaks_bluetooth() -> str:
+    """nxt-python over Bluetooth at the menu, with the PIN that leJOS asks for."""
+    brick = lejos_brick()
+    brick.expect_text("Run Default", within=8)
+    brick.run(2.0)
+    info = nxt.brick.Brick(brick.bluetooth_telegrams()).get_device_info()
+    assert info[0] == "Rover"
+    return f"nxt-python: name {info[0]}"
+
+
+@check("leJOS NXJ", "link")
+def lejos_link() -> str:
+    """Every frame to the co-processor is good at the menu."""
+    brick = lejos_brick()
+    brick.run(2.0)
+    counted = count_frames(brick, 1.5)
+    assert counted.bad == 0 and counted.good > 500, str(counted)
+    return str(counted)
+
+
+@check("nxtOSEK Hello World", "LCD")
+def osek_says_hello() -> str:
+    """The right arrow runs the program."""
+    brick = images()["nxtOSEK Hello World"].brick()
+    brick.expect_text("ENTR", within=5)
+    brick.press("right")
+    brick.expect_text("Hello World")
+    return "Hello World"
+
+
+@check("nxtOSEK Hello World", "buttons")
+def osek_stops() -> str:
+    """The left arrow stops the program."""
+    brick = images()["nxtOSEK Hello World"].brick()
+    brick.expect_text("ENTR", within=5)
+    brick.press("right")
+    brick.expect_text("Hello World")
+    brick.press("left")
+    brick.run(1.0)
+    assert not any("Hello" in line for line in brick.lines)
+    return "the left arrow ends the program"
+
+
+@check("nxtOSEK Hello World", "switches off")
+def osek_switches_off() -> str:
+    """The grey button, before the program runs."""
+    brick = images()["nxtOSEK Hello World"].brick()
+    brick.expect_text("ENTR", within=5)
+    with brick.switched_off():
+        brick.press("grey", 0.5)
+        brick.run(3.0)
+    return f"off at {brick.seconds:.1f} s"
+
+
+@check("nxtOSEK Hello World", "link")
+def osek_link() -> str:
+    """Every frame to the co-processor is good."""
+    brick = images()["nxtOSEK Hello World"].brick()
+    brick.run(1.5)
+    counted = count_frames(brick, 1.5)
+    assert counted.bad <= 1 and counted.good > 500, str(counted)
+    return str(counted)
+
+
+@check("ET Robocon line tracer (nxtOSEK)", "Bluetooth")
+def robocon_address() -> str:
+    """The program asks the Bluetooth module for its address and shows it."""
+    brick = images()["ET Robocon line tracer"].brick()
+    brick.expect_text("0016530A0B0C", within=10)
+    return "shows the module's address"
+
+
+@check("ET Robocon line tracer (nxtOSEK)", "switches off")
+def robocon_switches_off() -> str:
+    """The grey button at the main screen."""
+    brick = images()["ET Robocon line tracer"].brick()
+    brick.run(7.0)
+    with brick.switched_off():
+        brick.press("grey", 0.5)
+        brick.run(3.0)
+    return f"off at {brick.seconds:.1f} s"
+
+
+SCRIPT = """
+from pybricks.nxtdevices import Motor, TouchSensor
+from pybricks.parameters import Port
+touch = TouchSensor(Port.S1)
+print("waits")
+while not touch.pressed():
+    pass
+motor = Motor(Port.A)
+motor.run_angle(300, 360)
+print("angle", motor.angle())
+"""
+
+
+def pybricks_script(name: str) -> tuple[FirmwareBrick, str]:
+    """Run the script over USB, with the touch sensor pressed after a second."""
+    brick = images()[name].brick()
+    brick.run(5.0)
+    hub = PybricksHub(brick)
+    hub.download(compiled(SCRIPT))
+    hub.start()
+    hub.expect("waits")
+    brick.run(1.0)
+    assert brick.encoder("A") == 0
+    brick.set("touch.1", 1)
+    return brick, hub.expect("angle", within=6.0)
+
+
+def pybricks_prints(name: str) -> str:
+    """What a script prints comes over USB."""
+    return f"prints '{pybricks_script(name)[1].strip()}'"
+
+
+def pybricks_senses(name: str) -> str:
+    """`TouchSensor.pressed` of a script."""
+    pybricks_script(name)
+    return "the script goes on when the touch sensor is pressed"
+
+
+def pybricks_motor(name: str) -> str:
+    """`Motor.run_angle` of a script."""
+    brick, _ = pybricks_script(name)
+    assert 355 <= brick.encoder("A") <= 366, brick.encoder("A")
+    return f"Python: 360 degrees asked for, {brick.encoder('A')} turned"
+
+
+def pybricks_link(name: str) -> str:
+    """Every frame to the co-processor is good."""
+    brick = images()[name].brick()
+    brick.run(4.0)
+    counted = count_frames(brick, 1.5)
+    assert counted.bad <= 1 and counted.good > 200, str(counted)
+    return str(counted)
+
+
+for _name in ("Pybricks 4.0.0b4", "Pybricks 4.0.0b5"):
+    check(_name, "USB")(partial(pybricks_prints, _name))
+    check(_name, "sensor")(partial(pybricks_senses, _name))
+    check(_name, "motor")(partial(pybricks_motor, _name))
+    check(_name, "link")(partial(pybricks_link, _name))
+
+
+@check("pbLua 2.0.0 RC2", "LCD")
+def pblua_menu() -> str:
+    """Its menu of consoles."""
+    brick = images()["pbLua 2.0.0 RC2"].brick()
+    brick.expect_text("USB Console", within=8)
+    assert "Rover" in brick.lines
+    return "menu of consoles, name of the Bluetooth module"
+
+
+@check("pbLua 2.0.0 RC2", "link")
+def pblua_link() -> str:
+    """Every frame to the co-processor is good."""
+    brick = images()["pbLua 2.0.0 RC2"].brick()
+    brick.run(3.0)
+    counted = count_frames(brick, 1.5)
+    assert counted.bad <= 1 and counted.good > 500, str(counted)
+    return str(counted)
+
+
+@check("pbLua 2.0.0 RC2", "USB")
+def pblua_console() -> str:
+    """A line typed at the console over USB."""
+    brick = images()["pbLua 2.0.0 RC2"].brick()
+    brick.run(6.0)
+    computer = brick.usb()
+    computer.enumerate(timeout_ms=15_000)
+    computer.write(1, b"print(6*7)\r")
+    answer = computer.read(2)
+    assert b"42" in answer, answer
+    return "print(6*7) answers 42"
+
+
+# What the programs' sources plug in, by the names of their images.
+GNAT_SENSORS: dict[str, dict[str, Any]] = {
+    "event_program": {"1": {"kind": "touch"}, "3": {"kind": "light"}},
+    "schedule_program": {"1": {"kind": "touch"}, "3": {"kind": "light"}},
+    "line_follower": {"1": {"kind": "touch"}, "3": {"kind": "light"}},
+    "helloworld": {"1": {"kind": "light"}, "2": {"kind": "touch"}},
+    "topdog": {"1": {"kind": "light"}, "2": {"kind": "touch"}, "3": {"kind": "ultrasonic"}},
+}
+GNAT = tuple(name for name in images() if name.startswith("GNAT "))
+
+
+def gnat_brick(name: str) -> FirmwareBrick:
+    """A brick with a program built with GNAT GPL in 2018 by students, and its sensors."""
+    return images()[name].brick(sensors=GNAT_SENSORS[name.split()[1]])
+
+
+def gnat_link(name: str) -> str:
+    """Write frames of a program linked with the run-time of 2011: nearly all are good."""
+    brick = gnat_brick(name)
+    brick.run(0.2)
+    counted = count_frames(brick, 2.5)
+    assert counted.good > 100 and counted.bad <= counted.good // 20, str(counted)
+    return str(counted)
+
+
+def gnat_motor(name: str) -> str:
+    """The touch sensor is held, the floor gets lighter and darker: some motor turns."""
+    brick = gnat_brick(name)
+    brick.device.record_buses()
+    sensors = {kind["kind"]: port for port, kind in GNAT_SENSORS[name.split()[1]].items()}
+    for reflectance in (0.1, 0.9, 0.4):
+        brick.set(f"light.{sensors['light']}", reflectance)
+        for pressed in (1, 0):
+            brick.set(f"touch.{sensors['touch']}", pressed)
+            brick.run(0.7)
+    duties = [struct.unpack("3b", data[2:5]) for data in commands(brick.device.bus_log())]
+    largest = [max((abs(d[i]) for d in duties), default=0) for i in range(3)]
+    turned = [brick.encoder(port) for port in "ABC"]
+    assert max(largest) > 0, "no frame drives a motor"
+    assert any(abs(n) > 20 for n in turned), f"no motor turns: {turned}, duties {largest} %"
+    return f"largest duty of A, B, C: {largest} %, turned {turned} degrees"
+
+
+def gnat_switches_off(name: str) -> str:
+    """The programs with a button task call Power_Down when the orange button is pressed."""
+    brick = gnat_brick(name)
+    brick.run(1.0)
+    with brick.switched_off():
+        brick.press("orange", 0.5, 0.5)
+    return f"off at {brick.seconds:.1f} s"
+
+
+for _name in GNAT:
+    check(_name, "link")(partial(gnat_link, _name))
+    check(_name, "motor")(partial(gnat_motor, _name))
+for _name in (name for name in GNAT if name.split()[1] in ("helloworld", "topdog")):
+    check(_name, "switches off")(partial(gnat_switches_off, _name))
