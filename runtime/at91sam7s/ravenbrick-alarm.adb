@@ -41,7 +41,7 @@ package body Ravenbrick.Alarm is
      with Inline_Always;
    --  At most Span / 448, at least 2 less, and 127 from Fine_Limit on: 7 * 9_362 = 2**16 - 2
 
-   Handler_Lead : constant := 16;
+   Handler_Lead : constant := 24;
    --  Fine counts that surely pass from the request until the handler reads the clock
 
    Shortest_Fine : constant := 2;

@@ -111,18 +111,16 @@ def image_of(program: str, image: str, code: str) -> Path:
     return elf
 
 
-def _run(program: str, image: str, code: str) -> virtual_brick.VirtualBrick:
+def _run(elf: Path) -> virtual_brick.VirtualBrick:
     """The brick when the program has finished its measurements."""
-    brick = virtual_brick.VirtualBrick(
-        json.dumps(BENCH), image_of(program, image, code).read_bytes()
-    )
+    brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf.read_bytes())
     for second in range(1, LIMIT_SECONDS + 1):
         stop = brick.run_until(round(second * CYCLES_PER_SECOND))
         if stop.reason != "reached":
-            raise RuntimeError(f"benchmark '{program}' stopped: {stop.message}")
+            raise RuntimeError(f"benchmark '{elf.stem}' stopped: {stop.message}")
         if brick.read_int("finished", "u8"):
             return brick
-    raise RuntimeError(f"benchmark '{program}' has not finished after {LIMIT_SECONDS} s")
+    raise RuntimeError(f"benchmark '{elf.stem}' has not finished after {LIMIT_SECONDS} s")
 
 
 def _summaries(brick: virtual_brick.VirtualBrick, count: int) -> list[Summary]:
@@ -133,16 +131,22 @@ def _summaries(brick: virtual_brick.VirtualBrick, count: int) -> list[Summary]:
 
 
 def _costs(image: str, code: str) -> list[FigureRow]:
-    """Primitives, less the reading of the timer and, for the protected procedure, less a call."""
-    found = dict(zip(COSTS, _summaries(_run("costs", image, code), len(COSTS)), strict=True))
+    """Primitives, less the reading of the timer; a protected procedure also less a plain call."""
+    found = dict(
+        zip(COSTS, _summaries(_run(image_of("costs", image, code)), len(COSTS)), strict=True)
+    )
     reading = found["two readings of the timer"].best
-    rows = [found["protected procedure"].row("protected procedure", found["plain call"].best)]
+    procedure = found["protected procedure"]
+    rows = [
+        procedure.row("protected procedure", found["plain call"].best),
+        procedure.row("protected procedure with its call", reading),
+    ]
     return rows + [found[name].row(name, reading) for name in LESS_READING]
 
 
 def _load(image: str, code: str) -> list[FigureRow]:
     """Latency of the highest level under load, and the masked time that explains its growth."""
-    (latency,) = _summaries(_run("load", image, code), 1)
+    (latency,) = _summaries(_run(image_of("load", image, code)), 1)
     masked = latency.row("masked section seen by the highest level", less=latency.best)
     return [latency.row("interrupt to handler under load"), masked]
 
@@ -151,6 +155,7 @@ def _load(image: str, code: str) -> list[FigureRow]:
 class Observed:
     """Events of the threads of a program that ran."""
 
+    elf: Path
     brick: virtual_brick.VirtualBrick
     events: np.ndarray
     kinds: dict[str, int]
@@ -158,12 +163,17 @@ class Observed:
     @classmethod
     def of(cls, program: str, image: str, code: str) -> Observed:
         """Run a program."""
-        brick = _run(program, image, code)
+        elf = image_of(program, image, code)
+        brick = _run(elf)
         kinds = {name: number for number, name in brick.event_kinds().items()}
-        return cls(brick, np.frombuffer(brick.events(), EVENT), kinds)
+        return cls(elf, brick, np.frombuffer(brick.events(), EVENT), kinds)
 
-    def jobs(self, symbol: str) -> tuple[np.ndarray, np.ndarray]:
-        """Nominal releases of a task but its first, and when the kernel selected it after each."""
+    def jobs(self, symbol: str, code: str) -> tuple[np.ndarray, np.ndarray]:
+        """Nominal releases of a task but its first, and when its `code` went on after each.
+
+        The kernel's selection of the task is an event; from there to the task's own instruction
+        every release takes the same way, so its length is seen once.
+        """
         address, size = self.brick.symbol(symbol)
         (task,) = (
             index
@@ -175,18 +185,28 @@ class Observed:
         starts = mine["at"][mine["kind"] == self.kinds["thread_running"]].astype(np.int64)
         positions = np.searchsorted(starts, nominal)
         begun = positions < len(starts)
-        return nominal[begun], starts[positions[begun]]
+        selected = starts[positions[begun]]
+        return nominal[begun], selected + self._way_to(code, int(selected[1]))
+
+    def _way_to(self, code: str, selected: int) -> int:
+        """Cycles from the instant at which a task was selected to an instruction of `code`."""
+        brick = virtual_brick.VirtualBrick(json.dumps(BENCH), self.elf.read_bytes())
+        address, size = brick.symbol(code)
+        brick.run_until(selected)
+        while not address & ~1 <= brick.program_counter < (address & ~1) + size:
+            brick.run_until(brick.cycles + 1)
+        return int(brick.cycles) - selected
 
 
 def _delays(image: str, code: str) -> list[FigureRow]:
-    """From the nominal wake-up time until the kernel selects the task, and work while idle.
+    """From the nominal wake-up time to the task's first instruction, and work while idle.
 
     Between arbitrary wake-up times and the next tick of the clock lie up to 16 cycles; the
     wake-up times of the first series are ticks. Work while idle is the cycles per second in which
     the processor is not stopped though no task is ready.
     """
     observed = Observed.of("delays", image, code)
-    nominal, starts = observed.jobs("released__delayed")
+    nominal, starts = observed.jobs("released__delayed", "released__delay_at_random")
     latencies = starts - nominal
     first, second = sorted(np.argsort(np.diff(nominal))[-2:] + 1)
     begin, end = int(starts[first - 1]), int(nominal[first])
@@ -199,10 +219,10 @@ def _delays(image: str, code: str) -> list[FigureRow]:
 
 
 def _together(image: str, code: str) -> list[FigureRow]:
-    """From the common release of six tasks until the kernel selects the last of them."""
+    """From the common release of six tasks to the first instruction of the last of them."""
     observed = Observed.of("simultaneous_releases", image, code)
-    first, _ = observed.jobs("six_tasks__t1")
-    nominal, starts = observed.jobs(f"six_tasks__t{TOGETHER}")
+    first, _ = observed.jobs("six_tasks__t1", "six_tasks__cyclicTB")
+    nominal, starts = observed.jobs(f"six_tasks__t{TOGETHER}", "six_tasks__cyclicTB")
     count = min(len(first), len(nominal))
     if not np.array_equal(first[:count], nominal[:count]):
         raise RuntimeError("benchmark 'simultaneous_releases': the tasks are not released together")
@@ -211,7 +231,7 @@ def _together(image: str, code: str) -> list[FigureRow]:
 
 def _events(image: str, code: str) -> list[FigureRow]:
     """From a timing event's time until its handler's first statement."""
-    (latency,) = _summaries(_run("events", image, code), 1)
+    (latency,) = _summaries(_run(image_of("events", image, code)), 1)
     return [latency.row("timing event to handler")]
 
 

@@ -15,6 +15,7 @@ from verification.support.bricks.runtime_programs import build
 # Limit of the worst sample in cycles
 LIMITS = {
     "protected procedure": 60,
+    "protected procedure with its call": 60,
     "entry call, barrier open": 150,
     "context switch, voluntary": 90,
     "suspension object to task": 110,
