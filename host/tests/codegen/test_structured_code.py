@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
 from pathlib import Path
 
 import control
 import numpy as np
 import pytest
-from verification.support.codegen.c_build import host_library
+from verification.support.codegen.c_build import ada_object, host_library
 
 from ravenbrick.codegen import check_program, generate_ada, generate_c, random_vectors
 from ravenbrick.model import (
@@ -24,6 +25,7 @@ from ravenbrick.model import (
     Inport,
     MachineState,
     Outport,
+    Pulse,
     StateMachine,
     Sum,
     Transition,
@@ -112,10 +114,17 @@ def failures(diagram: Diagram, folder: Path) -> int:
     (folder / "check.c").write_text(check_program(random_vectors(diagram, 300, seed=2)))
     library = host_library(folder, f"{name}.c", "ports.c", "check.c")
     getattr(library, f"{name}_check")()
-    import ctypes
-
     assert ctypes.c_uint32.in_dll(library, f"{name}_check_steps").value == 300
     return ctypes.c_uint32.in_dll(library, f"{name}_check_failures").value
+
+
+def test_a_diagram_of_sources_needs_no_inport(tmp_path: Path) -> None:
+    """The structure of inputs has a field that nothing reads; the Ada is the same."""
+    diagram = Diagram("source", 0.01)
+    diagram.connect_chain(diagram.add(Pulse("P", period=7, width=3)), diagram.add(Outport("Out")))
+    assert failures(diagram, tmp_path) == 0
+    generate_ada(diagram).write(tmp_path)
+    ada_object(tmp_path, "source.adb")
 
 
 def test_the_mixed_diagram_runs_as_simulated(tmp_path: Path) -> None:

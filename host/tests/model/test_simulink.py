@@ -27,7 +27,7 @@ from verification.support.codegen.simulink_files import (
 from ravenbrick.codegen import generate_c
 from ravenbrick.errors import DesignError
 from ravenbrick.simulink import import_simulink, read_simulink, survey_simulink
-from ravenbrick.simulink.blocks import IGNORED, MAKERS, STRUCTURE
+from ravenbrick.simulink.blocks.table import IGNORED, MAKERS, STRUCTURE
 from ravenbrick.simulink.numbers import matrix, scalar
 
 PUBLIC = os.environ.get("RAVENBRICK_SLX_MODELS")

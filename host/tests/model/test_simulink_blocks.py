@@ -41,6 +41,12 @@ def wrapped(value: np.ndarray) -> np.ndarray:
     return np.floor(value).astype(np.int64).astype(np.uint8).astype(float)
 
 
+def powers(base: Any, exponent: Any) -> Any:
+    """As Simulink has it, but 0 where there is no real number."""
+    with np.errstate(all="ignore"):
+        return np.where((base == 0) & (exponent != 0), 0.0, np.nan_to_num(base**exponent))
+
+
 CASES: dict[str, tuple[str, int, dict[str, Any], Any]] = {
     "equal": ("RelationalOperator", 2, {"Operator": "=="}, lambda a, b: a == b),
     "unequal": ("RelationalOperator", 2, {"Operator": "~="}, lambda a, b: a != b),
@@ -60,6 +66,12 @@ CASES: dict[str, tuple[str, int, dict[str, Any], Any]] = {
     "modulo": ("Math", 2, {"Operator": "mod"}, lambda a, b: np.where(b == 0, a, np.mod(a, b))),
     "remainder": ("Math", 2, {"Operator": "rem"},
                   lambda a, b: np.where(b == 0, a, np.fmod(a, b))),
+    "exponential": ("Math", 1, {"Operator": "exp"}, np.exp),
+    "logarithm": ("Math", 1, {"Operator": "log"}, lambda a: np.log(np.maximum(a, 1.17549435e-38))),
+    "power of ten": ("Math", 1, {"Operator": "10^u"}, lambda a: 10.0**a),
+    "power": ("Math", 2, {"Operator": "pow"}, powers),
+    "cube and root": ("Fcn", 1, {"Expr": "u^3 + abs(u)^0.5 + exp(u)"},
+                      lambda a: a**3 + np.sqrt(np.abs(a)) + np.exp(a)),
     "root": ("Sqrt", 1, {}, lambda a: np.sqrt(np.maximum(a, 0))),
     "sine": ("Trigonometry", 1, {"Operator": "sin"}, np.sin),
     "arc cosine": ("Trigonometry", 1, {"Operator": "acos"},
@@ -141,6 +153,10 @@ LINKS: dict[str, tuple[int, dict[str, Any], Any]] = {
                               lambda a: (a > 0) & ~np.concatenate([[False], a[:-1] > 0])),
     "Interval Test": (1, {"uplimit": "1", "lowlimit": "-1"}, lambda a: (a <= 1) & (a >= -1)),
     "Discrete Derivative": (1, {}, lambda a: np.diff(a, prepend=0.0) / 0.01),
+    "Ramp": (0, {"slope": "2", "start": "0.1", "InitialOutput": "0.5"},
+             lambda: 0.5 + 2 * np.maximum(np.arange(40) * 0.01 - 0.1, 0)),
+    "Counter\nLimited": (0, {"uplimit": "4;"}, lambda: np.arange(40) % 5),
+    "Integer\nDelay": (1, {"NumDelays": "5"}, lambda a: np.concatenate([np.zeros(5), a[:-5]])),
     "Slider\nGain": (1, {"gain": "2.5"}, lambda a: 2.5 * a),
     "Bitwise\nOperator": (1, {"logicop": "AND", "BitMask": "bin2dec('10')", "NumInputPorts": "1"},
                           lambda a: np.fix(np.maximum(a, 0)).astype(int) & 2),

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import control
 import numpy as np
 import pytest
 from verification.support.codegen.simulink_files import block, line, single_file
 
-from ravenbrick.simulink import ModelSource, import_simulink
+from ravenbrick.simulink import ModelSource, import_model, import_simulink
 from ravenbrick.simulink.numbers import Workspace
 from ravenbrick.simulink.simulation.simulate import Simulation, simulate
 
@@ -146,3 +147,69 @@ def test_a_public_motor_model_meets_the_criteria_that_it_publishes() -> None:
     figures = found.signals[0].figures
     assert figures is not None and figures.settling_time is not None
     assert figures.settling_time < 0.04 and figures.overshoot < 0.16
+
+
+def sources(kind: str, **parameters: Any) -> str:
+    """A source and a scope."""
+    return block(kind, "W", 1, **parameters) + block("Scope", "S", 2) + line("1#out:1", "2#in:1")
+
+
+@pytest.mark.parametrize(
+    ("form", "wave"),
+    [
+        ("sine", lambda turns: np.sin(2 * np.pi * turns)),
+        ("square", lambda turns: np.where(turns % 1 < 0.5, 1.0, -1.0)),
+        ("sawtooth", lambda turns: 1 - 2 * (turns % 1)),
+    ],
+)
+def test_a_signal_generator_repeats_its_wave(form: str, wave: Any, tmp_path: Path) -> None:
+    """Between the jumps, where the value before and after differ."""
+    root = sources("SignalGenerator", WaveForm=form, Amplitude="3", Frequency="2")
+    found = run(tmp_path / "m.slx", root, 2.0)
+    turns = 2 * found.times
+    smooth = np.abs(turns * 2 - np.round(turns * 2)) > 1e-6
+    assert values(found, "W")[smooth] == pytest.approx(3 * wave(turns[smooth]), abs=1e-8)
+
+
+def test_a_double_integrator_gives_place_and_speed(tmp_path: Path) -> None:
+    """Of a constant acceleration from a place and a speed."""
+    root = block("Constant", "a", 1, Value="-9.81")
+    root += block("SecondOrderIntegrator", "Fall", 2, ICX="10", ICDXDT="3", Ports="[1, 2]")
+    root += block("Outport", "place", 3) + block("Outport", "speed", 4, Port=2)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1") + line("2#out:2", "4#in:1")
+    found = run(tmp_path / "m.slx", root, 2.0)
+    t = found.times
+    assert values(found, "place") == pytest.approx(10 + 3 * t - 9.81 * t**2 / 2, abs=1e-8)
+    assert values(found, "speed") == pytest.approx(3 - 9.81 * t, abs=1e-8)
+
+
+def test_the_derivative_of_a_continuous_signal_is_a_fast_filter(tmp_path: Path) -> None:
+    """Within the filter's lag, and 0 at the beginning."""
+    root = block("Sin", "w", 1, Amplitude="2", Frequency="3", SampleTime="0")
+    root += block("Derivative", "D", 2) + block("Outport", "rate", 3)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
+    found = run(tmp_path / "m.slx", root, 5.0)
+    late = found.times > 0.01
+    rate = values(found, "rate")
+    assert rate[late] == pytest.approx(6 * np.cos(3 * found.times[late]), abs=0.02)
+    assert rate[0] == 0.0
+
+
+def test_the_atomic_subsystem_is_the_controller_that_becomes_c(tmp_path: Path) -> None:
+    """The continuous plant around it is left out; the whole loop simulates."""
+    inner = block("Inport", "e", "3::1") + block("Gain", "K", "3::2", Gain="2")
+    inner += block("Outport", "u", "3::3") + line("3::1#out:1", "3::2#in:1")
+    inner += line("3::2#out:1", "3::3#in:1")
+    root = block("Step", "r", 1, Time="0") + block("Sum", "E", 2, Inputs="+-")
+    root += block("SubSystem", "Controller", 3, f"<System>{inner}</System>", TreatAsAtomicUnit="on")
+    root += PLANT.replace('SID="3"', 'SID="4"') + block("Scope", "S", 5)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1") + line("3#out:1", "4#in:1")
+    root += line("4#out:1", "2#in:2", "5#in:1")
+    path = single_file(tmp_path / "m.slx", root)
+    source = ModelSource(path, 0.01, Workspace({}), ())
+    found = import_model(source)
+    assert found.subsystem == "Controller"
+    assert {type(b).__name__ for b in found.diagram.blocks} == {"Inport", "Gain", "Outport"}
+    assert found.continuous == ""
+    assert simulate(source, 1.0).continuous_states == 1
+    assert "continuous blocks: discrete" in source.imported().continuous

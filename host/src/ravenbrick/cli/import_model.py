@@ -15,8 +15,8 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.codegen import generate_c
 from ravenbrick.errors import UsageError
 from ravenbrick.image.controller_origin import replace_controller
-from ravenbrick.simulink import import_simulink, read_workspace
-from ravenbrick.simulink.numbers import Variables
+from ravenbrick.simulink import ModelSource, import_model, read_workspace
+from ravenbrick.simulink.numbers import Variables, Workspace
 
 __all__ = [
     "LibraryOption",
@@ -73,7 +73,13 @@ def import_command(
     variables: VariablesOption = None,
     workspace: WorkspaceOption = None,
     library: LibraryOption = None,
-    subsystem: Annotated[str, typer.Option(help="Path of the only subsystem to import.")] = "",
+    subsystem: Annotated[
+        str,
+        typer.Option(
+            help="Path of the only subsystem to import (default: the model's only atomic subsystem "
+            "among continuous blocks, if any)."
+        ),
+    ] = "",
     name: Annotated[
         str, typer.Option(help="Name of the C model (default: that of the file or subsystem).")
     ] = "",
@@ -91,14 +97,22 @@ def import_command(
     reporter = Reporter(json_output, total=2)
     with reporter.step("read the model") as step:
         given = model_variables(variables or [], workspace or [])
-        diagram = import_simulink(model, sample_time, given, library or [], subsystem, name)
-        step.note = f"{len(diagram.blocks)} blocks"
+        source = ModelSource(
+            model, sample_time, Workspace(given), tuple(library or []), subsystem, name
+        )
+        found = import_model(source)
+        diagram = found.diagram
+        chosen = [f"atomic subsystem '{found.subsystem}'"] if found.subsystem != subsystem else []
+        notes = [f"{len(diagram.blocks)} blocks", *chosen, found.continuous]
+        step.note = "; ".join(filter(None, notes))
     program = diagram.lower()
     with reporter.step("generate C"):
         files = generate_c(diagram, only_used=True).files
         replace_controller(output, "import", model, files)
     return {
         "model": str(model),
+        "subsystem": found.subsystem,
+        "continuous": found.continuous,
         "blocks": [{"name": b.name, "type": type(b).__name__} for b in diagram.blocks],
         "parameters": [
             {"name": slot.name, "value": slot.initial, "description": slot.description}

@@ -77,8 +77,8 @@ def _program(source: Diagram | ir.Program | FixedPoint) -> ir.Program:
 
 class _Package:
     def __init__(self, program: ir.Program, *, c_names: bool) -> None:
-        if not program.inputs or not program.outputs:
-            raise DesignError(f"diagram '{program.name}' needs at least one Inport and one Outport")
+        if not program.outputs:
+            raise DesignError(f"diagram '{program.name}' needs at least one Outport")
         self._program = program
         self._c_names = c_names
         self._fixed = ir.is_fixed_point(program)
@@ -196,7 +196,7 @@ class _Package:
         program, name = self._program, self._name
         with_words = "Preelaborate" if program.parameters and not self._fixed else "Pure"
         lines = [f"--  Call Step every {program.sample_time * 1000:g} ms.", ""]
-        if not program.states:
+        if not program.states or not program.inputs:
             lines += ["with Interfaces; use Interfaces;", ""]
         lines += [f"package {name} with {with_words}, SPARK_Mode is", ""]
         lines += self._types()
@@ -266,7 +266,7 @@ class _Package:
         """The package's body."""
         program, name = self._program, self._name
         lines = []
-        if needs_interfaces(program) and program.states:
+        if needs_interfaces(program) and program.states and program.inputs:
             lines += ["with Interfaces; use Interfaces;", ""]
         lines += [f"package body {name} with SPARK_Mode is", ""]
         for text in ada_helpers(program):
@@ -275,6 +275,8 @@ class _Package:
         starts = [line for slot in program.states for line in self._text.initial(slot)]
         lines += [f"      {line}" for line in starts or ["Work.Unused := 0;"]]
         lines += ["   end Initialize;", "", *self._step_profile(), "   is"]
+        if not program.inputs:
+            lines += ["      pragma Unreferenced (Inputs);"]
         kept = ir.read_elsewhere(program)
         for slot in program.signals:
             start = f" := {ada_literal(0.0, stored_format(slot))}" if slot in kept else ""

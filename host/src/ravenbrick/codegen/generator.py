@@ -106,8 +106,8 @@ def _check_names(program: ir.Program) -> None:
     for slot in (*program.inputs, *program.outputs, *program.parameters, *program.states):
         if slot.name in C_KEYWORDS:
             raise DesignError(f"block '{slot.block}': '{slot.name}' is a word of C; rename it")
-    if not program.inputs or not program.outputs:
-        raise DesignError(f"diagram '{program.name}' needs at least one Inport and one Outport")
+    if not program.outputs:
+        raise DesignError(f"diagram '{program.name}' needs at least one Outport")
 
 
 def _title(text: str) -> str:
@@ -297,4 +297,6 @@ def _step(program: ir.Program, traced: bool) -> list[str]:
     lines += [f"  {line}".rstrip() for line in c_instructions(program, program.statements)]
     if not program.states:
         lines += ["", "  (void)work;"]
+    if not program.inputs:
+        lines += ["", "  (void)u;"]
     return [*lines, "}"]

@@ -97,7 +97,7 @@ def check_program(vectors: StepVectors) -> str:
     name, count = vectors.model, len(vectors.inputs)
     rows = []
     for given, expected in zip(vectors.inputs, vectors.outputs, strict=True):
-        values = [c_literal(float(value), DataType.REAL32) for value in given]
+        values = [c_literal(float(value), DataType.REAL32) for value in given] or ["0U"]
         bits = [f"0x{value:08X}U" for value in expected.view(np.uint32)]
         rows.append(f"  {{ {{ {', '.join(values)} }}, {{ {', '.join(bits)} }} }}")
     width = vectors.outputs.shape[1]
@@ -163,7 +163,7 @@ void {name}_check(void)
 def _integer_check_program(vectors: StepVectors) -> str:
     name, count = vectors.model, len(vectors.inputs)
     rows = [
-        f"  {{ {{ {', '.join(map(str, given))} }}, {{ {', '.join(map(str, expected))} }} }}"
+        f"  {{ {{ {', '.join(map(str, given)) or '0U'} }}, {{ {', '.join(map(str, expected))} }} }}"
         for given, expected in zip(vectors.inputs, vectors.outputs, strict=True)
     ]
     tests = "\n".join(

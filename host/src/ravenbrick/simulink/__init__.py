@@ -6,18 +6,22 @@ from __future__ import annotations
 
 from ravenbrick.simulink.file import read_simulink
 from ravenbrick.simulink.importer import (
+    Imported,
     ModelSource,
     Refusal,
     Survey,
+    import_model,
     import_simulink,
     survey_simulink,
 )
 from ravenbrick.simulink.workspace import read_workspace
 
 __all__ = [
+    "Imported",
     "ModelSource",
     "Refusal",
     "Survey",
+    "import_model",
     "import_simulink",
     "read_simulink",
     "read_workspace",

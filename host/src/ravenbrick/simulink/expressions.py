@@ -114,7 +114,7 @@ def parse(text: str) -> Tree:
     """The tree of an expression; raises `ValueError` that says what is not understood."""
     if len(text) > _LONGEST:
         raise ValueError(f"an expression of {len(text)} characters")
-    parser = _Parser(text)
+    parser = _Parser(text.rstrip("; \t\n"))
     tree = parser.level(0)
     parser.end()
     return tree

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ravenbrick.errors import DesignError
@@ -16,17 +16,25 @@ from ravenbrick.model import (
 from ravenbrick.model.diagram import AlgebraicLoopError
 from ravenbrick.simulink.assembly import Assembly
 from ravenbrick.simulink.builder import ContinuousForm, identifier
-from ravenbrick.simulink.file import read_simulink
+from ravenbrick.simulink.file import SimulinkSystem, read_simulink
 from ravenbrick.simulink.libraries import Libraries
-from ravenbrick.simulink.network import Network
+from ravenbrick.simulink.network import Network, Site
 from ravenbrick.simulink.numbers import Variables, Workspace
 from ravenbrick.simulink.translation import Refusal, Translation
 from ravenbrick.simulink.workspace import assignments
 
-__all__ = ["ModelSource", "Refusal", "Survey", "import_simulink", "survey_simulink"]
+__all__ = [
+    "Imported",
+    "ModelSource",
+    "Refusal",
+    "Survey",
+    "import_model",
+    "import_simulink",
+    "survey_simulink",
+]
 
 _SURVEYED_STEPS = 20
-_CONTINUOUS = frozenset("Integrator TransferFcn StateSpace ZeroPole".split())
+_CONTINUOUS = frozenset("Integrator SecondOrderIntegrator TransferFcn StateSpace ZeroPole".split())
 
 
 @dataclass(frozen=True)
@@ -53,6 +61,18 @@ class Survey:
         return sum(refusal.outside for refusal in self.refusals)
 
 
+@dataclass(frozen=True)
+class Imported:
+    """A model's `diagram`, the path of its `subsystem` if only that was imported, and a sentence
+
+    that says how its `continuous` blocks became discrete; empty without such blocks.
+    """
+
+    diagram: Diagram
+    subsystem: str
+    continuous: str
+
+
 def import_simulink(
     path: Path,
     sample_time: float,
@@ -75,9 +95,37 @@ def import_simulink(
     """
     given = Workspace(variables or {})
     source = ModelSource(path, sample_time, given, tuple(libraries), subsystem, name)
-    translation = source.read()
-    source.require_whole(translation, "imported")
-    return source.ordered(translation)
+    return source.imported().diagram
+
+
+def import_model(source: ModelSource) -> Imported:
+    """`import_simulink` of the controller alone where the model shows which part that is.
+
+    That is the only atomic subsystem of a model with continuous blocks around it, unless the
+    source names a subsystem. The rest, the plant, is left out.
+    """
+    if not source.subsystem:
+        source = replace(source, subsystem=atomic_subsystem(read_simulink(source.path)))
+    return source.imported()
+
+
+def atomic_subsystem(root: SimulinkSystem) -> str:
+    """The path of the only atomic subsystem among continuous blocks; empty if there is none."""
+    found: list[str] = []
+    continuous = False
+    waiting = [("", root)]
+    while waiting:
+        path, system = waiting.pop()
+        for block in {block.name: block for block in system.blocks.values()}.values():
+            own = f"{path}/{block.name}" if path else block.name
+            continuous |= block.kind in _CONTINUOUS
+            if block.system is None:
+                continue
+            if block.parameters.get("TreatAsAtomicUnit") == "on":
+                found.append(own)
+            else:
+                waiting.append((own, block.system))
+    return found[0] if continuous and len(found) == 1 else ""
 
 
 @dataclass(frozen=True)
@@ -125,18 +173,30 @@ class ModelSource:
             detail="\n".join(lines),
         )
 
-    def ordered(self, translation: Translation) -> Diagram:
-        """The diagram, with held inputs of continuous blocks if they close a loop otherwise."""
+    def imported(self) -> Imported:
+        """The diagram, with what became of the model; raises `DesignError`."""
+        translation = self.read()
+        self.require_whole(translation, "imported")
+        return self.ordered(translation)
+
+    def ordered(self, translation: Translation) -> Imported:
+        """With held inputs of continuous blocks if they close a loop otherwise."""
+        sites = translation.network.sites.values()
+        kinds = {site.kind for site in sites if not site.commented}
+        form = ContinuousForm.TUSTIN
         diagram = self.assembled(translation)
         try:
             diagram.order()
         except AlgebraicLoopError:
-            kinds = {site.kind for site in translation.network.sites.values()}
             if not kinds & _CONTINUOUS:
                 raise
-            diagram = self.assembled(self.read(ContinuousForm.HELD))
+            form = ContinuousForm.HELD
+            diagram = self.assembled(self.read(form))
             diagram.order()
-        return diagram
+        said = [f"continuous blocks: {form.value}"] if kinds & _CONTINUOUS else []
+        if any(map(_is_continuous_pid, sites)):
+            said.append("integrals of continuous PID controllers: forward Euler")
+        return Imported(diagram, self.subsystem, "; ".join(said))
 
     def assembled(self, translation: Translation) -> Diagram:
         """The diagram; raises `DesignError` for a model without outputs."""
@@ -168,7 +228,7 @@ def survey_simulink(
     steps = 0
     if not refusals and translation.has_outputs:
         try:
-            steps = _simulated(source.ordered(translation))
+            steps = _simulated(source.ordered(translation).diagram)
         except DesignError:
             steps = 0
     return Survey(count, tuple(refusals.values()), tuple(translation.open_inputs), steps)
@@ -181,3 +241,10 @@ def _simulated(diagram: Diagram) -> int:
     for _ in range(_SURVEYED_STEPS):
         execution.step(given)
     return _SURVEYED_STEPS
+
+
+def _is_continuous_pid(site: Site) -> bool:
+    own = site.block.parameters
+    name = own.get("SourceBlock", "").replace("\n", " ")
+    discrete = own.get("TimeDomain", "Continuous-time").startswith("Discrete")
+    return name.endswith("/PID Controller") and not discrete and not site.commented

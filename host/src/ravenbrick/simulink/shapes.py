@@ -201,8 +201,11 @@ def _widest(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[i
         same = size_of(shape) == size_of(largest)
         if bigger or (same and _rank(shape) > _rank(largest)):
             largest = shape
-    outputs = 2 if site.kind in ("PreLookup", "Trigonometry", "Reference") else 1
+    outputs = 2 if site.kind in _TWO_OUTPUTS else 1
     return {port: largest for port in range(1, outputs + 1)}
+
+
+_TWO_OUTPUTS = ("PreLookup", "Trigonometry", "Reference", "SecondOrderIntegrator")
 
 
 def _rank(shape: Shape) -> int:

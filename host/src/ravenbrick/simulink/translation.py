@@ -17,10 +17,10 @@ from ravenbrick.model import (
     Outport,
     ZeroOrderHold,
 )
-from ravenbrick.simulink.blocks import IGNORED, IN_TIME, MAKERS, STRUCTURE
+from ravenbrick.simulink.blocks.conditions import held_output, triggered
+from ravenbrick.simulink.blocks.library import library_maker, library_name, own_library
+from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, MAKERS, STRUCTURE
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Names, identifier
-from ravenbrick.simulink.conditions import held_output, triggered
-from ravenbrick.simulink.library import library_maker, own_library
 from ravenbrick.simulink.network import CONTROLS, End, Network, Site
 from ravenbrick.simulink.rates import block_rates, own_rate
 from ravenbrick.simulink.shapes import shapes_of
@@ -127,6 +127,8 @@ class Translation:
         if site.kind == "Reference":
             source = site.block.parameters.get("SourceBlock", "")
             maker = library_maker(source)
+            if _is_sink(site):
+                return
             if maker is None:
                 where = "has no counterpart" if own_library(source) else "is not at hand"
                 text = " ".join(source.split())
@@ -212,7 +214,7 @@ class Translation:
     def has_outputs(self) -> bool:
         """Whether there is anything to simulate: an outport or a scope."""
         sites = self.network.sites.values()
-        return bool(self._ports) or any(s.kind in _SINKS and not s.commented for s in sites)
+        return bool(self._ports) or any(_is_sink(s) and not s.commented for s in sites)
 
     def require_outputs(self, path: Path) -> None:
         """Without an outport, scopes are the outputs; raises `DesignError` without either."""
@@ -224,7 +226,7 @@ class Translation:
     def show_sinks(self) -> None:
         """What scopes and the like show becomes outputs; raises `DesignError` for a refused one."""
         for site in self.network.sites.values():
-            if site.kind in _SINKS and not site.commented:
+            if _is_sink(site) and not site.commented:
                 for port in range(1, self.network.inputs(site.path) + 1):
                     self._outport(site, identifier(site.block.name), port)
         if self.refusals:
@@ -281,6 +283,12 @@ class Translation:
         if given or block.states() or isinstance(block, ZeroOrderHold):
             return replace(block, sample_time=rate)
         return block
+
+
+def _is_sink(site: Site) -> bool:
+    """Whether a block only shows signals."""
+    source = site.block.parameters.get("SourceBlock", "") if site.kind == "Reference" else ""
+    return site.kind in _SINKS or (own_library(source) and library_name(source) == "XY Graph")
 
 
 def _endings(shape: Shape) -> list[str]:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 
 from ravenbrick.model import Abs, ArcTangent, Merge, RoundingFunction, Sign, SquareRoot
 from ravenbrick.model import Trigonometry as Wave
+from ravenbrick.simulink.blocks.functions import exponential, logarithm, power
 from ravenbrick.simulink.builder import Builder
 from ravenbrick.simulink.expressions import Apply, Infix, Name, Prefix, Rows, Tree, parse
 from ravenbrick.simulink.numbers import evaluate
@@ -68,11 +69,11 @@ def _infix(
     first = formula(b, left, signals)
     if operator == "^":
         if _uses(right, signals):
-            raise ValueError("a power whose exponent is a signal")
-        power = float(evaluate(right, b.site.variables)[0, 0])
-        if power not in (2.0, 3.0, 4.0):
-            raise ValueError(f"the power {power:g}")
-        return b.product(*[first] * int(power))
+            return power(b, first, formula(b, right, signals))
+        exponent = float(evaluate(right, b.site.variables)[0, 0])
+        if exponent not in (2.0, 3.0, 4.0):
+            return power(b, first, b.constant(exponent))
+        return b.product(*[first] * int(exponent))
     second = formula(b, right, signals)
     if operator in _TESTS:
         return b.compare(first, operator, second)
@@ -89,6 +90,12 @@ def _call(b: Builder, name: str, given: list[Wire]) -> Wire:
         "floor": RoundingFunction("B"), "ceil": RoundingFunction("B", function="ceil"),
         "sin": Wave("B"), "cos": Wave("B", function="cos"), "atan2": ArcTangent("B"),
     }  # fmt: skip
+    if name == "pow" and len(given) == 2:
+        return power(b, *given)
+    if name in ("exp", "log", "ln") and len(given) == 1:
+        return exponential(b, given[0]) if name == "exp" else logarithm(b, given[0])
+    if name == "log10" and len(given) == 1:
+        return b.scaled(1 / math.log(10), logarithm(b, given[0]))
     if name not in blocks or len(given) != len(blocks[name].input_types):
         raise ValueError(f"the function '{name}'")
     return b.add(blocks[name], *given, ending=f"_{name}")
@@ -241,7 +248,15 @@ def _math(b: Builder) -> None:
         "reciprocal": lambda wire: b.product(b.constant(1.0), wire, operators="*/"),
         "sqrt": lambda wire: b.add(SquareRoot("B"), wire),
         "conj": lambda wire: wire,
+        "exp": lambda wire: exponential(b, wire),
+        "log": lambda wire: logarithm(b, wire),
+        "10^u": lambda wire: exponential(b, b.scaled(math.log(10), wire)),
+        "log10": lambda wire: b.scaled(1 / math.log(10), logarithm(b, wire)),
     }
+    if kind == "pow":
+        pairs = zip(b.inputs(1, width), b.inputs(2, width), strict=True)
+        b.out([power(b, *pair) for pair in pairs])
+        return
     if kind == "hypot":
         pairs = zip(b.inputs(1, width), b.inputs(2, width), strict=True)
         squares = [b.sum(b.product(x, x), b.product(y, y)) for x, y in pairs]

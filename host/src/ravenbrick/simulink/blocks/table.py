@@ -37,14 +37,15 @@ from ravenbrick.model import (
     transfer_function_block,
 )
 from ravenbrick.model.lazy import control
-from ravenbrick.simulink.arithmetic import ARITHMETIC
+from ravenbrick.simulink.blocks.arithmetic import ARITHMETIC
+from ravenbrick.simulink.blocks.conditions import CONDITIONS
+from ravenbrick.simulink.blocks.library import CLOCKS
+from ravenbrick.simulink.blocks.lookup import LOOKUP
+from ravenbrick.simulink.blocks.memory import MEMORY
+from ravenbrick.simulink.blocks.routing import ROUTING
+from ravenbrick.simulink.blocks.sources import SOURCES
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
-from ravenbrick.simulink.conditions import CONDITIONS
-from ravenbrick.simulink.library import CLOCKS
-from ravenbrick.simulink.lookup import LOOKUP
-from ravenbrick.simulink.memory import MEMORY
 from ravenbrick.simulink.numbers import matrix
-from ravenbrick.simulink.routing import ROUTING
 from ravenbrick.simulink.signals import Wire
 from ravenbrick.simulink.simulation import continuous
 from ravenbrick.simulink.simulation.continuous import LinearSystem, TimeFunction
@@ -60,11 +61,13 @@ STRUCTURE = frozenset(
     TriggerPort ModelReference""".split()
 )
 _WIDENING = {
-    "Bias": ("Bias",), "Memory": ("InitialCondition", "X0"), "Sin": ("Amplitude", "Frequency",
+    "Bias": ("Bias",), "DiscretePulseGenerator": ("Amplitude", "Period", "PulseWidth"),
+    "Memory": ("InitialCondition", "X0"), "Sin": ("Amplitude", "Frequency",
     "Phase"), "Step": ("Before", "After"), "UnitDelay": ("InitialCondition", "X0"),
 }  # fmt: skip
 
 Maker = Callable[[Dialog], Block]
+_SHORT = 1e-4
 
 
 def _rational(d: Dialog) -> Block:
@@ -158,16 +161,35 @@ def _step(d: Dialog) -> Block:
     return Step(d.name, at_sample=at, before=d.number("Before", "0"), after=d.number("After", "1"))
 
 
-def _pulse(d: Dialog) -> Block:
-    if d.number("PhaseDelay", "0") != 0:
-        raise ValueError("a pulse with a phase delay")
+def _pulse(b: Builder) -> None:
+    """After a phase delay, which is a delay of the samples."""
+    found: list[Wire] = []
+    for element in range(b.width(*_WIDENING["DiscretePulseGenerator"])):
+        d = b.dialog(element=element)
+        counts = d.text("PulseType", "Sample based") == "Sample based"
+        late = d.number("PhaseDelay", "0")
+        wire: Wire = b.add(_pulses(d))
+        length = (int(late) if counts else d.samples(late)) if late else 0
+        if length < 0:
+            raise ValueError("a pulse with a negative phase delay")
+        if length:
+            wire = b.add(Delay("B", length=length), wire, ending="_late")
+        found.append(wire)
+    b.out(found)
+
+
+def _pulses(d: Dialog) -> Block:
     amplitude = d.number("Amplitude", "1")
     if d.text("PulseType", "Sample based") == "Sample based":
         period, width = d.number("Period", "2"), d.number("PulseWidth", "1")
         return Pulse(d.name, amplitude=amplitude, period=int(period), width=int(width))
     period = d.number("Period", "2")
+    count = d.samples(period)
     width = d.samples(period * d.number("PulseWidth", "5") / 100)
-    return Pulse(d.name, amplitude=amplitude, period=d.samples(period), width=width)
+    if d.variables.guess:
+        count = max(count, 2)
+        width = min(max(width, 1), count - 1)
+    return Pulse(d.name, amplitude=amplitude, period=count, width=width)
 
 
 def _sine(b: Builder) -> None:
@@ -202,7 +224,7 @@ def _step_in_time(d: Dialog) -> TimeFunction:
 
 def _pulse_in_time(d: Dialog) -> TimeFunction:
     if d.text("PulseType", "Sample based") == "Sample based":
-        raise ValueError("a pulse that counts samples; make it time based")
+        raise ValueError("a pulse that counts samples, without a sample time; make it time based")
     period = d.number("Period", "2")
     width = period * d.number("PulseWidth", "5") / 100
     return continuous.pulse(d.number("Amplitude", "1"), period, width, d.number("PhaseDelay", "0"))
@@ -229,8 +251,16 @@ def _no_delay_in_time(b: Builder) -> None:
     raise ValueError("a delay in continuous time; use a transfer function, such as a Pade form")
 
 
-def _no_rate_in_time(b: Builder) -> None:
-    raise ValueError("the derivative of a continuous signal; use the transfer function s/(T s + 1)")
+def _derivative_in_time(b: Builder) -> None:
+    """s / (T s + 1), T a 10,000th of the sample time or of the whole time; 0 for the first 10 T."""
+    short = _SHORT * b.sample_time
+    found: list[Wire] = []
+    for wire in b.inputs():
+        filtered = b.integral()
+        rate = b.scaled(1 / short, b.sum(wire, filtered, signs="+-"))
+        filtered.inputs = [rate]
+        found.append(b.choose(b.compare(b.time(), ">=", 10 * short), rate, b.constant(0.0)))
+    b.out(found)
 
 
 def _bias(b: Builder) -> None:
@@ -288,7 +318,6 @@ _SINGLE: Mapping[str, Maker] = {
     ),
     "DiscreteFilter": _rational,
     "DiscreteFir": _fir,
-    "DiscretePulseGenerator": _pulse,
     "DiscreteStateSpace": _state_space,
     "DiscreteTransferFcn": _rational,
     "DiscreteZeroPole": _zero_pole,
@@ -321,16 +350,18 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
     **ARITHMETIC,
     **MEMORY,
     **LOOKUP,
+    **SOURCES,
     **CLOCKS,
     "Bias": _bias,
     "Derivative": _derivative,
+    "DiscretePulseGenerator": _pulse,
     "Sin": _sine,
 }
 
 # Makers of a simulation in continuous time, in place of those above.
 IN_TIME: Mapping[str, Callable[[Builder], None]] = {
     "Clock": lambda b: b.out([b.scaled_block(1.0, b.time())]),
-    "Derivative": _no_rate_in_time,
+    "Derivative": _derivative_in_time,
     "DiscretePulseGenerator": _in_time(_pulse_in_time),
     "Sin": _in_time(_sine_in_time),
     "Step": _in_time(_step_in_time),

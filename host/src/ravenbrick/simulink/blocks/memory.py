@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ravenbrick.model import Delay, DiscreteIntegrator, IntegrationMethod, Saturation, UnitDelay
+from ravenbrick.simulink.blocks.conditions import triggered
 from ravenbrick.simulink.builder import Builder, ContinuousForm
-from ravenbrick.simulink.conditions import triggered
 from ravenbrick.simulink.signals import Wire
 
 __all__ = ["MEMORY"]
@@ -85,6 +85,34 @@ def _integrator(b: Builder) -> None:
         else:
             found.append(_steered_integrator(b, element, b.scaled(gain, wire), rule, initial))
     b.out(found)
+
+
+def _double_integrator(b: Builder) -> None:
+    """Position and speed of an acceleration."""
+    d = b.dialog()
+    for name in ("LimitX", "LimitDXDT"):
+        d.refuse(name, ("off",))
+    d.refuse("ExternalReset", ("none",))
+    for name in ("ICSourceX", "ICSourceDXDT"):
+        d.refuse(name, ("internal",))
+    places: list[Wire] = []
+    speeds: list[Wire] = []
+    for element, wire in enumerate(b.inputs(1, b.width("ICX", "ICDXDT"))):
+        d = b.dialog(element=element)
+        first, pace = d.number("ICX", "0"), d.number("ICDXDT", "0")
+        if b.solved:
+            speed: Wire = b.integral(wire, pace)
+            place: Wire = b.integral(speed, first)
+        else:
+            rule, step = _CONTINUOUS[b.form], b.sample_time
+            block = DiscreteIntegrator("B", gain=step, method=rule, initial=pace)
+            speed = b.add(block, wire, ending="_speed")
+            block = DiscreteIntegrator("B", gain=step, method=rule, initial=first)
+            place = b.add(block, speed)
+        places.append(place)
+        speeds.append(speed)
+    b.out(places)
+    b.out(speeds, 2)
 
 
 def _steered_integrator(
@@ -260,6 +288,8 @@ MEMORY: Mapping[str, Callable[[Builder], None]] = {
     "DiscreteIntegrator": _integrator,
     "Integrator": _integrator,
     "IntegerDelay": _delay,
+    "SecondOrderIntegrator": _double_integrator,
+    "simulink/Integer Delay": _delay,
     "simulink/Discrete Derivative": _derivative,
     "simulink/PID Controller": _pid,
     "simulink/Discrete PID Controller": _pid,

@@ -7,14 +7,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 
-from ravenbrick.model import CustomFunction, LookupTable, Merge, Ramp
-from ravenbrick.simulink.arithmetic import ARITHMETIC
+from ravenbrick.model import CustomFunction, Merge, Ramp
+from ravenbrick.simulink.blocks.arithmetic import ARITHMETIC
+from ravenbrick.simulink.blocks.memory import MEMORY
+from ravenbrick.simulink.blocks.sources import SOURCES, sequence
 from ravenbrick.simulink.builder import Builder
 from ravenbrick.simulink.libraries import tight
-from ravenbrick.simulink.memory import MEMORY
 from ravenbrick.simulink.signals import Wire
 
-__all__ = ["CLOCKS", "library_maker", "own_library"]
+__all__ = ["CLOCKS", "library_maker", "library_name", "own_library"]
 
 _BITS = 24
 
@@ -113,19 +114,7 @@ def _clock(b: Builder) -> None:
 def _stairs(b: Builder) -> None:
     """A sequence of values, one per sample, again and again."""
     values = b.dialog().numbers("OutValues", "[3 1 4 2 1]")
-    b.out([_sequence(b, values)])
-
-
-def _sequence(b: Builder, values: tuple[float, ...]) -> Wire:
-    if len(values) == 1:
-        return b.constant(values[0])
-    state = b.add(Merge("B", ports=4), ending="_place")
-    last = b.last(state, -1.0)
-    again = b.compare(last, ">", len(values) - 1.5)
-    following = b.sum(last, b.constant(1.0))
-    state.inputs = [again, b.constant(0.0), b.constant(1.0), following]
-    numbers = tuple(float(number) for number in range(len(values)))
-    return b.add(LookupTable("B", breakpoints=numbers, table=values, interpolate=False), state)
+    b.out([sequence(b, values)])
 
 
 def _repeating(b: Builder) -> None:
@@ -141,7 +130,7 @@ def _repeating(b: Builder) -> None:
         index = max(i for i in range(len(times) - 1) if times[i] <= time + 1e-12)
         rise = (values[index + 1] - values[index]) / (times[index + 1] - times[index])
         lines.append(values[index] + rise * (time - times[index]))
-    b.out([_sequence(b, tuple(lines))])
+    b.out([sequence(b, tuple(lines))])
 
 
 def _always(b: Builder) -> None:
@@ -216,6 +205,14 @@ def library_maker(source: str) -> Callable[[Builder], None] | None:
     """What makes a block that a link of Simulink's own library names."""
     if not own_library(source):
         return None
-    name = tight(source.replace("//", "\0").rpartition("/")[2].replace("\0", "/"))
+    name = library_name(source)
     short = f"simulink/{name}"
-    return _LIBRARY.get(name) or ARITHMETIC.get(short) or MEMORY.get(short)
+    for table in (ARITHMETIC, MEMORY, SOURCES):
+        if short in table:
+            return table[short]
+    return _LIBRARY.get(name)
+
+
+def library_name(source: str) -> str:
+    """The name of a block in a library, without line breaks."""
+    return tight(source.replace("//", "\0").rpartition("/")[2].replace("\0", "/"))
