@@ -229,7 +229,7 @@ def controller_rows() -> tuple[list[str], dict[str, Form]]:
         if fixed is not None:
             loop = prove(fixed, plant()).closed_loop
             assert loop is not None
-            bound, observed = f"{1000 * loop.total:.3f} mV", f"{1000 * loop_error(fixed):.3f} mV"
+            bound, observed = f"{1000 * loop.rounding:.3f} mV", f"{1000 * loop_error(fixed):.3f} mV"
         cells = f"{_cell(forms[name])} | {forms[name].cost.size_bytes}"
         rows.append(f"| {title} | {cells} | {bound} | {observed} |")
     return rows, forms

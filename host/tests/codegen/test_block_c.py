@@ -76,4 +76,4 @@ def test_a_block_without_fixed_point_says_so(name: str) -> None:
         DesignError,
         match=r"block .B..*(LookupTable|keeps too few bits)|no accumulator of 32 bits",
     ):
-        to_fixed_point(block_diagram(name), FixedPointOptions(ranges))
+        to_fixed_point(block_diagram(name), FixedPointOptions(ranges, accumulator_bits=32))

@@ -119,7 +119,7 @@ def test_a_huge_gain_is_refused_by_name() -> None:
     diagram.connect_chain(source, scale, total, diagram.add(Outport("Out")))
     diagram.connect(small, total, 1)
     with pytest.raises(DesignError, match="Total"):
-        to_fixed_point(diagram, FixedPointOptions({"In": 1.0, "Small": 1e-3}))
+        to_fixed_point(diagram, FixedPointOptions({"In": 1.0, "Small": 1e-3}, accumulator_bits=32))
 
 
 def test_overflow_is_found_by_intervals_and_by_execution() -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ravenbrick.codegen import check_program, generate_c, random_vectors
-from ravenbrick.model import Diagram, FixedPointOptions, to_fixed_point
+from ravenbrick.model import Diagram, FixedPoint, FixedPointOptions, to_fixed_point
 from ravenbrick.model.program import Program
 
 from verification.support.codegen.block_table import TABLE, block_diagram, wide_diagram
@@ -38,7 +38,17 @@ def fixed_program(name: str) -> Program:
     diagram = block_diagram(name)
     ports = {slot.block: 10.0 for slot in diagram.lower().inputs}
     ranges = {**ports, "B": STATE_RANGES[name]} if name in STATE_RANGES else ports
-    return replace(to_fixed_point(diagram, FixedPointOptions(ranges)).program, name=f"fixed_{name}")
+    options = FixedPointOptions(ranges, accumulator_bits=32, tolerance=None)
+    return replace(to_fixed_point(diagram, options).program, name=f"fixed_{name}")
+
+
+def wide_program(name: str) -> FixedPoint:
+    """The block in fixed point with sums of 64 bits, otherwise as `fixed_program`."""
+    diagram = block_diagram(name)
+    ranges = {slot.block: 10.0 for slot in diagram.lower().inputs}
+    if name in STATE_RANGES:
+        ranges["B"] = STATE_RANGES[name]
+    return to_fixed_point(diagram, FixedPointOptions(ranges, accumulator_bits=64))
 
 
 def write_checks(models: dict[str, Diagram | Program], folder: Path, steps: int) -> list[str]:

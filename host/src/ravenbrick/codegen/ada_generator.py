@@ -51,6 +51,11 @@ def generate_ada(
     names, so that the package replaces `<model>.c`. `tolerance` as for `generate_c`.
     """
     program = _program(source)
+    if any(ir.is_wide(node) for node in ir.expressions(program)):
+        raise DesignError(
+            f"diagram '{program.name}' has sums of 64 bits, which are generated in C only; "
+            "give FixedPointOptions accumulator_bits=32, or call the C from Ada"
+        )
     if tolerance is not None:
         check_fidelity(program, tolerance)
     digest = hashlib.sha256(repr(program).encode()).hexdigest()

@@ -20,6 +20,16 @@ static int32_T {model}_nearest_quotient(int32_T value, int32_T unit)
 }}
 """
 
+_NEAREST_WIDE_QUOTIENT = """\
+/* value / unit to the nearest whole number, halves upwards; unit is a power of two. */
+static int64_T {model}_nearest_wide_quotient(int64_T value, int64_T unit)
+{{
+  const int64_T lifted = value + (unit / 2);
+  const uint64_T rest = (uint64_T)lifted & ((uint64_T)unit - 1U);
+  return (lifted - (int64_T)rest) / unit;
+}}
+"""
+
 _NEAREST = """\
 /* Nearest whole number, halves away from zero. */
 static {real} {model}_nearest_{suffix}({real} value)
@@ -72,7 +82,8 @@ def helper_functions(program: ir.Program) -> list[str]:
     found: dict[str, None] = {}
     for node in ir.expressions(program):
         if isinstance(node, ir.Rescale) and node.rounding is Rounding.NEAREST:
-            found[_NEAREST_QUOTIENT.format(model=program.name)] = None
+            helper = _NEAREST_WIDE_QUOTIENT if ir.is_wide(node.value) else _NEAREST_QUOTIENT
+            found[helper.format(model=program.name)] = None
         elif isinstance(node, ir.Rounded):
             found[_NEAREST.format(model=program.name, **_words(node.value))] = None
         elif isinstance(node, ir.Table):

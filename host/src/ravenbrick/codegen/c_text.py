@@ -19,6 +19,7 @@ __all__ = [
     "C_KEYWORDS",
     "FILL_INDEX",
     "SHARED_GUARDS",
+    "WIDE_ACCUMULATOR",
     "block_title",
     "c_initial",
     "c_instructions",
@@ -39,8 +40,9 @@ ACCUMULATOR = "accumulator"
 # Conditions around the instructions of several blocks.
 SHARED_GUARDS = ("Rate", "Enable")
 FILL_INDEX = "fill_index"
-_STEP_NAMES = frozenset(["work", "u", "y", ACCUMULATOR, FILL_INDEX]) | C_KEYWORDS
 _ABBREVIATIONS = {"Pid": "PID"}
+WIDE_ACCUMULATOR = "wide_accumulator"
+_STEP_NAMES = C_KEYWORDS | {"work", "u", "y", ACCUMULATOR, WIDE_ACCUMULATOR, FILL_INDEX}
 
 
 def c_literal(value: float, data_type: ir.NumberFormat) -> str:
@@ -130,7 +132,11 @@ def _c_expression(program: ir.Program, expression: ir.Expression, *, nested: boo
             return f"(int32_T){text}" if nested and narrow else text
         case ir.Literal(value=value, data_type=data_type):
             text = _c_constant(program, value, data_type)
+            if isinstance(data_type, FixedFormat) and data_type.width == 64:
+                return f"((int64_T){text})"
             return f"({text})" if text.startswith("-") else text
+        case ir.Cast(value=ir.Read(slot=slot), data_type=FixedFormat() as form):
+            return f"({form.value}){c_variable(program, slot)}"
         case ir.Cast(value=value, data_type=data_type):
             return f"({data_type.value})({_c_expression(program, value)})"
         case ir.Binary(
@@ -155,7 +161,8 @@ def _c_expression(program: ir.Program, expression: ir.Expression, *, nested: boo
             return f"{head}({arrays}, {len(breakpoints)}U, {inner})"
         case ir.Rescale(value=value, bits=bits, rounding=Rounding.NEAREST):
             inner = _c_expression(program, value)
-            return f"{program.name}_nearest_quotient({inner}, {1 << bits})"
+            name = "nearest_wide_quotient" if ir.is_wide(value) else "nearest_quotient"
+            return f"{program.name}_{name}({inner}, {1 << bits})"
         case ir.Rescale(value=value, bits=bits):
             text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
         case ir.Clamp() | ir.Bounded():
@@ -167,7 +174,7 @@ def _c_branch(program: ir.Program, branch: ir.Expression) -> str:
     """One side of a choice; a small integer alone would have a narrower type than a variable."""
     text = _c_expression(program, branch, nested=True)
     whole = isinstance(branch, ir.Literal) and isinstance(branch.data_type, FixedFormat)
-    return f"(int32_T){text}" if whole else text
+    return f"(int32_T){text}" if whole and not ir.is_wide(branch) else text
 
 
 def _c_infix(program: ir.Program, operator: str, left: ir.Expression, right: ir.Expression) -> str:
@@ -292,7 +299,7 @@ def _c_assigned(program: ir.Program, expression: ir.Expression, target: ir.Slot)
     form = target.data_type
     if not isinstance(form, FixedFormat) or isinstance(expression, ir.Literal):
         return text
-    given = c_type(expression.slot) if isinstance(expression, ir.Read) else "int32_T"
+    given = c_type(expression.slot) if isinstance(expression, ir.Read) else _word(expression)
     if given == c_type(target):
         return text
     simple = isinstance(expression, ir.Read)
@@ -302,17 +309,24 @@ def _c_assigned(program: ir.Program, expression: ir.Expression, target: ir.Slot)
 def _c_bounded(program: ir.Program, statement: ir.Statement, bounded: ir.Bounded) -> list[str]:
     target = c_variable(program, statement.target)
     form = statement.target.data_type
-    cast = f"({form.value})" if c_type(statement.target) == "int16_T" else ""
+    wide = ir.is_wide(bounded.value)
+    own = WIDE_ACCUMULATOR if wide else ACCUMULATOR
+    cast = f"({form.value})" if wide or c_type(statement.target) == "int16_T" else ""
     return [
-        f"{ACCUMULATOR} = {_c_expression(program, bounded.value)};",
-        f"if ({ACCUMULATOR} > {bounded.high}) {{",
+        f"{own} = {_c_expression(program, bounded.value)};",
+        f"if ({own} > {bounded.high}) {{",
         f"  {target} = {bounded.high};",
-        f"}} else if ({ACCUMULATOR} < {_signed(bounded.low)}) {{",
+        f"}} else if ({own} < {_signed(bounded.low)}) {{",
         f"  {target} = {_signed(bounded.low)};",
         "} else {",
-        f"  {target} = {cast}{ACCUMULATOR};",
+        f"  {target} = {cast}{own};",
         "}",
     ]
+
+
+def _word(expression: ir.Expression) -> str:
+    """The C type in which an integer expression is computed."""
+    return "int64_T" if ir.is_wide(expression) else "int32_T"
 
 
 def _signed(value: int) -> str:

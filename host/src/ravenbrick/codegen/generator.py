@@ -15,6 +15,7 @@ from ravenbrick.codegen.c_text import (
     ACCUMULATOR,
     C_KEYWORDS,
     FILL_INDEX,
+    WIDE_ACCUMULATOR,
     block_title,
     c_initial,
     c_instructions,
@@ -290,8 +291,11 @@ def _step(program: ir.Program, traced: bool) -> list[str]:
         start = f" = {c_literal(0.0, slot.data_type)}" if slot in kept else ""
         lines.append(f"  {kind} {c_local(slot)}{start};{_origin(slot, traced)}")
     statements = list(ir.statements(program.statements))
-    if any(isinstance(statement.expression, ir.Bounded) for statement in statements):
+    bounded = [s.expression for s in statements if isinstance(s.expression, ir.Bounded)]
+    if not all(map(ir.is_wide, bounded)):
         lines.append(f"  int32_T {ACCUMULATOR};")
+    if any(map(ir.is_wide, bounded)):
+        lines.append(f"  int64_T {WIDE_ACCUMULATOR};")
     if ir.restarts_line(program.statements):
         lines.append(f"  uint32_T {FILL_INDEX};")
     lines += [f"  {line}".rstrip() for line in c_instructions(program, program.statements)]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,13 @@ from ravenbrick import __version__
 from ravenbrick.codegen.frama_c import frama_c_goals
 from ravenbrick.codegen.gappa import gappa_script
 from ravenbrick.codegen.generator import GeneratedCode, generate_c
+from ravenbrick.errors import DesignError
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.program import Slot
 
 if TYPE_CHECKING:
+    from ravenbrick.control.rounding.ideal_error import IdealBound
     from ravenbrick.control.rounding.limit_cycles import LimitCycleSearch
     from ravenbrick.control.rounding.rounding_error import ClosedLoopBound, PlantInLoop
 
@@ -28,13 +31,16 @@ __all__ = ["FixedPointProof", "generate_fixed_c", "prove"]
 class FixedPointProof:
     """What is proved of a fixed-point program; `closed_loop` only with a plant.
 
-    `limit_cycles` is what was found of oscillations, if they were looked for.
+    `all_time` bounds the outputs without a plant, by outport, if there is such a bound; else
+    `why_not` says why. `limit_cycles` is what was found of oscillations, if they were looked for.
     """
 
     fixed: FixedPoint
     one_step: dict[str, float]
     closed_loop: ClosedLoopBound | None
     limit_cycles: LimitCycleSearch | None = None
+    all_time: Mapping[str, IdealBound] | None = None
+    why_not: str = ""
 
     def results(self) -> dict[str, Any]:
         """Plain values for JSON; SI units and V."""
@@ -47,8 +53,17 @@ class FixedPointProof:
             "gains": [self._gain(slot) for slot in program.parameters],
             "overflow": "none for any value of the inputs' formats, by induction over the steps",
             "one_step_error": self.one_step,
+            "all_time_error": self._all_time(),
             "closed_loop": self._loop(),
             "limit_cycles": self._cycles(),
+        }
+
+    def _all_time(self) -> dict[str, Any] | str:
+        if self.all_time is None:
+            return f"not stated: {self.why_not}"
+        return {
+            name: {"rounding": one.rounding, "coefficients": one.coefficients, "bound": one.total}
+            for name, one in self.all_time.items()
         }
 
     def _cycles(self) -> dict[str, Any] | None:
@@ -102,6 +117,7 @@ class FixedPointProof:
         return {
             "unit": bound.unit,
             "bound": bound.total,
+            "coefficients": bound.coefficients,
             "sources": [
                 {
                     "block": source.block,
@@ -147,7 +163,20 @@ class FixedPointProof:
             if self.limit_cycles is None
             else ["", "Limit cycles (a search, no proof):", f"  {self.limit_cycles.sentence()}"]
         )
-        return "\n".join([*lines, *self._loop_text(), *cycles, ""])
+        return "\n".join([*lines, *self._all_time_text(), *self._loop_text(), *cycles, ""])
+
+    def _all_time_text(self) -> list[str]:
+        head = ["", "For all time against the design in real numbers, without a plant:"]
+        if self.all_time is None:
+            return [*head, f"  not stated: {self.why_not}"]
+        return [
+            *head,
+            *(
+                f"  |error of {name}| <= {one.total:.6g} (rounding {one.rounding:.6g}, "
+                f"numbers as held {one.coefficients:.6g})"
+                for name, one in self.all_time.items()
+            ),
+        ]
 
     def _loop_text(self) -> list[str]:
         loop = self._loop()
@@ -160,23 +189,29 @@ class FixedPointProof:
                 f"  {row['block']:24} {what:28} peak gain {row['peak_gain']:8.4g}, "
                 f"error <= {row['largest_error_lsb']:g} LSB of {row['lsb']:.6g}: {row['share']:.6g}"
             )
+        lines.append(f"  numbers as held, inputs in their ranges: {loop['coefficients']:.6g}")
         return [*lines, f"  |error of the observed signal| <= {loop['bound']:.6g} {loop['unit']}"]
 
 
 def prove(
     fixed: FixedPoint, plant: PlantInLoop | None = None, *, limit_cycles: bool = False
 ) -> FixedPointProof:
-    """Bounds of the rounding errors in one step and, with a plant, for all time.
+    """Bounds of the errors in one step, for all time, and with a plant in the loop.
 
     The ranges were proved when the formats were chosen. With `limit_cycles` oscillations are
     looked for besides, in the loop if there is a plant.
     """
-    from ravenbrick.control.rounding.limit_cycles import search_limit_cycles  # slow to load
+    from ravenbrick.control.rounding.ideal_error import ideal_bounds  # slow to load
+    from ravenbrick.control.rounding.limit_cycles import search_limit_cycles
     from ravenbrick.control.rounding.rounding_error import closed_loop_bound, one_step_errors
 
     loop = None if plant is None else closed_loop_bound(fixed, plant)
     found = search_limit_cycles(fixed, plant) if limit_cycles else None
-    return FixedPointProof(fixed, one_step_errors(fixed), loop, found)
+    try:
+        bounds, reason = ideal_bounds(fixed), ""
+    except DesignError as error:
+        bounds, reason = None, error.sentence
+    return FixedPointProof(fixed, one_step_errors(fixed), loop, found, bounds, reason)
 
 
 def generate_fixed_c(

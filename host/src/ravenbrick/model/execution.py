@@ -27,7 +27,7 @@ class Execution:
 
     Every operation is a numpy scalar operation, rounded as IEEE 754 says, so the results have the
     same bits as those of the generated C on a machine with IEEE arithmetic. A fixed-point program
-    takes and gives raw integers; a value beyond 32 bits raises `OverflowError`, because its
+    takes and gives raw integers; a value beyond the accumulator raises `OverflowError`, because its
     formats promise that there is none.
     """
 
@@ -109,7 +109,10 @@ def evaluate(expression: ir.Expression, values: Mapping[_Key, Any]) -> Any:
         case ir.Literal(value=value, data_type=data_type):
             return data_type.scalar(value)
         case ir.Binary(operator=operator, left=left, right=right):
-            return _operate(operator, evaluate(left, values), evaluate(right, values))
+            result = _operate(operator, evaluate(left, values), evaluate(right, values))
+            if isinstance(result, int) and not -(2**31) <= result < 2**31:
+                _check_size(expression, result)
+            return result
         case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
             return evaluate(chosen if holds(condition, values) else otherwise, values)
         case ir.Clamp(value=inner, limit=limit):
@@ -133,12 +136,14 @@ def evaluate(expression: ir.Expression, values: Mapping[_Key, Any]) -> Any:
 
 def _operate(operator: str, first: Any, second: Any) -> Any:
     if operator == "*":
-        result = first * second
-    else:
-        result = first + second if operator == "+" else first - second
-    if isinstance(result, int) and not -(2**31) <= result < 2**31:
-        raise OverflowError(f"{first} {operator} {second} = {result} does not fit into 32 bits")
-    return result
+        return first * second
+    return first + second if operator == "+" else first - second
+
+
+def _check_size(expression: ir.Binary, result: int) -> None:
+    bits = 64 if ir.is_wide(expression) else 32
+    if not -(2 ** (bits - 1)) <= result < 2 ** (bits - 1):
+        raise OverflowError(f"{result} ({expression.operator}) does not fit into {bits} bits")
 
 
 def holds(condition: ir.Comparison, values: Mapping[_Key, Any]) -> bool:

@@ -21,8 +21,17 @@ from ravenbrick.model.execution import Execution
 from ravenbrick.model.flattening import with_shifts
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.linearisation import linear_system
+from ravenbrick.model.number_format import FixedFormat
 
-__all__ = ["TOLERANCE", "BlockFidelity", "Fidelity", "as_held", "check_fidelity", "fidelity"]
+__all__ = [
+    "TOLERANCE",
+    "BlockFidelity",
+    "Fidelity",
+    "as_held",
+    "check_fidelity",
+    "fidelity",
+    "fixed_point_errors",
+]
 
 TOLERANCE = 1e-3
 _FREQUENCIES = 60
@@ -82,7 +91,7 @@ def fidelity(diagram: Diagram | ir.Program, tolerance: float = TOLERANCE) -> Fid
     Blocks that are not linear, or whose numbers are all exact, do by construction what is drawn.
     """
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
-    if ir.is_fixed_point(program):  # see fixed_point_fidelity
+    if ir.is_fixed_point(program):  # see fixed_point_errors
         return Fidelity(program.name, tolerance, ())
     found = [_compared(part) for part in _parts(program)]
     return Fidelity(program.name, tolerance, tuple(one for one in found if one is not None))
@@ -191,6 +200,43 @@ def _read(statements: Sequence[ir.Statement]) -> dict[tuple[ir.Kind, str], ir.Sl
         if isinstance(node, ir.Read):
             found[node.slot.kind, node.slot.name] = node.slot
     return found
+
+
+def fixed_point_errors(source: ir.Program, program: ir.Program) -> dict[str, float]:
+    """By linear block: the error of its frequency response with the integers' gains as held.
+
+    As a share of the largest value nearby; rounding while it runs is bounded elsewhere.
+    """
+    found: dict[str, float] = {}
+    for (_, wanted), (_, part) in zip(_parts(source), _parts(program), strict=True):
+        block = part.outputs[0].block
+        try:
+            ideal = linear_system(wanted)
+            real = _physical(linear_system(part), part)
+        except DiagramError:
+            continue
+        order = [slot.name for slot in part.inputs]
+        columns = [order.index(slot.name) for slot in wanted.inputs]
+        if not columns:
+            continue
+        real = replace(real, B=real.B[:, columns], D=real.D[:, columns])
+        found[block] = max(found.get(block, 0.0), _response_error(ideal, real))
+    return found
+
+
+def _physical(system: LinearSystem, part: ir.Program) -> LinearSystem:
+    """From raw units to those that they stand for."""
+    states, inputs, outputs = (
+        np.array([slot.data_type.lsb for slot in slots if isinstance(slot.data_type, FixedFormat)])
+        for slots in (part.states, part.inputs, part.outputs)
+    )
+    return LinearSystem(
+        system.A * states[:, None] / states,
+        system.B * states[:, None] / inputs,
+        system.C * outputs[:, None] / states,
+        system.D * outputs[:, None] / inputs,
+        system.dt,
+    )
 
 
 def _compared(given: tuple[str, ir.Program]) -> BlockFidelity | None:

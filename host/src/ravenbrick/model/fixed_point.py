@@ -4,56 +4,23 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
-from ravenbrick.model.assignments import multiplied_sums, plain_stores, several_times
 from ravenbrick.model.diagram import Diagram
-from ravenbrick.model.integer_ranges import Key, expression_range, integer_ranges, key
-from ravenbrick.model.number_format import (
-    Enumeration,
-    FixedFormat,
-    Interval,
-    Rounding,
-    finest_fraction,
-)
+from ravenbrick.model.fidelity import fixed_point_errors
+from ravenbrick.model.fixed_point_rewriting import FixedPointOptions, Rewriting, TooFineError
+from ravenbrick.model.fixed_point_wide import WideRewriting
+from ravenbrick.model.integer_ranges import Key, expression_range, integer_ranges
+from ravenbrick.model.number_format import FixedFormat, Interval
 from ravenbrick.model.ranges import real_ranges
 
 __all__ = ["FixedPoint", "FixedPointOptions", "to_fixed_point"]
 
 _FINEST, _COARSEST = 30, 4
-_LEAST_GAIN_BITS = 10
-_LEAST_GAIN = 32
-
-
-class _TooFineError(Exception):
-    """The accumulator's fraction leaves no room for a sum."""
-
-
-@dataclass(frozen=True)
-class FixedPointOptions:
-    """What the choice of formats starts from.
-
-    `ranges` gives by block the largest size (or the interval) of each Inport and of each state
-    that is not bounded by itself; such a state saturates there. `formats` fixes a format by block
-    or parameter name. `gain_fraction` is the most fractional bits of a gain that keeps 10
-    significant bits with them.
-    """
-
-    ranges: Mapping[str, float | Interval]
-    formats: Mapping[str, FixedFormat] = field(default_factory=dict)
-    rounding: Rounding = Rounding.NEAREST
-    gain_fraction: int = 15
-
-    def intervals(self) -> dict[str, Interval]:
-        """The ranges as intervals."""
-        return {
-            name: value if isinstance(value, Interval) else Interval.around_zero(value)
-            for name, value in self.ranges.items()
-        }
+_MOST_HEADROOM = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +28,8 @@ class FixedPoint:
     """A fixed-point `program`, the `source` it computes, and what was found out on the way.
 
     `raw_ranges` bounds every variable for all 16-bit inputs, in raw units; no intermediate result
-    exceeds 32 bits. `ranges` are those of the source for the declared inputs; `constants` gives
-    the value that a literal of a block was rounded from.
+    exceeds the accumulator. `ranges` are those of the source for the declared inputs; `constants`
+    gives the value that a literal of a block was rounded from.
     """
 
     program: ir.Program
@@ -86,35 +53,91 @@ class FixedPoint:
 def to_fixed_point(diagram: Diagram | ir.Program, options: FixedPointOptions) -> FixedPoint:
     """Choose formats, rewrite the program with integers, prove that nothing overflows.
 
-    Inputs, outputs and gains have 16 bits, sums and states 32. The accumulator is as fine as the
-    widest sum allows, for every value that the 16-bit inputs can have. Raises `DesignError` that
-    names the block without a range or without a fixed-point form.
+    Inputs, outputs and gains have 16 bits, sums and states 32, and the accumulator is as fine as
+    the widest sum allows; or, where that is not enough, gains and states have 32 bits with
+    fractions of their own, and sums 64. Both for every value that the 16-bit inputs can have.
+    Raises `DesignError` that names the block without a range or without a fixed-point form.
     """
     source = diagram.lower() if isinstance(diagram, Diagram) else diagram
     known = {slot.block for slot in source.inputs + source.states}
+    named = {slot.name for slot in source.states}
     for name in options.ranges:
-        if name not in known:
+        if name not in known | named:
             raise DesignError(
                 f"a range is given for '{name}', which is not an Inport and has no state; "
                 f"there are: {', '.join(sorted(known))}"
             )
     ranges = real_ranges(source, options.intervals())
+    attempts = {32: _narrow_form, 64: _wide_form}
+    if options.accumulator_bits is not None:
+        if options.accumulator_bits not in attempts:
+            raise DesignError(f"an accumulator has 32 or 64 bits, not {options.accumulator_bits}")
+        attempts = {options.accumulator_bits: attempts[options.accumulator_bits]}
+    refused: DesignError | None = None
+    for attempt in attempts.values():
+        try:
+            return _checked(attempt(source, options, ranges), options.tolerance)
+        except DesignError as error:
+            refused = refused or error
+    assert refused is not None
+    raise refused
+
+
+def _checked(fixed: FixedPoint, tolerance: float | None) -> FixedPoint:
+    """Refused where the gains as held change a block's frequency response by more."""
+    if tolerance is None:
+        return fixed
+    for block, error in fixed_point_errors(fixed.source, fixed.program).items():
+        if not error <= tolerance:
+            raise DesignError(
+                f"block '{block}': its numbers as held change its frequency response by "
+                f"{100 * error:.3g} % (allowed: {100 * tolerance:.3g} %); use accumulators of 64 "
+                "bits, or another form"
+            )
+    return fixed
+
+
+def _narrow_form(
+    source: ir.Program, options: FixedPointOptions, ranges: Mapping[Key, Interval]
+) -> FixedPoint:
     reason = ""
     for fraction in range(_FINEST, _COARSEST - 1, -1):
         try:
-            rewriting = _Rewriting(source, options, ranges, fraction)
-            program = rewriting.program()
-            raw_ranges = integer_ranges(program)
-            program = _without_idle_limits(program, raw_ranges)
-        except (_TooFineError, OverflowError) as error:
+            return _rewritten(Rewriting(source, options, ranges, fraction), source, options, ranges)
+        except (TooFineError, OverflowError) as error:
             reason = str(error)
-            continue
-        constants = rewriting.constants
-        return FixedPoint(program, source, options, ranges, raw_ranges, constants)
     raise DesignError(
         f"diagram '{source.name}': no accumulator of 32 bits holds all sums ({reason}); "
         "lower the ranges or the gains"
     )
+
+
+def _wide_form(
+    source: ir.Program, options: FixedPointOptions, ranges: Mapping[Key, Interval]
+) -> FixedPoint:
+    reason = ""
+    for headroom in range(_MOST_HEADROOM + 1):
+        try:
+            rewriting = WideRewriting(source, options, ranges, headroom)
+            return _rewritten(rewriting, source, options, ranges)
+        except (TooFineError, OverflowError) as error:
+            reason = str(error)
+    raise DesignError(
+        f"diagram '{source.name}': no accumulator of 64 bits holds all sums ({reason}); "
+        "lower the ranges or the gains"
+    )
+
+
+def _rewritten(
+    rewriting: Rewriting,
+    source: ir.Program,
+    options: FixedPointOptions,
+    ranges: Mapping[Key, Interval],
+) -> FixedPoint:
+    program = rewriting.program()
+    raw_ranges = integer_ranges(program)
+    program = _without_idle_limits(program, raw_ranges)
+    return FixedPoint(program, source, options, ranges, raw_ranges, rewriting.constants)
 
 
 def _without_idle_limits(program: ir.Program, ranges: Mapping[Key, Interval]) -> ir.Program:
@@ -131,324 +154,3 @@ def _without_idle_limits(program: ir.Program, ranges: Mapping[Key, Interval]) ->
         return replace(expression, low=max(expression.low, low), high=min(expression.high, high))
 
     return replace(program, statements=ir.mapped(program.statements, without))
-
-
-@dataclass(frozen=True)
-class _Scaled:
-    """An integer expression that stands for itself times 2**-fraction, with its real range."""
-
-    expression: ir.Expression
-    fraction: int
-    interval: Interval
-
-    def finer(self, fraction: int) -> _Scaled:
-        """The same value with more fractional bits."""
-        if fraction == self.fraction:
-            return self
-        bits = fraction - self.fraction
-        factor = ir.Literal(1 << bits, FixedFormat(32, bits))
-        return _Scaled(ir.Binary("*", self.expression, factor), fraction, self.interval)
-
-
-class _Rewriting:
-    """One attempt with a certain fraction of the accumulator."""
-
-    def __init__(
-        self,
-        source: ir.Program,
-        options: FixedPointOptions,
-        ranges: Mapping[Key, Interval],
-        fraction: int,
-    ) -> None:
-        self._source = source
-        self._options = options
-        self._ranges = ranges
-        self._fraction = fraction
-        self._slots: dict[Key, ir.Slot] = {}
-        self._block = ""
-        self.constants: dict[tuple[str, ir.Literal], float] = {}
-        self._narrow = multiplied_sums(source)
-        self._chosen = several_times(source)
-        for slot in source.inputs:
-            self._declare(slot, 16, finest_fraction(ranges[key(slot)], 16))
-        kept = plain_stores(source)
-        for slot in source.states:
-            if not isinstance(slot.data_type, ir.DataType):
-                self._slots[key(slot)] = slot
-                continue
-            width = 16 if key(slot) in kept else 32
-            finest = finest_fraction(ranges[key(slot)], width)
-            self._declare(slot, width, finest if width == 16 else min(finest, fraction))
-
-    def _declare(self, slot: ir.Slot, width: int, fraction: int) -> ir.Slot:
-        chosen = self._options.formats.get(slot.block if slot.kind is not ir.Kind.PARAMETER else "")
-        chosen = chosen or self._options.formats.get(slot.name) or FixedFormat(width, fraction)
-        known = self._slots.get(key(slot))
-        if known is not None:
-            if known.data_type != chosen:
-                raise DesignError(
-                    f"parameter '{slot.name}' needs the formats {known.data_type} and {chosen}; "
-                    "give the blocks parameters of their own"
-                )
-            return known
-        try:
-            initial = chosen.raw(slot.initial)
-        except DesignError as error:
-            raise DesignError(f"block '{slot.block}', '{slot.name}': {error}") from error
-        unit = f"{slot.unit}, {chosen}" if slot.unit else str(chosen)
-        self._slots[key(slot)] = replace(slot, data_type=chosen, initial=initial, unit=unit)
-        return self._slots[key(slot)]
-
-    def program(self) -> ir.Program:
-        """The fixed-point program."""
-        statements = self._instructions(self._source.statements)
-        source, slots = self._source, self._slots
-        for slot in source.parameters:
-            if key(slot) not in slots:
-                raise DesignError(f"parameter '{slot.name}' is not used")
-        return ir.Program(
-            name=source.name,
-            sample_time=source.sample_time,
-            inputs=tuple(slots[key(slot)] for slot in source.inputs),
-            outputs=tuple(slots[key(slot)] for slot in source.outputs),
-            parameters=tuple(slots[key(slot)] for slot in source.parameters),
-            states=tuple(slots[key(slot)] for slot in source.states),
-            signals=tuple(slots[key(slot)] for slot in source.signals),
-            statements=statements,
-        )
-
-    def _instructions(self, given: Iterable[ir.Instruction]) -> tuple[ir.Instruction, ...]:
-        found: list[ir.Instruction] = []
-        for one in given:
-            match one:
-                case ir.Statement():
-                    found.append(self._statement(one))
-                case ir.Restart(states=states):
-                    slots = tuple(self._slots[key(slot)] for slot in states)
-                    found.append(replace(one, states=slots))
-                case ir.If(conditions=conditions):
-                    self._block = one.block
-                    tests = tuple(map(self._condition, conditions))
-                    body, otherwise = map(self._instructions, (one.body, one.otherwise))
-                    found.append(replace(one, conditions=tests, body=body, otherwise=otherwise))
-                case ir.Case(branches=branches):
-                    found.append(replace(one, branches=tuple(map(self._instructions, branches))))
-        return tuple(found)
-
-    def _condition(self, condition: ir.Comparison) -> ir.Comparison:
-        left, right = self._aligned(condition.left, condition.right)
-        return ir.Comparison(condition.operator, left.expression, right.expression)
-
-    def _several(self, statement: ir.Statement) -> ir.Statement:
-        """One of the assignments of a signal: all of them share its format."""
-        target = statement.target
-        if isinstance(target.data_type, Enumeration):
-            self._slots[key(target)] = target
-            return statement
-        range_ = self._ranges[key(target)]
-        whole = isinstance(target.data_type, FixedFormat)
-        fraction = 0 if whole else min(finest_fraction(range_, 16), self._fraction)
-        slot = self._declare(target, 32, fraction)
-        if _is_constant(statement.expression):
-            value = self._constant(statement.expression, fraction, 32)
-        else:
-            value = self._at_fraction(self._convert(statement.expression), fraction)
-        return replace(statement, target=slot, expression=value.expression)
-
-    def _statement(self, statement: ir.Statement) -> ir.Statement:
-        self._block = statement.block
-        target = statement.target
-        if isinstance(target.data_type, Enumeration) or key(target) in self._chosen:
-            return self._several(statement)
-        value = self._convert(statement.expression)
-        if target.kind is ir.Kind.STATE:
-            slot = self._slots[key(target)]
-        elif target.kind is ir.Kind.OUTPUT:
-            slot = self._declare(target, 16, finest_fraction(self._ranges[key(target)], 16))
-        else:
-            slot = self._declare(target, 32, value.fraction)
-            if target.name in self._narrow and not isinstance(statement.expression, ir.Read):
-                finest = finest_fraction(self._ranges[key(target)], 16)
-                if finest < value.fraction:
-                    self._slots.pop(key(target))
-                    slot = self._declare(target, 16, finest)
-        expression = self._fit(value, slot)
-        return replace(statement, target=slot, expression=expression)
-
-    def _fit(self, value: _Scaled, slot: ir.Slot) -> ir.Expression:
-        """The value in the target's format; states are limited to their ranges."""
-        wanted = slot.data_type
-        assert isinstance(wanted, FixedFormat)
-        expression = self._at_fraction(value, wanted.fraction).expression
-        low, high = wanted.limits
-        if slot.kind is ir.Kind.STATE:
-            range_ = self._ranges[key(slot)]
-            low = max(low, math.floor(math.ldexp(range_.low, wanted.fraction)))
-            high = min(high, math.ceil(math.ldexp(range_.high, wanted.fraction)))
-        if isinstance(expression, ir.Literal) or (
-            slot.kind is ir.Kind.SIGNAL and wanted.width == 32
-        ):
-            return expression
-        return ir.Bounded(expression, low, high)
-
-    def _at_fraction(self, value: _Scaled, fraction: int) -> _Scaled:
-        if fraction >= value.fraction:
-            return value.finer(fraction)
-        bits = value.fraction - fraction
-        expression = ir.Rescale(value.expression, bits, self._options.rounding)
-        return _Scaled(expression, fraction, value.interval)
-
-    def _convert(self, expression: ir.Expression) -> _Scaled:
-        match expression:
-            case ir.Read(slot=slot):
-                own = self._slots[key(slot)]
-                assert isinstance(own.data_type, FixedFormat)
-                return _Scaled(ir.Read(own), own.data_type.fraction, self._ranges[key(slot)])
-            case ir.Literal(value=number):
-                return self._constant(expression, self._literal_fraction(number))
-            case ir.Cast(value=inner):
-                return self._convert(inner)
-            case ir.Binary(operator="*", left=left, right=right):
-                return self._product(left, right)
-            case ir.Binary(operator=operator, left=left, right=right):
-                return self._sum(operator, left, right)
-            case ir.Clamp(value=inner, limit=limit):
-                value = self._convert(inner)
-                bound = self._constant(limit, value.fraction, 32)
-                size = bound.interval.size
-                clamp = ir.Clamp(value.expression, bound.expression)
-                return _Scaled(clamp, value.fraction, value.interval.limited(-size, size))
-            case ir.Rounded(value=inner):
-                exact = self._convert(inner)
-                whole = ir.Rescale(exact.expression, exact.fraction, Rounding.NEAREST)
-                low, high = exact.interval.low - 0.5, exact.interval.high + 0.5
-                return _Scaled(whole, 0, Interval(low, high))
-            case ir.Table():
-                return self._convert(ir.as_choices(expression))
-            case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
-                test = self._condition(condition)
-                first, second = self._aligned(chosen, otherwise)
-                select = ir.Select(test, first.expression, second.expression)
-                return _Scaled(select, first.fraction, first.interval.hull(second.interval))
-            case _:
-                raise DesignError(
-                    f"block '{self._block}' has no fixed-point form; use it in floating point, "
-                    "or a LookupTable of the function"
-                )
-
-    def _aligned(self, left: ir.Expression, right: ir.Expression) -> tuple[_Scaled, _Scaled]:
-        """Two values with the same fraction, so that their integers can be compared."""
-        sides = (left, right)
-        values = [None if _is_constant(side) else self._convert(side) for side in sides]
-        known = [value.fraction for value in values if value is not None]
-        hull = self._source_range(left).hull(self._source_range(right))
-        fraction = max(known, default=min(finest_fraction(hull, 16), self._fraction))
-        if finest_fraction(hull, 32) < fraction:
-            raise _TooFineError(f"block '{self._block}' reaches {hull.size:.6g}")
-        first, second = (
-            self._constant(side, fraction, 32) if value is None else value.finer(fraction)
-            for value, side in zip(values, sides, strict=True)
-        )
-        return first, second
-
-    def _source_range(self, expression: ir.Expression) -> Interval:
-        if _is_constant(expression):
-            return self._constant_range(expression)
-        return self._convert(expression).interval
-
-    def _literal_fraction(self, value: float) -> int:
-        return min(finest_fraction(Interval(value, value), 16), self._fraction)
-
-    def _constant(self, expression: ir.Expression, fraction: int, width: int = 16) -> _Scaled:
-        """A literal or parameter with a certain fraction."""
-        if isinstance(expression, ir.Literal):
-            form = FixedFormat(width, fraction)
-            if finest_fraction(Interval(expression.value, expression.value), width) < fraction:
-                raise _TooFineError(f"block '{self._block}' has the number {expression.value:.6g}")
-            literal = ir.Literal(form.raw(expression.value), form)
-            self.constants[self._block, literal] = expression.value
-            return _Scaled(literal, fraction, Interval(expression.value, expression.value))
-        assert isinstance(expression, ir.Read)
-        slot = self._declare(expression.slot, width, fraction)
-        assert isinstance(slot.data_type, FixedFormat)
-        if width == 32 and slot.data_type.fraction != fraction:
-            raise DesignError(f"parameter '{slot.name}' must have {fraction} fractional bits")
-        return _Scaled(ir.Read(slot), slot.data_type.fraction, self._ranges[key(expression.slot)])
-
-    def _sum(self, operator: str, left: ir.Expression, right: ir.Expression) -> _Scaled:
-        operands = [None if _is_constant(side) else self._convert(side) for side in (left, right)]
-        if isinstance(left, ir.Literal) and isinstance(right, ir.Literal):
-            value = left.value + right.value if operator == "+" else left.value - right.value
-            return self._constant(replace(left, value=value), self._literal_fraction(value), 32)
-        fraction = max(
-            (value.fraction for value in operands if value is not None), default=self._fraction
-        )
-        first, second = (
-            self._constant(side, fraction, 32) if value is None else value.finer(fraction)
-            for value, side in zip(operands, (left, right), strict=True)
-        )
-        interval = first.interval + second.interval
-        if operator == "-":
-            interval = first.interval - second.interval
-        if finest_fraction(interval, 32) < fraction:
-            raise _TooFineError(f"block '{self._block}' reaches {interval.size:.6g}")
-        expression = ir.Binary(operator, first.expression, second.expression)
-        return _Scaled(expression, fraction, interval)
-
-    def _product(self, left: ir.Expression, right: ir.Expression) -> _Scaled:
-        if _is_constant(right):
-            left, right = right, left
-        if not _is_constant(left):
-            return self._signals_product(left, right)
-        value = self._convert(right)
-        interval = self._constant_range(left)
-        product = interval * value.interval
-        room = finest_fraction(product, 32)
-        gain_fraction = self._gain_fraction(interval)
-        if value.fraction + gain_fraction > room or value.fraction > self._fraction:
-            narrow = finest_fraction(value.interval, 16)
-            value = self._at_fraction(value, min(narrow, value.fraction))
-        gain_fraction = min(gain_fraction, room - value.fraction, self._fraction - value.fraction)
-        gain = self._constant(left, gain_fraction)
-        if interval.size and math.ldexp(interval.size, gain.fraction) < _LEAST_GAIN:
-            raise DesignError(
-                f"block '{self._block}': the gain {interval.size:.6g} keeps too few bits; "
-                "lower the ranges of the states that it drives, or use a LookupTable"
-            )
-        expression = ir.Binary("*", gain.expression, value.expression)
-        return _Scaled(expression, gain.fraction + value.fraction, product)
-
-    def _signals_product(self, left: ir.Expression, right: ir.Expression) -> _Scaled:
-        """Two signals with 16 bits each, so that the product fits into 32."""
-        first, second = (self._in_16_bits(side) for side in (left, right))
-        fraction = first.fraction + second.fraction
-        expression = ir.Binary("*", first.expression, second.expression)
-        interval = first.interval * second.interval
-        kept = min(fraction, self._fraction)
-        if math.ldexp(interval.size, kept) < 1 << _LEAST_GAIN_BITS:
-            raise DesignError(
-                f"block '{self._block}' multiplies signals and keeps too few bits of their "
-                f"product, which is within {interval.size:.6g}; use a LookupTable of the function, "
-                "or lower the ranges elsewhere"
-            )
-        return self._at_fraction(_Scaled(expression, fraction, interval), kept)
-
-    def _in_16_bits(self, side: ir.Expression) -> _Scaled:
-        value = self._convert(side)
-        return self._at_fraction(value, min(value.fraction, finest_fraction(value.interval, 16)))
-
-    def _constant_range(self, expression: ir.Expression) -> Interval:
-        if isinstance(expression, ir.Literal):
-            return Interval(expression.value, expression.value)
-        assert isinstance(expression, ir.Read)
-        return self._ranges[key(expression.slot)]
-
-    def _gain_fraction(self, interval: Interval) -> int:
-        needed = _LEAST_GAIN_BITS - 1 - math.floor(math.log2(interval.size or 1.0))
-        return min(finest_fraction(interval, 16), max(self._options.gain_fraction, needed))
-
-
-def _is_constant(expression: ir.Expression) -> bool:
-    if isinstance(expression, ir.Read):
-        return expression.slot.kind is ir.Kind.PARAMETER
-    return isinstance(expression, ir.Literal)

@@ -14,6 +14,7 @@ from ravenbrick.model.ranges import Key, key, narrowed
 __all__ = ["Key", "expression_range", "integer_ranges", "key"]
 
 _WORD = Interval(-(2**31), 2**31 - 1)
+_LONG = Interval(-(2**63), 2**63 - 1)
 _ROUNDS = 60
 
 
@@ -21,8 +22,9 @@ def integer_ranges(program: ir.Program) -> dict[Key, Interval]:
     """Raw ranges of all variables, for any inputs of their formats and any number of steps.
 
     By induction: the states' ranges grow from their initial values until one more step leaves
-    them as they are; a state that still grows gets its whole format, which the next step must
-    keep. Raises `OverflowError` that names the block whose result exceeds 32 bits or its format.
+    them as they are; a state that still grows gets all that its limits, or else its format,
+    allow, which the next step must keep. Raises `OverflowError` that names the block whose result
+    exceeds its accumulator or its format.
     """
     program = flattened(program)
     ranges: dict[Key, Interval] = {}
@@ -43,8 +45,21 @@ def integer_ranges(program: ir.Program) -> dict[Key, Interval]:
             break
         for slot in program.states:
             if key(slot) in growing:
-                ranges[key(slot)] = _limits(slot)
+                ranges[key(slot)] = ranges[key(slot)].hull(_kept_within(program, slot))
     raise OverflowError(f"the range of state '{growing[0][1]}' has no end")
+
+
+def _kept_within(program: ir.Program, slot: ir.Slot) -> Interval:
+    """What the assignments of a state limit it to."""
+    found = None
+    for statement in ir.statements(program.statements):
+        if key(statement.target) == key(slot):
+            bounded = statement.expression
+            if not isinstance(bounded, ir.Bounded):
+                return _limits(slot)
+            own = Interval(bounded.low, bounded.high)
+            found = own if found is None else found.hull(own)
+    return found or _limits(slot)
 
 
 def _limits(slot: ir.Slot) -> Interval:
@@ -88,7 +103,10 @@ def expression_range(
         case ir.Bounded(value=inner, low=low, high=high):
             result = expression_range(inner, ranges, block).limited(low, high)
         case ir.Rescale(value=inner, bits=bits, rounding=rounding):
-            result = _rescaled(expression_range(inner, ranges, block), bits, rounding, block)
+            room = _room(inner)
+            result = _rescaled(expression_range(inner, ranges, block), bits, rounding, block, room)
+        case ir.Cast(value=inner):
+            result = expression_range(inner, ranges, block)
         case ir.Select(condition=condition, chosen=chosen, otherwise=otherwise):
             sides = [
                 expression_range(side, ranges, block) for side in (condition.left, condition.right)
@@ -101,15 +119,23 @@ def expression_range(
             result = branches[0].hull(branches[-1])
         case _:
             raise OverflowError(f"block '{block}' is not in fixed point")
-    if not result.within(_WORD):
-        raise OverflowError(f"block '{block}' reaches {result.size:.0f}, beyond 32 bits")
+    room = _room(expression)
+    if not result.within(room):
+        bits = 32 if room is _WORD else 64
+        raise OverflowError(f"block '{block}' reaches {result.size:.0f}, beyond {bits} bits")
     return result
 
 
-def _rescaled(value: Interval, bits: int, rounding: Rounding, block: str) -> Interval:
+def _room(expression: ir.Expression) -> Interval:
+    return _LONG if ir.is_wide(expression) else _WORD
+
+
+def _rescaled(
+    value: Interval, bits: int, rounding: Rounding, block: str, room: Interval
+) -> Interval:
     """The C adds half a unit before it divides: that must fit as well."""
     half = (1 << bits) >> 1 if rounding is Rounding.NEAREST else 0
-    if not Interval(value.low - half, value.high + half).within(_WORD):
+    if not Interval(value.low - half, value.high + half).within(room):
         raise OverflowError(f"block '{block}' leaves no room to round")
     low, high = int(value.low), int(value.high)
     return Interval(rounding.divide(low, bits), rounding.divide(high, bits))

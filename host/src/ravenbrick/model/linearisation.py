@@ -57,18 +57,19 @@ def linearise(diagram: Diagram | ir.Program) -> control.StateSpace:
     return linear_system(diagram).for_control()
 
 
-def linear_system(diagram: Diagram | ir.Program) -> LinearSystem:
-    """The matrices of `linearise`."""
+def linear_system(diagram: Diagram | ir.Program, *, constants: bool = False) -> LinearSystem:
+    """The matrices of `linearise`; with `constants` one more input, always 1, adds offsets."""
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
-    return _Linearisation(flattened(with_shifts(program)), 0).system()
+    return _Linearisation(flattened(with_shifts(program)), 0).system(constants=constants)
 
 
 def linearise_with_errors(
-    program: ir.Program,
+    program: ir.Program, *, constants: bool = False
 ) -> tuple[control.StateSpace, tuple[ErrorSource, ...]]:
     """The linear system of a fixed-point program with one more input per source of rounding.
 
-    Inputs are the program's, then one per rounding in order of execution, then one per state.
+    Inputs are the program's, then one per rounding in order of execution, then one per state, then
+    with `constants` the 1 that adds offsets.
     """
     program = flattened(with_shifts(program))
     roundings = [
@@ -77,7 +78,7 @@ def linearise_with_errors(
         for node in _rescales(statement.expression)
     ]
     lines = _Linearisation(program, len(roundings) + len(program.states))
-    system = lines.system()
+    system = lines.system(constants=constants)
     sources = [
         ErrorSource(block, what, lsb, rounding.largest_error, active)
         for (block, what, lsb, rounding), active in zip(roundings, lines.active, strict=True)
@@ -137,8 +138,9 @@ class _Linearisation:
         vector[column] = 1.0
         return vector
 
-    def system(self) -> LinearSystem:
+    def system(self, *, constants: bool = False) -> LinearSystem:
         """Run the statements and read the matrices off."""
+        last = None if constants else -1
         program, values = self._program, self._values
         for column, slot in enumerate(self._variables):
             values[slot.kind, slot.name] = self._unit(column)
@@ -158,9 +160,9 @@ class _Linearisation:
         outputs = np.array([values[slot.kind, slot.name] for slot in program.outputs])
         return LinearSystem(
             states[:, :order],
-            states[:, order:-1],
+            states[:, order:last],
             outputs[:, :order],
-            outputs[:, order:-1],
+            outputs[:, order:last],
             program.sample_time,
         )
 

@@ -39,14 +39,17 @@ class Rounding(Enum):
 
 @dataclass(frozen=True)
 class FixedFormat:
-    """A signed integer of `width` bits (16 or 32) that stands for itself times 2**-fraction."""
+    """A signed integer of `width` bits that stands for itself times 2**-fraction.
+
+    Variables have 16 or 32 bits, accumulators 32 or 64.
+    """
 
     width: int
     fraction: int
 
     def __post_init__(self) -> None:
-        if self.width not in (16, 32):
-            raise DesignError(f"a fixed-point format has 16 or 32 bits, not {self.width}")
+        if self.width not in (16, 32, 64):
+            raise DesignError(f"a fixed-point format has 16, 32 or 64 bits, not {self.width}")
 
     def __str__(self) -> str:
         """The name that Simulink gives the format, such as sfix16_En11."""
@@ -166,7 +169,8 @@ def finest_fraction(interval: Interval, width: int) -> int:
     if interval.size == 0.0:
         return width - 1
     fraction = width - 1 - math.floor(math.log2(interval.size))
-    low, high = FixedFormat(width, fraction).limits
+    high = (1 << (width - 1)) - 1
+    low = -high - 1
     while not (
         low <= round(math.ldexp(interval.low, fraction))
         and round(math.ldexp(interval.high, fraction)) <= high

@@ -46,6 +46,7 @@ __all__ = [
     "expression_type",
     "expressions",
     "is_fixed_point",
+    "is_wide",
     "mapped",
     "read_elsewhere",
     "rebuilt",
@@ -142,10 +143,10 @@ class Clamp:
 
 @dataclass(frozen=True)
 class Cast:
-    """Conversion to another format, rounded to nearest even."""
+    """Conversion to another format, rounded to nearest even; of integers to 64 bits."""
 
     value: Expression
-    data_type: DataType
+    data_type: NumberFormat
 
 
 @dataclass(frozen=True)
@@ -404,6 +405,12 @@ def rebuilt(expression: Expression, change: Callable[[Expression], Expression]) 
             return replace(expression, arguments=tuple(map(change, arguments)))
         case _:
             return replace(expression, value=change(expression.value))
+
+
+def is_wide(expression: Expression) -> bool:
+    """Whether a fixed-point expression is computed in 64 bits."""
+    form = expression_type(expression)
+    return isinstance(form, FixedFormat) and form.width == 64
 
 
 def expression_type(expression: Expression) -> NumberFormat:

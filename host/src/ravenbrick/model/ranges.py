@@ -36,9 +36,10 @@ def key(slot: ir.Slot) -> Key:
 def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key, Interval]:
     """The range of every variable.
 
-    `given` by block: all Inports, and the states that neither interval analysis nor the peak gain
-    of the linear program bounds (an integrator has no bound of its own). Parameters have the
-    single value they begin with. Raises `DesignError` that names the block without a range.
+    `given` by block, or by the name of a state: all Inports, and the states that neither interval
+    analysis nor the peak gain of the linear program bounds (an integrator has no bound of its own).
+    Parameters have the single value they begin with. Raises `DesignError` that names the block
+    without a range.
     """
     program = flattened(program)
     ranges: dict[Key, Interval] = {}
@@ -48,10 +49,11 @@ def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key,
         ranges[key(slot)] = given[slot.block]
     for slot in program.parameters:
         ranges[key(slot)] = Interval(slot.initial, slot.initial)
-    free = [slot for slot in program.states if slot.block not in given]
+    stated = {slot.name: given.get(slot.name, given.get(slot.block)) for slot in program.states}
+    free = [slot for slot in program.states if stated[slot.name] is None]
     for slot in program.states:
-        start = Interval(slot.initial, slot.initial)
-        ranges[key(slot)] = given[slot.block].hull(start) if slot.block in given else start
+        start, wanted = Interval(slot.initial, slot.initial), stated[slot.name]
+        ranges[key(slot)] = start if wanted is None else wanted.hull(start)
     starts = dict(ranges)
     growing = _iterate(program, ranges, free)
     if not growing:

@@ -4,13 +4,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from ravenbrick.control.rounding.ideal_error import (
+    PhysicalForms,
+    error_sizes,
+    input_sizes,
+)
 from ravenbrick.control.rounding.peak_gain import peak_gain
 from ravenbrick.errors import DesignError
+from ravenbrick.model import LinearSystem
 from ravenbrick.model import program as ir
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.flattening import flattened
@@ -18,8 +24,6 @@ from ravenbrick.model.lazy import control
 from ravenbrick.model.linearisation import (
     ErrorSource,
     fraction_of,
-    linearise_with_errors,
-    lsb_of,
 )
 from ravenbrick.model.number_format import FixedFormat, Interval
 
@@ -47,16 +51,23 @@ class PlantInLoop:
 class ClosedLoopBound:
     """|error of the observed signal| <= `total` for all time, as long as no limit is reached.
 
-    The error is the difference to the same loop without rounding, with the same gains. Per source
-    the peak gain from an error (in the source's unit) to the observed signal, and its share of the
-    total.
+    The error is the difference to the same loop as designed: in real numbers, with the gains
+    wanted. Per source the peak gain from a rounding error (in the source's unit) to the observed
+    signal, and its share; `coefficients` is the share of the gains as held, for inports in their
+    declared ranges.
     """
 
     sources: tuple[ErrorSource, ...]
     peak_gains: tuple[float, ...]
     shares: tuple[float, ...]
+    coefficients: float
     total: float
     unit: str
+
+    @property
+    def rounding(self) -> float:
+        """The share of all roundings."""
+        return sum(self.shares)
 
     def peak_gain(self, block: str, what: str) -> float:
         """The largest peak gain of the block's errors of this kind."""
@@ -83,48 +94,46 @@ def closed_loop_bound(fixed: FixedPoint, plant: PlantInLoop) -> ClosedLoopBound:
             f"block '{deciding[0]}' decides or rounds: a rounding error before it may change what "
             "it does, so no bound in the loop is stated; leave out the plant"
         )
-    system, sources = linearise_with_errors(fixed.program)
-    loop = _error_loop(fixed, system, sources, plant)
-    gains = peak_gain(loop)[0]
-    shares = [
-        float(gain) * source.size * source.lsb if source.active else 0.0
-        for gain, source in zip(gains, sources, strict=True)
-    ]
+    _check_plant(fixed, plant)
+    forms = PhysicalForms.of(fixed)
+    names = [slot.name for slot in fixed.program.inputs]
+    measured = [names.index(name) for name in plant.measured]
+    held, ideal = (_closed(form, measured, plant) for form in (forms.held, forms.ideal))
+    closed = replace(forms, held=held, ideal=ideal, held_start=_resting(forms.held_start, plant),
+                     ideal_start=_resting(forms.ideal_start, plant))  # fmt: skip
+    gains = peak_gain(closed.errors())[0]
+    shares = gains * error_sizes(forms.sources)
+    sizes = input_sizes(fixed)
+    for index in measured:
+        sizes[index] = 0.0
+    moved = peak_gain(closed.difference())[0] @ np.array([*sizes, 1.0, 1.0])
     return ClosedLoopBound(
-        sources, tuple(map(float, gains)), tuple(shares), sum(shares), plant.unit
+        forms.sources,
+        tuple(map(float, gains)),
+        tuple(map(float, shares)),
+        float(moved),
+        float(shares.sum() + moved),
+        plant.unit,
     )
 
 
-def _error_loop(
-    fixed: FixedPoint,
-    controller: control.StateSpace,
-    sources: tuple[ErrorSource, ...],
-    plant: PlantInLoop,
-) -> control.StateSpace:
-    """From the errors, in the units they stand for, to the observed signal."""
-    program = fixed.program
-    _check_plant(fixed, plant)
-    names = [slot.name for slot in program.inputs]
-    measured = [names.index(name) for name in plant.measured]
-    entry = np.diag([1.0 / lsb_of(program.inputs[place]) for place in measured])
-    errors = np.diag([1.0 / source.lsb for source in sources])
-    leave = np.diag([lsb_of(slot) for slot in program.outputs])
-    count = len(names)
+def _resting(start: _Array, plant: PlantInLoop) -> _Array:
+    return np.concatenate([np.zeros(plant.system.nstates), start])
+
+
+def _closed(controller: LinearSystem, measured: list[int], plant: PlantInLoop) -> LinearSystem:
+    """The loop from all inputs of the controller to the observed signal, plant states first."""
     system = plant.system
-    b_measured, b_error = controller.B[:, measured] @ entry, controller.B[:, count:] @ errors
-    c_out = leave @ controller.C
-    d_measured = leave @ controller.D[:, measured] @ entry
-    d_error = leave @ controller.D[:, count:] @ errors
+    b_measured, d_measured = controller.B[:, measured], controller.D[:, measured]
     matrix = np.block(
         [
-            [system.A + system.B @ d_measured @ system.C, system.B @ c_out],
+            [system.A + system.B @ d_measured @ system.C, system.B @ controller.C],
             [b_measured @ system.C, controller.A],
         ]
     )
-    drive = np.vstack([system.B @ d_error, b_error])
-    row = np.hstack([plant.observed_gain * system.C[:1], np.zeros((1, len(controller.A)))])
-    still = np.zeros((1, drive.shape[1]))
-    return control.ss(matrix, drive, row, still, program.sample_time, remove_useless_states=False)
+    drive = np.vstack([system.B @ controller.D, controller.B])
+    row = np.hstack([plant.observed_gain * system.C[:1], np.zeros((1, controller.nstates))])
+    return LinearSystem(matrix, drive, row, np.zeros((1, drive.shape[1])), controller.dt)
 
 
 def _check_plant(fixed: FixedPoint, plant: PlantInLoop) -> None:
