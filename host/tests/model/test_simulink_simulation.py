@@ -171,6 +171,28 @@ def test_a_signal_generator_repeats_its_wave(form: str, wave: Any, tmp_path: Pat
     assert values(found, "W")[smooth] == pytest.approx(3 * wave(turns[smooth]), abs=1e-8)
 
 
+def test_a_repeating_sequence_and_a_chirp_follow_the_time(tmp_path: Path) -> None:
+    """Lines between corners again and again; a frequency that grows."""
+    parts = {"rep_seq_t": "[0 1 2]", "rep_seq_y": "[0 4 0]"}
+    link = "simulink/Sources/Repeating Sequence"
+    found = run(tmp_path / "m.slx", sources("Reference", SourceBlock=link, **parts), 5.0)
+    place = found.times % 2
+    assert values(found, "W") == pytest.approx(4 * np.minimum(place, 2 - place), abs=1e-6)
+    parts = {"f1": "1", "T": "10", "f2": "3"}
+    link = "simulink/Sources/Chirp Signal"
+    found = run(tmp_path / "n.slx", sources("Reference", SourceBlock=link, **parts), 5.0)
+    turns = (1 + 0.1 * found.times) * found.times
+    assert values(found, "W") == pytest.approx(np.sin(2 * np.pi * turns), abs=1e-7)
+
+
+def test_a_variable_of_the_workspace_is_a_recorded_signal(tmp_path: Path) -> None:
+    """Rows of time and value, joined by straight lines."""
+    path = single_file(tmp_path / "m.slx", sources("FromWorkspace", VariableName="record"))
+    rows = np.array([[0.0, 1.0], [1.0, 3.0], [2.0, -1.0]])
+    found = simulate(ModelSource(path, 0.0, Workspace({"record": rows}), ()), 2.0)
+    assert values(found, "W") == pytest.approx(np.interp(found.times, *rows.T), abs=1e-8)
+
+
 def test_a_double_integrator_gives_place_and_speed(tmp_path: Path) -> None:
     """Of a constant acceleration from a place and a speed."""
     root = block("Constant", "a", 1, Value="-9.81")

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
     Block,
@@ -19,9 +21,11 @@ from ravenbrick.model import (
 )
 from ravenbrick.simulink.blocks.conditions import held_output, triggered
 from ravenbrick.simulink.blocks.library import library_maker, library_name, own_library
+from ravenbrick.simulink.blocks.sources import recorded
 from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, MAKERS, STRUCTURE
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Names, identifier
 from ravenbrick.simulink.network import CONTROLS, End, Network, Site
+from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import block_rates, own_rate
 from ravenbrick.simulink.shapes import shapes_of
 from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Wire, size_of
@@ -99,7 +103,7 @@ class Translation:
         elif network.is_root_port(site):
             self._root_port(site)
         elif kind == "FromWorkspace":
-            self._inport(site)
+            self._from_workspace(site)
         elif kind == "Outport" and network.controls.get(site.system):
             self._run(site, held_output)
         elif kind in STRUCTURE and (kind != "ModelReference" or network.is_system(site.path)):
@@ -170,6 +174,19 @@ class Translation:
             wires.append(Node(Inport(name), site.path))
         self.nodes += [wire for wire in wires if isinstance(wire, Node)]
         self._outputs[site.path, 1] = wires
+
+    def _from_workspace(self, site: Site) -> None:
+        """In a simulation the rows of time and values that a variable has, else an input."""
+        text = site.block.parameters.get("VariableName", "simin")
+        if self._form is ContinuousForm.SOLVED and not site.variables.guess:
+            try:
+                rows = value_of(text, site.variables)
+            except ValueError:
+                rows = np.zeros((0, 0))
+            if len(rows) > 1 and rows.shape[1] > 1:
+                self._run(site, lambda b: recorded(b, rows))
+                return
+        self._inport(site)
 
     def _outport(self, site: Site, name: str, port: int = 1) -> None:
         end = self.network.source(site.path, port)
@@ -311,6 +328,6 @@ def _unsupported(site: Site) -> tuple[str, bool]:
         return "an S-Function, a program in another language; write a CustomFunction", True
     if site.kind in ("PMIOPort", "PMComponent", "SimscapeBlock", "SimscapeComponentBlock"):
         return "physical modelling", True
-    if site.kind in ("MATLABSystem", "SliderBlock", "KnobBlock", "ModelReference"):
+    if site.kind in ("MATLABSystem", "ModelReference"):
         return "it stands for something outside the model", True
     return "this type of block is not supported", False

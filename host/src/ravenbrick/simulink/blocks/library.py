@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Mapping
 
@@ -117,22 +118,6 @@ def _stairs(b: Builder) -> None:
     b.out([sequence(b, values)])
 
 
-def _repeating(b: Builder) -> None:
-    """Lines through points in time, again and again."""
-    d = b.dialog()
-    times, values = d.numbers("rep_seq_t", "[0 2]"), d.numbers("rep_seq_y", "[0 2]")
-    count = d.samples(times[-1] - times[0])
-    if not 2 <= count <= 1000 or len(times) != len(values):
-        raise ValueError(f"a period of {count} samples")
-    share = [times[0] + index * b.sample_time for index in range(count)]
-    lines = []
-    for time in share:
-        index = max(i for i in range(len(times) - 1) if times[i] <= time + 1e-12)
-        rise = (values[index + 1] - values[index]) / (times[index + 1] - times[index])
-        lines.append(values[index] + rise * (time - times[index]))
-    b.out([sequence(b, tuple(lines))])
-
-
 def _always(b: Builder) -> None:
     """A call in every step of its own rate."""
     b.out([b.constant(1.0)])
@@ -173,9 +158,21 @@ def _bits(sign: str, mask: int) -> CustomFunction:
     )
 
 
+def _converted(factor: float, offset: float = 0.0) -> Callable[[Builder], None]:
+    """Another unit of the same quantity."""
+
+    def make(b: Builder) -> None:
+        scaled = [b.scaled(factor, wire) for wire in b.inputs()]
+        b.out([b.sum(one, b.constant(offset)) if offset else one for one in scaled])
+
+    return make
+
+
 _LIBRARY: Mapping[str, Callable[[Builder], None]] = {
     "Bitwise Operator": _bitwise,
+    "Celsius to Fahrenheit": _converted(1.8, 32.0),
     "Dead Zone Dynamic": _dead_zone,
+    "Degrees to Radians": _converted(math.pi / 180),
     "Detect Change": _changes("~="),
     "Detect Decrease": _changes("<"),
     "Detect Increase": _changes(">"),
@@ -184,10 +181,11 @@ _LIBRARY: Mapping[str, Callable[[Builder], None]] = {
     "Detect Rise Nonnegative": _crossing(">="),
     "Detect Rise Positive": _crossing(">"),
     "Difference": _difference,
+    "Fahrenheit to Celsius": _converted(1 / 1.8, -32 / 1.8),
     "Function-Call Generator": _always,
     "Interval Test": _interval_test,
+    "Radians to Degrees": _converted(180 / math.pi),
     "Rate Limiter Dynamic": _rate_limit,
-    "Repeating Sequence": _repeating,
     "Repeating Sequence Stair": _stairs,
     "S-R Flip-Flop": _flip_flop,
     "Saturation Dynamic": _saturation,

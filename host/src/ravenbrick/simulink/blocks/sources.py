@@ -7,12 +7,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from ravenbrick.model import LookupTable, Merge, Ramp, RoundingFunction, Trigonometry
 from ravenbrick.simulink.builder import Builder, ContinuousForm
 from ravenbrick.simulink.signals import Wire
 from ravenbrick.simulink.simulation.continuous import TimeFunction
 
-__all__ = ["SOURCES", "sequence"]
+__all__ = ["SOURCES", "recorded", "sequence"]
 
 
 def sequence(b: Builder, values: tuple[float, ...]) -> Wire:
@@ -62,6 +64,65 @@ def _ramp(b: Builder) -> None:
     b.out(found)
 
 
+def recorded(b: Builder, rows: np.ndarray) -> None:
+    """Straight lines between rows of time and values; the last value stays."""
+    times = rows[:, 0]
+    found = []
+    for column in rows.T[1:]:
+        values = np.array(column)
+        found.append(_in_time(b, _interpolated(times, values), lambda _: times.tolist()))
+    b.out(found)
+
+
+def _interpolated(times: np.ndarray, values: np.ndarray) -> Callable[[float], float]:
+    return lambda t: float(np.interp(t, times, values))
+
+
+def _repeating(b: Builder) -> None:
+    """Lines through points in time, again and again."""
+    d = b.dialog()
+    times, values = d.numbers("rep_seq_t", "[0 2]"), d.numbers("rep_seq_y", "[0 2]")
+    period = times[-1] - times[0]
+    if len(times) != len(values) or not period > 0:
+        raise ValueError("its times do not fit its values")
+    lines = _interpolated(np.array(times), np.array(values))
+    if b.form is ContinuousForm.SOLVED:
+        wave = _repeated(lines, times[0], period)
+        b.out([_in_time(b, wave, _multiples(period, times))])
+        return
+    count = d.samples(period)
+    if not 2 <= count <= _LONGEST:
+        raise ValueError(f"a period of {count} samples")
+    b.out([sequence(b, tuple(lines(times[0] + k * b.sample_time) for k in range(count)))])
+
+
+def _repeated(
+    lines: Callable[[float], float], first: float, period: float
+) -> Callable[[float], float]:
+    return lambda t: lines(first + (t + _EARLY * period) % period)
+
+
+def _multiples(period: float, times: tuple[float, ...]) -> Callable[[float], list[float]]:
+    """The corners of all periods."""
+    corners = [time - times[0] for time in times[:-1]]
+    return lambda until: [
+        turn * period + corner for turn in range(int(until / period) + 1) for corner in corners
+    ]
+
+
+def _chirp(b: Builder) -> None:
+    """A sine whose frequency goes from f1 to f2 (Hz) in T seconds, and on."""
+    d = b.dialog()
+    first, time, last = d.number("f1", "0.1"), d.number("T", "100"), d.number("f2", "1")
+    rise = (last - first) / (2 * time)
+    if b.form is ContinuousForm.SOLVED:
+        b.out([_in_time(b, lambda t: math.sin(math.tau * (first + rise * t) * t), lambda _: [])])
+        return
+    t = b.add(Ramp("B", slope=b.sample_time), ending="_time")
+    pace = b.sum(b.constant(first), b.scaled(rise, t))
+    b.out([b.add(Trigonometry("B"), b.scaled(math.tau, b.product(pace, t)))])
+
+
 def _line(slope: float, start: float, first: float) -> Callable[[float], float]:
     return lambda t: first + slope * max(t - start, 0.0)
 
@@ -100,6 +161,7 @@ _WAVES: Mapping[str, Callable[[float], float]] = {
     "square": lambda turn: 1.0 if turn % 1.0 < 0.5 else -1.0,
     "sawtooth": lambda turn: 1.0 - 2.0 * (turn % 1.0),
 }
+_LONGEST = 1000
 _EARLY = 1e-9  # of a turn: an instant just before a jump belongs to it
 
 
@@ -135,5 +197,7 @@ SOURCES: Mapping[str, Callable[[Builder], None]] = {
     "SignalGenerator": _generator,
     "simulink/Counter Free-Running": _free_counter,
     "simulink/Counter Limited": _limited_counter,
+    "simulink/Chirp Signal": _chirp,
     "simulink/Ramp": _ramp,
+    "simulink/Repeating Sequence": _repeating,
 }

@@ -54,7 +54,11 @@ __all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
 
 IGNORED = frozenset(
     """Scope Display ToWorkspace ToFile Terminator XYGraph FloatingScope Annotation
-    DataTypeDuplicate DataTypePropagation MessageViewer LampBlock GaugeBlock DisplayBlock""".split()
+    DataTypeDuplicate DataTypePropagation MessageViewer SpectrumAnalyzer
+    LampBlock GaugeBlock DisplayBlock EditField RadioButtonGroup SliderBlock SliderSwitchBlock
+    KnobBlock RockerSwitchBlock ToggleSwitchBlock RotarySwitchBlock PushButtonBlock Checkbox
+    ComboBox CircularGaugeBlock LinearGaugeBlock SemiCircularGaugeBlock QuarterGaugeBlock
+    DashboardScope MultiStateImageBlock""".split()
 )
 STRUCTURE = frozenset(
     """Inport InportShadow Outport SubSystem Goto From GotoTagVisibility ActionPort EnablePort
@@ -343,6 +347,17 @@ _SINGLE: Mapping[str, Maker] = {
     "ZeroPole": _zero_pole,
 }
 
+
+def _initial_condition(b: Builder) -> None:
+    """A number at the beginning, then the input."""
+    wires = b.inputs(1, b.width("Value"))
+    begins: Wire = b.add(Step("B", at_sample=1, before=1.0, after=0.0), ending="_begins")
+    if b.form is ContinuousForm.SOLVED:
+        begins = b.compare(b.time(), "<=", 0.0)
+    b.out([b.choose(begins, b.constant(b.dialog(element=e).number("Value", "1")), wire)
+           for e, wire in enumerate(wires)])  # fmt: skip
+
+
 MAKERS: Mapping[str, Callable[[Builder], None]] = {
     **{kind: _each(maker) for kind, maker in _SINGLE.items()},
     **ROUTING,
@@ -355,6 +370,7 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
     "Bias": _bias,
     "Derivative": _derivative,
     "DiscretePulseGenerator": _pulse,
+    "InitialCondition": _initial_condition,
     "Sin": _sine,
 }
 
