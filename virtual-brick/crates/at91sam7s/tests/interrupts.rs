@@ -218,6 +218,20 @@ fn software_sets_and_clears_edge_sources_only() {
 }
 
 #[test]
+fn a_line_that_is_active_when_its_source_becomes_edge_triggered_is_an_edge_once() {
+    let mut chip = running_chip();
+    let due = arm_interval_timer(&mut chip);
+    run_to(&mut chip, due + 10);
+    enable(&mut chip, 1, EDGE);
+    chip.internal(8);
+    assert_eq!(read(&mut chip, IPR), 1 << 1);
+    write(&mut chip, ICCR, 1 << 1);
+    write(&mut chip, AIC + 4, EDGE | 3);
+    chip.internal(8);
+    assert_eq!(read(&mut chip, IPR), 0, "another priority is no edge");
+}
+
+#[test]
 fn a_disabled_source_is_remembered_and_comes_when_it_is_enabled() {
     let mut chip = running_chip();
     enable(&mut chip, 20, EDGE);

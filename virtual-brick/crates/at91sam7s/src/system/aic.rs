@@ -267,14 +267,18 @@ impl Aic {
         Ok(outcome)
     }
 
+    /// A source that is active when it becomes edge-triggered has an edge at that instant. No
+    /// document says so: nxtOSEK, which restarts on real bricks, sets the mode of its clock again
+    /// while the interval timer's flag is up, and waits for that interrupt.
     fn set_mode(&mut self, source: u8, value: u32, now: Cycles) {
-        let before = self.pending(source);
+        let (was_edge, before) = (self.is_edge(source), self.pending(source));
         self.mode[usize::from(source)] = value & 0x67;
         let bit = 1 << source;
         self.edges = self.edges & !bit | if value & 1 << 5 != 0 { bit } else { 0 };
         let inverts = EXTERNAL & bit != 0 && value & 1 << 6 == 0;
         self.inverted = self.inverted & !bit | if inverts { bit } else { 0 };
-        if self.pending(source) && !before {
+        let edge = !was_edge && self.is_edge(source) && self.active(source);
+        if edge || self.pending(source) && !before {
             self.activate(source, now);
         }
     }
