@@ -47,6 +47,16 @@ def test_messages_to_the_co_processor_are_made_by_hand(brick: Callable[..., Bric
     assert device.run_to_end(2_000).reason == "power_off"
 
 
+def test_an_empty_message_puts_nothing_on_the_bus(brick: Callable[..., Brick]) -> None:
+    """After the greeting only messages of nine bytes; the interface could send what was left."""
+    device = brick("link_messages")
+    device.device.record_buses()
+    device.run(100)
+    written = [event for _, event in device.device.bus_log() if event.startswith("twi")]
+    frames = " ".join(written).split("twi P")
+    assert {frame.count("twi") for frame in frames if "S 02" in frame} == {10, 48}
+
+
 def test_functions_make_limited_objects_with_a_heap_of_no_bytes(
     brick: Callable[..., Brick],
 ) -> None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 from verification.support.bricks.observe import Brick
@@ -47,6 +48,25 @@ def test_an_unhandled_exception_names_its_place(brick: Callable[..., Brick]) -> 
     text = device.text()
     assert text[0] == "Program failed"
     assert "".join(text[2:4]) == f"last_chance.adb:{failing_line()}"
+
+
+def test_a_failed_program_goes_on_noting_the_count_of_its_clock(
+    brick: Callable[..., Brick],
+) -> None:
+    """Else it misses every second wrap of the 32 bits, and waits 24 minutes for the power button.
+
+    What was noted last stands first in the record; a count is 16 cycles.
+    """
+    device = brick("last_chance")
+    device.set(5_000, "button.orange", 1)
+    noted = []
+    for ms in (600, 700, 800):
+        device.run(ms)
+        address, _ = device.device.symbol("ravenbrick__clock__seen")
+        noted.append(int.from_bytes(device.device.read_memory(address, 4), "little"))
+    per_100_ms = device.cycles(100) / 16
+    for earlier, later in pairwise(noted):
+        assert abs(later - earlier - per_100_ms) < 0.1 * per_100_ms
 
 
 def test_a_full_stack_is_reported_with_the_name_of_its_task(brick: Callable[..., Brick]) -> None:

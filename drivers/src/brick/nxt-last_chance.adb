@@ -10,6 +10,7 @@ with NXT.Forced_Power_Off;
 with NXT.LCD;
 with NXT.SPI.Bus;
 with NXT.TWI.Bus;
+with Ravenbrick.Clock;
 with Ravenbrick.Failures.Context;
 
 package body NXT.Last_Chance is
@@ -137,10 +138,15 @@ package body NXT.Last_Chance is
       Report (Message);
    end Stop_And_Report;
 
-   --  As long as a frame of the link lasts in NXT.AVR, less the time of the transfer before.
+   --  As long as a frame of the link lasts in NXT.AVR, less the time of the transfer before. No
+   --  interrupt of the run-time notes the count of the clock any more, so that its wraps are seen.
    procedure Await_Next (Transfer : in out Ada.Real_Time.Time) is
       use Ada.Real_Time;
+      Now   : Ravenbrick.Clock.Units;
+      Count : Ravenbrick.Clock.Count;
+      pragma Unreferenced (Now, Count);
    begin
+      Ravenbrick.Clock.Observe (Now, Count);
       Transfer := Transfer + Milliseconds (Configuration.Link_Period_Ms);
       while Clock < Transfer loop
          null;

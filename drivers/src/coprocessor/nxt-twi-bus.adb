@@ -94,7 +94,7 @@ package body NXT.TWI.Bus is
 
    procedure Send_Polled (Device : Device_Id; Message : Byte_Array; Acknowledged : out Boolean) is
       use NXT.Registers.TWI;
-      Seen : Word;
+      Seen : Word := Transmit_Ready;
    begin
       Controller.TWI_MMR := To_Device (Word (Device));
       for Value of Message loop

@@ -38,6 +38,10 @@ package body NXT.TWI is
 
       procedure Send (Device : Device_Id; Message : Byte_Array) is
       begin
+         if Message'Length = 0 then
+            State := Done;
+            return;
+         end if;
          State := Busy;
          Length := Message'Length;
          Buffer (1 .. Length) := Message;
@@ -139,11 +143,21 @@ package body NXT.TWI is
       Transfer.Fetch (Message);
    end Fetch;
 
+   Set_Up : Boolean := False with Atomic;
+
    procedure Reset is
    begin
       Transfer.Abandon;
       Bus.Reset;
+      Set_Up := True;
    end Reset;
+
+   procedure Set_Up_Once is
+   begin
+      if not Set_Up then
+         Reset;
+      end if;
+   end Set_Up_Once;
 
    procedure Await_End is
       use Ada.Real_Time;
@@ -167,6 +181,7 @@ package body NXT.TWI is
       pragma Unreferenced (Adrlen);
       Message : Byte_Array (1 .. Msg_Len) with Import, Address => Msg;
    begin
+      Set_Up_Once;
       Start_Send (Dev, Message);
       Await_End;
    end Send;
@@ -177,6 +192,7 @@ package body NXT.TWI is
       pragma Unreferenced (Adrlen);
       Message : Byte_Array (1 .. Msg_Len) with Import, Address => Msg;
    begin
+      Set_Up_Once;
       Start_Receive (Dev, Msg_Len);
       Await_End;
       if Status = Done then

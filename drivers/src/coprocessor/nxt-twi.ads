@@ -25,8 +25,9 @@ package NXT.TWI is
    --  The state of the last transfer started; Done before the first one.
 
    procedure Start_Send (Device : Device_Id; Message : Byte_Array)
-     with Pre => Message'Length in Transfer_Length;
-   --  Send a copy of Message. The previous transfer must have ended, see Status.
+     with Pre => Message'Length <= Maximum_Length;
+   --  Send a copy of Message. The previous transfer must have ended, see Status. The interface
+   --  cannot send an address alone: an empty message is Done without a transfer.
 
    procedure Start_Receive (Device : Device_Id; Length : Transfer_Length)
      with Pre => Length >= 2;
@@ -41,13 +42,13 @@ package NXT.TWI is
 
    --  As known from GNAT for MINDSTORMS, for programs that do without NXT.AVR. The caller is
    --  delayed until the transfer has ended; one that lasts more than 10 ms is given up, with a
-   --  reset.
+   --  reset. The first call sets the interface up.
 
    subtype Address_Length is Natural range 0 .. 3;
 
    procedure Send
      (Dev : Device_Id; Adrlen : Address_Length; Msg : System.Address; Msg_Len : Natural)
-     with Pre => Adrlen = 0 and then Msg_Len in Transfer_Length;
+     with Pre => Adrlen = 0 and then Msg_Len <= Maximum_Length;
 
    procedure Recv
      (Dev : Device_Id; Adrlen : Address_Length; Msg : System.Address; Msg_Len : Natural)

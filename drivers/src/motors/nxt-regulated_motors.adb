@@ -145,13 +145,26 @@ package body NXT.Regulated_Motors is
    --  One count more or less within the window is the least speed that is seen.
    Least_Speed : constant Degrees_Per_Second := 1_000 / (Sample_Time_Ms * Speed_Window);
 
+   --  From one angle to another, at most Limit: a program may set a count to any value.
+   function Distance
+     (From, To : Integer; Limit : Natural := Integer'Last) return Integer
+   is
+      Exact : constant Long_Long_Integer := Long_Long_Integer (To) - Long_Long_Integer (From);
+      Most  : constant Long_Long_Integer := Long_Long_Integer (Limit);
+   begin
+      return Integer (Long_Long_Integer'Max (-Most, Long_Long_Integer'Min (Most, Exact)));
+   end Distance;
+
+   function Angle_To_Go (Now : Measurement; Wanted : Command) return Degrees is
+     (Degrees (Distance (From => Integer (Now.Angle), To => Integer (Wanted.Angle))));
+
    --  Whether a motor is at its angle: begins close to it and slow, ends further off.
    function Is_At_Rest (This : Controller; Now : Measurement; Wanted : Command) return Boolean is
      (Wanted.Kind = Of_Angle
       and then
         (if This.Resting and then not Wanted.Fresh
-         then abs (Wanted.Angle - Now.Angle) <= 2 * Tolerance
-         else abs (Wanted.Angle - Now.Angle) <= Tolerance
+         then abs Angle_To_Go (Now, Wanted) <= 2 * Tolerance
+         else abs Angle_To_Go (Now, Wanted) <= Tolerance
               and then abs Now.Speed < 2 * Least_Speed));
 
    function Target_Speed
@@ -164,7 +177,7 @@ package body NXT.Regulated_Motors is
          return Limit;
       end if;
       Nxt_Position_Regulator.Step
-        (This.Angle, (Angle_To_Go => Standard.Float (Wanted.Angle - Now.Angle)), Output);
+        (This.Angle, (Angle_To_Go => Standard.Float (Angle_To_Go (Now, Wanted))), Output);
       return Standard.Float'Max (-Limit, Standard.Float'Min (Limit, Output.Wanted_Speed));
    end Target_Speed;
 
@@ -192,6 +205,9 @@ package body NXT.Regulated_Motors is
       Now.Resting := This.Resting;
    end Regulate;
 
+   --  More than any motor turns within the window, and in micro-units not beyond an Integer
+   Most_Counts : constant := 2_000;
+
    procedure Measure
      (This : in out Regulator; Now : Motor_Encoders.Reading; Values : out Measurements)
    is
@@ -200,7 +216,7 @@ package body NXT.Regulated_Motors is
       Counts  : Integer;
    begin
       for Motor in Motor_Id loop
-         Counts := Now.Counts (Motor) - Past.Counts (Motor);
+         Counts := Distance (Past.Counts (Motor), Now.Counts (Motor), Most_Counts);
          Values (Motor) :=
            (Angle   => Degrees (Now.Counts (Motor)),
             Speed   => Degrees_Per_Second

@@ -7,6 +7,7 @@ with Ada.Real_Time;  use Ada.Real_Time;
 with Interfaces;     use Interfaces;
 with NXT;            use NXT;
 with NXT.AVR_IO;     use NXT.AVR_IO;
+with NXT.TWI;
 
 procedure Link_Messages is
 
@@ -31,6 +32,7 @@ begin
    Send_Initialization;
    Pause;
    Send_To_AVR (Null_Outgoing_Msg);
+   NXT.TWI.Send (NXT.AVR_IO.Address, 0, Button'Address, Msg_Len => 0);
    Send_To_AVR (Set_Sensor_Power_Message (Sensor_1, NXT_9V));
    Pause;
    Send_To_AVR (Set_Motor_Message (Motor_A, 40, True));

@@ -5,6 +5,7 @@
 
 with Ada.Real_Time;         use Ada.Real_Time;
 with NXT.AVR;
+with NXT.Motor_Encoders;
 with NXT.Regulated_Motors;  use NXT.Regulated_Motors;
 
 procedure Regulated_Motors is
@@ -42,7 +43,14 @@ begin
    Wait (Milliseconds (0));
    Run (Motor_B, 300);
    Turn_To (Motor_C, 720, Speed => 400);
-   Wait (Milliseconds (2_600));
+   Wait (Milliseconds (1_000));
+   NXT.Motor_Encoders.Encoder_Count (Motor_A) := Integer'Last;
+   Wait (Milliseconds (600));
+   NXT.Motor_Encoders.Encoder_Count (Motor_A) := Integer'First;
+   Turn_To (Motor_A, Degrees'Last);
+   Wait (Milliseconds (100));
+   Stop (Motor_A);
+   Wait (Milliseconds (900));
    Await_Arrival (Motor_C, Limit => Seconds (1), Success => Success);
    Arrivals := Boolean'Pos (Success);
    Run (Motor_B, -200);
