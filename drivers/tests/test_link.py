@@ -107,3 +107,36 @@ def test_a_coprocessor_that_holds_the_clock_for_long_is_greeted(
     device.run(FAULT_MS)
     assert (device.integer("errors"), device.integer("losses")) == (0, 0)
     assert device.motors(at_ms=FAULT_MS) == DRIVEN
+
+
+def test_a_co_processor_that_takes_no_frame_goes_on_with_its_last_command(
+    brick: Callable[..., Brick],
+) -> None:
+    """The clicking brick: every byte is acknowledged and every answer good, so nobody notices."""
+    device = brick("link", sensors=SENSORS)
+    device.set(10, "fault.coprocessor_refuses", 1)
+    device.run(3_000)
+    assert device.motors(at_ms=3_000) == {letter: (0, True) for letter in "ABC"}
+    assert (device.integer("errors"), device.integer("losses")) == (0, 0)
+    assert device.integer("sensor") > 0
+    device.set(3_000.1, "fault.coprocessor_refuses", 0)
+    device.run(3_100)
+    assert device.motors(at_ms=3_100) == DRIVEN
+
+
+def test_a_torn_word_is_read_as_it_comes_and_right_again_after_it(
+    brick: Callable[..., Brick],
+) -> None:
+    """Its checksum is right: only the next reading shows that it was none."""
+    device = brick("link", sensors=SENSORS)
+    device.device.record_buses()
+    device.set(10, "sensor.2.raw", 300)
+    device.set(FAULT_MS, "fault.coprocessor_torn_words", 1)
+    device.set(FAULT_MS + 10, "sensor.2.raw", 513)
+    device.run(FAULT_MS + 100)
+    bus = "".join(event[4:] for _, event in device.device.bus_log() if event.startswith("twi"))
+    answers = [bytes.fromhex(part.split("P")[0])[:13] for part in bus.split("S 03a")[1:]]
+    words = [int.from_bytes(answer[2:4], "little") for answer in answers]
+    assert words.count(513 & 0xFF00 | 300 & 0xFF) == 1
+    assert device.integer("errors") == 0
+    assert device.integer("sensor") == 513

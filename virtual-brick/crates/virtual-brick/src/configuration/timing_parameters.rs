@@ -242,8 +242,8 @@ pub const TIMING_PARAMETERS: &[TimingParameter] = &[
         name: "twi_stop_decision",
         meaning: "when the two-wire interface ends a write because nothing is in THR: at the \
             `acknowledge` of a byte, or at the `release` of SCL by the slave after it",
-        source: "no document; with `release` the same 16 programs send only good frames at 30 us, with \
-                 `acknowledge` 14 of them",
+        source: "no document; of the programs under `coprocessor_stretch_cycles`, held for 30 us, \
+            all send only good frames with `release`, and 14 with `acknowledge`",
         values: Values::Choice {
             words: &["acknowledge", "release"],
             get: |timing| timing.chip.twi_stop_decision as usize,
@@ -258,9 +258,9 @@ pub const TIMING_PARAMETERS: &[TimingParameter] = &[
         LONG,
         coprocessor.stretch_cycles,
         "how long the co-processor holds SCL after each byte",
-        "16 programs built with GNAT GPL 2011 that drove real bricks: below 18 us most of their frames \
-         arrive in parts; leJOS and LEGO 1.29 read within a millisecond: 48 us at most; LEGO's \
-         source built with avr-gcc -Os: 9 us"
+        "16 programs built with GNAT GPL 2011 that drove real bricks: from 18 us on 9 of 10 of \
+         their frames arrive whole, below that fewer; leJOS and LEGO 1.29 read within a \
+         millisecond: 48 us at most; LEGO's source built with avr-gcc -Os: 9 us"
     ),
     cycles!(
         "coprocessor_status_copy_cycles",
