@@ -8,6 +8,7 @@ mod chip;
 mod controller;
 mod flow_facts;
 mod interworking;
+mod loop_forms;
 mod refusals;
 mod soundness;
 mod support;

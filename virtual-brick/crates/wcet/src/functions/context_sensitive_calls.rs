@@ -285,7 +285,10 @@ fn restore(after: &mut State, before: &State, changed: u16, pointer: i32) {
     after.lowest_pointer = before.lowest_pointer;
     after.suspended_pointer = before.suspended_pointer;
     after.comparison = None;
+    after.tested = None;
     after.relations.clear();
+    after.quotients.clear();
+    after.spans.clear();
     if matches!(before.registers[13], Value::Stack(_)) {
         after.stack_words.retain(|offset, _| *offset >= pointer);
     }

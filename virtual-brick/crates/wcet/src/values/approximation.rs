@@ -3,6 +3,7 @@
 //! Addition, subtraction and bit masks on addresses and intervals.
 
 use crate::inputs::memory_map::MemoryMap;
+use crate::values::interval::combined;
 use crate::values::value::Value;
 use arm7tdmi::instruction::AluOperation;
 
@@ -14,6 +15,7 @@ pub fn approximate(map: &MemoryMap, operation: AluOperation, a: &Value, b: &Valu
         AluOperation::Sub => difference(map, a, b),
         AluOperation::Rsb => difference(map, b, a),
         AluOperation::And | AluOperation::Bic => bits_cleared(map, operation, a, b),
+        _ if are_numbers(map, a, b) || operation == AluOperation::Mvn => combined(operation, a, b),
         _ => Value::Top,
     }
 }
@@ -24,6 +26,12 @@ fn moved_in_stack(place: &Value) -> Value {
         Value::OuterStack => Value::OuterStack,
         _ => Value::StackAny,
     }
+}
+
+/// Is neither an address? What is not known may be one.
+fn are_numbers(map: &MemoryMap, a: &Value, b: &Value) -> bool {
+    let is_number = |value: &Value| value.bounds().is_some() && map.pointer_region(value).is_none();
+    is_number(a) && is_number(b)
 }
 
 fn sum(map: &MemoryMap, a: &Value, b: &Value) -> Value {
@@ -50,12 +58,8 @@ fn sum(map: &MemoryMap, a: &Value, b: &Value) -> Value {
         (_, place) if place.in_stack() => moved_in_stack(place),
         _ => match (map.pointer_region(a), map.pointer_region(b)) {
             (Some(region), None) | (None, Some(region)) => Value::Region(region),
-            _ => match (a.bounds(), b.bounds()) {
-                (Some((p, q)), Some((r, s))) if q.checked_add(s).is_some() => {
-                    Value::range(p + r, q + s)
-                }
-                _ => Value::Top,
-            },
+            (None, None) if are_numbers(map, a, b) => combined(AluOperation::Add, a, b),
+            _ => Value::Top,
         },
     }
 }
@@ -83,10 +87,7 @@ fn difference(map: &MemoryMap, a: &Value, b: &Value) -> Value {
         (place, other) if place.in_stack() && !other.in_stack() => moved_in_stack(place),
         _ => match (map.pointer_region(a), map.pointer_region(b)) {
             (Some(region), None) => Value::Region(region),
-            (None, None) => match (a.bounds(), b.bounds()) {
-                (Some((p, q)), Some((r, s))) if p >= s => Value::range(p - s, q - r),
-                _ => Value::Top,
-            },
+            (None, None) if are_numbers(map, a, b) => combined(AluOperation::Sub, a, b),
             _ => Value::Top,
         },
     }
@@ -97,7 +98,8 @@ fn bits_cleared(map: &MemoryMap, operation: AluOperation, a: &Value, b: &Value) 
     let (value, mask) = match (a.constant(), b.constant()) {
         (_, Some(mask)) => (a, mask),
         (Some(mask), _) if operation == AluOperation::And => (b, mask),
-        _ => return Value::Top,
+        _ if a.is_unknown() && b.is_unknown() => return Value::Top,
+        _ => return combined(operation, a, b),
     };
     let mask = if operation == AluOperation::Bic {
         !mask
@@ -112,5 +114,5 @@ fn bits_cleared(map: &MemoryMap, operation: AluOperation, a: &Value, b: &Value) 
             return Value::Region(region);
         }
     }
-    Value::range(0, mask.min(value.unsigned().1))
+    combined(AluOperation::And, value, &Value::Constant(mask))
 }

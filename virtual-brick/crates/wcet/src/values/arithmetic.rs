@@ -6,7 +6,10 @@
 use crate::inputs::memory_map::MemoryMap;
 use crate::values::approximation::approximate;
 use crate::values::comparison::Comparison;
-use crate::values::flags::{distance_flags, logical_flags, order_flags, scalar, ANY_FLAGS};
+use crate::values::flags::{
+    distance_flags, logical_flags, order_flags, result_flags, scalar, ANY_FLAGS,
+};
+use crate::values::interval::without_lowest_one;
 use crate::values::operand::{carry_in, ShifterOperand};
 use crate::values::relations::Location;
 use crate::values::state::State;
@@ -45,21 +48,24 @@ pub fn compute(
     }
     let carry = carry_in(state);
     let exact = elementwise(state, operation, &first, &second, carry);
-    let comparison =
-        matches!(operation, AluOperation::Cmp | AluOperation::Sub).then(|| Comparison {
-            left: (Some(processing.first), first.clone()),
-            right: (second.register, second.value.clone()),
-            result: None,
-            moved: None,
-        });
+    let comparison = compared(operation, &second).map(|right| Comparison {
+        left: (Some(processing.first), first.clone()),
+        right,
+        result: None,
+        moved: None,
+    });
     let (value, flags) = match exact {
         Some(outcome) => outcome,
         None => {
-            let value = approximate(map, operation, &first, &second.value);
+            let value = match numbers_apart_by_one(state, processing, &second) {
+                Some(number) => without_lowest_one(&state.registers[number as usize]),
+                None => approximate(map, operation, &first, &second.value),
+            };
             let flags = match &comparison {
                 Some(comparison) => order_flags(&comparison.left.1, &comparison.right.1),
                 None => ANY_FLAGS,
             };
+            let flags = flags & result_flags(&value);
             (value, flags)
         }
     };
@@ -67,10 +73,52 @@ pub fn compute(
         Some(apart) => (Value::Constant(apart), flags & distance_flags(apart as i32)),
         None => (value, flags),
     };
+    let flags = flags & span_flags(state, processing, &second);
     AluResult {
         value,
         flags,
         comparison,
+    }
+}
+
+/// The subtrahend of an operation that compares: adding a constant is subtracting its negative,
+/// also for the carry and the overflow, but for zero and for the least number.
+fn compared(operation: AluOperation, second: &ShifterOperand) -> Option<(Option<u32>, Value)> {
+    match (operation, second.value.constant()) {
+        (AluOperation::Cmp | AluOperation::Sub, _) => Some((second.register, second.value.clone())),
+        (AluOperation::Cmn | AluOperation::Add, Some(added)) if added << 1 != 0 => {
+            Some((None, Value::Constant(added.wrapping_neg())))
+        }
+        _ => None,
+    }
+}
+
+/// Flags that the distances between two compared registers allow.
+fn span_flags(state: &State, processing: &DataProcessing, second: &ShifterOperand) -> u16 {
+    let compares = matches!(processing.operation, AluOperation::Cmp | AluOperation::Sub);
+    let found = second.register.filter(|_| compares);
+    found
+        .and_then(|register| state.span_flags(processing.first, register))
+        .unwrap_or(ANY_FLAGS)
+}
+
+/// The greater of two registers that differ by one and are combined by `and`.
+fn numbers_apart_by_one(
+    state: &State,
+    processing: &DataProcessing,
+    second: &ShifterOperand,
+) -> Option<u32> {
+    let (a, b) = (processing.first, second.register?);
+    let places = [a, b].map(Location::Register);
+    let and = processing.operation == AluOperation::And;
+    match state
+        .relations
+        .between(places[0], places[1])
+        .filter(|_| and)?
+    {
+        1 => Some(a),
+        u32::MAX => Some(b),
+        _ => None,
     }
 }
 

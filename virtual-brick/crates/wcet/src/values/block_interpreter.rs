@@ -17,6 +17,9 @@ use std::ops::Range;
 /// Most paths that are distinguished within a block.
 const MAX_PATHS: usize = 8;
 
+/// Most of them that are still distinguished when all flags are set anew.
+const MAX_PATHS_OVER_FLAGS: usize = 2;
+
 /// The outcome of a call in one state.
 pub enum CallOutcome {
     /// It returns, with this state and the cycles of the callee added.
@@ -179,7 +182,7 @@ impl<'a> BlockInterpreter<'a> {
                 let instruction = &block.instructions[position].1;
                 instruction.condition == ALWAYS && instruction.sets_flags()
             };
-            if states.len() > MAX_PATHS || merges {
+            if states.len() > MAX_PATHS || merges && states.len() > MAX_PATHS_OVER_FLAGS {
                 states = states
                     .into_iter()
                     .reduce(|a, b| a.join(&b))

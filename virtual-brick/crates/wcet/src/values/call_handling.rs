@@ -6,6 +6,7 @@
 use crate::inputs::image::Entry;
 use crate::values::block_interpreter::{BlockInterpreter, CallOutcome};
 use crate::values::state::{enter, State, ANY_URGENCY, UNBOUNDED};
+use crate::values::support_library::{apply_division, division};
 use crate::values::value::Value;
 use std::collections::BTreeSet;
 
@@ -27,6 +28,8 @@ impl BlockInterpreter<'_> {
             return (!callees.is_empty()).then_some(state);
         };
         let before = state.elapsed.0;
+        let (number, divisor) = (&state.registers[0], &state.registers[1]);
+        let divided = division(self.environment.image, &callees, (number, divisor));
         let mut after: Option<State> = None;
         let mut state = Some(state);
         for (position, callee) in callees.iter().enumerate() {
@@ -48,6 +51,9 @@ impl BlockInterpreter<'_> {
         }
         let mut after = after?;
         after.urgencies = urgencies;
+        if let Some(results) = divided {
+            apply_division(&mut after.registers, results);
+        }
         if let Some(record) = self.records.get_mut(index) {
             let cycles = match after.elapsed.0 {
                 UNBOUNDED => UNBOUNDED,

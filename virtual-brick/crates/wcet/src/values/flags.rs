@@ -74,6 +74,21 @@ pub fn logical_flags(before: u16, value: u32, carry: Option<bool>) -> u16 {
     (0b1111 << nz) & carries & (without_overflow | with_overflow)
 }
 
+/// Flags whose N and Z a result allows, whatever operation it comes from.
+pub fn result_flags(value: &Value) -> u16 {
+    let (low, high) = value.signed();
+    let zero = value.clone().within(0, 0).is_some();
+    (0..16).fold(0, |mask, flags: u32| {
+        let possible = match (flags & 8 != 0, flags & 4 != 0) {
+            (true, true) => false,
+            (true, false) => low < 0,
+            (false, true) => zero,
+            (false, false) => high > 0,
+        };
+        mask | u16::from(possible) << flags
+    })
+}
+
 /// Flags that a - b can give.
 pub fn order_flags(a: &Value, b: &Value) -> u16 {
     if let (Value::Based(base, x), Value::Based(other, y)) = (a, b) {

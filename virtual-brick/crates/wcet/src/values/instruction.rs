@@ -8,7 +8,9 @@ use crate::inputs::kernel::KernelConventions;
 use crate::inputs::memory_map::MemoryMap;
 use crate::values::arithmetic::compute;
 use crate::values::flags::ANY_FLAGS;
+use crate::values::interval;
 use crate::values::operand::{shifter_operand, ShifterOperand};
+use crate::values::quotients::narrowed;
 use crate::values::relations::Location;
 use crate::values::state::State;
 use crate::values::value::Value;
@@ -85,20 +87,39 @@ fn moved(
     (from < 13 && processing.destination < 13).then_some((from, distance))
 }
 
-/// Upper and lower half of a long product.
-fn long_product(product: &Multiply, a: u32, b: u32, added: Option<u64>) -> (Value, Value) {
-    let Some(added) = added.filter(|_| product.low.is_some()) else {
-        return (Value::Top, Value::Top);
+/// The address from which a sum differs by a number that is not known exactly.
+fn span(
+    map: &MemoryMap,
+    processing: &DataProcessing,
+    first: &Value,
+    second: &Value,
+) -> Option<(u32, Value)> {
+    let is_number = |value: &Value| {
+        value.bounds().is_some()
+            && value.constant().is_none()
+            && map.pointer_region(value).is_none()
     };
-    let exact = if product.kind.signed {
-        (i64::from(a as i32) * i64::from(b as i32)) as u64
-    } else {
-        u64::from(a) * u64::from(b)
-    };
-    let sum = exact.wrapping_add(added);
+    let adds = processing.operation == AluOperation::Add;
+    (adds && !is_number(first) && is_number(second)).then(|| (processing.first, second.clone()))
+}
+
+/// Upper and lower half of a long product of two numbers plus another one.
+fn long_product(
+    product: &Multiply,
+    a: &Value,
+    b: &Value,
+    added: &(Value, Value),
+) -> (Value, Value) {
+    let signed = product.kind.signed;
+    let (mut low, mut high) = interval::product(a.integers(signed), b.integers(signed));
+    if product.kind.accumulate {
+        let (upper, lower) = (added.0.integers(signed), added.1.integers(false));
+        low += (upper.0 << 32) + lower.0;
+        high += (upper.1 << 32) + lower.1;
+    }
     (
-        Value::Constant((sum >> 32) as u32),
-        Value::Constant(sum as u32),
+        Value::of_interval(low >> 32, high >> 32),
+        Value::of_interval(low, high),
     )
 }
 
@@ -184,6 +205,7 @@ impl Step<'_> {
     fn unknown_flags(&mut self) {
         self.state.flags = ANY_FLAGS;
         self.state.comparison = None;
+        self.state.tested = None;
     }
 
     fn run(&mut self, operation: &Operation) -> Effects {
@@ -279,16 +301,29 @@ impl Step<'_> {
         let operand = shifter_operand(self.state, processing.second, read);
         let first = read(processing.first);
         let moved = moved(processing, &first, &operand);
+        let span = span(self.environment.map, processing, &first, &operand.value);
+        let (quotient, known) = self.state.quotient_of(processing);
         let outcome = compute(self.state, self.environment.map, processing, first, operand);
         let destination = processing.destination;
         if processing.sets_flags {
             self.state.flags = outcome.flags;
             self.state.comparison = outcome.comparison;
+            self.state.tested = None;
         }
         if !processing.operation.compares() {
-            self.write_moved(effects, destination, outcome.value, moved);
+            let value = narrowed(outcome.value, known);
+            self.write_moved(effects, destination, value, moved);
+            if let Some((base, distance)) = span {
+                self.state.note_span(destination, base, &distance);
+            }
+            if let (Some(quotient), 0..13) = (quotient, destination) {
+                self.state.note_quotient(destination, quotient);
+            }
             if let (true, Some(comparison)) = (processing.sets_flags, &mut self.state.comparison) {
                 comparison.result = Some(destination);
+            }
+            if processing.sets_flags && destination < 13 {
+                self.state.tested = Some(destination);
             }
         }
     }
@@ -305,17 +340,16 @@ impl Step<'_> {
         let place = Location::Register(destination);
         match moved.filter(|_| !known) {
             Some((from, distance)) if from == destination => {
-                let mut relations = self.state.relations.clone();
                 let compared = self.state.distance_to_minuend(from);
-                self.write(effects, from, value);
-                relations.move_by(place, distance);
-                self.state.relations = relations;
+                self.move_register(effects, from, value, distance);
                 if let (Some(more), Some(comparison)) = (compared, &mut self.state.comparison) {
                     comparison.moved = Some((from, more.wrapping_add(distance)));
                 }
             }
             Some((from, distance)) => {
+                let spans = self.state.spans_moved(destination, from, distance);
                 self.write(effects, destination, value);
+                self.state.spans.extend(spans);
                 let relations = &mut self.state.relations;
                 relations.note(place, Location::Register(from), distance);
             }
@@ -323,42 +357,51 @@ impl Step<'_> {
         }
     }
 
+    /// Writes a register that becomes a distance more than it was.
+    pub fn move_register(
+        &mut self,
+        effects: &mut Effects,
+        number: u32,
+        value: Value,
+        distance: u32,
+    ) {
+        let mut relations = self.state.relations.clone();
+        let spans = self.state.spans_moved(number, number, distance);
+        self.write(effects, number, value);
+        relations.move_by(Location::Register(number), distance);
+        self.state.relations = relations;
+        self.state.spans.extend(spans);
+    }
+
     fn multiply(&mut self, effects: &mut Effects, product: &Multiply) {
         let (a, b) = (
             self.read(product.multiplicand),
             self.read(product.multiplier),
         );
-        let addend = match product.addend {
-            Some(register) => self.read(register).constant(),
-            None => Some(0),
-        };
         let low = product.low.map(|register| (register, self.read(register)));
-        let (value, lower) = match (a.constant(), b.constant(), addend) {
-            (Some(a), Some(b), Some(c)) if low.is_none() => (
-                Value::Constant(a.wrapping_mul(b).wrapping_add(c)),
-                Value::Top,
-            ),
-            (Some(a), Some(b), _) => {
-                let added = match (product.kind.accumulate, &low) {
-                    (false, _) => Some(0),
-                    (true, Some((_, low))) => {
-                        let high = self.read(product.destination).constant();
-                        let pair = high.zip(low.constant());
-                        pair.map(|(high, low)| u64::from(high) << 32 | u64::from(low))
-                    }
-                    (true, None) => None,
-                };
-                long_product(product, a, b, added)
+        let (value, lower) = match &low {
+            Some((_, low)) => {
+                let added = (self.read(product.destination), low.clone());
+                long_product(product, &a, &b, &added)
             }
-            _ => (Value::Top, Value::Top),
+            None => {
+                let addend = product.addend.map(|register| self.read(register));
+                let (more, most) = addend.map_or((0, 0), |value| value.interval());
+                let (low, high) = interval::product(a.interval(), b.interval());
+                (Value::of_interval(low + more, high + most), Value::Top)
+            }
         };
-        effects.multiplier = Some(b);
         if let Some((register, _)) = low {
             self.state.set(register, lower);
         }
+        let factors = (a, b.clone());
+        effects.multiplier = Some(b);
         self.write(effects, product.destination, value);
+        self.state
+            .note_product(self.address, product, (&factors.0, &factors.1));
         if product.sets_flags {
             self.unknown_flags();
+            self.state.tested = Some(product.destination).filter(|_| product.low.is_none());
         }
     }
 }

@@ -20,6 +20,7 @@ fn extended(value: &Value, sign_bits: u32) -> Value {
         }
         None => match value.bounds() {
             Some((_, high)) if high < 1 << (31 - sign_bits) => value.clone(),
+            _ if sign_bits > 0 => Value::Signed(i32::MIN >> sign_bits, i32::MAX >> sign_bits),
             _ => Value::Top,
         },
     }
@@ -59,13 +60,17 @@ impl Step<'_> {
             (value, _) => value,
         };
         let offset = shifter_operand(self.state, transfer.offset, |n| self.read(n)).value;
-        let moved = self.address_sum(&base, offset, transfer.add);
+        let moved = self.address_sum(&base, offset.clone(), transfer.add);
+        let distance = offset.constant().map(|distance| match transfer.add {
+            true => distance,
+            false => distance.wrapping_neg(),
+        });
         let address = if transfer.before { moved.clone() } else { base };
         effects.address = Some(address.clone());
         if transfer.load {
             let loaded = self.load(&address, transfer.width, transfer.signed);
             if transfer.write_back {
-                self.state.set(transfer.base, moved);
+                self.move_base(transfer.base, moved, distance);
             }
             let unknown = loaded == Value::Top && transfer.register != 15;
             let known = loaded.constant().is_some();
@@ -88,8 +93,17 @@ impl Step<'_> {
                 self.relate(transfer, &address);
             }
             if transfer.write_back {
-                self.state.set(transfer.base, moved);
+                self.move_base(transfer.base, moved, distance);
             }
+        }
+    }
+
+    /// The base register moves behind or before what was transferred.
+    fn move_base(&mut self, base: u32, moved: Value, distance: Option<u32>) {
+        let known = moved.constant().is_some() || moved == Value::Top;
+        match distance.filter(|_| !known && base < 13) {
+            Some(distance) => self.move_register(&mut Effects::default(), base, moved, distance),
+            None => self.state.set(base, moved),
         }
     }
 

@@ -9,14 +9,18 @@ pub mod call_handling;
 pub mod comparison;
 pub mod flags;
 pub mod instruction;
+pub mod interval;
 pub mod memory_access;
 pub mod memory_contents;
 pub mod operand;
+pub mod quotients;
 pub mod records;
 pub mod refinement;
 pub mod regions;
 pub mod relations;
+pub mod spans;
 pub mod state;
+pub mod support_library;
 pub mod value;
 
 #[cfg(test)]

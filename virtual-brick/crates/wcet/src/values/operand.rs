@@ -4,10 +4,14 @@
 //! shifted by the core's own shifter.
 
 use crate::values::flags::WITH_CARRY;
+use crate::values::interval::shifted;
 use crate::values::state::State;
 use crate::values::value::Value;
-use arm7tdmi::alu::{shift_by_constant, shift_by_register, LSL, LSR};
+use arm7tdmi::alu::{shift_by_constant, shift_by_register};
 use arm7tdmi::instruction::Operand;
+
+/// Most amounts of a shift that are told apart.
+const MAX_AMOUNTS: usize = 64;
 
 pub fn carry_in(state: &State) -> Option<bool> {
     let set = state.flags & WITH_CARRY != 0;
@@ -56,12 +60,7 @@ pub fn shifter_operand(
             register,
             kind,
             amount,
-        } => match read(amount).constant() {
-            Some(amount) => shift_elements(&read(register), carry, |value, carry| {
-                shift_by_register(kind, value, amount & 0xFF, carry)
-            }),
-            None => unknown_operand(),
-        },
+        } => shift_by_value(&read(register), kind, &read(amount), carry),
     }
 }
 
@@ -108,17 +107,36 @@ fn shift_constant(value: &Value, kind: u32, amount: u32, carry: Option<bool>) ->
     let exact = shift_elements(value, carry, |value, carry| {
         shift_by_constant(kind, value, amount, carry)
     });
-    if exact.value != Value::Top {
+    if exact.value != Value::Top || amount == 0 {
         return exact;
     }
-    let (low, high) = value.unsigned();
-    let bounded = match (kind, amount) {
-        (LSR, 1..) => Value::range(low >> amount, high >> amount),
-        (LSL, 1..) if high.leading_zeros() >= amount => Value::range(low << amount, high << amount),
-        _ => Value::Top,
-    };
     ShifterOperand {
-        value: bounded,
+        value: shifted(value, kind, amount),
         ..exact
     }
+}
+
+/// A value shifted by the amount in a register, each amount for itself if they are few.
+fn shift_by_value(value: &Value, kind: u32, amount: &Value, carry: Option<bool>) -> ShifterOperand {
+    let Some(amounts) = amount.elements().filter(|all| all.len() <= MAX_AMOUNTS) else {
+        return unknown_operand();
+    };
+    let each = amounts.iter().map(|amount| {
+        let exact = shift_elements(value, carry, |value, carry| {
+            shift_by_register(kind, value, amount & 0xFF, carry)
+        });
+        match amount & 0xFF {
+            1..=31 if exact.value == Value::Top => ShifterOperand {
+                value: shifted(value, kind, amount & 0xFF),
+                ..exact
+            },
+            _ => exact,
+        }
+    });
+    let joined = each.reduce(|a, b| ShifterOperand {
+        value: a.value.join(&b.value),
+        carry: a.carry.filter(|_| a.carry == b.carry),
+        register: None,
+    });
+    joined.unwrap_or_else(unknown_operand)
 }

@@ -10,6 +10,10 @@ use crate::values::state::State;
 use crate::values::value::{Value, RUNNING};
 use arm7tdmi::instruction::ALWAYS;
 
+/// Combinations of flags with N, and with Z.
+const NEGATIVE: u16 = 0xFF00;
+const ZERO: u16 = 0xF0F0;
+
 impl State {
     /// Whether a condition passes, where the flags are known.
     pub fn decided(&self, condition: u32) -> Option<bool> {
@@ -47,12 +51,51 @@ impl State {
         if let Some(comparison) = self.comparison.clone() {
             state.refine_operands(&comparison)?;
         }
+        state.refine_tested()?;
         Some(state)
+    }
+
+    /// Narrows a result by what the possible flags say about its sign and whether it is zero.
+    fn refine_tested(&mut self) -> Option<()> {
+        let Some(number) = self.tested else {
+            return Some(());
+        };
+        let possible = |mask: u16| self.flags & mask != 0;
+        let (low, high) = match (
+            possible(NEGATIVE),
+            possible(!NEGATIVE & !ZERO),
+            possible(ZERO),
+        ) {
+            (true, false, false) => (i32::MIN, -1),
+            (true, false, true) => (i32::MIN, 0),
+            (false, positive, zero) => (i32::from(!zero), if positive { i32::MAX } else { 0 }),
+            (true, true, zero) => return self.refine_not_zero(number, zero),
+        };
+        let value = &self.registers[number as usize];
+        if value.bounds().is_none() && *value != Value::Top {
+            return Some(());
+        }
+        let known = value.within_signed(low, high)?;
+        self.refine_register(number, &known);
+        Some(())
+    }
+
+    /// A result that may be negative or positive, perhaps zero.
+    fn refine_not_zero(&mut self, number: u32, zero: bool) -> Option<()> {
+        let value = &self.registers[number as usize];
+        let known = match value {
+            _ if zero => return Some(()),
+            _ if value.bounds().is_some() => value.without(0)?,
+            _ => return Some(()),
+        };
+        self.refine_register(number, &known);
+        Some(())
     }
 
     /// Narrows both sides of a comparison by what the possible flags say about their order.
     /// An operand that is not known to be a number says nothing about the other.
     fn refine_operands(&mut self, comparison: &Comparison) -> Option<()> {
+        self.narrow_spans(comparison.left.0, comparison.right.0)?;
         if let Some(constant) = comparison.right.1.constant() {
             self.filter_elements(comparison.left.0, 0, constant)?;
             self.filter_elements(comparison.result, constant, constant)?;
@@ -73,7 +116,24 @@ impl State {
         let (left, right) = (comparison.left.1.signed(), comparison.right.1.signed());
         let (left, right) = order.apply(left, right, |v| v.checked_sub(1), |v| v.checked_add(1))?;
         self.narrow_signed(&comparison.left, left)?;
-        self.narrow_signed(&comparison.right, right)
+        self.narrow_signed(&comparison.right, right)?;
+        if self.flags & ZERO == 0 {
+            self.exclude(comparison.left.0, &comparison.right.1)?;
+            self.exclude(comparison.right.0, &comparison.left.1)?;
+        }
+        Some(())
+    }
+
+    /// A register does not hold this, if it is a constant.
+    fn exclude(&mut self, register: Option<u32>, value: &Value) -> Option<()> {
+        let held = register.and_then(|number| self.registers.get(number as usize));
+        if let (Some(number), Some(held), Some(constant)) = (register, held, value.constant()) {
+            if held.bounds().is_some() {
+                let known = held.without(constant)?;
+                self.refine_register(number, &known);
+            }
+        }
+        Some(())
     }
 
     /// Keeps the values of a register, if they are few, with which the difference of the value
@@ -105,30 +165,44 @@ impl State {
         if low > high {
             return None;
         }
-        if low < 0 {
-            return Some(());
-        }
         let known = side.0.and_then(|n| self.registers.get(n as usize)).cloned();
         let value = known.unwrap_or_else(|| side.1.clone());
-        self.narrow(&(side.0, value), (low as u32, high as u32))
+        if low >= 0 || high < 0 {
+            return self.narrow(&(side.0, value), (low as u32, high as u32));
+        }
+        if (low, high) == (i32::MIN, i32::MAX) || value.bounds().is_none() && !value.is_unknown() {
+            return Some(());
+        }
+        self.narrow_to(&(side.0, value), |value| value.within_signed(low, high))
     }
 
     fn narrow(&mut self, side: &(Option<u32>, Value), (low, high): (u32, u32)) -> Option<()> {
-        let bounded = low > 0 || high < u32::MAX;
-        if matches!(side.1, Value::Based(RUNNING, _)) {
+        self.narrow_to(side, |value| value.within(low, high))
+    }
+
+    /// Narrows what an operand is known to be, wherever it is held if it was not known.
+    fn narrow_to(
+        &mut self,
+        (register, value): &(Option<u32>, Value),
+        within: impl Fn(&Value) -> Option<Value>,
+    ) -> Option<()> {
+        if matches!(value, Value::Based(RUNNING, _)) {
             return Some(());
         }
-        if let (Value::Based(..), true) = (&side.1, bounded) {
-            let known = Value::range(low, high);
-            self.replace(&side.1, &known);
-            if let Some(number) = side.0 {
-                self.refine_register(number, &known);
+        if matches!(value, Value::Based(..)) {
+            let known = within(&Value::Top)?;
+            if known == Value::Top {
+                return Some(());
+            }
+            self.replace(value, &known);
+            if let Some(number) = register {
+                self.refine_register(*number, &known);
             }
             return Some(());
         }
-        let narrowed = side.1.within(low, high)?;
-        if let Some(number) = side.0 {
-            self.refine_register(number, &narrowed);
+        let narrowed = within(value)?;
+        if let Some(number) = register {
+            self.refine_register(*number, &narrowed);
         }
         Some(())
     }

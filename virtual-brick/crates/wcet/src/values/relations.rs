@@ -106,23 +106,20 @@ pub fn narrowed(known: &Value, value: &Value, distance: u32) -> Option<Value> {
     if named || !known.is_unknown() && known.bounds().is_none() {
         return None;
     }
-    let moved = if let Some(elements) = value.elements() {
-        let sums = elements.iter().map(|e| e.wrapping_add(distance));
-        Value::of_elements(sums.collect())?
-    } else {
-        let (low, high) = value.bounds()?;
-        let sums = (low.wrapping_add(distance), high.wrapping_add(distance));
-        if sums.0 > sums.1 {
-            return None;
+    let moved = match value.elements() {
+        Some(elements) => {
+            let sums = elements.iter().map(|e| e.wrapping_add(distance));
+            Value::of_elements(sums.collect())?
         }
-        Value::range(sums.0, sums.1)
+        None => {
+            let (low, high) = value.bounds().map(|_| value.interval())?;
+            let distance = i128::from(distance as i32);
+            Value::of_interval(low + distance, high + distance)
+        }
     };
-    if let (Some(mine), Some(theirs)) = (known.elements(), moved.elements()) {
-        let both = mine.into_iter().filter(|e| theirs.contains(e));
-        return Value::of_elements(both.collect());
-    }
-    match (known.bounds(), moved.bounds()) {
-        (Some(_), Some((low, high))) => known.within(low, high),
+    match (known.bounds(), &moved) {
+        (_, Value::Top) => None,
+        (Some(_), _) => known.meet(&moved),
         _ => Some(moved),
     }
 }
@@ -166,7 +163,7 @@ mod tests {
             Some(Value::Range(2, 9))
         );
         let overflowing = narrowed(&Value::Range(0, 9), &Value::Range(0, 1000), two_less);
-        assert_eq!(overflowing, None);
+        assert_eq!(overflowing, Some(Value::Range(0, 9)));
         assert_eq!(narrowed(&Value::Stack(8), &set, 0), None);
     }
 }

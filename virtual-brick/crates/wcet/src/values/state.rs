@@ -5,7 +5,9 @@
 use crate::values::comparison::Comparison;
 use crate::values::flags::ANY_FLAGS;
 use crate::values::memory_contents::Contents;
+use crate::values::quotients::Quotient;
 use crate::values::relations::{Location, Relations};
+use crate::values::spans::Span;
 use crate::values::value::Value;
 use std::collections::BTreeMap;
 
@@ -32,12 +34,18 @@ pub struct State {
     pub registers: Box<[Value; 15]>,
     /// Registers and words that differ by a known distance, whatever they hold.
     pub relations: Relations,
+    /// Registers with quotients by constants and what they come from.
+    pub quotients: Vec<Quotient>,
+    /// Registers that differ by one of a few distances.
+    pub spans: Vec<Span>,
     /// Known words of the stack.
     pub stack_words: BTreeMap<i32, Value>,
     /// Bit n is set when the flags may be n (NZCV as a number).
     pub flags: u16,
     /// What the flags come from, if it is a comparison.
     pub comparison: Option<Comparison>,
+    /// The register with the result whose sign and zero the flags N and Z are.
+    pub tested: Option<u32>,
     /// The address of a stack word may be in memory or another function's registers.
     pub escaped: bool,
     /// The stack pointer before it was exchanged for another thread's.
@@ -97,9 +105,12 @@ impl State {
         Self {
             registers,
             relations: Relations::default(),
+            quotients: Vec::new(),
+            spans: Vec::new(),
             stack_words: BTreeMap::new(),
             flags: ANY_FLAGS,
             comparison: None,
+            tested: None,
             escaped: false,
             suspended_pointer: None,
             urgencies: Vec::new(),
@@ -136,6 +147,7 @@ impl State {
                 .as_ref()
                 .map_or(ANY_FLAGS, |_| each.fold(0, |a, b| a | b));
             self.comparison = None;
+            self.tested = None;
         }
     }
 
@@ -215,6 +227,7 @@ impl State {
         self.set(13, Value::Stack(pointer.wrapping_add(4)));
         self.flags = ANY_FLAGS;
         self.comparison = None;
+        self.tested = None;
         self.control = None;
         self.urgency = None;
         self.suspended_pointer = None;
@@ -232,7 +245,11 @@ impl State {
             }
             comparison.moved = comparison.moved.filter(|(held, _)| *held != number);
         }
+        self.tested = self.tested.filter(|held| *held != number);
         self.relations.invalidate(Location::Register(number));
+        self.quotients.retain(|held| held.register != number);
+        self.spans
+            .retain(|span| span.place != number && span.base != number);
         if number == 13 {
             self.lowest_pointer = match value {
                 Value::Stack(offset) => Some(offset),
@@ -306,6 +323,11 @@ impl State {
     fn combine(&self, other: &Self, join: impl Fn(&Value, &Value) -> Value) -> Self {
         let same = self.comparison == other.comparison;
         let mut escaped = self.escaped || other.escaped;
+        let held = |mine: &Quotient| {
+            let others = other.quotients.iter();
+            others.filter_map(|theirs| mine.join(theirs, &join)).next()
+        };
+        let quotients = self.quotients.iter().filter_map(held).collect();
         let mut joined = |a: &Value, b: &Value| {
             let value = join(a, b);
             escaped |= !value.in_stack() && (a.in_stack() || b.in_stack());
@@ -333,9 +355,12 @@ impl State {
         Self {
             registers,
             relations: self.relations.common(&other.relations),
+            quotients,
+            spans: self.common_spans(other, &join),
             stack_words,
             flags: self.flags | other.flags,
             comparison: if same { self.comparison.clone() } else { None },
+            tested: self.tested.filter(|_| self.tested == other.tested),
             escaped,
             suspended_pointer: self
                 .suspended_pointer
@@ -371,6 +396,7 @@ impl State {
         }
         self.flags = ANY_FLAGS;
         self.comparison = None;
+        self.tested = None;
         self.control = None;
         self.urgency = None;
         if self.escaped || passed {

@@ -19,6 +19,10 @@ pub enum Value {
     Set(Rc<[u32]>),
     /// From the first to the second, unsigned.
     Range(u32, u32),
+    /// From the first, which is negative, to the second, which is not.
+    Signed(i32, i32),
+    /// Ones are only where the first has some, and at most as many as the second.
+    Bits(u32, u32),
     /// An address derived from one in the region with this index.
     Region(u8),
     /// The stack pointer at the function's entry plus this.
@@ -64,6 +68,15 @@ impl Value {
             Self::Range(low, high) if (high - low) < SET_SIZE as u32 => {
                 Some((*low..=*high).collect())
             }
+            Self::Signed(low, high) if high.wrapping_sub(*low) < SET_SIZE as i32 => {
+                // A distance below zero is one of more than 2^31.
+                let few = high.wrapping_sub(*low) >= 0;
+                few.then(|| (*low..=*high).map(|e| e as u32).collect())
+            }
+            Self::Bits(mask, 1) => {
+                let single = (0..32).map(|bit| 1 << bit & mask);
+                Some(Self::of_elements(single.chain([0]).collect())?.elements()?)
+            }
             _ => None,
         }
     }
@@ -82,6 +95,8 @@ impl Value {
             Self::Constant(value) => Some((*value, *value)),
             Self::Set(set) => Some((*set.first()?, *set.last()?)),
             Self::Range(low, high) => Some((*low, *high)),
+            Self::Signed(..) => Some((0, u32::MAX)),
+            Self::Bits(mask, _) => Some((0, *mask)),
             _ => None,
         }
     }
@@ -93,6 +108,14 @@ impl Value {
 
     /// Signed bounds.
     pub fn signed(&self) -> (i32, i32) {
+        if let Self::Signed(low, high) = self {
+            return (*low, *high);
+        }
+        if let Self::Set(set) = self {
+            let signed = set.iter().map(|element| *element as i32);
+            let least = signed.clone().min().unwrap_or(i32::MIN);
+            return (least, signed.max().unwrap_or(i32::MAX));
+        }
         match self.bounds() {
             Some((low, high)) if low >> 31 == high >> 31 => (low as i32, high as i32),
             _ => (i32::MIN, i32::MAX),
@@ -146,9 +169,53 @@ impl Value {
                 let (low, high) = (low.max(*a), high.min(*b));
                 (low <= high).then(|| Self::range(low, high))
             }
+            Self::Signed(_, most) if high >> 31 == 0 => {
+                let high = high.min(*most as u32);
+                (low <= high).then(|| Self::range(low, high))
+            }
+            Self::Signed(least, _) if low >> 31 != 0 => {
+                let low = low.max(*least as u32);
+                (low <= high).then(|| Self::range(low, high))
+            }
             Self::Top => Some(Self::range(low, high)),
             other => Some(other.clone()),
         }
+    }
+
+    /// Values that are in both, where `self` holds and the signed bounds hold too.
+    /// `None` when there is no such value.
+    pub fn within_signed(&self, low: i32, high: i32) -> Option<Self> {
+        if low > high {
+            return None;
+        }
+        if low >> 31 == high >> 31 {
+            return self.within(low as u32, high as u32);
+        }
+        let kept = |element: &u32| (low..=high).contains(&(*element as i32));
+        match self {
+            Self::Constant(value) => kept(value).then(|| self.clone()),
+            Self::Set(set) => Self::of_elements(set.iter().copied().filter(kept).collect()),
+            Self::Signed(a, b) => Some(Self::Signed(low.max(*a), high.min(*b))),
+            Self::Range(a, b) if a >> 31 == b >> 31 => {
+                let (a, b) = (low.max(*a as i32), high.min(*b as i32));
+                (a <= b).then(|| Self::range(a as u32, b as u32))
+            }
+            Self::Top if (low, high) != (i32::MIN, i32::MAX) => Some(Self::Signed(low, high)),
+            other => Some(other.clone()),
+        }
+    }
+
+    /// Numbers that are in both; `None` when there are none.
+    pub fn meet(&self, other: &Self) -> Option<Self> {
+        if let (Some(mine), Some(theirs)) = (self.elements(), other.elements()) {
+            let both = mine.into_iter().filter(|e| theirs.contains(e));
+            return Self::of_elements(both.collect());
+        }
+        if let Self::Signed(low, high) = other {
+            return self.within_signed(*low, *high);
+        }
+        let (low, high) = other.unsigned();
+        self.within(low, high)
     }
 
     /// Least value above both.
@@ -162,8 +229,19 @@ impl Value {
                 return value;
             }
         }
+        if let (Self::Bits(..), _) | (_, Self::Bits(..)) = (self, other) {
+            let mask = self.possible_ones() | other.possible_ones();
+            return Self::bits(mask, self.most_ones().max(other.most_ones()));
+        }
         if let (Some((a, b)), Some((c, d))) = (self.bounds(), other.bounds()) {
-            return Self::range(a.min(c), b.max(d));
+            let unsigned = (a.min(c), b.max(d));
+            let ((a, b), (c, d)) = (self.signed(), other.signed());
+            let (low, high) = (a.min(c), b.max(d));
+            return if high.abs_diff(low) < unsigned.1 - unsigned.0 {
+                Self::of_interval(i128::from(low), i128::from(high))
+            } else {
+                Self::range(unsigned.0, unsigned.1)
+            };
         }
         match (self, other) {
             (Self::Stack(_) | Self::StackAny, Self::Stack(_) | Self::StackAny) => Self::StackAny,
@@ -182,6 +260,13 @@ impl Value {
                 .elements()
                 .zip(other.elements())
                 .is_some_and(|(mine, theirs)| mine.iter().all(|e| theirs.binary_search(e).is_ok())),
+            (_, Self::Signed(low, high)) => {
+                let (a, b) = self.signed();
+                self.bounds().is_some() && *low <= a && b <= *high
+            }
+            (_, Self::Bits(mask, most)) => {
+                self.possible_ones() & !mask == 0 && self.most_ones() <= *most
+            }
             (_, Self::Range(low, high)) => {
                 self.bounds().is_some_and(|(a, b)| *low <= a && b <= *high)
             }

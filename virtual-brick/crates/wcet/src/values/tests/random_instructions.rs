@@ -121,6 +121,8 @@ fn allows(value: &Value, element: u32, bases: &mut BTreeMap<u32, u32>) -> bool {
         Value::Constant(constant) => *constant == element,
         Value::Set(elements) => elements.contains(&element),
         Value::Range(low, high) => (*low..=*high).contains(&element),
+        Value::Signed(low, high) => (*low..=*high).contains(&(element as i32)),
+        Value::Bits(mask, most) => element & !mask == 0 && element.count_ones() <= *most,
         Value::Stack(offset) => STACK.wrapping_add(*offset as u32) == element,
         Value::MinusStack(offset) => (*offset as u32).wrapping_sub(STACK) == element,
         Value::Based(base, offset) => {
@@ -133,7 +135,14 @@ fn allows(value: &Value, element: u32, bases: &mut BTreeMap<u32, u32>) -> bool {
 
 /// A value that allows an element.
 fn around(element: u32, random: &mut Random) -> Value {
-    match random.word() % 6 {
+    match random.word() % 8 {
+        6 => {
+            let (signed, wide) = (element as i32, i128::from(random.integer() & 0x7FFF_FFFF));
+            let few = i128::from(random.word() % 3);
+            let (low, high) = (i128::from(signed) - wide, i128::from(signed) + few);
+            Value::of_interval(low.max(i32::MIN.into()), high.min(i32::MAX.into()))
+        }
+        7 => Value::bits(element | random.integer(), 1 + element.count_ones()),
         0 => Value::Constant(element),
         1 | 2 => {
             let others = (0..1 + random.word() % 5).map(|_| random.integer());
@@ -226,6 +235,21 @@ impl Pair {
         }
         if state.flags >> self.flags() & 1 == 0 {
             return Some(format!("NZCV {:04b}, {:#x}", self.flags(), state.flags));
+        }
+        if let Some(number) = state.tested {
+            let held = cpu.register(number);
+            let result = held >> 31 << 3 | u32::from(held == 0) << 2;
+            if result != self.flags() & 0b1100 {
+                return Some(format!("r{number} {held:#x} is not what set N and Z"));
+            }
+        }
+        for span in &state.spans {
+            let distance = cpu
+                .register(span.place)
+                .wrapping_sub(cpu.register(span.base));
+            if !allows(&span.distance, distance, &mut bases) {
+                return Some(format!("{distance:#x}, {span:x?}"));
+            }
         }
         let wrong = |comparison| self.wrong_comparison(comparison, &mut bases);
         let compared = state.comparison.as_ref().and_then(wrong);
