@@ -173,12 +173,13 @@ FUZZ_HEAD = """# Fuzzing
 Generated from `verification/fuzz/results.json` by `python -m verification.fuzz.campaign`; do not
 edit.
 
-Every `make conformance` gives invalid input to the virtual brick, for the same time to each target:
-first the target's corpus of valid input unchanged, then input mutated at random. A *finding* is a
-panic, an exception without a message, a peer that is no longer served, a record that cannot be
-replayed, or memory beyond its bound (512 MB of growth for each target, 1 GB in the Rust targets).
-The peers communicate with a brick that runs LEGO's firmware; after each hostile session a regular
-host must be served.
+Every `make conformance` gives invalid input to the virtual brick, to every reader of a file that a
+person can be handed, and to the telemetry session with its window and pictures, for the same time
+to each target: first the target's corpus of valid input unchanged, then input mutated at random. A
+*finding* is a panic, an exception without a message, a peer that is no longer served, a record that
+cannot be replayed, more than 10 s for a file, or memory beyond its bound (512 MB of growth for each
+target, 1 GB in the Rust targets). The peers communicate with a brick that runs LEGO's firmware;
+after each hostile session a regular host must be served.
 """
 FUZZ_TAIL = """An input with a finding is kept in `build/fuzz/findings`, and
 `python -m verification.fuzz.campaign --repeat FILE` repeats it; a Rust target prints its seed, and
@@ -191,6 +192,24 @@ debug information, random programs, and snapshots saved at the beginning of the 
 |---|---|---|
 """
 FOUND = (
+    (
+        "reader of JSON and TOML files",
+        "5,000 digits, 2,000 brackets, infinite instants, a name longer than any file's: a"
+        " traceback",
+        "a sentence with the file",
+    ),
+    (
+        "telemetry of a brick",
+        "limits or values that are no numbers, instants beyond 2**63 us, names that look like"
+        " formulas: a traceback of the monitor, its page or its pictures",
+        "such instants are unknown messages, sliders need finite limits, names are shown as they"
+        " are",
+    ),
+    (
+        "headers of generated C",
+        "an array without a name, a length of 5,000 digits: a traceback",
+        "a sentence, or no such variable",
+    ),
     (
         "malformed snapshot",
         "a header that is not a JSON object, infinite or negative numbers, text without an"

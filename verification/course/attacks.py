@@ -16,7 +16,7 @@ from pathlib import Path
 
 from verification.support.submissions import SOURCES, write_submission
 
-__all__ = ["ATTACKS", "SECRET", "Attack", "Place"]
+__all__ = ["ATTACKS", "COMPILER", "FILES", "SECRET", "Attack", "Place"]
 
 SECRET = "ravenbrick-canary-4711"
 TASKS = SOURCES["tasks.adb"]
@@ -286,9 +286,9 @@ BRICK = [
     Attack("renamed-tasks", "tasks that robot.toml does not name", lambda path, place: (
         write_submission(path, TASKS.replace("Control_Task", "Other_Task"), **{
             "tasks.ads": SOURCES["tasks.ads"].replace("Control_Task", "Other_Task")})),
-        "control_task", 8),
+        "control_task", 9),
     Attack("constant", "prints the count of the public scenario", _body(
-        "Put_Noupdate (Presses.Count);", "Put_Noupdate (Integer'(2));"), "presses 2|hidden", 8.5),
+        "Put_Noupdate (Presses.Count);", "Put_Noupdate (Integer'(2));"), "presses 2", 9),
 ]  # fmt: skip
 DESIGN = [
     Attack("design-files", "reads the secret and the rubric", _design(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Fuzzing targets in Python: snapshot files and the sockets of a live brick.
+"""Fuzzing targets in Python: snapshot files, the sockets of a live brick, and readers of files.
 
 A target has a corpus of right contents and a way to damage them. `case` gives one content and
 raises when it did more than be refused with words.
@@ -28,6 +28,7 @@ from ravenbrick.brick.snapshot import Snapshot, SnapshotError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.stimuli import TimedInput
 
+from verification.fuzz.files import file_readers
 from verification.fuzz.mutation import mutate_bytes, mutate_snapshot
 
 __all__ = ["Target", "targets"]
@@ -249,4 +250,4 @@ def targets(image: Path) -> list[Callable[[], Target]]:
     found: list[Callable[[], Target]] = [lambda: SnapshotFiles(image), lambda: DebugPeer(image)]
     if FIRMWARE.exists():
         found += [lambda: LivePeer("usb-ip"), lambda: LivePeer("bluetooth")]
-    return found
+    return [*found, *file_readers(image)]

@@ -31,6 +31,7 @@ _TOKEN = re.compile(
     r"|(?P<word>[A-Za-z_]\w*)|(?P<number>\d\w*)|(?P<text>\"[^\"\n]*\")|(?P<mark>[^\s])",
     re.DOTALL | re.MULTILINE,
 )
+_LENGTH_DIGITS = 9
 _QUALIFIERS = {"const", "volatile", "static", "register", "extern", "inline", "__inline"}
 
 
@@ -263,9 +264,9 @@ class _Reader:
 
     def _length(self, words: Sequence[str], at: int) -> int:
         text = words[at + 1].rstrip("uUlL")
-        if not text.isdigit():
+        if not text.isdigit() or len(text) > _LENGTH_DIGITS:
             raise DesignError(
-                f"{self._file}: the length of '{words[at - 1]}' must be a number, not {text}"
+                f"{self._file}: the length of '{words[at - 1]}' must be a number, not {text[:20]}"
             )
         return int(text)
 
@@ -301,7 +302,7 @@ class _Reader:
         if "(" in words and words.index("(") >= 2:
             self._function(words)
         elif len(words) >= 2 and "static" not in words:
-            words = words[: words.index("[")] if "[" in words else words
+            words = words[: words.index("[", 1)] if "[" in words[1:] else words
             self._found.variables[words[-1]] = self._parameter(words)
 
     def _function(self, words: Sequence[str]) -> None:

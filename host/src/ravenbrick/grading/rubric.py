@@ -14,7 +14,7 @@ from ravenbrick import __version__
 from ravenbrick.grading.answers import parse_wanted
 from ravenbrick.grading.draws import Pulses
 from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
-from ravenbrick.project.named_files import named_file
+from ravenbrick.project.named_files import is_file, named_file
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.workspace import tree
@@ -123,8 +123,8 @@ def _tools_digest() -> str:
 def _scenario(document: LocatedToml, index: int, name: str, robot: Robot) -> Path:
     beside = document.path.parent / name
     named = robot.directory / "scenarios" / f"{name}.toml"
-    path = beside if beside.is_file() else named
-    if not path.is_file():
+    path = beside if is_file(beside) else named
+    if not is_file(path):
         raise document.error(
             ("checks", index, "scenario"),
             f"neither {beside} nor {named} is there; correct the name",
@@ -184,7 +184,7 @@ def read_rubric(path: Path) -> Rubric:
     validate(document, "rubric")
     values = document.values
     project = (path.parent / values["project"]).resolve()
-    if not (project / "robot.gpr").is_file():
+    if not is_file(project / "robot.gpr"):
         raise document.error(("project",), f"'{project}' has no robot.gpr; name a project")
     robot = read_robot(project)
     checks = tuple(_check(document, i, t, robot) for i, t in enumerate(values["checks"]))

@@ -4,10 +4,17 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 
-__all__ = ["named_file"]
+__all__ = ["is_file", "named_file"]
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; none has a name longer than the file system allows."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def named_file(name: str | Path, project: Path, kept: Path, suffix: str) -> Path | None:
@@ -16,7 +23,6 @@ def named_file(name: str | Path, project: Path, kept: Path, suffix: str) -> Path
     There, in `kept`, the name may lack its suffix. None when no file has this name.
     """
     for path in (Path(name), project / name, kept / name, kept / f"{name}{suffix}"):
-        with suppress(OSError):  # such as a name longer than any file's
-            if path.is_file():
-                return path
+        if is_file(path):
+            return path
     return None

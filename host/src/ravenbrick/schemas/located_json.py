@@ -82,6 +82,8 @@ def read_json(path: Path) -> LocatedToml:
     except json.JSONDecodeError as error:
         problem = f"not valid JSON: {error.msg}; correct this line"
         raise ProjectFileError(path, error.lineno, "", problem) from None
+    except ValueError as error:
+        raise ProjectFileError(path, 1, "", f"cannot be read: {error}") from None
     except RecursionError:
         raise ProjectFileError(path, 1, "", "nested too deeply; write a task set") from None
     if not isinstance(values, dict):

@@ -204,6 +204,8 @@ def read_toml(path: Path, *, missing: str) -> LocatedToml:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise _syntax_error(path, text, str(error)) from None
+    except ValueError as error:
+        raise ProjectFileError(path, 1, "", f"cannot be read: {error}") from None
     except RecursionError:
         problem = "nested too deeply; write plain tables and arrays"
         raise ProjectFileError(path, 1, "", problem) from None

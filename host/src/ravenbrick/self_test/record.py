@@ -57,7 +57,7 @@ def parse_lines(lines: Iterable[str], source: str, image: str) -> Record:
                 finished.append(entry["finished"])
             elif entry.get("self_test") != VERSION:
                 raise ValueError(f"is of version {entry.get('self_test')}, not {VERSION}")
-        except (KeyError, TypeError, json.JSONDecodeError):
+        except (AttributeError, KeyError, RecursionError, TypeError, json.JSONDecodeError):
             raise ValueError(f"line {number} is not of a self-test: {line[:60]!r}") from None
         except ValueError as error:
             raise ValueError(f"line {number} {error}") from None
@@ -84,7 +84,7 @@ def read_record(path: Path) -> Record:
         return parse_lines(lines, header["source"], header["image"])
     except OSError as error:
         problem = f"cannot be read ({error.strerror}); '--take usb' writes it"
-    except (KeyError, TypeError, json.JSONDecodeError, UnicodeDecodeError):
+    except (KeyError, RecursionError, TypeError, json.JSONDecodeError, UnicodeDecodeError):
         problem = "is not a record of a self-test: its first line has no 'record'"
     except ValueError as error:
         problem = str(error)

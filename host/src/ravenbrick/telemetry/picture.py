@@ -19,11 +19,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_signals", "signals_figure", "steps_figure", "units_of"]
+__all__ = ["draw_signals", "signals_figure", "steps_figure", "units_of", "verbatim"]
 
 _US = 1_000_000
 _HEIGHT_PER_AXIS = 2.2
 _LEGEND_SHARE = 0.2
+
+
+def verbatim(text: str) -> str:
+    """A text from a brick for a picture: no formula begins in it, and nothing is unprintable."""
+    shown = "".join(c if c.isprintable() else "?" for c in text)
+    return shown.replace("$", r"\$")
 
 
 def units_of(run: RunLog) -> list[str]:
@@ -46,7 +52,7 @@ def _plot_signal(
     if last_s is not None and times.size:
         shown = times >= times[-1] - last_s
         times, values = times[shown], values[shown]
-    axis.plot(times, values, color=colour, linewidth=1.2, label=signal.name)
+    axis.plot(times, values, color=colour, linewidth=1.2, label=verbatim(signal.name))
 
 
 def draw_signals(axes: Sequence[Axes], run: RunLog, last_s: float | None = None) -> None:
@@ -62,7 +68,7 @@ def draw_signals(axes: Sequence[Axes], run: RunLog, last_s: float | None = None)
         ]
         for index, signal in enumerate(mine):
             _plot_signal(axis, run, signal, task_colour(index), last_s)
-        axis.set_ylabel(f"({unit})" if unit else "value")
+        axis.set_ylabel(verbatim(f"({unit})") if unit else "value")
         if axis.get_legend_handles_labels()[1]:
             low, high = axis.get_ylim()
             axis.set_ylim(low, high + _LEGEND_SHARE * (high - low))

@@ -21,6 +21,8 @@ KEEP_ALIVE_S = 1.0
 """How often the host speaks when it has nothing to say; the brick waits three times as long."""
 
 _RETRY_S = 0.5
+# A thousand years after power-on; later instants do not fit into a log.
+_LATEST_US = 1 << 55
 
 
 class VersionError(UsageError):
@@ -145,7 +147,7 @@ class Session:
 
     def _take(self, message: messages.Message) -> None:
         match message:
-            case messages.Hello():
+            case messages.Hello(time_us=time_us) if time_us < _LATEST_US:
                 self._introduce(message)
             case messages.Refused(version):
                 self._differ(version)

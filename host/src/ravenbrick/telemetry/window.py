@@ -15,10 +15,10 @@ from ravenbrick.errors import ToolMissingError, UsageError
 from ravenbrick.installation import advice_for_python
 from ravenbrick.local_server import access_token, is_local
 from ravenbrick.telemetry.monitor import Monitor
-from ravenbrick.telemetry.picture import draw_signals, units_of
+from ravenbrick.telemetry.picture import draw_signals, units_of, verbatim
 from ravenbrick.telemetry.session import Session
 
-__all__ = ["show_live"]
+__all__ = ["LiveFigure", "show_live"]
 
 _SHOWN_S = 5.0
 _PERIOD_MS = 200
@@ -26,7 +26,7 @@ _LOOPBACK = "127.0.0.1"
 _SLIDER_HEIGHT = 0.05
 
 
-class _LiveFigure:
+class LiveFigure:
     """The figure, made anew when the program's signals or parameters are others."""
 
     def __init__(self, figure: Any, session: Session, tell: Callable[[str], None]) -> None:
@@ -59,13 +59,16 @@ class _LiveFigure:
         self._axes = [self._figure.add_subplot(grid[row]) for row in range(axis_count)]
         self._sliders = []
         for row, parameter in enumerate(self._session.parameters.values()):
+            if not -math.inf < parameter.minimum < parameter.maximum < math.inf:
+                continue
+            value = self._session.values[parameter.index]
             place = self._figure.add_axes((0.2, 0.02 + _SLIDER_HEIGHT * row, 0.6, 0.03))
             slider = Slider(
                 place,
-                f"{parameter.name} {f'({parameter.unit})' if parameter.unit else ''}",
+                verbatim(f"{parameter.name} {f'({parameter.unit})' if parameter.unit else ''}"),
                 parameter.minimum,
                 parameter.maximum,
-                valinit=self._session.values[parameter.index],
+                valinit=value if math.isfinite(value) else parameter.minimum,
             )
             slider.on_changed(self._changed(parameter.name))
             self._sliders.append(slider)
@@ -99,7 +102,7 @@ def show_live(
             f"the live page needs the Python package tornado ({error}); {advice_for_python()}"
         ) from None
     figure = plt.figure(num="Ravenbrick monitor", figsize=(10, 7))
-    live = _LiveFigure(figure, monitor.session, tell)
+    live = LiveFigure(figure, monitor.session, tell)
 
     def step() -> None:
         monitor.poll()

@@ -105,7 +105,7 @@ class LiveRecord:
             signals = [AirSignal(**_with_bytes(item)) for item in content.pop("signals")]
             cable = [CableSignal(**_with_bytes(item)) for item in content.pop("cable", [])]
             return cls(signals=signals, cable=cable, **content)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
             raise UsageError(
                 f"{path}: not the record of a live run, or damaged; "
                 "'ravenbrick live --record' writes one"

@@ -50,7 +50,7 @@ def _fields(path: Path, values: Any) -> RunFile:
         )
     except KeyError as error:
         raise ProjectFileError(path, 1, str(error.args[0]), "is missing") from None
-    except (TypeError, ValueError) as error:
+    except (OverflowError, TypeError, ValueError) as error:
         raise ProjectFileError(path, 1, "inputs", f"{error}; save the run again") from None
 
 
@@ -64,6 +64,8 @@ def read_run_file(path: Path) -> RunFile:
         raise ProjectFileError(path, error.lineno, "", f"no JSON: {error.msg}") from None
     except UnicodeDecodeError:
         raise ProjectFileError(path, 1, "", "not UTF-8 text; save the run again") from None
+    except (RecursionError, ValueError) as error:
+        raise ProjectFileError(path, 1, "", f"{error}; save the run again") from None
 
 
 def read(sequence: Sequence, channels: Channels) -> None:

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Each rubric against its solution and against wrong submissions (docs/lessons/wrong.toml).
+
+`python -m verification.course.wrong_submissions [FOLDER]` executes the lab sheets with their
+solutions, in FOLDER if it has not been done there, and grades the solution with each change.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+from ravenbrick.grading.campaign import run_campaign
+from ravenbrick.grading.isolation import IsolationError, find_isolation
+from ravenbrick.grading.rubric import read_rubric
+from ravenbrick.grading.submission import Submission
+
+from tools.docs.lessons import SHEETS, find, rubrics_of, run_sheet, run_solution
+from verification.commands import Counts, NotRunError
+
+WRONG = SHEETS / "wrong.toml"
+TAKEN = ("src", "generated", "answers.toml")
+WORKERS = 2
+
+
+def wrong_submissions() -> dict[str, list[list[str]]]:
+    """By rubric: what is wrong, file, text, replacement."""
+    return {name: table["wrong"] for name, table in tomllib.loads(WRONG.read_text()).items()}
+
+
+def _copy(solution: Path, folder: Path) -> Path:
+    folder.mkdir(parents=True)
+    for name in TAKEN:
+        part = solution / name
+        if part.is_dir():
+            shutil.copytree(part, folder / name)
+        elif part.is_file():
+            shutil.copy(part, folder / name)
+    return folder
+
+
+def _changed(folder: Path, file: str, old: str, new: str) -> None:
+    text = (folder / file).read_text("utf-8")
+    if old not in text:
+        raise ValueError(f"{folder.name}: {file} has no '{old}'")
+    (folder / file).write_text(text.replace(old, new), encoding="utf-8")
+
+
+def judge(sheet: Path, solved: Path) -> Iterator[tuple[str, bool]]:
+    """For each wrong submission of a sheet its name, and whether it lost points, and no other."""
+    (solution,) = [path for path in solved.iterdir() if re.fullmatch(r"lab\d\d|term", path.name)]
+    wrong = wrong_submissions()
+    for path in rubrics_of(sheet):
+        rubric = read_rubric(path)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            found = [Submission("right", _copy(solution, folder / "right"))]
+            for number, (_what, file, old, new) in enumerate(wrong[rubric.name]):
+                made = _copy(solution, folder / f"wrong-{number}")
+                _changed(made, file, old, new)
+                found.append(Submission(made.name, made))
+            right, *others = run_campaign(rubric, found, folder / "out", WORKERS)
+        lost = right["of"] - right["points"]
+        yield f"{rubric.name}: the solution gets {right['points']:g} of {right['of']:g}", lost == 0
+        for row, result in zip(wrong[rubric.name], others, strict=True):
+            text = f"{rubric.name}: '{row[0]}' gets {result['points']:g} of {result['of']:g}"
+            yield text, result["points"] < result["of"] and "defect" not in result
+
+
+def judge_all(folder: Path) -> list[tuple[str, bool]]:
+    """All sheets; those that are not solved in the folder are solved first."""
+    rows: list[tuple[str, bool]] = []
+    for sheet in find([]):
+        solved = folder / sheet.stem
+        if not solved.is_dir():
+            solved.mkdir(parents=True)
+            run_sheet(sheet, solved)
+            run_solution(sheet, solved)
+        for row in judge(sheet, solved):
+            print("ok   " if row[1] else "WRONG", row[0], file=sys.stderr, flush=True)
+            rows.append(row)
+    return rows
+
+
+def suite() -> Counts:
+    """Solutions with all points, and wrong submissions that lost some."""
+    try:
+        find_isolation()
+    except IsolationError as error:
+        raise NotRunError(error.sentence) from None
+    with tempfile.TemporaryDirectory() as name:
+        rows = judge_all(Path(name))
+    return Counts(
+        len(rows), sum(good for _, good in rows), [], [text for text, good in rows if not good]
+    )
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        done = judge_all(Path(sys.argv[1]))
+        sys.exit(0 if all(good for _, good in done) else 1)
+    sys.exit(1 if suite().failures else 0)
