@@ -8,6 +8,7 @@ of the wall clock; the campaign bounds its memory.
 
 from __future__ import annotations
 
+import functools
 import io
 import json
 import random
@@ -305,7 +306,11 @@ def file_readers(image: Path) -> list[Callable[[], FileReader]]:
         FileReader(f"reader, {Path(file).name}", f"{words}, mutated", corpus, read, file, mutate)
         for file, words, corpus, read, mutate in rows
     ]
-    return [lambda one=one: one for one in [*made, *_texts_of_projects(EXAMPLE)]]  # type: ignore[misc]
+    return [functools.partial(_same, one) for one in [*made, *_texts_of_projects(EXAMPLE)]]
+
+
+def _same(reader: FileReader) -> FileReader:
+    return reader
 
 
 def _record() -> bytes:

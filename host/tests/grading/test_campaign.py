@@ -63,7 +63,7 @@ def test_a_grader_that_fails_on_one_marks_the_others(
     """The defect is in that result, which is not kept."""
     for name in ("good", "odd"):
         write_submission(tmp_path / "students" / name)
-    read = work.read_files
+    read = read_files
 
     def fails(submission: Any, *others: Any) -> dict[str, bytes]:
         if submission.name == "odd":
