@@ -156,6 +156,12 @@ def test_a_damaged_image_is_named_with_what_to_do(image: ElfImage) -> None:
         execution_times(content[: place // 2], functions=["memcpy"])
 
 
+def test_missing_bounds_of_several_functions_are_asked_for_at_once(image: ElfImage) -> None:
+    with pytest.raises(ExecutionTimeError, match="memcpy, memset: loops without a bound") as caught:
+        execution_times(image.content, functions=["memcpy", "memset"])
+    assert {loop["symbol"] for loop in caught.value.data["missing"]} == {"memcpy", "memset"}
+
+
 def test_a_fact_about_a_function_that_is_not_there_is_told(image: ElfImage, tmp_path: Path) -> None:
     assert unused_facts(read_facts(read_robot(VEHICLE)), image) == []
     text = (VEHICLE / "timing.toml").read_text()

@@ -104,17 +104,26 @@ def _question(loop: dict[str, Any], facts: str) -> str:
     )
 
 
-def _bound(answer: dict[str, Any], facts: str) -> Bound:
+def _check_questions(answers: Sequence[dict[str, Any]], facts: str) -> None:
+    """Asks for the missing loop bounds of all functions and jobs at once, each loop once."""
+    asking = [answer for answer in answers if answer["missing"]]
+    if not asking:
+        return
+    symbols = ", ".join(answer["symbol"] for answer in asking)
+    missing = [loop for answer in asking for loop in answer["missing"]]
+    questions = dict.fromkeys(_question(loop, facts) for loop in missing)
+    error = ExecutionTimeError(
+        f"{symbols}: loops without a bound; say in {facts} how often each is repeated",
+        detail="\n".join(questions),
+    )
+    error.data = {"missing": missing}
+    raise error
+
+
+def _bound(answer: dict[str, Any]) -> Bound:
     if answer["error"] is not None:
         head, *detail = answer["error"].split("\n")
-        advice = ""
-        if answer["missing"]:
-            head = "loops without a bound"
-            detail = [_question(loop, facts) for loop in answer["missing"]]
-            advice = f"; say in {facts} how often each is repeated"
-        error = ExecutionTimeError(f"{answer['symbol']}: {head}{advice}", detail="\n".join(detail))
-        error.data = {"missing": answer["missing"]}
-        raise error
+        raise ExecutionTimeError(f"{answer['symbol']}: {head}", detail="\n".join(detail))
     return Bound(
         answer["symbol"],
         answer["cycles"],
@@ -200,12 +209,13 @@ def execution_times(
         raise UsageError(str(error)) from None
     answer = json.loads(text)
     facts = annotations[0][0] if annotations else "an annotation file"
+    _check_questions([*answer["functions"], *answer["jobs"], *answer["background"]], facts)
     return Bounds(
         answer["timing"],
         answer["return_cycles"],
-        tuple(_bound(found, facts) for found in answer["functions"]),
-        tuple(_bound(found, facts) for found in answer["jobs"]),
-        tuple(_bound(found, facts) for found in answer["background"]),
+        tuple(_bound(found) for found in answer["functions"]),
+        tuple(_bound(found) for found in answer["jobs"]),
+        tuple(_bound(found) for found in answer["background"]),
         tuple(Call(c["callee"], c["caller"], tuple(c["arguments"])) for c in answer["calls"]),
         _known_memory_cycles(answer["known_memory"]),
         _known_memory_lines(answer["known_memory"]),
