@@ -275,6 +275,16 @@ def _origin(slot: ir.Slot, traced: bool) -> str:
     return f" /* '<Root>/{slot.block}'{scaling} */"
 
 
+def _in_one_condition(program: ir.Program) -> bool:
+    """Whether all limits stand inside one conditional instruction."""
+    places = [
+        one
+        for one in program.statements
+        if any(isinstance(s.expression, ir.Bounded) for s in ir.statements((one,)))
+    ]
+    return len(places) == 1 and not isinstance(places[0], ir.Statement)
+
+
 def _step(program: ir.Program, traced: bool) -> list[str]:
     name = program.name
     lines = [
@@ -292,6 +302,8 @@ def _step(program: ir.Program, traced: bool) -> list[str]:
         lines.append(f"  {kind} {c_local(slot)}{start};{_origin(slot, traced)}")
     statements = list(ir.statements(program.statements))
     bounded = [s.expression for s in statements if isinstance(s.expression, ir.Bounded)]
+    if bounded and _in_one_condition(program):
+        lines.append("  /* cppcheck-suppress variableScope ; declared once for all blocks */")
     if not all(map(ir.is_wide, bounded)):
         lines.append(f"  int32_T {ACCUMULATOR};")
     if any(map(ir.is_wide, bounded)):

@@ -20,7 +20,7 @@ from ravenbrick.model.number_format import (
 )
 from ravenbrick.model.ranges import Key, key
 
-__all__ = ["FixedPointOptions", "Rewriting", "Scaled", "TooFineError", "is_constant"]
+__all__ = ["FixedPointOptions", "Rewriting", "Scaled", "TooFineError", "is_constant", "is_whole"]
 
 _LEAST_GAIN_BITS = 10
 _LEAST_GAIN = 32
@@ -188,6 +188,9 @@ class Rewriting:
     def _statement(self, statement: ir.Statement) -> ir.Statement:
         self._block = statement.block
         target = statement.target
+        if isinstance(target.data_type, FixedFormat) and is_whole(statement.expression):
+            self._slots.setdefault(key(target), target)
+            return statement
         if isinstance(target.data_type, Enumeration) or key(target) in self._chosen:
             return self._several(statement)
         value = self._convert(statement.expression)
@@ -222,10 +225,16 @@ class Rewriting:
         return ir.Bounded(expression, low, high)
 
     def _state_limits(self, slot: ir.Slot) -> Interval:
-        """Its range if the user gave it: it saturates there. Else with room for errors."""
-        range_ = self._ranges[key(slot)]
+        """Its range if the user gave it: it saturates there. Else with room for errors.
+
+        A stored sample has the limits of its format.
+        """
+        range_, form = self._ranges[key(slot)], slot.data_type
+        assert isinstance(form, FixedFormat)
         if slot.block in self._options.ranges or slot.name in self._options.ranges:
             return range_
+        if key(slot) in self._kept:
+            return Interval(*map(form.real, form.limits))
         room = range_.size * _STATE_ROOM
         return Interval(range_.low - room, range_.high + room)
 
@@ -390,3 +399,12 @@ def is_constant(expression: ir.Expression) -> bool:
     if isinstance(expression, ir.Read):
         return expression.slot.kind is ir.Kind.PARAMETER
     return isinstance(expression, ir.Literal)
+
+
+def is_whole(expression: ir.Expression) -> bool:
+    """Whether an expression is one of integers already, such as a counter's."""
+    if isinstance(expression, ir.Read):
+        return isinstance(expression.slot.data_type, FixedFormat)
+    if isinstance(expression, ir.Literal):
+        return isinstance(expression.data_type, FixedFormat)
+    return all(map(is_whole, ir.children(expression)))

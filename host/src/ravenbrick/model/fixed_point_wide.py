@@ -16,6 +16,7 @@ from ravenbrick.model.fixed_point_rewriting import (
     Scaled,
     TooFineError,
     is_constant,
+    is_whole,
 )
 from ravenbrick.model.number_format import FixedFormat, Interval, Rounding, finest_fraction
 from ravenbrick.model.ranges import Key, key
@@ -48,7 +49,7 @@ class WideRewriting(Rewriting):
     def _statement(self, statement: ir.Statement) -> ir.Statement:
         self._block = statement.block
         target = statement.target
-        if isinstance(target.data_type, FixedFormat) and _is_whole(statement.expression):
+        if isinstance(target.data_type, FixedFormat) and is_whole(statement.expression):
             self._slots.setdefault(key(target), target)
             return statement
         if not isinstance(target.data_type, ir.DataType) or key(target) in self._chosen:
@@ -192,12 +193,3 @@ class WideRewriting(Rewriting):
         if math.ldexp(interval.size, fraction) < 1 and interval.size:
             raise DesignError(f"block '{self._block}': its product is below every fraction")
         return Scaled(expression, fraction, interval)
-
-
-def _is_whole(expression: ir.Expression) -> bool:
-    """Whether an expression is one of integers already, such as a counter's."""
-    if isinstance(expression, ir.Read):
-        return isinstance(expression.slot.data_type, FixedFormat)
-    if isinstance(expression, ir.Literal):
-        return isinstance(expression.data_type, FixedFormat)
-    return all(map(_is_whole, ir.children(expression)))
