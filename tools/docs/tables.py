@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tools.docs.inference_page import inference_pages
 from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page, witness_page
 from verification.table import SUITES, Suite, read_suites
 
@@ -128,6 +129,10 @@ def _firmware(rows: list[Row]) -> dict[Path, str]:
     return {DOCS / name: text for name, text in firmware_pages(rows).items()}
 
 
+def _inference(data: Row) -> dict[Path, str]:
+    return {DOCS / name: text for name, text in inference_pages(data).items()}
+
+
 def _suites(rows: list[Row]) -> str:
     return suites_table(rows, read_suites(SUITES))
 
@@ -142,6 +147,7 @@ PAGES: tuple[tuple[Path, Callable[[Any], dict[Path, str]]], ...] = (
     (BENCHMARKS / "results.json", _one(BENCHMARKS / "results.md", benchmark_table)),
     (POINTS, _one(DOCS / "reference" / "plant-points.md", plant_page)),
     (VERIFICATION / "firmware" / "images.json", _firmware),
+    (WITNESSES.with_name("inference.json"), _inference),
     (WITNESSES, _one(DOCS / "reference" / "witnesses.md", witness_page)),
     (VERIFICATION / "fuzz" / "results.json", _one(DOCS / "reference" / "fuzzing.md", fuzz_page)),
 )

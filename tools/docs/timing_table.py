@@ -15,7 +15,7 @@ from typing import Any
 import virtual_brick
 from ravenbrick.self_test.parameters import INSEPARABLE, PARAMETERS, UNSEEN
 
-__all__ = ["PAGE", "with_table"]
+__all__ = ["PAGE", "settled_by", "with_table"]
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "timing.md"
 COLUMNS = ("Parameter", "Meaning", "optimistic", "nominal", "pessimistic", "Source", "Settled by")
@@ -31,7 +31,7 @@ def _value(value: Any) -> str:
     return f"`{value}`" if isinstance(value, str) else str(value)
 
 
-def _settled() -> dict[str, str]:
+def settled_by() -> dict[str, str]:
     """What would settle each value: rows of the self-test, or what it does not see."""
     rows = {p.name: "self-test: " + ", ".join(f"`{row}`" for row in p.rows) for p in PARAMETERS}
     others = {**UNSEEN, **INSEPARABLE}
@@ -39,7 +39,7 @@ def _settled() -> dict[str, str]:
 
 
 def _table() -> str:
-    settled = _settled()
+    settled = settled_by()
     lines = [f"| {' | '.join(COLUMNS)} |", "|---|---|---:|---:|---:|---|---|"]
     for parameter in json.loads(virtual_brick.timing_parameters()):
         name = parameter["name"]

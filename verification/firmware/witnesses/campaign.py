@@ -19,7 +19,7 @@ import pytest
 from ravenbrick.errors import RavenbrickError
 
 from tools.docs import tables
-from tools.docs.tables import merge_rows
+from tools.docs.tables import merge_rows, read_rows, write_rows
 from verification.firmware.witnesses import lego, others
 from verification.firmware.witnesses.library import CHECKS, Check, ImageAbsentError
 from verification.firmware.witnesses.pybricks import CompilerAbsentError
@@ -29,8 +29,17 @@ __all__ = ["KNOWN_FAILURES", "outcome"]
 RESULTS = Path(__file__).with_name("results.json")
 FAMILIES = (lego, others)  # importing them registers their checks
 ABSENT = (ImageAbsentError, CompilerAbsentError, pytest.skip.Exception)
+SONAR = (
+    "asks the ultrasonic sensor 5 ms after switching its 9 V on; the model, which takes 50 ms"
+    " (chosen), does not acknowledge, and the program waits for ever"
+)
+WAITING_FOR_SONAR = (
+    "topdog 86c6f0", "topdog 472c1c", "topdog 64f7d2", "topdog 2edde5",
+    "schedule_program 24ad2c", "line_follower 6d5acb",
+)  # fmt: skip
 KNOWN_FAILURES = {
-    ("pbLua 2.0.0 RC2", "USB"): "its USB console attaches, but does not answer SET_ADDRESS; open"
+    ("pbLua 2.0.0 RC2", "USB"): "its USB console attaches, but does not answer SET_ADDRESS; open",
+    **{(f"GNAT {name}", "motor"): SONAR for name in WAITING_FOR_SONAR},
 }
 Row = dict[str, Any]
 
@@ -43,7 +52,9 @@ def outcome(check: Check) -> Row:
     except ABSENT as error:
         return {**row, "outcome": "absent", "seen": str(error)}
     except (AssertionError, RavenbrickError) as error:
-        return {**row, "outcome": "failed", "seen": f"{error} ".splitlines()[0].strip() or "no"}
+        known = KNOWN_FAILURES.get((check.witness, check.function), "")
+        first = f"{error} ".splitlines()[0].strip() or "no"
+        return {**row, "outcome": "failed", "seen": f"{first}; {known}" if known else first}
     except Exception as error:  # a client that others wrote may raise anything
         return {**row, "outcome": "failed", "seen": f"{type(error).__name__}: {error}"}
     return {**row, "outcome": "passed", "seen": seen}
@@ -57,6 +68,9 @@ def run(checks: Sequence[Check], tell: Callable[[str], None] = print) -> list[Ro
         tell(f"{row['outcome']}: {row['witness']}, {row['function']}: {row['seen']}")
         rows.append(row)
     merge_rows(RESULTS, [r for r in rows if r["outcome"] != "absent"], ("witness", "function"))
+    known = {(check.witness, check.function) for check in CHECKS}
+    kept = [row for row in read_rows(RESULTS) if (row["witness"], row["function"]) in known]
+    write_rows(RESULTS, kept)
     return rows
 
 

@@ -21,13 +21,13 @@ from typing import Any
 from ravenbrick.brick.firmware import FirmwareBrick
 from ravenbrick.errors import RavenbrickError, UsageError
 
-__all__ = ["FirmwareScript", "TestResult"]
+__all__ = ["FirmwareScript", "ScriptResult"]
 
 Test = Callable[[FirmwareBrick], None]
 
 
 @dataclass(frozen=True)
-class TestResult:
+class ScriptResult:
     """How a test ended: `failure` is the cause with its line, None when it passed."""
 
     name: str
@@ -69,7 +69,7 @@ class FirmwareScript:
 
     def run(
         self, image: bytes, address: int, settings: Mapping[str, Any], names: str = ""
-    ) -> Iterator[TestResult]:
+    ) -> Iterator[ScriptResult]:
         """The results of the tests whose name contains `names`, each when it is there.
 
         `settings` are further fields of the brick's configuration. Raises ImageFileError for an
@@ -95,7 +95,7 @@ class FirmwareScript:
             brick.device.restore(start)
             yield self._result(name, test, brick)
 
-    def _result(self, name: str, test: Test, brick: FirmwareBrick) -> TestResult:
+    def _result(self, name: str, test: Test, brick: FirmwareBrick) -> ScriptResult:
         failure = None
         try:
             test(brick)
@@ -105,7 +105,7 @@ class FirmwareScript:
             lcd = brick.lines
         except RavenbrickError:
             lcd = ()
-        return TestResult(name, failure, brick.seconds, brick.device.trace_digest(), lcd)
+        return ScriptResult(name, failure, brick.seconds, brick.device.trace_digest(), lcd)
 
 
 def _place(error: Exception, path: Path) -> str:
