@@ -289,6 +289,7 @@ fn restore(after: &mut State, before: &State, changed: u16, pointer: i32) {
     after.relations.clear();
     after.quotients.clear();
     after.spans.clear();
+    after.shifted.clear();
     if matches!(before.registers[13], Value::Stack(_)) {
         after.stack_words.retain(|offset, _| *offset >= pointer);
     }

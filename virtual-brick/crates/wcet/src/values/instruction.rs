@@ -14,6 +14,7 @@ use crate::values::quotients::narrowed;
 use crate::values::relations::Location;
 use crate::values::state::State;
 use crate::values::value::Value;
+use arm7tdmi::alu::LSL;
 use arm7tdmi::instruction::{
     AluOperation, DataProcessing, Instruction, Multiply, Operand, Operation,
 };
@@ -313,6 +314,18 @@ impl Step<'_> {
         if !processing.operation.compares() {
             let value = narrowed(outcome.value, known);
             self.write_moved(effects, destination, value, moved);
+            let moves = processing.operation == AluOperation::Mov;
+            if let (
+                true,
+                Operand::Shifted {
+                    register,
+                    kind: LSL,
+                    amount: amount @ 1..,
+                },
+            ) = (moves, processing.second)
+            {
+                self.state.note_shifted(destination, register, amount);
+            }
             if let Some((base, distance)) = span {
                 self.state.note_span(destination, base, &distance);
             }

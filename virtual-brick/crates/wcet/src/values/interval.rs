@@ -113,6 +113,10 @@ pub fn product(a: (i128, i128), b: (i128, i128)) -> (i128, i128) {
 
 /// A number shifted by a constant from 1 to 31.
 pub fn shifted(value: &Value, kind: u32, amount: u32) -> Value {
+    if let Some(elements) = value.elements().filter(|_| kind == LSL) {
+        let moved = elements.iter().map(|element| element << amount);
+        return Value::of_elements(moved.collect()).unwrap_or(Value::Top);
+    }
     let ((low, high), (least, most)) = (value.unsigned(), value.signed());
     match kind {
         LSR => match value {

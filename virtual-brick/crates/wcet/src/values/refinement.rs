@@ -235,6 +235,7 @@ impl State {
         if let Some(register) = self.registers.get_mut(number as usize) {
             register.clone_from(value);
         }
+        self.refine_shifted(number, value);
     }
 
     fn refine_word(&mut self, address: u32, value: &Value, distance: u32) {

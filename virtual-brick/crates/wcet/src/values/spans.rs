@@ -4,8 +4,10 @@
 //! address is not known, and a pointer that moves towards it.
 
 use crate::values::flags::distance_flags;
+use crate::values::interval::shifted;
 use crate::values::state::State;
 use crate::values::value::Value;
+use arm7tdmi::alu::LSL;
 
 /// Most pairs that are kept.
 const MAX_SPANS: usize = 8;
@@ -42,6 +44,25 @@ impl Span {
 }
 
 impl State {
+    /// A register was written with what another one holds, shifted to the left.
+    pub fn note_shifted(&mut self, register: u32, from: u32, amount: u32) {
+        if register != from && register < 13 && from < 13 && self.shifted.len() < MAX_SPANS {
+            self.shifted.push((register, from, amount));
+        }
+    }
+
+    /// What a register holds became known better: so does what is it shifted to the left.
+    pub fn refine_shifted(&mut self, from: u32, value: &Value) {
+        for (register, _, amount) in self.shifted.iter().filter(|(_, held, _)| *held == from) {
+            let known = &mut self.registers[*register as usize];
+            if let Some(narrower) = known.meet(&shifted(value, LSL, *amount)) {
+                if known.bounds().is_some() {
+                    *known = narrower;
+                }
+            }
+        }
+    }
+
     /// A register was written with what another one holds plus a number that is not known exactly.
     pub fn note_span(&mut self, place: u32, base: u32, distance: &Value) {
         let few = matches!(distance, Value::Set(_)) || distance.elements().is_some();

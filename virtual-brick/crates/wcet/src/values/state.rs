@@ -38,6 +38,8 @@ pub struct State {
     pub quotients: Vec<Quotient>,
     /// Registers that differ by one of a few distances.
     pub spans: Vec<Span>,
+    /// Registers, what each is shifted to the left, and by how much.
+    pub shifted: Vec<(u32, u32, u32)>,
     /// Known words of the stack.
     pub stack_words: BTreeMap<i32, Value>,
     /// Bit n is set when the flags may be n (NZCV as a number).
@@ -107,6 +109,7 @@ impl State {
             relations: Relations::default(),
             quotients: Vec::new(),
             spans: Vec::new(),
+            shifted: Vec::new(),
             stack_words: BTreeMap::new(),
             flags: ANY_FLAGS,
             comparison: None,
@@ -250,6 +253,8 @@ impl State {
         self.quotients.retain(|held| held.register != number);
         self.spans
             .retain(|span| span.place != number && span.base != number);
+        self.shifted
+            .retain(|(held, from, _)| *held != number && *from != number);
         if number == 13 {
             self.lowest_pointer = match value {
                 Value::Stack(offset) => Some(offset),
@@ -357,6 +362,10 @@ impl State {
             relations: self.relations.common(&other.relations),
             quotients,
             spans: self.common_spans(other, &join),
+            shifted: {
+                let both = self.shifted.iter().filter(|s| other.shifted.contains(s));
+                both.copied().collect()
+            },
             stack_words,
             flags: self.flags | other.flags,
             comparison: if same { self.comparison.clone() } else { None },

@@ -243,6 +243,12 @@ impl Pair {
                 return Some(format!("r{number} {held:#x} is not what set N and Z"));
             }
         }
+        for (number, from, amount) in &state.shifted {
+            let (held, shifted) = (cpu.register(*number), cpu.register(*from) << amount);
+            if held != shifted {
+                return Some(format!("r{number} {held:#x}, r{from} shifted {shifted:#x}"));
+            }
+        }
         for span in &state.spans {
             let distance = cpu
                 .register(span.place)
