@@ -4,7 +4,6 @@
 # What the project needs from outside. Python packages are pinned in tools/requirements/,
 # Rust crates in virtual-brick/Cargo.lock.
 DEBIAN_PACKAGES=(
-    bubblewrap
     gnat-12-arm-linux-gnueabi
     gcc-arm-none-eabi
     libnewlib-arm-none-eabi
@@ -16,6 +15,7 @@ DEBIAN_PACKAGES=(
     gcc
     libc6-dev
     make
+    bubblewrap
 )
 # Only tests need these.
 DEVELOP_PACKAGES=(
