@@ -9,14 +9,17 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
+from ravenbrick.errors import ExitCode
 from ravenbrick.schedule.gantt import gantt_figure
 from ravenbrick.schedule.quantity import exact
+from ravenbrick.schedule.simulation import simulate
 from ravenbrick.schedule.task_file import read_task_file
 
 GUIDE = Path(__file__).resolve().parents[3] / "docs" / "guides" / "schedulability.md"
@@ -83,8 +86,10 @@ def test_the_picture_shows_both_schedules_and_who_misses(tmp_path: Path) -> None
     path, picture = tmp_path / "set.toml", tmp_path / "set.svg"
     path.write_text(LATE)
     result = CliRunner().invoke(app, ["schedule", str(path), "--gantt", str(picture), "--json"])
-    assert result.exit_code == 0, result.output
-    assert json.loads(result.output)["gantt"] == str(picture)
+    assert result.exit_code == ExitCode.DEADLINE_CAN_BE_MISSED, result.output
+    answer = json.loads(result.output)
+    assert answer["gantt"] == str(picture)
+    assert answer["error"] == "NOT schedulable: b: response time 17 ms is above the deadline 14 ms"
     axes = gantt_figure(read_task_file(path).task_set, "ms").axes
     titles = [axis.get_title() for axis in axes]
     crosses = [line for axis in axes for line in axis.lines if line.get_marker() == "x"]
@@ -93,6 +98,38 @@ def test_the_picture_shows_both_schedules_and_who_misses(tmp_path: Path) -> None
     assert titles[1] == "earliest deadline first: no deadline is missed"
     short = gantt_figure(read_task_file(path).task_set, "ms", exact(12))
     assert short.axes[1].get_xlim()[1] < 13
+
+
+def test_the_picture_of_a_set_with_jitter_shows_who_misses(tmp_path: Path) -> None:
+    """A late first job and the next one in time delay the less urgent task past its deadline."""
+    path = tmp_path / "set.toml"
+    text = LATE.replace("wcet = 6", "wcet = 4").replace("wcet = 5", "wcet = 5\ndeadline = 10")
+    path.write_text(text)
+    title = gantt_figure(read_task_file(path).task_set, "ms").axes[0].get_title()
+    assert title == "fixed priorities: no deadline is missed"
+    path.write_text(text.replace("priority = 2", "priority = 2\nrelease_jitter = 4"))
+    title = gantt_figure(read_task_file(path).task_set, "ms").axes[0].get_title()
+    assert re.fullmatch(r"fixed priorities, late first releases: \d+ missed deadlines", title)
+
+
+def test_an_interrupt_that_misses_is_named_with_the_code_of_deadlines(tmp_path: Path) -> None:
+    path = tmp_path / "set.toml"
+    burst = LATE.replace(
+        'name = "a"\nperiod',
+        'name = "burst"\nrelease = "interrupt"\ndeadline = 3\nminimum_interrelease_time',
+    )
+    path.write_text(burst)
+    result = CliRunner().invoke(app, ["schedule", str(path)])
+    assert result.exit_code == ExitCode.DEADLINE_CAN_BE_MISSED
+    assert "NOT schedulable: burst: response time 6 ms is above the deadline 3 ms" in result.output
+
+
+@pytest.mark.parametrize("option", ["protocol", "scheduler"])
+def test_a_simulation_under_an_unknown_rule_is_refused(option: str, tmp_path: Path) -> None:
+    task_set = read_task_file(guide_set(tmp_path)).task_set
+    options: dict[str, Any] = {option: "typo"}
+    with pytest.raises(ValueError, match=f"{option} is 'typo'; expected one of "):
+        simulate(task_set, exact(12), **options)
 
 
 def test_a_task_that_may_not_execute_at_all_is_no_advice(tmp_path: Path) -> None:

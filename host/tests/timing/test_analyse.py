@@ -13,7 +13,7 @@ from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRI
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.errors import ImageFileError, RavenbrickError
+from ravenbrick.errors import ImageFileError, ProjectFileError, RavenbrickError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
@@ -23,15 +23,18 @@ from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.sensitivity import largest_wcet
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
-from ravenbrick.timing.facts import Facts, read_facts, unused_facts
+from ravenbrick.timing.counted_facts import points_text
+from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
 from ravenbrick.timing.kernel import kernel_facts, services
+from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
 from ravenbrick.timing.observation.long_run import long_run
-from ravenbrick.timing.observation.observed import check_interrupt_rates, exceeded, observe
+from ravenbrick.timing.observation.observed import exceeded, observe
 from ravenbrick.timing.observation.worst_case_search import largest, search_worst_case
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, result_of
+from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.recording import Recording
 
 pytestmark = [
@@ -68,14 +71,18 @@ def analysis(robot: Robot, scenario: Scenario, image: ElfImage) -> Analysis:
 
 
 @pytest.fixture(scope="module")
-def recording(robot: Robot, scenario: Scenario, image: ElfImage) -> Recording:
-    return VirtualTarget().run(robot, scenario, image)
+def recording(robot: Robot, scenario: Scenario, image: ElfImage, analysis: Analysis) -> Recording:
+    target = VirtualTarget(flow_points=points_text(analysis.counted))
+    return target.run(robot, scenario, image)
 
 
 def test_no_response_time_and_no_stack_of_the_run_exceeds_its_bound(
-    robot: Robot, analysis: Analysis, recording: Recording
+    robot: Robot, image: ElfImage, analysis: Analysis, recording: Recording
 ) -> None:
-    check_interrupt_rates(robot, read_facts(robot), recording)
+    counts = fact_counts(robot, read_facts(robot), image, analysis.counted, recording)
+    check_facts_of_run(counts, "the run")
+    least = {count.seen for count in counts if count.fact.startswith("pragma Annotate")}
+    assert counts and least and min(least) > 0
     seen = observe(robot, recording)
     assert set(seen) == {task.name for task in robot.tasks}
     assert exceeded(analysis, seen) == []
@@ -162,17 +169,30 @@ def test_missing_bounds_of_several_functions_are_asked_for_at_once(image: ElfIma
     assert {loop["symbol"] for loop in caught.value.data["missing"]} == {"memcpy", "memset"}
 
 
-def test_a_fact_about_a_function_that_is_not_there_is_told(image: ElfImage, tmp_path: Path) -> None:
-    assert unused_facts(read_facts(read_robot(VEHICLE)), image) == []
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"nxt__display__put_integer"', '"put_intger"', "symbol: the image has no function"),
+        ('"panel__put_hundredths"', '"put_hundreds"', "within: the image has no function"),
+        (
+            'symbol = "nxt__display__put_integer"',
+            'file = "nowhere.adb"',
+            "file: the image has no code of a file 'nowhere.adb'",
+        ),
+    ],
+)
+def test_a_fact_that_matches_nothing_is_refused_with_its_line(
+    image: ElfImage, tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    check_facts(read_facts(read_robot(VEHICLE)), image)
     text = (VEHICLE / "timing.toml").read_text()
-    text = text.replace('symbol = "nxt__display__put_integer"', 'symbol = "put_intger"', 1)
-    text = text.replace('within = "panel__put_hundredths"', 'within = "put_hundreds"', 1)
+    line = text[: text.index(old)].count("\n") + 1
     (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
-    (tmp_path / "timing.toml").write_text(text)
-    told, within = unused_facts(read_facts(read_robot(tmp_path)), image)
-    assert "loop[0].within: the image has no function 'put_hundreds'" in within
-    line = text[: text.index("put_intger")].count("\n") + 1
-    assert f"timing.toml:{line}: loop[0].symbol: the image has no function 'put_intger'" in told
+    (tmp_path / "timing.toml").write_text(text.replace(old, new, 1))
+    with pytest.raises(ProjectFileError) as refused:
+        check_facts(read_facts(read_robot(tmp_path)), image)
+    assert refused.value.line == line
+    assert f"loop[0].{said}" in str(refused.value)
 
 
 def test_a_folder_in_place_of_the_facts_is_not_passed_over(tmp_path: Path) -> None:
@@ -199,7 +219,7 @@ def test_a_loop_without_a_bound_is_asked_for_by_file_and_line(image: ElfImage) -
         )
     asked = re.search(r"nxt-canvas\.adb:(\d+): how often at most", refused.value.detail)
     assert asked is not None
-    assert f'file = "nxt-canvas.adb", line = {asked[1]}' in refused.value.detail
+    assert f'file = "nxt-canvas.adb"\n  line = {asked[1]}\n' in refused.value.detail
 
 
 def test_a_function_that_nothing_disturbs_is_bounded_as_it_is_with_its_lines(
@@ -223,7 +243,7 @@ def test_a_loop_of_a_function_alone_is_asked_for_too(image: ElfImage) -> None:
         execution_times(image.content, functions=["memcpy"])
     asked = re.search(r"memory\.S:(\d+): how often at most", refused.value.detail)
     assert asked is not None
-    assert f'file = "memory.S", line = {asked[1]}' in refused.value.detail
+    assert f'file = "memory.S"\n  line = {asked[1]}\n' in refused.value.detail
 
 
 def test_a_fact_about_an_unknown_task_is_refused_with_its_line(
@@ -238,13 +258,16 @@ def test_a_fact_about_an_unknown_task_is_refused_with_its_line(
 
 
 def test_an_interrupt_that_comes_more_often_than_said_is_noticed(
-    robot: Robot, recording: Recording, tmp_path: Path
+    analysis: Analysis, image: ElfImage, recording: Recording, tmp_path: Path
 ) -> None:
     text = (VEHICLE / "timing.toml").read_text().replace("at_most = 32", "at_most = 3")
     (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
     (tmp_path / "timing.toml").write_text(text)
-    with pytest.raises(ExecutionTimeError, match="SPI interrupts more than 3 times"):
-        check_interrupt_rates(robot, read_facts(read_robot(tmp_path)), recording)
+    wrong = read_robot(tmp_path)
+    counts = fact_counts(wrong, read_facts(wrong), image, analysis.counted, recording)
+    said = r'source = "SPI": declared 3, seen 32 in 400000 us at \d\.\d+ s; in the run'
+    with pytest.raises(ExecutionTimeError, match=said):
+        check_facts_of_run(counts, "the run")
 
 
 def test_a_function_alone_is_bounded(image: ElfImage) -> None:
@@ -334,7 +357,8 @@ def test_a_worst_case_search_and_a_long_run_find_no_response_above_its_bound(
     assert found.worst[reset].response_cycles > 1.5 * found.undisturbed[reset].response_cycles
     for sample in found.worst.values():
         assert sample.recording is not None
-        check_interrupt_rates(robot, read_facts(robot), sample.recording)
+        counts = fact_counts(robot, read_facts(robot), image, (), sample.recording)
+        check_facts_of_run(counts, "a variant")
     both = largest(observe(robot, recording), found.worst)
     run = long_run(robot, short, image, seconds=2.6)
     assert exceeded(analysis, both, run.plain()) == []

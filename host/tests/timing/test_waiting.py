@@ -21,7 +21,8 @@ from verification.support.timing.programs import Subject, analysed, subject
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.timing.analysis import Analysis
-from ravenbrick.timing.observation.observed import check_interrupt_rates, exceeded, observe
+from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
+from ravenbrick.timing.observation.observed import exceeded, observe
 
 INTERRUPT = "TC1"
 CYCLES_PER_COUNT = 2
@@ -53,7 +54,10 @@ def test_jobs_that_wait_inside_end_within_their_bounds(
     program: Subject, analysis: Analysis, noted: dict[str, int]
 ) -> None:
     recording = program.run()
-    check_interrupt_rates(program.robot, program.facts, recording)
+    counts = fact_counts(program.robot, program.facts, program.image, (), recording)
+    check_facts_of_run(counts, "the run")
+    (suspension,) = (c for c in counts if "[[suspension]]" in c.fact)
+    assert 490 < suspension.seen <= suspension.declared
     seen = observe(program.robot, recording)
     for name in ("control", "server", "display"):
         bound = analysis.bounds[name].bound

@@ -261,6 +261,18 @@ class VirtualBrick:
         """Of each function, first argument and place: callers (symbols, innermost first), source
         line, and the cycles of the first and the last call.
         """
+    def count_flow(self, points_json: str) -> None:
+        """Count flow facts from now on, before the run begins; the run is the same.
+
+        A JSON list of `FlowPoint` in the crate `virtual-brick`, as `Response.counted` of the crate
+        `wcet` has them. Raises ValueError for another form.
+        """
+    def flow_counts(self) -> str:
+        """The counts so far in the order of the points: a JSON list of `FlowCount`."""
+    def log_transfers(self) -> None:
+        """Log transfers of the peripheral data controller from now on; the run is the same."""
+    def logged_transfers(self) -> dict[str, bytes]:
+        """Cycles of the logged transfers by peripheral: little-endian, 8 bytes each."""
     @property
     def link_up_cycles(self) -> int | None:
         """When the program first asked the co-processor for its readings."""

@@ -11,6 +11,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ravenbrick.brick.configuration import brick_configuration
 from ravenbrick.brick.fmu_body import CoSimulation, FmuBody
 from ravenbrick.brick.port_use import WATCHED
@@ -58,7 +60,8 @@ class VirtualTarget:
     `callback` gives further inputs while the scenario runs. `settings` are fields of the brick's
     configuration that concern the simulation: `engine`, `timing` (docs/reference/timing.md).
     `body` is an FMU in place of the robot's body, `snapshots` what to begin with and to save,
-    `sound` where to save what the loudspeaker plays.
+    `sound` where to save what the loudspeaker plays. `flow_points` are what to count about flow
+    facts (JSON); with them, transfers of the data controller are recorded too.
     """
 
     def __init__(
@@ -69,6 +72,7 @@ class VirtualTarget:
         body: FmuBody | None = None,
         snapshots: SnapshotOptions | None = None,
         sound: Path | None = None,
+        flow_points: str | None = None,
     ) -> None:
         self._module = module if module is not None else brick_module()
         self._callback = callback
@@ -76,6 +80,7 @@ class VirtualTarget:
         self._body = body
         self._snapshots = snapshots or SnapshotOptions()
         self._sound = sound
+        self._flow_points = flow_points
 
     @property
     def name(self) -> str:
@@ -111,7 +116,21 @@ class VirtualTarget:
             peer = replace(peer, recording=other.recording())
         if self._sound is not None:
             run.save_sound(self._sound)
-        return run.recording(), peer
+        return self._with_counts(run.recording(), run.brick), peer
+
+    def _with_counts(self, recording: Recording, brick: Any) -> Recording:
+        """What was counted beside the run, if anything is."""
+        if self._flow_points is None:
+            return recording
+        transfers = brick.logged_transfers().items()
+        return replace(
+            recording,
+            flow_counts=tuple(json.loads(brick.flow_counts())),
+            transfers={
+                name.replace("USART", "USART "): np.frombuffer(at, "<u8").astype(np.int64)
+                for name, at in transfers
+            },
+        )
 
     def _peer(self, scenario: Scenario) -> PeerRun | None:
         """The peer's robot, scenario and image; raises as for the first brick's."""
@@ -201,6 +220,9 @@ class VirtualTarget:
                 f"{image.path}: its tasks cannot be observed ({brick.threads_unobserved}); "
                 "link it with the project's run-time"
             )
+        if self._flow_points is not None and fields is None:
+            brick.count_flow(self._flow_points)
+            brick.log_transfers()
         outside = self._body if fields is None else None
         return brick if outside is None else CoSimulation(brick, outside)
 

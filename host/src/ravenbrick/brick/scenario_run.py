@@ -47,34 +47,34 @@ class _BrickState:
     """The brick as a callback sees it."""
 
     def __init__(self, brick: Any, image: ElfImage) -> None:
-        self._brick = brick
+        self.brick = brick
         self._image = image
 
     @property
     def time(self) -> float:
         """s."""
-        return MASTER_CLOCK.seconds(self._brick.cycles)
+        return MASTER_CLOCK.seconds(self.brick.cycles)
 
     @property
     def cycles(self) -> int:
         """Since power-on."""
-        return int(self._brick.cycles)
+        return int(self.brick.cycles)
 
     @property
     def lcd(self) -> tuple[str, ...]:
         """Text by line."""
-        return _picture(self._brick, self._image).text
+        return _picture(self.brick, self._image).text
 
     def signal(self, name: str) -> float:
         """The last sample."""
-        signals = _signals(self._brick)
+        signals = _signals(self.brick)
         if name not in signals:
             raise KeyError(f"no signal '{name}'; there are: {', '.join(signals)}")
         return float(signals[name].values[-1]) if signals[name].values.size else 0.0
 
     def read(self, symbol: str) -> float:
         """A variable now."""
-        return float(self._brick.read_float(symbol))
+        return float(self.brick.read_float(symbol))
 
 
 class ScenarioRun:
@@ -90,7 +90,7 @@ class ScenarioRun:
         refused: type[Exception],
         inputs: Sequence[TimedInput],
     ) -> None:
-        self._brick, self._robot = brick, robot
+        self.brick, self._robot = brick, robot
         self._scenario, self._image = scenario, image
         self._scheduled = inputs
         self._callback, self._refused = callback, refused
@@ -129,12 +129,12 @@ class ScenarioRun:
         options, configuration, probes = self._snapshot
         if options.save is not None and at_ms == options.save_ms:
             inputs = (*self._scheduled, *self._inputs)
-            snapshot = Snapshot.take(self._brick, configuration, self._image, inputs, probes)
+            snapshot = Snapshot.take(self.brick, configuration, self._image, inputs, probes)
             snapshot.save(options.save)
 
     def run(self, progress: Progress, peer: ScenarioRun | None = None) -> None:
         """To the end of the scenario or of the run; `peer` is in range and runs beside."""
-        link = BluetoothLink(self._brick, peer._brick) if peer is not None else None
+        link = BluetoothLink(self.brick, peer.brick) if peer is not None else None
         events_ms = self._event_times_ms()
         instants = sorted({*range(SLICE_MS, self._scenario.duration_ms, SLICE_MS), *events_ms})
         cycles = [MASTER_CLOCK.cycles_of_ms(at_ms) for at_ms in instants]
@@ -144,7 +144,7 @@ class ScenarioRun:
             while next_index <= due:
                 first, last = next_index, next_index
                 if link is None or peer is None:
-                    stop, last = self._brick.run_until_picture(cycles, first, due + 1)
+                    stop, last = self.brick.run_until_picture(cycles, first, due + 1)
                 else:
                     stop, other = link.run_until(cycles[first])
                     peer._after_slice(instants[first], cycles[first : first + 1], other)
@@ -167,22 +167,22 @@ class ScenarioRun:
 
     def save_sound(self, path: Path) -> None:
         """What was played so far."""
-        save_sound(self._brick, path)
+        save_sound(self.brick, path)
 
     def _after_slice(self, at_ms: int, ends_cycles: list[int], stop: Any) -> None:
         self._stop = stop
         self._slice_ends += ends_cycles
-        version = self._brick.lcd_version
+        version = self.brick.lcd_version
         if version != self._version:
             self._version = version
             self._record_display()
         if at_ms in self._scenario.pictures_ms and stop.reason == "reached":
-            self._pictures.append(_picture(self._brick, self._image))
+            self._pictures.append(_picture(self.brick, self._image))
 
     def recording(self) -> Recording:
         """The run so far."""
-        stop = _stop(self._brick, self._stop, self._robot.directory)
-        events = decode_events(self._brick.events())
+        stop = _stop(self.brick, self._stop, self._robot.directory)
+        events = decode_events(self.brick.events())
         inputs = [timed for timed in self._scheduled if timed.at_cycles <= stop.at_cycles]
         pins = expected_pins(self._scenario.expectations)
         return Recording(
@@ -190,33 +190,33 @@ class ScenarioRun:
             clock=MASTER_CLOCK,
             stop=stop,
             events=events,
-            signals=_signals(self._brick) | _pins(self._brick, pins),
-            threads=_threads(self._brick),
-            pictures=(*self._pictures, _picture(self._brick, self._image)),
-            digest=self._brick.trace_digest(),
+            signals=_signals(self.brick) | _pins(self.brick, pins),
+            threads=_threads(self.brick),
+            pictures=(*self._pictures, _picture(self.brick, self._image)),
+            digest=self.brick.trace_digest(),
             inputs=tuple(sorted([*inputs, *self._inputs], key=lambda timed: timed.at_cycles)),
             screens=self._screens(events),
-            overflows=tuple(self._brick.stack_overflows()),
+            overflows=tuple(self.brick.stack_overflows()),
             warnings=self._warnings(events),
         )
 
     def _warnings(self, events: NDArray[np.void]) -> tuple[str, ...]:
-        calls = [DriverCall(*call) for call in self._brick.traced_calls()]
-        return port_warnings(self._robot, calls, events, self._brick.link_up_cycles)
+        calls = [DriverCall(*call) for call in self.brick.traced_calls()]
+        return port_warnings(self._robot, calls, events, self.brick.link_up_cycles)
 
     def _record_display(self) -> None:
-        content = self._brick.lcd()
+        content = self.brick.lcd()
         if content != self._content:
             self._content = content
-            self._displays.append((self._slice_ends[-1], _picture(self._brick, self._image)))
+            self._displays.append((self._slice_ends[-1], _picture(self.brick, self._image)))
 
     def _apply_callback(self, callback: Callback) -> None:
         for name, value in callback.inputs(self._state):
             try:
-                self._brick.schedule_input(self._brick.cycles, name, value)
+                self.brick.schedule_input(self.brick.cycles, name, value)
             except self._refused as error:
                 raise callback.error(f"returned what is refused: {error}") from None
-            self._inputs.append(TimedInput(self._brick.cycles, name, value))
+            self._inputs.append(TimedInput(self.brick.cycles, name, value))
 
     def _screens(self, events: NDArray[np.void]) -> tuple[Screen, ...]:
         """Text after each whole picture: from the event that ends its transfer on.

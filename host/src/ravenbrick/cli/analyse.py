@@ -26,14 +26,15 @@ from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.chain import ChainDelay, chain_delay
-from ravenbrick.timing.facts import Facts, read_facts, unused_facts
+from ravenbrick.timing.counted_facts import points_text
+from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
+from ravenbrick.timing.observation.fact_counts import FactCount, check_facts_of_run, fact_counts
 from ravenbrick.timing.observation.long_run import long_run
 from ravenbrick.timing.observation.observed import (
     Observed,
     check_bounds,
     check_event_rates,
-    check_interrupt_rates,
     observe,
     worst_job,
 )
@@ -57,6 +58,8 @@ from ravenbrick.timing.results.report import (
 )
 from ravenbrick.timing.results.result import advice, microseconds, result_of
 from ravenbrick.timing.results.task_set_file import task_set_text
+from ravenbrick.timing.scheduled_tasks import STOLEN_CYCLES
+from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_task_set
@@ -107,11 +110,12 @@ def _chain_line(chain: ChainDelay) -> str:
 @dataclass(frozen=True)
 class _Search:
     """The largest values of the run and of a worst-case search, in all and undisturbed, the worst
-    samples, and the results of search and long run."""
+    samples, those in which a fact was exceeded, and the results of search and long run."""
 
     seen: dict[str, Observed]
     undisturbed: dict[str, Observed]
     worst: Mapping[str, WorstSample]
+    exceeded: Mapping[str, WorstSample]
     more: dict[str, Any]
 
 
@@ -120,21 +124,23 @@ def _search(
     scenario: Scenario,
     image: ElfImage,
     recording: Recording,
-    wanted: tuple[int, float],
+    wanted: tuple[int, float, int],
     target: VirtualTarget,
     reporter: Reporter,
 ) -> _Search:
-    """`wanted` are variants to search, and hours to observe."""
-    variants, hours = wanted
-    seen = undisturbed = observe(robot, recording)
+    """`wanted` are variants to search, hours to observe, and cycles that a transfer takes."""
+    variants, hours, transfer_cycles = wanted
+    seen = undisturbed = observe(robot, recording, transfer_cycles)
     worst: Mapping[str, WorstSample] = {}
+    exceeded: Mapping[str, WorstSample] = {}
     more: dict[str, Any] = {}
     if variants:
         with reporter.step(f"search in {variants} variants of '{scenario.name}'") as step:
             found = search_worst_case(
-                robot, scenario, image, variants, step.progress, target=target
+                robot, scenario, image, variants, step.progress, 1, target, transfer_cycles
             )
         worst = found.worst
+        exceeded = found.exceeded
         seen, undisturbed = largest(seen, worst), largest(seen, found.undisturbed)
         more["worst_case_search"] = found.plain()
     if hours:
@@ -143,18 +149,44 @@ def _search(
             run = long_run(robot, scenario, image, seconds, step.progress, target=target)
             step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
         more["long_run"] = run.plain()
-    return _Search(seen, undisturbed, worst, more)
+    return _Search(seen, undisturbed, worst, exceeded, more)
 
 
-def _check_rates(
-    robot: Robot, facts: Facts, recording: Recording, worst: Mapping[str, WorstSample]
-) -> None:
-    """Raise `ExecutionTimeError` when interrupts or timing events came more often than stated."""
-    runs = {sample.variant: sample.recording for sample in worst.values()}
-    for run in (recording, *runs.values()):
+def _of_image(facts: Facts, image: ElfImage) -> Facts:
+    """The facts that concern this program; one that matches nothing is refused."""
+    check_facts(facts, image)
+    return facts.of_image(image)
+
+
+def _target(profile: TimingProfile, analysis: Analysis) -> VirtualTarget:
+    """A brick that counts what facts say."""
+    points = points_text(analysis.counted)
+    return VirtualTarget(settings=profile.settings, flow_points=points)
+
+
+def _check_facts(
+    robot: Robot,
+    facts: Facts,
+    image: ElfImage,
+    analysis: Analysis,
+    recording: Recording,
+    found: _Search,
+) -> list[FactCount]:
+    """What was counted in the run. Raises `ExecutionTimeError` for a fact that the run or a sample
+    of the search contradicts."""
+    samples = {
+        f"variant {sample.variant} of '{recording.scenario}'": sample.recording
+        for sample in (*found.worst.values(), *found.exceeded.values())
+    }
+    runs = {f"the run '{recording.scenario}'": recording, **samples}
+    counts = []
+    for what, run in runs.items():
         if run is not None:
-            check_interrupt_rates(robot, facts, run)
+            counts.append(fact_counts(robot, facts, image, analysis.counted, run))
+            check_facts_of_run(counts[-1], what)
             check_event_rates(robot, facts, run)
+            check_task_set(robot, run)
+    return counts[0]
 
 
 def _chain_result(chain: ChainDelay, loop: Loop | None) -> dict[str, Any]:
@@ -264,20 +296,20 @@ def analyse_command(
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
-    reporter = Reporter(json_output)
-    facts = read_facts(robot)
+    facts, reporter = read_facts(robot), Reporter(json_output)
     elf = project_image(workspace, robot, image.kind, reporter)
-    facts = facts.of_image(elf)
+    facts = _of_image(facts, elf)
     chosen = _scenario(workspace, robot, scenario)
     with reporter.step("bound execution and response times"):
         begin = process_time()
         brick = elaborated(robot, chosen, elf)
         analysis = analyse(robot, elf, brick, facts, timing_profile.value)
         effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
-    target = VirtualTarget(settings=timing_profile.settings)
+    target = _target(timing_profile, analysis)
     recording = _recording(workspace, robot, chosen, elf, target, reporter)
-    found = _search(robot, chosen, elf, recording, (search_variants, hours), target, reporter)
-    _check_rates(robot, facts, recording, found.worst)
+    wanted = (search_variants, hours, STOLEN_CYCLES[timing_profile.value])
+    found = _search(robot, chosen, elf, recording, wanted, target, reporter)
+    counts = _check_facts(robot, facts, elf, analysis, recording, found)
     check_bounds(analysis, found.seen, found.more.get("long_run"))
     loop = read_loop(workspace.design_file)
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
@@ -287,10 +319,10 @@ def analyse_command(
         "effort": effort,
         **result_of(analysis, found.seen, found.undisturbed),
         "chains": [_chain_result(chain, loop) for chain in chains],
+        "facts": [count.plain() for count in counts],
         **found.more,
     }
-    unused = unused_facts(facts, elf)
-    notes = [*_chain_notes(chains, result, directory), *unused]
+    notes = _chain_notes(chains, result, directory)
     with reporter.step("write the report") as step:
         figures = _figures(robot, analysis, recording, found, result)
         if loop is not None:
@@ -307,7 +339,6 @@ def analyse_command(
             **result,
             "advice": advice(result),
             "overestimation": overestimation(result),
-            "unused_facts": unused,
             "report": str(report),
             "task_set": str(task_file),
         }

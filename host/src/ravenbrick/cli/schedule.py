@@ -16,7 +16,7 @@ import typer
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import DeadlineError, UsageError
 from ravenbrick.schedule.quantity import Time, exact, shown
 from ravenbrick.schedule.report import advice, analysis
 from ravenbrick.schedule.task_file import Rule, TaskFile, read_task_file
@@ -72,9 +72,8 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
         f"largest scaling {result['largest_scaling'] or 'none'}; "
         f"earliest deadline first, without overheads, {edf} the deadlines{_responses_edf(result)}"
     )
-    reporter.print("schedulable" if result["schedulable"] else "NOT schedulable")
-    for line in advice(result):
-        reporter.print(f"  {line}")
+    if result["schedulable"]:
+        reporter.print("schedulable")
 
 
 @command("ravenbrick schedule taskset.toml")
@@ -101,6 +100,11 @@ def schedule_command(
     _print(reporter, result)
     if gantt is not None:
         reporter.print(f"schedules, without overheads: {gantt}")
+    if not result["schedulable"]:
+        cause, *changes = answer["advice"]
+        error = DeadlineError(f"NOT schedulable: {cause}", detail="\n".join(changes))
+        error.data = answer
+        raise error
     return answer
 
 

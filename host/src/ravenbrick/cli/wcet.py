@@ -16,7 +16,8 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import RavenbrickError, UsageError
 from ravenbrick.schemas.located_toml import utf8_text
-from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
+from ravenbrick.timing.bounds import ExecutionTimeError, execution_times, recursion_words
+from ravenbrick.timing.unmatched_facts import check_annotation_file
 
 __all__ = ["wcet_command"]
 
@@ -51,6 +52,8 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
     rows = [[f["symbol"], str(f["calls"]), str(f["cycles"])] for f in result["report"]["functions"]]
     reporter.table(("on the longest path", "calls", "cycles each"), rows)
     reporter.table(("source line", "executions"), _lines(result["report"]))
+    for line in recursion_words(result["report"]):
+        reporter.print(f"  {line}; --own-data follows a recursion")
 
 
 def _own_data(
@@ -121,15 +124,18 @@ def wcet_command(
     if not own_data and (after or any_content):
         raise UsageError("--after and --any-content need --own-data; add it")
     files = [(str(path), utf8_text(path)) for path in annotations or []]
+    content = elf.read_bytes()
     options: dict[str, Any] = {"annotations": files, "timing": timing, "wait_states": wait_states}
     options["name"] = str(elf)
     calls = [*(after or []), symbol]
     try:
+        for path, (_, text) in zip(annotations or [], files, strict=True):
+            check_annotation_file(path, text, content)
         if own_data:
             result = _own_data(elf, calls, any_content or [], options)
             _print_own_data(reporter, result)
             return result
-        found = execution_times(elf.read_bytes(), functions=[symbol], **options)
+        found = execution_times(content, functions=[symbol], **options)
     except ExecutionTimeError as error:
         raise _with_names(error, elf, calls) from None
     bound = found.functions[0]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ravenbrick.report.plots.style import COLOURS, new_figure, task_colour
 from ravenbrick.schedule.model import TaskSet
 from ravenbrick.schedule.quantity import Time, exact
+from ravenbrick.schedule.releases import critical_instant, periodic
 from ravenbrick.schedule.simulation import Scheduler, Simulation, simulate
 
 if TYPE_CHECKING:
@@ -35,16 +36,22 @@ def shown_until(task_set: TaskSet) -> Time:
 
 def gantt_figure(task_set: TaskSet, unit: str, until: Time | None = None) -> Figure:
     """One lane for each task in both schedules, without overheads; arrivals point up, deadlines
-    down, missed ones are crosses, execution in a protected object is hatched."""
+    down, missed ones are crosses, execution in a protected object is hatched.
+
+    Without release jitter, tasks are released at their phases; with it, as a critical instant: all
+    first jobs are released together, each as late as its jitter allows.
+    """
+    jitter = any(task.release_jitter for task in task_set)
+    pattern = critical_instant if jitter else periodic
     end = shown_until(task_set) if until is None else until
     lanes = {task.name: len(task_set) - 1 - place for place, task in enumerate(task_set)}
     figure, axes = new_figure(11.0, 1.6 + 1.1 * len(lanes), rows=len(PANELS))
     for axis, (scheduler, title) in zip(axes, PANELS, strict=True):
-        run = simulate(task_set, end, scheduler=scheduler)
+        run = simulate(task_set, end, scheduler=scheduler, releases=pattern)
         _draw(axis, run, lanes, float(end))
         missed = len(run.deadline_misses)
         found = f"{missed} missed deadlines" if missed else "no deadline is missed"
-        axis.set_title(f"{title}: {found}", fontsize=10)
+        axis.set_title(f"{title}{', late first releases' if jitter else ''}: {found}", fontsize=10)
         axis.set_yticks(list(lanes.values()), list(lanes))
         axis.set_ylim(-0.6, len(lanes) - 0.4)
         axis.set_xlim(-0.01 * float(end), 1.01 * float(end))

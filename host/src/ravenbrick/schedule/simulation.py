@@ -7,7 +7,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 from ravenbrick.schedule.blocking import ceilings
 from ravenbrick.schedule.demand import AnalysisLimitError
@@ -324,8 +324,14 @@ def simulate(
     Fixed priorities are preemptive and first in, first out among equals; earliest deadline first
     prefers the job under way among equals, and its protocol is Baker's stack resource policy
     unless `protocol` is "none". `until` defaults to the hyperperiod, with phases to the largest
-    phase plus two of them (Leung, Merrill 1980). Raises `AnalysisLimitError` when that is too far.
+    phase plus two of them (Leung, Merrill 1980). Raises `AnalysisLimitError` when that is too far,
+    and `ValueError` for an unknown scheduler or protocol.
     """
+    for name, kinds in (("scheduler", Scheduler), ("protocol", Protocol)):
+        value = scheduler if name == "scheduler" else protocol
+        if value not in get_args(kinds):
+            expected = ", ".join(get_args(kinds))
+            raise ValueError(f"{name} is {value!r}; expected one of {expected}")
     end = exact(_default_end(task_set) if until is None else until)
     count = sum(end // task.period + 1 for task in task_set)
     if count > JOB_LIMIT:

@@ -22,6 +22,7 @@ from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.timing.alarm import alarm_costs
 from ravenbrick.timing.background import NO_BACKGROUND, Background, background_of
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
+from ravenbrick.timing.counted_facts import CountedFact, counted_facts
 from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
 from ravenbrick.timing.facts import TIMING_FILE, Facts, Mode, annotations_of
 from ravenbrick.timing.initial_state import (
@@ -83,6 +84,7 @@ class Analysis:
     events: tuple[EventCost, ...] = ()
     transfers: tuple[str, ...] = ()
     background: Background = NO_BACKGROUND
+    counted: tuple[CountedFact, ...] = ()
 
     @property
     def schedulable(self) -> bool:
@@ -245,6 +247,8 @@ def analyse(
         timings, _, _, bounds = scheduled(rates, in_mode)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
     timings, task_set, overheads, bounds = scheduled(facts, jobs)
+    roots = [body for body, _, _ in questions] + [cost.handler.symbol for cost in costs]
+    counted = _counted(image, roots, facts, annotations)
     return Analysis(
         timings,
         costs,
@@ -257,4 +261,17 @@ def analyse(
         events,
         tuple(task.name for task in transfers),
         background,
+        counted,
     )
+
+
+def _counted(
+    image: ElfImage,
+    roots: Sequence[str],
+    facts: Facts,
+    annotations: Sequence[tuple[str, str]],
+) -> tuple[CountedFact, ...]:
+    """Facts of people: of the project, the drivers and the sources."""
+    outside = f"{facts.name}, [[outside]]"
+    files = {facts.name, outside, "pragma Annotate", *(name for name, _ in facts.shared)}
+    return counted_facts(image.content, roots, [*annotations, (outside, facts.outside)], files)

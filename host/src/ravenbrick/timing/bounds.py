@@ -24,6 +24,7 @@ __all__ = [
     "ExecutionTimeError",
     "JobQuestion",
     "execution_times",
+    "recursion_words",
 ]
 
 
@@ -93,15 +94,20 @@ class Bounds:
 
 
 def _question(loop: dict[str, Any], facts: str) -> str:
+    """The question for a loop bound: where, in which calls, and the fact to paste."""
     file, _, line = loop["line"].rpartition(":")
     if line:
-        place = f'file = "{file.rpartition("/")[2]}", line = {line}'
+        fields = [f'file = "{file.rpartition("/")[2]}"', f"line = {line}"]
     else:
-        place = f'symbol = "{loop["symbol"]}", index = {loop["index"]}'
-    return (
-        f"{loop['line'] or loop['symbol']}: how often at most? "
-        f"in {facts}: [[loop]] {place}, iterations = ..."
-    )
+        fields = [f'symbol = "{loop["symbol"]}"', f"index = {loop['index']}"]
+    callers = loop["callers"]
+    if len(callers) > 1:
+        # The outermost is what was asked for: with it, the fact would hold for all calls.
+        fields.append(f'within = "{callers[-1]}"')
+    chain = f", called by {', called by '.join(reversed(callers))}" if callers else ""
+    fact = ["[[loop]]", *fields, "iterations = ...", 'reason = "..."']
+    lines = [f"{loop['line'] or loop['symbol']}: how often at most{chain}? in {facts}:", *fact]
+    return "\n  ".join(lines)
 
 
 def _check_questions(answers: Sequence[dict[str, Any]], facts: str) -> None:
@@ -150,6 +156,17 @@ def _known_memory_cycles(answer: dict[str, Any] | None) -> int | None:
 def _known_memory_lines(answer: dict[str, Any] | None) -> tuple[tuple[str, int], ...]:
     rows = [] if answer is None else answer["lines"]
     return tuple((row["line"], row["executions"]) for row in rows)
+
+
+def recursion_words(report: dict[str, Any]) -> list[str]:
+    """Recursive functions of a bound's report: each activation costs as much as the longest."""
+    return [
+        f"{found['symbol']} calls itself: the bound takes {found['activations']} activations, each "
+        f"with the {found['cycles'] // found['activations']} cycles of the longest, so it is far "
+        "above the time of a recursion whose activations differ"
+        for found in report["functions"]
+        if found["activations"]
+    ]
 
 
 def execution_times(

@@ -29,7 +29,6 @@ __all__ = [
     "TransferLoad",
     "annotations_of",
     "read_facts",
-    "unused_facts",
 ]
 
 TIMING_FILE = "timing.toml"
@@ -47,8 +46,6 @@ OWN_TABLES = frozenset(
         "outside",
     }
 )
-# Tables whose facts name functions.
-NAMING = ("loop", "never", "outside", "recursion", "call", "flow")
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
 
@@ -284,23 +281,6 @@ def _read(path: Path) -> LocatedToml | None:
     document = read_toml(path, missing="write a file of facts, or remove it")
     validate(document, "timing")
     return document
-
-
-def unused_facts(facts: Facts, image: ElfImage) -> list[str]:
-    """Facts of the project that name functions which the image does not have: file, line, field."""
-    if facts.document is None:
-        return []
-    found: list[str] = []
-    for table in NAMING:
-        for index, row in enumerate(facts.document.values.get(table, [])):
-            for key in ("symbol", "within"):
-                if key in row and row[key] not in image.symbols:
-                    line = facts.document.line_of((table, index, key))
-                    found.append(
-                        f"{facts.name}:{line}: {table}[{index}].{key}: the image has no function "
-                        f"'{row[key]}', so this fact is not used"
-                    )
-    return found
 
 
 def _drivers_facts() -> LocatedToml | None:

@@ -30,6 +30,7 @@ from ravenbrick.timing.suspension import suspension_of
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = [
+    "STOLEN_CYCLES",
     "WAITS",
     "BlockingCause",
     "TaskTiming",

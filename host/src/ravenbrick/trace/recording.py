@@ -110,7 +110,9 @@ class Recording:
 
     `inputs` are all that were applied, from wherever: they play the run again. `screens` are the
     texts of the LCD in the order of time. `overflows`: a sentence for each stack that overflowed.
-    `warnings`: sentences about what the program uses and robot.toml does not have.
+    `warnings`: sentences about what the program uses and robot.toml does not have. `flow_counts`
+    are what was counted about flow facts, `transfers` the instants of the data controller's
+    transfers by peripheral, both only of runs that count them; a file does not have them.
     """
 
     scenario: str
@@ -125,6 +127,8 @@ class Recording:
     screens: tuple[Screen, ...] = ()
     overflows: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    flow_counts: tuple[dict[str, Any], ...] = ()
+    transfers: Mapping[str, NDArray[np.int64]] | None = None
 
     def of_kind(self, *kinds: EventKind) -> NDArray[np.void]:
         """The events of these kinds, in order."""

@@ -15,6 +15,8 @@ from ravenbrick.trace.schedule import jobs_of
 __all__ = ["check_names", "check_task_set"]
 
 PERIOD_TOLERANCE_US = 1.0
+# A first wait, and some releases of which one is too early.
+LEAST_INTERVALS = 3
 
 
 def _observed_period_us(recording: Recording, thread: int) -> float | None:
@@ -42,6 +44,31 @@ def _differences(recording: Recording, thread: int, task: Task) -> list[tuple[st
     return differences
 
 
+def _check_shortest_interval(
+    robot: Robot, recording: Recording, thread: int, index: int, task: Task
+) -> None:
+    """The analysis takes the period as the shortest time between two releases.
+
+    A task may begin by setting up, with other waits: until it keeps its period first.
+    """
+    releases = np.array([job.release_cycles for job in jobs_of(recording, thread)], np.int64)
+    intervals_us = 1e6 * np.diff(releases) / float(recording.clock.hertz)
+    if task.period_us is None or intervals_us.size < LEAST_INTERVALS:
+        return
+    least_us = task.period_us - PERIOD_TOLERANCE_US
+    kept = np.flatnonzero(intervals_us[1:] >= least_us)
+    first = 1 + (int(kept[0]) if kept.size else 0)
+    place = first + int(intervals_us[first:].argmin())
+    if intervals_us[place] < least_us:
+        when = float(recording.clock.seconds(int(releases[place + 1])))
+        raise robot.document.error(
+            ("tasks", index, "period_us"),
+            f"is {task.period_us}, but in the run '{recording.scenario}' {task.name} is released "
+            f"{intervals_us[place]:.1f} us after its release before, at {when:.6f} s (job "
+            f"{place + 2}); correct robot.toml or the program",
+        )
+
+
 def check_names(robot: Robot, names: Sequence[str]) -> None:
     """Raise `ProjectFileError` for a task that is none of the image's, in small letters."""
     for index, task in enumerate(robot.tasks):
@@ -64,3 +91,5 @@ def check_task_set(robot: Robot, recording: Recording) -> None:
                 f"is {declared}, but the image that ran has {observed}; correct robot.toml or "
                 "the program",
             )
+        if task.release != "background":
+            _check_shortest_interval(robot, recording, thread, index, task)

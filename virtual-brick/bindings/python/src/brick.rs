@@ -370,6 +370,34 @@ impl VirtualBrick {
             .collect()
     }
 
+    fn count_flow(&mut self, points_json: &str) -> PyResult<()> {
+        let points = serde_json::from_str(points_json).map_err(raise::<PyValueError>)?;
+        self.0.count_flow(points);
+        Ok(())
+    }
+
+    fn flow_counts(&self) -> PyResult<String> {
+        serde_json::to_string(self.0.flow_counts()).map_err(raise::<PyValueError>)
+    }
+
+    fn log_transfers(&mut self) {
+        self.0.log_transfers();
+    }
+
+    fn logged_transfers<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<BTreeMap<&'static str, Bound<'py, PyBytes>>> {
+        let mut instants: BTreeMap<&'static str, Vec<u64>> = BTreeMap::new();
+        for (at_cycles, peripheral) in self.0.logged_transfers() {
+            instants.entry(peripheral).or_default().push(*at_cycles);
+        }
+        let columns = instants.into_iter();
+        columns
+            .map(|(name, at)| Ok((name, packed(py, &at, u64::to_le_bytes)?)))
+            .collect()
+    }
+
     #[getter]
     fn link_up_cycles(&self) -> Option<u64> {
         self.0.link_up_cycles()

@@ -54,6 +54,7 @@ pub(crate) fn bound_execution_times(
         .extend(known.map(|(name, text)| AnnotationFile {
             name: name.to_owned(),
             text: text.to_owned(),
+            own: false,
         }));
     let map = memory_map(timing, wait_states).map_err(|e| wrong(&e))?;
     let elf = elf.to_vec();

@@ -108,6 +108,12 @@ impl Lines {
         Ok(())
     }
 
+    /// Addresses at which source lines begin, in order, each with its line.
+    pub fn begins(&self) -> impl Iterator<Item = (u32, Line<'_>)> {
+        let addresses = self.rows.keys();
+        addresses.filter_map(|address| Some((*address, self.at(*address)?)))
+    }
+
     /// The source line of the instruction at an address.
     #[must_use]
     pub fn at(&self, address: u32) -> Option<Line<'_>> {

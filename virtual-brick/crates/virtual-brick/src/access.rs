@@ -91,6 +91,17 @@ impl VirtualBrick {
         self.chip.logged_pins()
     }
 
+    /// Log the transfers of the peripheral data controller from now on.
+    pub fn log_transfers(&mut self) {
+        self.chip.log_transfers();
+    }
+
+    /// The logged transfers: when, in cycles, and of which peripheral.
+    #[must_use]
+    pub fn logged_transfers(&self) -> &[(u64, &'static str)] {
+        self.chip.logged_transfers()
+    }
+
     /// What can be set from outside on this brick.
     #[must_use]
     pub fn inputs(&self) -> &[nxt::InputDescription] {

@@ -24,6 +24,7 @@ use crate::threads::{Layout, Thread, ThreadObserver};
 // State of what these files add to the brick: they extend `VirtualBrick`, so each knows the other.
 use crate::boot_monitor::MonitorState;
 use crate::call_trace::CallTrace;
+use crate::flow_counts::FlowCounts;
 use crate::recorder::Recorder;
 use crate::semihosting::Console;
 use crate::stacks::StackChecker;
@@ -45,6 +46,7 @@ pub struct VirtualBrick {
     pub(crate) endless_loops: EndlessLoops,
     pub(crate) stacks: StackChecker,
     pub(crate) call_trace: CallTrace,
+    pub(crate) flow_counts: FlowCounts,
     pub(crate) ended: Option<Stop>,
     pub(crate) engine: Engine,
     pub(crate) blocks: Blocks<Machine>,
@@ -137,6 +139,7 @@ impl VirtualBrick {
             recorder,
             inputs: InputSchedule::default(),
             call_trace: CallTrace::default(),
+            flow_counts: FlowCounts::default(),
             dead_ends: DeadEndDetector::default(),
             endless_loops: EndlessLoops::default(),
             ended: None,

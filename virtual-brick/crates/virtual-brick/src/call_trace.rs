@@ -59,7 +59,14 @@ impl VirtualBrick {
             .iter()
             .filter_map(|name| self.image.symbols().get(name));
         self.call_trace.functions = found.map(|symbol| symbol.address).collect();
-        self.chip.observe_arrivals_at(&self.call_trace.functions);
+        self.observe_arrivals();
+    }
+
+    /// What is traced or counted is a step of its own.
+    pub(crate) fn observe_arrivals(&mut self) {
+        let traced = self.call_trace.functions.iter().copied();
+        let addresses: Vec<u32> = traced.chain(self.flow_counts.addresses()).collect();
+        self.chip.observe_arrivals_at(addresses);
     }
 
     /// The calls so far, in the order of the functions' addresses.

@@ -16,6 +16,7 @@ mod dead_ends;
 mod endless_loops;
 mod engine;
 mod failure;
+mod flow_counts;
 mod inputs;
 mod memory;
 mod observe;
@@ -38,6 +39,7 @@ pub use configuration::{
     Configuration, ConfigurationError, Timing, TimingParameter, TimingValues, TIMING_PARAMETERS,
 };
 pub use engine::Engine;
+pub use flow_counts::{Arrival, FlowCount, FlowPoint};
 pub use image::{
     Image, ImageError, Line, Lines, ScalarKind, Section, Segment, Symbol, Symbols, Variable,
 };

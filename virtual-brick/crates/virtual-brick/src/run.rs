@@ -133,8 +133,12 @@ impl VirtualBrick {
             if self.call_trace.traces(before) {
                 self.record_call();
             }
+            let counted = self.flow_counts.watches(before);
             let step = self.step(observer);
             let step = self.semihost(step)?;
+            if counted && step == Step::Instruction {
+                self.count_instruction(before, stack_pointer);
+            }
             self.after_step(before)?;
             self.check_stacks_after_step(stack_pointer);
             if self.dead_ends.needs_check(before, &self.cpu) {

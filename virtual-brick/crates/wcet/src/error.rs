@@ -37,6 +37,39 @@ pub struct MissingBound {
     pub index: usize,
     /// Source lines of its blocks that are in no inner loop.
     pub lines: Vec<(String, u32)>,
+    /// Functions that were active, the outermost first, the loop's own left out.
+    pub callers: Vec<String>,
+}
+
+/// A loop bound of the user that some call certainly exceeds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Contradiction {
+    /// The fact, with the file in which it stands.
+    pub fact: String,
+    /// Most executions of the loop's first block for each entry, by the fact.
+    pub allowed: u64,
+    /// The loop's first instruction.
+    pub place: Place,
+    /// Functions that were active, the outermost first, the loop's own left out.
+    pub callers: Vec<String>,
+}
+
+impl fmt::Display for Contradiction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} contradicts the code: the loop at {}",
+            self.fact, self.place
+        )?;
+        let mut callers = self.callers.iter().rev();
+        callers.try_for_each(|caller| write!(f, ", called by {caller}"))?;
+        write!(
+            f,
+            ", cannot be left within {} executions of its first block; correct the fact, or let \
+             it hold for other calls only, with 'within'",
+            self.allowed
+        )
+    }
 }
 
 /// Why there is no bound.
@@ -54,6 +87,8 @@ pub enum Error {
     Irreducible(Place),
     /// Loops without a bound.
     MissingBounds(Vec<MissingBound>),
+    /// A fact of the user that the code contradicts.
+    Contradiction(Box<Contradiction>),
     /// The function has no path to its end.
     NeverReturns(Place),
     /// A software interrupt, whose handler is not part of the program's graph.
@@ -90,6 +125,7 @@ impl fmt::Display for Error {
                     write!(f, "\n  loop {} at {}", missing.index, missing.place)
                 })
             }
+            Self::Contradiction(found) => found.fmt(f),
             Self::NeverReturns(place) => write!(f, "{place}: the function never returns"),
             Self::SoftwareInterrupt(place) => {
                 write!(f, "{place}: a software interrupt has no bound here")

@@ -34,7 +34,7 @@ mod paths;
 mod queries;
 mod values;
 
-pub use error::{Error, MissingBound, Place};
+pub use error::{Contradiction, Error, MissingBound, Place};
 pub use functions::program::Program;
 pub use inputs::annotations::Annotations;
 pub use inputs::image::Image;
@@ -42,3 +42,4 @@ pub use inputs::memory_map::{FetchCost, MemoryMap, Region};
 pub use queries::known_memory::{Input, KnownMemory, KnownMemoryBound, LineCount};
 pub use queries::report::Report;
 pub use queries::request::{AnnotationFile, Request, Response};
+pub use queries::unmatched_facts::{unmatched_facts, UnmatchedFact};

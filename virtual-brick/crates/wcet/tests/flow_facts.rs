@@ -4,6 +4,7 @@
 
 use crate::support::toolchain::{build, program, VARIANTS};
 use crate::support::{bound, refusal};
+use wcet::{unmatched_facts, Annotations, Image};
 
 fn on_all(check: impl Fn(&[u8])) {
     on_levels(&["-O0", "-O1", "-O2", "-Os"], check);
@@ -69,5 +70,64 @@ fn nested_statements_bound_a_loop_each_where_the_code_keeps_them_apart() {
         let apart = format!("{OUTER}lines = [31, 32, 35, 36]\n{INNER}iterations = ");
         let [few, many] = [2, 3].map(|n| bound(elf, "nested", &format!("{apart}{n}\n")).unwrap());
         assert!(few < many && many < 2 * few);
+    });
+}
+
+const FILL: &str = "[[loop]]\nsymbol = \"fill\"\nindex = 0\n";
+
+#[test]
+fn a_question_names_the_calls_and_an_answer_may_hold_for_these_only() {
+    on_levels(&["-O0", "-O1", "-Os"], |elf| {
+        let text = format!("{:?}", bound(elf, "either", "").expect_err("a question"));
+        assert!(
+            text.contains(r#"callers: ["either", "fill_some"]"#),
+            "{text}"
+        );
+        let scoped = format!("{FILL}within = \"fill_some\"\niterations = 5\n");
+        let whole = bound(elf, "either", &scoped).unwrap();
+        assert!(whole > bound(elf, "fill_all", "").unwrap());
+    });
+}
+
+#[test]
+fn a_fact_that_a_call_certainly_exceeds_is_refused_with_the_call() {
+    on_levels(&["-O0", "-O1", "-Os"], |elf| {
+        let text = refusal(elf, "either", &format!("{FILL}iterations = 5\n"));
+        let fact = "facts.toml: [[loop]] symbol = \"fill\", index = 0, iterations = 5 contradicts";
+        assert!(text.starts_with(fact), "{text}");
+        assert!(
+            text.contains("called by fill_all, called by either, cannot be left"),
+            "{text}"
+        );
+        assert!(bound(elf, "either", &format!("{FILL}iterations = 40\n")).is_ok());
+    });
+}
+
+#[test]
+fn a_fact_for_every_loop_is_refused_where_it_leaves_no_way_on() {
+    on_levels(&["-O0", "-O1", "-Os"], |elf| {
+        let every = "[[loop]]\nfile = \"loops.c\"\nevery = true\niterations = 5\n";
+        assert!(refusal(elf, "either", every).contains("contradicts the code"));
+        assert!(bound(elf, "fill_some", every).is_ok());
+    });
+}
+
+#[test]
+fn facts_that_match_nothing_are_told_with_their_field() {
+    on_all(|elf| {
+        let image = Image::read(elf).unwrap();
+        let facts = "[[loop]]\nfile = \"nowhere.c\"\niterations = 1\n\
+                     [[never]]\nsymbol = \"growth\"\n[[never]]\nfile = \"loops.c\"\nline = 1\n";
+        let facts = Annotations::parse(facts, "facts.toml").unwrap();
+        let found = unmatched_facts(&facts, &image);
+        let fields: Vec<_> = found.iter().map(|f| (f.table, f.index, f.field)).collect();
+        assert_eq!(
+            fields,
+            [
+                ("loop", 0, "file"),
+                ("never", 0, "symbol"),
+                ("never", 1, "line")
+            ]
+        );
     });
 }

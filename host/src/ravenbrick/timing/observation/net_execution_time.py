@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.schedule import stretches
 
-__all__ = ["interruption_cycles"]
+__all__ = ["interruption_cycles", "stolen_cycles"]
 
 # Least that lies outside of the noted interrupt (runtime/arm7tdmi/interrupt.S, from RAM at address
 # 0 in every image): 19 cycles before it and 31 after it; a preemption in the exit and the later
@@ -23,6 +24,8 @@ PREEMPTION_CYCLES = 86
 # Within this time of an interrupt's end, another task is selected by its exit only: a return to
 # the task, which then gives the processor away, takes longer.
 EXIT_CYCLES = 100
+# A transfer is charged at the latest at the end of the instruction during which it happens.
+CHARGED_LATER_CYCLES = 64
 
 
 def interruption_cycles(
@@ -46,3 +49,25 @@ def interruption_cycles(
     spent = np.concatenate(([0], np.cumsum(cycles)))
     found = spent[np.searchsorted(at, end)] - spent[np.searchsorted(at, release)]
     return np.asarray(found, np.int64)
+
+
+def stolen_cycles(
+    recording: Recording,
+    thread: int,
+    release: NDArray[np.int64],
+    end: NDArray[np.int64],
+    transfer_cycles: int,
+) -> NDArray[np.int64]:
+    """Cycles that the data controller took from a thread, at most, for each of its jobs as above;
+    none where the run does not have the transfers."""
+    if not recording.transfers:
+        return np.zeros(release.size, np.int64)
+    at = np.sort(np.concatenate(list(recording.transfers.values())))
+    every = stretches(recording)
+    mine = every.owner == thread
+    first, last = every.begin[mine], every.end[mine]
+    inside = np.searchsorted(at, last) - np.searchsorted(at, first - CHARGED_LATER_CYCLES)
+    taken = np.concatenate(([0], np.cumsum(inside)))
+    before = np.searchsorted(first, release, side="left")
+    after = np.searchsorted(first, end, side="left")
+    return np.asarray(transfer_cycles * (taken[after] - taken[before]), np.int64)

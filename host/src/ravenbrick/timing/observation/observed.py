@@ -15,11 +15,10 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.facts import Facts, InterruptLoad
+from ravenbrick.timing.facts import Facts
 from ravenbrick.timing.initial_state import ALARM_SOURCE
-from ravenbrick.timing.observation.net_execution_time import interruption_cycles
+from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
-from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
 
@@ -27,7 +26,6 @@ __all__ = [
     "Observed",
     "check_bounds",
     "check_event_rates",
-    "check_interrupt_rates",
     "exceeded",
     "observe",
     "ratio",
@@ -41,7 +39,10 @@ STRETCH = 10
 
 @dataclass(frozen=True)
 class Observed:
-    """Largest values over the jobs of a task that are released after the start of all tasks."""
+    """Largest values over the jobs of a task that are released after the start of all tasks.
+
+    `without_transfers`: the cycles that the data controller took are no part of the execution.
+    """
 
     jobs: int
     response_cycles: int
@@ -52,6 +53,7 @@ class Observed:
     release_jitter_cycles: int
     deadline_misses: int
     stack_bytes: int
+    without_transfers: bool = False
 
 
 def _largest(found: TaskDynamics, column: str, chosen: NDArray[np.bool_]) -> int:
@@ -67,8 +69,11 @@ def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np
     return (releases >= since_cycles) & (np.arange(releases.size) > 0)
 
 
-def _net_execution_times(recording: Recording, found: TaskDynamics) -> NDArray[np.int64]:
-    """Net execution time of each completed job, without what interrupts add to it."""
+def _net_execution_times(
+    recording: Recording, found: TaskDynamics, transfer_cycles: int
+) -> NDArray[np.int64]:
+    """Net execution time of each completed job, without what interrupts add to it and what the
+    data controller takes, `transfer_cycles` each, where the run recorded it."""
     thread = [thread.name for thread in recording.threads].index(found.name)
     done = [
         (job.release_cycles, job.completion_cycles)
@@ -77,11 +82,13 @@ def _net_execution_times(recording: Recording, found: TaskDynamics) -> NDArray[n
     ]
     release, end = np.array(done, np.int64).T
     own = found.execution_cycles - interruption_cycles(recording, thread, release, end)
+    own -= stolen_cycles(recording, thread, release, end, transfer_cycles)
     return np.asarray(own, np.int64)
 
 
-def observe(robot: Robot, recording: Recording) -> dict[str, Observed]:
-    """By the task's name in robot.toml; tasks without a completed job are left out."""
+def observe(robot: Robot, recording: Recording, transfer_cycles: int = 1) -> dict[str, Observed]:
+    """By the task's name in robot.toml; tasks without a completed job are left out. A transfer of
+    the data controller takes `transfer_cycles` (`STOLEN_CYCLES`)."""
     threads = {thread.name.lower(): thread for thread in recording.threads}
     result: dict[str, Observed] = {}
     since = cyclic_begin_cycles(robot, recording)
@@ -93,16 +100,18 @@ def observe(robot: Robot, recording: Recording) -> dict[str, Observed]:
         if not chosen.any():
             continue
         latency = found.release_latency_cycles[chosen]
+        own = _net_execution_times(recording, found, transfer_cycles)
         result[task.name] = Observed(
             jobs=int(np.count_nonzero(chosen)),
             response_cycles=_largest(found, "response_time_cycles", chosen),
-            execution_cycles=int(_net_execution_times(recording, found)[chosen].max()),
+            execution_cycles=int(own[chosen].max()),
             interference_cycles=_largest(found, "interference_cycles", chosen),
             blocking_cycles=_largest(found, "blocking_cycles", chosen),
             interrupt_cycles=_largest(found, "interrupt_cycles", chosen),
             release_jitter_cycles=int(np.ptp(latency)),
             deadline_misses=found.deadline_misses,
             stack_bytes=threads[found.name.lower()].stack_used_bytes,
+            without_transfers=recording.transfers is not None,
         )
     return result
 
@@ -166,52 +175,6 @@ def check_event_rates(robot: Robot, facts: Facts, recording: Recording) -> None:
             )
 
 
-def check_interrupt_rates(robot: Robot, facts: Facts, recording: Recording) -> None:
-    """Raise `ExecutionTimeError` when a source came more often than the facts say.
-
-    What comes before the start of all tasks is not looked at.
-    """
-    since = cyclic_begin_cycles(robot, recording)
-    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
-    for load in facts.interrupts:
-        if load.task is not None:
-            _check_after_releases(load, recording, since)
-            continue
-        at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
-        at = at[at >= since]
-        window = MASTER_CLOCK.cycles_of_us(load.window_us)
-        if at.size <= load.at_most:
-            continue
-        spans = at[load.at_most :] - at[: -load.at_most]
-        if spans.size and spans.min() < window:
-            begin = float(MASTER_CLOCK.seconds(int(at[int(spans.argmin())])))
-            raise ExecutionTimeError(
-                f"{load.file}: {source_name(load.source)} interrupts more than {load.at_most} "
-                f"times in {load.window_us} us, {begin:.6f} s after the start of the run "
-                f"'{recording.scenario}'; correct the fact or slow the source down"
-            )
-
-
-def _check_after_releases(load: InterruptLoad, recording: Recording, since: int) -> None:
-    """Windows from the releases of one task on, as far as its jobs last."""
-    names = [thread.name.lower() for thread in recording.threads]
-    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
-    at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
-    window = MASTER_CLOCK.cycles_of_us(load.window_us)
-    for job in jobs_of(recording, names.index(str(load.task).lower()))[1:]:
-        if job.completion_cycles is None or job.release_cycles < since:
-            continue
-        end = min(job.release_cycles + window, job.completion_cycles)
-        count = int(np.searchsorted(at, end) - np.searchsorted(at, job.release_cycles))
-        if count > load.at_most:
-            begin = float(MASTER_CLOCK.seconds(job.release_cycles))
-            raise ExecutionTimeError(
-                f"{load.file}: {source_name(load.source)} interrupts the job of {load.task} "
-                f"released at {begin:.6f} s of the run '{recording.scenario}' {count} times, not "
-                f"at most {load.at_most}; correct the fact"
-            )
-
-
 def ratio(bound: int, observed: int) -> float | None:
     """Bound over observed maximum."""
     return bound / observed if observed else None
@@ -229,7 +192,8 @@ def exceeded(
         response = analysis.bounds[name].bound
         if seen is not None:
             deepest = timing.stack_bound_bytes
-            own = timing.job.cycles + analysis.stolen_cycles(name)
+            stolen = 0 if seen.without_transfers else analysis.stolen_cycles(name)
+            own = timing.job.cycles + stolen
             pairs = [
                 ("a response time of", seen.response_cycles, response),
                 ("an execution time of", seen.execution_cycles, own),

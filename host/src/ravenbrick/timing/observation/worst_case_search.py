@@ -6,6 +6,7 @@ co-processor is disturbed too, so that jobs set it up again."""
 
 from __future__ import annotations
 
+import json
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -29,6 +30,7 @@ __all__ = ["WorstSample", "largest", "search_worst_case"]
 
 SHIFT_MS = 20
 FRESH = 0.3
+EXCEEDED = " exceeded"
 SIGNAL_PERIOD_US = 100_000
 SWITCHES = (
     *(f"button.{name}" for name in ("left", "right", "orange", "grey")),
@@ -54,12 +56,13 @@ class WorstSample:
 @dataclass(frozen=True)
 class WorstCaseSearch:
     """The worst samples, those of variants without disturbances, and the longest responses of the
-    scenario as it is, by the task's name."""
+    scenario as it is, by the task's name; samples in which a fact was exceeded."""
 
     variants: int
     worst: Mapping[str, WorstSample]
     undisturbed: Mapping[str, WorstSample]
     unvaried: Mapping[str, int]
+    exceeded: Mapping[str, WorstSample]
 
     def plain(self) -> dict[str, Any]:
         """For JSON; cycles."""
@@ -157,16 +160,19 @@ class _VariantRunner:
         scenario = replace(self._quiet, stimuli=tuple(inputs))
         return self._target.run(self._robot, scenario, self._image)
 
-    def responses(self, inputs: Sequence[TimedInput]) -> dict[str, int]:
-        """Longest response of each task after the start of all of them."""
+    def play(self, inputs: Sequence[TimedInput]) -> tuple[dict[str, int], list[dict[str, Any]]]:
+        """Longest response of each task after the start of all of them, and what was counted about
+        facts."""
         if self._quiet.peer is not None or self._quiet.monitor is not None:
             found = self.recording(inputs)
-            return self._longest(found.events, [thread.name for thread in found.threads])
+            names = [thread.name for thread in found.threads]
+            return self._longest(found.events, names), list(found.flow_counts)
         scenario = replace(self._quiet, stimuli=tuple(inputs))
         brick = self._target.prepare(self._robot, scenario, self._image)
         brick.run_until(self.end)
         names = [thread.name for thread in brick.threads()]
-        return self._longest(decode_events(brick.events()), names)
+        counts: list[dict[str, Any]] = json.loads(brick.flow_counts())
+        return self._longest(decode_events(brick.events()), names), counts
 
     def _longest(self, events: NDArray[np.void], names: list[str]) -> dict[str, int]:
         since = cyclic_begin(events, names, self._robot)
@@ -190,6 +196,18 @@ def _keep(
             worst[name] = WorstSample(name, response, variant, inputs)
 
 
+def _nearly_wrong(counts: Sequence[dict[str, Any]]) -> dict[str, int]:
+    """What a search for wrong facts raises: most executions, and then how often they are too
+    many."""
+    most = {f"fact {number}": int(count["most"]) for number, count in enumerate(counts)}
+    wrong = {
+        f"fact {number}{EXCEEDED}": len(count["arrivals"])
+        for number, count in enumerate(counts)
+        if count["arrivals"]
+    }
+    return most | wrong
+
+
 def search_worst_case(
     robot: Robot,
     scenario: Scenario,
@@ -198,36 +216,43 @@ def search_worst_case(
     progress: Progress = no_progress,
     seed: int = 1,
     target: VirtualTarget | None = None,
+    transfer_cycles: int = 1,
 ) -> WorstCaseSearch:
-    """Play variants of a scenario and keep, for each task, those with its longest responses."""
+    """Play variants of a scenario and keep, for each task, those with its longest responses, and
+    for each fact that the target counts the one with the most."""
     rng = random.Random(seed)
     runner = _VariantRunner(robot, scenario, image, target or VirtualTarget())
     original = scenario.timed_inputs()
     worst: dict[str, WorstSample] = {}
     undisturbed: dict[str, WorstSample] = {}
+    facts: dict[str, WorstSample] = {}
     unvaried: dict[str, int] = {}
     rounds = variants + 2 * len(robot.tasks)
     for variant in range(variants):
         disturbed = variant % 2 == 1
         best = [sample.inputs for sample in (worst if disturbed else undisturbed).values()]
+        best += [sample.inputs for sample in facts.values()]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
         inputs = runner.vary(base, disturbed, rng) if variant else original
-        responses = runner.responses(inputs)
+        responses, counts = runner.play(inputs)
         unvaried = unvaried or responses
         _keep(worst, responses, variant, inputs)
+        _keep(facts, _nearly_wrong(counts), variant, inputs)
         if not disturbed:
             _keep(undisturbed, responses, variant, inputs)
         progress((variant + 1) / rounds)
     seen: dict[int, tuple[Mapping[str, Observed], Recording]] = {}
-    for count, (kept, name) in enumerate((k, n) for k in (worst, undisturbed) for n in sorted(k)):
+    exceeded = {name: sample for name, sample in facts.items() if name.endswith(EXCEEDED)}
+    samples = [(k, n) for k in (worst, undisturbed, exceeded) for n in sorted(k)]
+    for count, (kept, name) in enumerate(samples):
         sample = kept[name]
         if sample.variant not in seen:
             recording = runner.recording(sample.inputs)
-            seen[sample.variant] = observe(robot, recording), recording
+            seen[sample.variant] = observe(robot, recording, transfer_cycles), recording
         values, recording = seen[sample.variant]
         kept[name] = replace(sample, observed=values.get(name), recording=recording)
-        progress((variants + count + 1) / rounds)
-    return WorstCaseSearch(variants, worst, undisturbed, unvaried)
+        progress(min(1.0, (variants + count + 1) / rounds))
+    return WorstCaseSearch(variants, worst, undisturbed, unvaried, exceeded)
 
 
 def largest(seen: Mapping[str, Observed], worst: Mapping[str, WorstSample]) -> dict[str, Observed]:
@@ -238,6 +263,7 @@ def largest(seen: Mapping[str, Observed], worst: Mapping[str, WorstSample]) -> d
         if more is None or known is None:
             continue
         both = {key: max(value, getattr(more, key)) for key, value in vars(known).items()}
+        both["without_transfers"] = known.without_transfers and more.without_transfers
         added = ("jobs", "deadline_misses")
         both |= {key: getattr(known, key) + getattr(more, key) for key in added}
         result[name] = Observed(**both)

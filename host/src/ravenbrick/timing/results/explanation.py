@@ -24,6 +24,7 @@ def _own(task: dict[str, Any]) -> tuple[int, str]:
         mode = min(modes, key=lambda mode: int(mode["execution_bound_cycles"]))
         path = f"{mode['execution_bound_cycles']} in mode '{mode['name']}' ({mode['reason']})"
         text += f"; that path takes only {path}"
+    text = "; ".join([text, *task["recursions"]])
     return bound - seen, text
 
 

@@ -12,6 +12,7 @@ from ravenbrick.schedule.demand import window_of
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
 from ravenbrick.timing.analysis import Analysis, ModeBounds
+from ravenbrick.timing.bounds import recursion_words
 from ravenbrick.timing.observation.observed import Observed, ratio
 from ravenbrick.timing.scheduled_tasks import TaskTiming, deepest_stack
 from ravenbrick.trace.interrupts import source_name
@@ -70,6 +71,7 @@ def _task(
         "deadline_us": timing.task.deadline_us or timing.task.period_us,
         "meets_deadline": found.meets_deadline,
         "execution_bound_cycles": timing.job.cycles,
+        "recursions": recursion_words(timing.job.report),
         "execution_max_cycles": None
         if limit is None
         else math.floor(limit) - timing.suspension_cycles,

@@ -67,7 +67,7 @@ pub trait BlockBus: Bus {
     fn target_place(&self, address: u32) -> Option<CodePlace>;
     /// A block may begin at `address`, which has a place.
     fn can_enter(&self, address: u32) -> bool;
-    /// Each arrival at `address` is observed, so no block begins there.
+    /// The instruction at `address` is observed, so no block contains it.
     fn observes_arrival(&self, _address: u32) -> bool {
         false
     }

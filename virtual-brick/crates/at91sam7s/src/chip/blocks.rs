@@ -80,7 +80,7 @@ impl<B: Board> BlockBus for Chip<B> {
     }
 
     fn observes_arrival(&self, address: u32) -> bool {
-        self.observed_arrivals.contains(&address)
+        self.observed_arrivals.binary_search(&address).is_ok()
     }
 
     #[inline(always)]

@@ -35,7 +35,7 @@ pub struct Chip<B: Board> {
     board: B,
     /// The board is served now because it may have been changed from outside.
     board_changed: bool,
-    /// Code at which no block of instructions begins.
+    /// Code that no block of instructions contains, in order.
     observed_arrivals: Vec<u32>,
     /// The processor clock is stopped.
     stopped: bool,
@@ -219,9 +219,22 @@ impl<B: Board> Chip<B> {
         (mc.abort_address(), mc.abort_misaligned())
     }
 
-    /// Let each arrival at these addresses of code, if by a branch, be a step of its own.
-    pub fn observe_arrivals_at(&mut self, addresses: &[u32]) {
-        self.observed_arrivals = addresses.to_vec();
+    /// Let the instructions at these addresses be steps of their own. Blocks that were decoded
+    /// before know nothing of it: to be called before the run.
+    pub fn observe_arrivals_at(&mut self, mut addresses: Vec<u32>) {
+        addresses.sort_unstable();
+        self.observed_arrivals = addresses;
+    }
+
+    /// Log the transfers of the peripheral data controller from now on.
+    pub fn log_transfers(&mut self) {
+        self.memories.transfer_log.get_or_insert_default();
+    }
+
+    /// The logged transfers: when, and of which peripheral.
+    #[must_use]
+    pub fn logged_transfers(&self) -> &[(Cycles, &'static str)] {
+        self.memories.transfer_log.as_deref().unwrap_or_default()
     }
 
     /// Record every processor write to the SRAM word at `address`.

@@ -70,6 +70,8 @@ pub(crate) struct Memories {
     pub(crate) transfers_stored: u64,
     /// Cycles that the data controller has taken from the processor and not yet charged.
     pub(crate) stolen: Cycles,
+    /// When the data controller transferred, and for which peripheral, if that is logged.
+    pub(crate) transfer_log: Option<Vec<(Cycles, &'static str)>>,
 }
 
 impl Memories {
@@ -82,6 +84,7 @@ impl Memories {
             sram_alias: SRAM_WINDOW,
             transfers_stored: 0,
             stolen: 0,
+            transfer_log: None,
         }
     }
 
@@ -164,14 +167,22 @@ impl Memories {
         Ok(())
     }
 
+    fn steal(&mut self, peripheral: &'static str, at: Cycles) {
+        self.stolen += self.timing.pdc_steal_cycles;
+        if let Some(log) = &mut self.transfer_log {
+            log.push((at, peripheral));
+        }
+    }
+
     /// A transfer of the data controller from SRAM or flash.
     pub(crate) fn transfer_from(
         &mut self,
         peripheral: &'static str,
         pointer: u32,
         width: Width,
+        at: Cycles,
     ) -> Result<u32, TransferFault> {
-        self.stolen += self.timing.pdc_steal_cycles;
+        self.steal(peripheral, at);
         if !self.is_sram(pointer) && !is_flash(pointer) {
             return Err(TransferFault {
                 kind: FaultKind::TransferAddress { peripheral },
@@ -200,7 +211,7 @@ impl Memories {
         }
         self.sram.write(at, pointer, width, value);
         self.transfers_stored += 1;
-        self.stolen += self.timing.pdc_steal_cycles;
+        self.steal(peripheral, at);
         Ok(())
     }
 

@@ -183,7 +183,7 @@ pub(crate) fn feed(
     while stream.wants_data() {
         let (name, width) = (stream.name(), stream.transfer_width());
         let pointer = stream.pdc().transmit.pointer;
-        let value = memories.transfer_from(name, pointer, width)?;
+        let value = memories.transfer_from(name, pointer, width, at)?;
         stream.pdc().transmit.transferred(width);
         let refused = |kind| TransferFault {
             kind,

@@ -5,7 +5,7 @@
 //! other: a call that is not analysed in its context costs what `Program::bound` says for its
 //! arguments.
 
-use crate::error::Error;
+use crate::error::{Error, MissingBound};
 use crate::functions::context_sensitive_calls::ContextSensitiveCalls;
 use crate::functions::effects::{effects, Endless};
 use crate::functions::function_bound::{BlockBound, BoundOrigin, FunctionBound, LoopBound};
@@ -121,6 +121,9 @@ pub fn execute(
     let mut execution = AbstractExecution::new(interpreter, forest, limits);
     let returned = execution.run(state);
     program.note_steps(execution.interpreter.step_count);
+    let (active, returns) = (program.bounding.borrow(), !returned.is_empty());
+    program.note_contradictions(summary, &execution.findings, &active, returns);
+    drop(active);
     let longest = returned.iter().map(|state| state.elapsed.0).max();
     Executed {
         elapsed: longest.filter(|cycles| *cycles != UNBOUNDED),
@@ -381,7 +384,13 @@ fn path_error(
     match unsolved {
         PathError::Unbounded(loops) => {
             let missing = loops.into_iter();
-            let missing = missing.map(|index| summary.missing_bound(&program.facts, index));
+            let active = program.bounding.borrow();
+            let callers = active.iter().filter(|active| **active != entry);
+            let callers: Vec<_> = callers.map(|f| program.image.name_at(f.0)).collect();
+            let missing = missing.map(|index| MissingBound {
+                callers: callers.clone(),
+                ..summary.missing_bound(&program.facts, index)
+            });
             Error::MissingBounds(missing.collect())
         }
         PathError::NoReturn => Error::NeverReturns(program.image.place(entry.0)),

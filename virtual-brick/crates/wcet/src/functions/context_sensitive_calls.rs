@@ -143,6 +143,9 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         let returned = execution.run(state);
         let steps = execution.interpreter.step_count;
         self.program.note_steps(steps);
+        let (findings, returns) = (&execution.findings, !returned.is_empty());
+        self.program
+            .note_contradictions(summary, findings, &self.call_string.borrow(), returns);
         self.note_unbounded(&execution);
         self.steps_left
             .set(self.steps_left.get().saturating_sub(steps));

@@ -88,6 +88,7 @@ impl FunctionSummary {
             place: facts.image.place(self.flow.blocks[header].node.address),
             index: self.numbers[index],
             lines: lines.into_iter().collect(),
+            callers: Vec::new(),
         }
     }
 

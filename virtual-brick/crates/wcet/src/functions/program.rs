@@ -12,6 +12,7 @@ use crate::inputs::facts::Facts;
 use crate::inputs::image::{Entry, Image};
 use crate::inputs::kernel::KernelConventions;
 use crate::inputs::memory_map::MemoryMap;
+use crate::loops::abstract_execution::LoopFinding;
 use crate::values::instruction::Environment;
 use crate::values::value::Value;
 use std::cell::{Cell, RefCell};
@@ -37,7 +38,7 @@ pub struct Program<'a> {
     /// Functions whose summary is being computed, each with the place of its call.
     pub(super) summarising: RefCell<Vec<(Entry, u32)>>,
     /// Functions whose bound is being computed.
-    pub(super) bounding: RefCell<Vec<Entry>>,
+    pub(crate) bounding: RefCell<Vec<Entry>>,
     steps: Cell<u64>,
 }
 
@@ -78,6 +79,25 @@ impl<'a> Program<'a> {
     /// Counts instructions that were executed on abstract values.
     pub(crate) fn note_steps(&self, steps: u64) {
         self.steps.set(self.steps.get().saturating_add(steps));
+    }
+
+    /// Notes flow facts that the code contradicts while these functions are active, the one that
+    /// was executed last; does it return?
+    pub(crate) fn note_contradictions(
+        &self,
+        summary: &FunctionSummary,
+        findings: &[LoopFinding],
+        active: &[Entry],
+        returns: bool,
+    ) {
+        for (index, finding) in findings.iter().enumerate() {
+            if let Some(allowed) = finding.contradiction {
+                let header = summary.forest.loops[index].header;
+                let address = summary.flow.blocks[header].node.address;
+                self.facts
+                    .note_contradiction(address, allowed, active, returns);
+            }
+        }
     }
 
     /// Instructions that were executed on abstract values so far.

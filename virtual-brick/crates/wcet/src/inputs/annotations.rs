@@ -137,8 +137,11 @@ impl Annotations {
     pub fn parse(text: &str, name: &str) -> Result<Self, Error> {
         let mut annotations: Self =
             toml::from_str(text).map_err(|error| Error::Input(format!("{name}: {error}")))?;
-        for fact in &mut annotations.loops {
+        let facts = annotations.tables_mut().into_iter();
+        for fact in facts.flat_map(|(_, facts)| facts) {
             name.clone_into(&mut fact.source);
+        }
+        for fact in &annotations.loops {
             if fact.iterations.is_none() && fact.header_executions.is_none() {
                 return Err(Error::Input(format!(
                     "{name}: [[loop]] {} needs 'iterations' or 'header_executions'",
@@ -155,6 +158,33 @@ impl Annotations {
             }
         }
         Ok(annotations)
+    }
+
+    /// The tables of facts about places, by their names.
+    pub fn tables(&self) -> [(&'static str, &[Fact]); 8] {
+        [
+            ("loop", &self.loops),
+            ("call", &self.calls),
+            ("access", &self.accesses),
+            ("never", &self.never),
+            ("avoided", &self.avoided),
+            ("leave", &self.leaves),
+            ("recursion", &self.recursions),
+            ("cost", &self.costs),
+        ]
+    }
+
+    fn tables_mut(&mut self) -> [(&'static str, &mut Vec<Fact>); 8] {
+        [
+            ("loop", &mut self.loops),
+            ("call", &mut self.calls),
+            ("access", &mut self.accesses),
+            ("never", &mut self.never),
+            ("avoided", &mut self.avoided),
+            ("leave", &mut self.leaves),
+            ("recursion", &mut self.recursions),
+            ("cost", &mut self.costs),
+        ]
     }
 
     /// Adds the facts of another file; the first that matches a place counts.
@@ -217,6 +247,23 @@ impl Fact {
         parts.join(", ")
     }
 
+    /// The fact of a table as it is written, with its file.
+    pub fn written(&self, table: &str) -> String {
+        let numbers = [
+            ("iterations", self.iterations),
+            ("header_executions", self.header_executions),
+            ("calls", self.calls),
+            ("depth", self.depth.map(u64::from)),
+        ];
+        let mut text = format!("{}: [[{table}]] {}", self.source, self.place());
+        if let Some(function) = &self.within {
+            text += &format!(", within = \"{function}\"");
+        }
+        let stated = numbers.iter().filter_map(|(key, n)| Some((key, (*n)?)));
+        stated.for_each(|(key, number)| text += &format!(", {key} = {number}"));
+        text
+    }
+
     /// A fact without any place holds everywhere.
     pub fn is_general(&self) -> bool {
         self.symbol.is_none() && self.file.is_none()
@@ -231,7 +278,7 @@ impl Statement {
 }
 
 /// Is `wanted` the end of a path, in whole names?
-fn is_of_path(path: &str, wanted: &str) -> bool {
+pub fn is_of_path(path: &str, wanted: &str) -> bool {
     let rest = path.strip_suffix(wanted);
     rest.is_some_and(|folder| folder.is_empty() || folder.ends_with('/'))
 }

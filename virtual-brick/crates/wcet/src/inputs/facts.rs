@@ -3,7 +3,7 @@
 //! Annotations looked up by address: which fact holds at a place of the image, and for which loops
 //! each loop bound was used.
 
-use crate::error::{Error, Place};
+use crate::error::{Contradiction, Error, Place};
 use crate::inputs::annotations::{Annotations, Fact};
 use crate::inputs::image::{Entry, Image};
 use crate::inputs::memory_map::MemoryMap;
@@ -29,6 +29,14 @@ pub struct Facts<'a> {
     pub annotations: &'a Annotations,
     /// Loops for which each loop bound was used: by its number, then by the header's address.
     pub uses: RefCell<BTreeMap<usize, BTreeMap<u32, FactUse>>>,
+    /// Loop statements whose number of iterations was used, by the header's address.
+    pub statement_uses: RefCell<BTreeMap<u32, usize>>,
+    /// Facts that leave out places of what was looked at, as they are written.
+    cutting: RefCell<BTreeSet<String>>,
+    /// Branches whose targets were asked for.
+    call_uses: RefCell<BTreeSet<u32>>,
+    /// The first fact that the code contradicts.
+    contradiction: RefCell<Option<Contradiction>>,
     map: &'a MemoryMap,
     regions: RefCell<BTreeMap<u32, Option<u8>>>,
 }
@@ -56,6 +64,10 @@ impl<'a> Facts<'a> {
             image,
             annotations,
             uses: RefCell::default(),
+            statement_uses: RefCell::default(),
+            contradiction: RefCell::default(),
+            cutting: RefCell::default(),
+            call_uses: RefCell::default(),
             map,
             regions: RefCell::default(),
         })
@@ -72,12 +84,34 @@ impl<'a> Facts<'a> {
 
     /// Is the place declared never to be executed?
     pub fn is_never_executed(&self, address: u32) -> bool {
-        self.find(&self.annotations.never, address).is_some()
+        self.cuts("never", &self.annotations.never, address)
     }
 
     /// Is the place executed, but not in what is bounded?
     pub fn is_avoided(&self, address: u32) -> bool {
-        self.find(&self.annotations.avoided, address).is_some()
+        self.cuts("outside", &self.annotations.avoided, address)
+    }
+
+    /// Does one of these facts leave a place out? Those that do are remembered.
+    fn cuts(&self, table: &str, facts: &'a [Fact], address: u32) -> bool {
+        let found = self.find(facts, address);
+        if let Some(fact) = found {
+            self.cutting.borrow_mut().insert(fact.written(table));
+        }
+        found.is_some()
+    }
+
+    /// Why no way on is left, if facts leave places out: those facts, for a message.
+    pub fn cutting_words(&self) -> String {
+        let facts = self.cutting.borrow();
+        if facts.is_empty() {
+            return String::new();
+        }
+        let facts: Vec<&str> = facts.iter().map(String::as_str).collect();
+        format!(
+            "; facts leave out places, one too many: {}",
+            facts.join("; ")
+        )
     }
 
     /// Does a branch to an unknown place end the analysis here?
@@ -87,8 +121,13 @@ impl<'a> Facts<'a> {
 
     /// Most activations of a recursive function in one call and at the same time.
     pub fn recursion(&self, function: Entry) -> Option<(u64, u32)> {
-        let fact = self.find(&self.annotations.recursions, function.0)?;
+        let fact = self.recursion_fact(function)?;
         Some((fact.calls?, fact.depth?))
+    }
+
+    /// The fact that says so.
+    pub fn recursion_fact(&self, function: Entry) -> Option<&'a Fact> {
+        self.find(&self.annotations.recursions, function.0)
     }
 
     /// Cycles of a call that take `cycles`: no more than a fact says, and what is added.
@@ -113,8 +152,15 @@ impl<'a> Facts<'a> {
     /// Functions that an indirect branch may reach.
     pub fn call_targets(&self, address: u32) -> Option<Vec<Entry>> {
         let fact = self.find(&self.annotations.calls, address)?;
+        self.call_uses.borrow_mut().insert(address);
         let names = fact.targets.iter();
         Some(names.flat_map(|name| self.image.functions(name)).collect())
+    }
+
+    /// The fact that names the targets of the branch here, if it was asked for.
+    pub fn used_call_fact(&self, address: u32) -> Option<&'a Fact> {
+        let used = self.call_uses.borrow().contains(&address);
+        self.find(&self.annotations.calls, address).filter(|_| used)
     }
 
     /// Region of an access.
@@ -130,8 +176,56 @@ impl<'a> Facts<'a> {
         })
     }
 
-    /// Refuses loop bounds that were used for several loops without saying that they hold for each.
-    pub fn check_uses(&self) -> Result<(), Error> {
+    /// The loop statement whose number of iterations was used for a loop, as a fact.
+    pub fn statement_fact(&self, header: u32) -> Option<Fact> {
+        let which = *self.statement_uses.borrow().get(&header)?;
+        let statement = &self.annotations.statements[which];
+        Some(Fact {
+            file: Some(statement.file.clone()),
+            line: statement.lines.first().copied(),
+            iterations: statement.iterations,
+            source: "pragma Annotate".into(),
+            ..Fact::default()
+        })
+    }
+
+    /// Notes that the code contradicts the bound of a loop, `allowed` header executions, while
+    /// these functions are active. A bound for every loop of a place may hold all the same, as long
+    /// as the function returns on another way: the one through this loop may be none in truth.
+    pub fn note_contradiction(&self, header: u32, allowed: u64, active: &[Entry], returns: bool) {
+        let holds = |fact: &Fact| {
+            let within = fact.within.as_deref().map(|name| self.image.function(name));
+            within.is_none_or(|function| function.is_some_and(|f| active.contains(&f)))
+        };
+        let loops = &self.annotations.loops;
+        let uses = self.uses.borrow();
+        let used = uses
+            .iter()
+            .filter(|(which, uses)| uses.contains_key(&header) && holds(&loops[**which]))
+            .map(|(which, _)| &loops[*which])
+            .min_by_key(|fact| fact.within.is_none());
+        if returns && used.is_some_and(|fact| fact.every) {
+            return;
+        }
+        let statement = || self.statement_fact(header);
+        let fact = used.cloned().or_else(statement);
+        let fact = fact.map(|fact| fact.written("loop"));
+        let callers = active.split_last().map_or(&[][..], |(_, callers)| callers);
+        let mut known = self.contradiction.borrow_mut();
+        known.get_or_insert_with(|| Contradiction {
+            fact: fact.unwrap_or_default(),
+            allowed,
+            place: self.image.place(header),
+            callers: callers.iter().map(|f| self.image.name_at(f.0)).collect(),
+        });
+    }
+
+    /// Refuses facts that the code contradicts, and loop bounds that were used for several loops
+    /// without saying that they hold for each.
+    pub fn check(&self) -> Result<(), Error> {
+        if let Some(found) = self.contradiction.borrow().clone() {
+            return Err(Error::Contradiction(Box::new(found)));
+        }
         for (which, loops) in self.uses.borrow().iter() {
             let fact = &self.annotations.loops[*which];
             let named = fact.line.is_some() || fact.index.is_some();

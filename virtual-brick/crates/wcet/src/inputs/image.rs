@@ -3,8 +3,10 @@
 //! The program under analysis: instructions, constants and places of its ELF file.
 
 use crate::error::{Error, Place};
+use crate::inputs::annotations::{is_of_path, Fact};
 use arm7tdmi::Instruction;
 use image::Content;
+use std::collections::BTreeSet;
 
 /// Entry of a function: address and state (Thumb or not).
 pub type Entry = (u32, bool);
@@ -154,6 +156,27 @@ impl Image {
                 (name.to_owned(), line.line)
             }),
         }
+    }
+
+    /// Lines with code of a source file, by its name as facts give it.
+    pub fn lines_of(&self, file: &str) -> BTreeSet<u32> {
+        let begins = self.lines.begins().map(|(address, _)| self.place(address));
+        let lines = begins.filter_map(|place| place.line);
+        let its = lines.filter(|(path, _)| is_of_path(path, file));
+        its.map(|(_, line)| line).collect()
+    }
+
+    /// Instructions at which the place of a fact begins: of a function the first, or the one with
+    /// the fact's offset; of a line all at which it begins.
+    pub fn addresses_of(&self, fact: &Fact) -> Vec<u32> {
+        if let Some(name) = &fact.symbol {
+            let entries = self.functions(name).into_iter();
+            let offset = fact.offset.unwrap_or(0);
+            return entries.map(|(address, _)| address + offset).collect();
+        }
+        let begins = self.lines.begins().map(|(address, _)| address);
+        let its = begins.filter(|address| fact.matches(&self.place(*address), &[], None));
+        its.collect()
     }
 
     /// First address and bytes of everything that is loaded.

@@ -25,6 +25,8 @@ pub struct LoopFinding {
     pub unbounded: bool,
     /// It ended because the user's bound was reached.
     pub ended_by_fact: bool,
+    /// The user's bound, if some entry certainly exceeds it.
+    pub contradiction: Option<u64>,
     /// Most header executions beyond the first of each entry, added up over one entry of the
     /// loop around it.
     pub repeats: u64,
@@ -199,6 +201,10 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
             add_exits(&mut exits, pass.exits);
             let ended_by_fact = self.limits[index].is_some_and(|limit| count >= limit);
             let finding = &mut self.findings[index];
+            let never_left = exits.is_empty() && exit_count > 0 && pass.back.is_some();
+            if ended_by_fact && never_left {
+                finding.contradiction = self.limits[index];
+            }
             finding.ended_by_fact |= ended_by_fact && pass.back.is_some();
             let Some(back) = pass.back.filter(|_| !ended_by_fact) else {
                 finding.header_executions = finding.header_executions.max(count);

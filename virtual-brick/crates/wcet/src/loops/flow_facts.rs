@@ -117,6 +117,9 @@ impl Facts<'_> {
                     ..Fact::default()
                 };
                 bounds[index] = header_executions(&fact, flow, forest, index);
+                let header = flow.blocks[forest.loops[index].header].node.address;
+                let mut uses = self.statement_uses.borrow_mut();
+                uses.extend(bounds[index].map(|_| (header, which)));
             }
         }
     }
@@ -178,7 +181,7 @@ fn choose_statement(
 
 /// Header executions that a fact allows: iterations, and one more where the loop may be left
 /// elsewhere than at the end of an iteration.
-fn header_executions(
+pub fn header_executions(
     fact: &Fact,
     flow: &ControlFlowGraph,
     forest: &LoopForest,

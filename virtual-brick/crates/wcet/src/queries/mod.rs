@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Questions that callers ask, and the form of the answers.
 
+pub mod flow_points;
 pub mod known_memory;
 pub mod path_problem;
 pub mod report;
 pub mod request;
 pub mod task_job;
+pub mod unmatched_facts;

@@ -68,6 +68,8 @@ pub struct FunctionReport {
     pub calls: u64,
     /// Largest bound charged for one call.
     pub cycles: u64,
+    /// Of a recursive function: activations in one call, each charged as the longest one.
+    pub activations: Option<u64>,
     /// Its loops.
     pub loops: Vec<LoopReport>,
     /// Accesses charged as in the most expensive region because theirs is not known.
@@ -139,6 +141,7 @@ fn function_report(program: &Program<'_>, calls: u64, bound: &FunctionBound) -> 
         symbol: program.image.name_at(bound.entry.0),
         calls,
         cycles: bound.cycles,
+        activations: program.facts.recursion(bound.entry).map(|(calls, _)| calls),
         loops: loops.collect(),
         unknown_accesses: bound
             .blocks
@@ -154,7 +157,7 @@ impl Report {
     pub fn new(program: &Program<'_>, symbol: &str) -> Result<Self, Error> {
         let bound = program.bound_of(symbol)?;
         let cycles = bound.cycles + program.return_cycles()?;
-        program.facts.check_uses()?;
+        program.facts.check()?;
         Ok(Self::of_bound(program, symbol, &bound, cycles))
     }
 

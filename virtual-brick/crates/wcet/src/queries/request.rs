@@ -9,10 +9,12 @@ use crate::functions::program::Program;
 use crate::inputs::annotations::Annotations;
 use crate::inputs::image::{Entry, Image};
 use crate::inputs::memory_map::MemoryMap;
+use crate::queries::flow_points::{counted_facts, CountedFact};
 use crate::queries::known_memory::{KnownMemory, LineCount};
 use crate::queries::path_problem::PathGraph;
 use crate::queries::report::Report;
 use crate::queries::task_job::{bound_job, JobBound, Task};
+use crate::queries::unmatched_facts::{unmatched_facts, UnmatchedFact};
 use crate::values::block_interpreter::BlockInterpreter;
 use crate::values::value::Value;
 use serde::{Deserialize, Serialize};
@@ -26,6 +28,9 @@ pub struct AnnotationFile {
     pub name: String,
     /// TOML.
     pub text: String,
+    /// Written for this program: facts that match nothing are reported.
+    #[serde(default)]
+    pub own: bool,
 }
 
 /// All questions.
@@ -46,6 +51,9 @@ pub struct Request {
     pub callees: Vec<String>,
     /// Graphs are wanted too.
     pub graphs: bool,
+    /// Functions for which, with all that they call, the points are wanted at which a run shows
+    /// whether facts hold.
+    pub counted: Vec<String>,
     /// Calls that nothing disturbs, to bound as they are.
     pub known_memory: Option<KnownMemory>,
 }
@@ -61,6 +69,8 @@ pub struct MissingLoopBound {
     pub line: String,
     /// Lines of all its blocks that are in no inner loop.
     pub lines: Vec<(String, u32)>,
+    /// Functions through which it is reached, the outermost first.
+    pub callers: Vec<String>,
 }
 
 /// Bounds of a function or a job, or why there are none.
@@ -152,16 +162,24 @@ pub struct Response {
     pub calls: Vec<Call>,
     /// Bound of the last of the calls that nothing disturbs.
     pub known_memory: Option<Answer>,
+    /// Where facts are counted.
+    pub counted: Vec<CountedFact>,
+    /// Facts of the program's own files that match nothing.
+    pub unmatched: Vec<UnmatchedFact>,
     /// Effort for `functions` and `jobs`.
     pub effort: Effort,
 }
 
 impl Answer {
     /// No bound.
-    fn refused(symbol: &str, error: &Error) -> Self {
+    fn refused(program: &Program<'_>, symbol: &str, error: &Error) -> Self {
+        let cut = match error {
+            Error::NeverReturns(_) => program.facts.cutting_words(),
+            _ => String::new(),
+        };
         Self {
             symbol: symbol.to_owned(),
-            error: Some(error.to_string()),
+            error: Some(format!("{error}{cut}")),
             missing: missing_bounds(error),
             ..Self::default()
         }
@@ -202,7 +220,7 @@ impl Answer {
     fn background(program: &Program<'_>, symbol: &str) -> Self {
         let found = program.function(symbol);
         match found.and_then(|entry| effects(program, entry, Endless::Followed)) {
-            Err(error) => Self::refused(symbol, &error),
+            Err(error) => Self::refused(program, symbol, &error),
             Ok(Effects {
                 sections,
                 functions,
@@ -238,6 +256,7 @@ fn missing_bounds(error: &Error) -> Vec<MissingLoopBound> {
             index: found.index,
             line,
             lines: found.lines.clone(),
+            callers: found.callers.clone(),
         }
     });
     each.collect()
@@ -280,18 +299,24 @@ impl Request {
     pub fn answer(&self, elf: &[u8], map: &MemoryMap) -> Result<Response, Error> {
         let image = Image::read(elf)?;
         let mut annotations = Annotations::default();
+        let mut unmatched = Vec::new();
         for source in &self.annotations {
-            annotations.extend(Annotations::parse(&source.text, &source.name)?);
+            let facts = Annotations::parse(&source.text, &source.name)?;
+            if source.own {
+                unmatched.extend(unmatched_facts(&facts, &image));
+            }
+            annotations.extend(facts);
         }
         let program = Program::new(&image, map, &annotations)?;
         let mut response = Response {
             timing: map.name.clone(),
             return_cycles: program.return_cycles()?,
+            unmatched,
             ..Response::default()
         };
         for symbol in &self.functions {
             response.functions.push(match program.bound_of(symbol) {
-                Err(error) => Answer::refused(symbol, &error),
+                Err(error) => Answer::refused(&program, symbol, &error),
                 Ok(found) => {
                     let bound = (&*found, found.stack_bytes);
                     Answer::bounded(&program, symbol, bound, self.graphs)
@@ -300,7 +325,7 @@ impl Request {
         }
         for task in &self.jobs {
             response.jobs.push(match bound_job(&program, task) {
-                Err(error) => Answer::refused(&task.body, &error),
+                Err(error) => Answer::refused(&program, &task.body, &error),
                 Ok(job) => Answer::job(&program, &task.body, &job, self.graphs),
             });
         }
@@ -312,7 +337,7 @@ impl Request {
             let symbol = known_memory.calls.last().cloned().unwrap_or_default();
             let found = known_memory.bound(&image, map, &annotations);
             response.known_memory = Some(match found {
-                Err(error) => Answer::refused(&symbol, &error),
+                Err(error) => Answer::refused(&program, &symbol, &error),
                 Ok(found) => Answer {
                     symbol,
                     cycles: found.cycles,
@@ -322,10 +347,13 @@ impl Request {
             });
         }
         response.effort = Effort::of(&program);
+        if !self.counted.is_empty() {
+            response.counted = counted_facts(&program, &self.counted)?;
+        }
         if let Some(root) = &self.root {
             response.calls = calls(&program, root, &self.callees)?;
         }
-        program.facts.check_uses()?;
+        program.facts.check()?;
         Ok(response)
     }
 }

@@ -179,5 +179,8 @@ fn bound_one_job(
         callees: whole.callees.clone(),
         ..FunctionSummary::of_graph(&program.facts, program.map, graph, numbers)?
     };
-    bound_summary(program, entry, &summary, state)
+    program.bounding.borrow_mut().push(entry);
+    let bound = bound_summary(program, entry, &summary, state);
+    program.bounding.borrow_mut().pop();
+    bound
 }

@@ -36,3 +36,30 @@ int nested(int rounds)
   }
   return sum;
 }
+
+static volatile unsigned length;
+static volatile unsigned char store[64];
+
+__attribute__((noinline)) void fill(unsigned count)
+{
+  for (unsigned at = 0; at < count; at++)
+    store[at] = (unsigned char)at;
+}
+
+__attribute__((noinline)) void fill_all(void)
+{
+  fill(40);
+}
+
+__attribute__((noinline)) void fill_some(void)
+{
+  fill(length);
+}
+
+void either(void)
+{
+  if (port)
+    fill_all();
+  else
+    fill_some();
+}

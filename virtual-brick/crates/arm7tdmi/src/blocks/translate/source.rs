@@ -71,7 +71,11 @@ pub(in crate::blocks) fn read_source<B: BlockBus>(bus: &B, key: u32, place: Code
         if bus.code_place(ahead) != Some(expected) {
             break;
         }
-        let instruction = decode(bus, start.wrapping_add(offset), width);
+        let address = start.wrapping_add(offset);
+        if bus.observes_arrival(address) {
+            break;
+        }
+        let instruction = decode(bus, address, width);
         source.instructions.push(instruction);
         let fetch_cycles = bus.sequential_fetch_cycles(ahead, width);
         worst += most_cycles(&instruction, fetch_cycles, most);

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Flow facts that each run counts: iterations, targets of calls, recursion, excluded places."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ravenbrick.errors import UsageError
+from ravenbrick.installation import brick_module
+
+__all__ = ["CountedFact", "counted_facts", "points_text"]
+
+
+@dataclass(frozen=True)
+class CountedFact:
+    """A fact with a place at which it is counted.
+
+    `fact` is the fact as it is written, `declared` what it allows (iterations, activations at the
+    same time; 0 for no execution), `surplus` the executions of a loop's first block that are no
+    iteration of the source, `point` where and what to count, as the virtual brick takes it.
+    """
+
+    fact: str
+    file: str
+    table: str
+    place: str
+    declared: int
+    surplus: int
+    point: dict[str, Any]
+
+
+def counted_facts(
+    elf: bytes,
+    roots: Sequence[str],
+    annotations: Sequence[tuple[str, str]],
+    files: Collection[str],
+) -> tuple[CountedFact, ...]:
+    """Facts of these annotation files about the functions `roots` and all that they call.
+
+    Raises `UsageError` for a wrong annotation.
+    """
+    request = {
+        "annotations": [{"name": name, "text": text} for name, text in annotations],
+        "counted": list(roots),
+    }
+    try:
+        answer = json.loads(brick_module().bound_execution_times(elf, json.dumps(request)))
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    return tuple(CountedFact(**row) for row in answer["counted"] if row["file"] in files)
+
+
+def points_text(facts: Sequence[CountedFact]) -> str:
+    """Where to count, as the virtual brick takes it."""
+    return json.dumps([fact.point for fact in facts])

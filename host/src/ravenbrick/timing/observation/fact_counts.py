@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a run counted about each fact, beside what the fact declares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Robot
+from ravenbrick.timing.bounds import ExecutionTimeError
+from ravenbrick.timing.counted_facts import CountedFact
+from ravenbrick.timing.facts import Facts, InterruptLoad
+from ravenbrick.trace.interrupts import source_name
+from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
+
+__all__ = ["FactCount", "check_facts_of_run", "fact_counts", "most_in_window"]
+
+Cycles = NDArray[np.int64]
+CLOCK_HZ = float(MASTER_CLOCK.hertz)
+TOLERANCE_CYCLES = 48
+READY = 1  # thread state (docs/reference/trace.md)
+
+
+@dataclass(frozen=True)
+class FactCount:
+    """A fact, what it declares, what was seen, and where that was too much, in words."""
+
+    fact: str
+    place: str
+    declared: int
+    seen: int
+    excess: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return {**vars(self), "holds": not self.excess}
+
+
+def most_in_window(at: Cycles, window_cycles: int) -> tuple[int, int]:
+    """Most instants of a sorted column in any window of this length, and when the first of these
+    windows begins."""
+    if not at.size:
+        return 0, 0
+    counts = np.searchsorted(at, at + window_cycles) - np.arange(at.size)
+    place = int(counts.argmax())
+    return int(counts[place]), int(at[place])
+
+
+class _Run:
+    """Who had the processor when, in words."""
+
+    def __init__(self, robot: Robot, recording: Recording) -> None:
+        self.since = cyclic_begin_cycles(robot, recording)
+        self._robot, self._recording = robot, recording
+        kinds = (EventKind.INTERRUPT_ENTERED, EventKind.INTERRUPT_LEFT)
+        events = recording.of_kind(*kinds)
+        self._at = events["at_cycles"].astype(np.int64)
+        self._source = events["subject"].astype(np.int64)
+        entered = events["kind"] == int(EventKind.INTERRUPT_ENTERED)
+        self._depth = np.cumsum(np.where(entered, 1, -1))
+        self._entered = entered
+
+    def handler(self, at: int) -> str | None:
+        """The source of the handler that runs at an instant; none between handlers."""
+        place = int(np.searchsorted(self._at, at, side="right")) - 1
+        if place < 0 or self._depth[place] <= 0:
+            return None
+        same = self._entered[: place + 1] & (self._depth[: place + 1] == self._depth[place])
+        return source_name(int(self._source[np.flatnonzero(same)[-1]]))
+
+    def job(self, thread: int, at: int) -> tuple[int, Job] | None:
+        """The job of a thread at an instant with its number, from 1."""
+        jobs = jobs_of(self._recording, thread)
+        numbered = [(n, job) for n, job in enumerate(jobs, 1) if job.release_cycles <= at]
+        if not numbered:
+            return None
+        number, job = numbered[-1]
+        over = job.completion_cycles is not None and job.completion_cycles < at
+        return None if over else (number, job)
+
+    def in_a_job_with_deadline(self, thread: int | None, at: int) -> bool:
+        """Is a task in a job after which it keeps its period, not in a handler?
+
+        After a job without a deadline, such as a search, a cyclic task is released anew.
+        """
+        if thread is None or self.handler(at) is not None:
+            return False
+        task = self._robot.task(self._recording.threads[thread].name)
+        found = self.job(thread, at)
+        if task is None or task.release == "background" or found is None:
+            return False
+        number, job = found
+        later = jobs_of(self._recording, thread)[number:]
+        if task.release != "cyclic" or task.period_us is None or not later:
+            return task.release != "cyclic"
+        interval = later[0].release_cycles - job.release_cycles
+        return abs(interval - MASTER_CLOCK.cycles_of_us(task.period_us)) <= TOLERANCE_CYCLES
+
+    def words(self, thread: int | None, at: int) -> str:
+        """Instant and job."""
+        when = f"at {float(MASTER_CLOCK.seconds(at)):.6f} s"
+        source = self.handler(at)
+        if source is not None:
+            return f"{when}, in the handler of {source}"
+        if thread is None:
+            return when
+        name, found = self._recording.threads[thread].name, self.job(thread, at)
+        return f"{when}, {name}" if found is None else f"{when}, job {found[0]} of {name}"
+
+
+def _code_at(image: ElfImage, address: int) -> str:
+    names = [name for name, symbol in image.symbols.items() if symbol.address & ~1 == address]
+    return min(names, default=f"{address:#010x}")
+
+
+def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: dict[str, Any]) -> FactCount:
+    arrivals = [a for a in count["arrivals"] if a["at_cycles"] >= run.since]
+    if fact.table == "avoided":
+        arrivals = [a for a in arrivals if run.in_a_job_with_deadline(a["thread"], a["at_cycles"])]
+    text = fact.fact.replace("[[avoided]]", "[[outside]]")
+    seen = int(count["most"]) if fact.table in ("loop", "recursion") else 0
+    if not arrivals:
+        return FactCount(text, fact.place, fact.declared, min(seen, fact.declared))
+    worst = max(arrivals, key=lambda arrival: int(arrival["count"]))
+    where = f"{run.words(worst['thread'], worst['at_cycles'])}, {fact.place}"
+    if fact.table == "call":
+        target = _code_at(image, worst["target"])
+        return FactCount(text, fact.place, 0, 1, f"seen the target {target} {where}")
+    seen = len(arrivals) if fact.table in ("never", "avoided") else worst["count"]
+    what = {"never": "executions", "avoided": "executions in a job", "recursion": "activations"}
+    unit = what.get(fact.table, "")
+    numbers = f"declared {fact.declared}, seen {seen}" + (f" {unit}" if unit else "")
+    return FactCount(text, fact.place, fact.declared, seen, f"{numbers} {where}")
+
+
+def _rate(run: _Run, fact: str, place: str, limits: tuple[int, int], at: Cycles) -> FactCount:
+    at_most, window_us = limits
+    seen, begin = most_in_window(at[at >= run.since], MASTER_CLOCK.cycles_of_us(window_us))
+    excess = ""
+    if seen > at_most:
+        excess = f"declared {at_most}, seen {seen} in {window_us} us at {begin / CLOCK_HZ:.6f} s"
+    return FactCount(fact, place, at_most, seen, excess)
+
+
+def _rates(run: _Run, facts: Facts, image: ElfImage, recording: Recording) -> list[FactCount]:
+    """Interrupts and transfers in any window, or in windows from the releases of a task."""
+    found = []
+    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    for load in facts.interrupts:
+        at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
+        name = source_name(load.source)
+        fact = f'{load.file}: [[interrupt]] source = "{name}"'
+        if load.task is None:
+            found.append(_rate(run, fact, name, (load.at_most, load.window_us), at))
+        else:
+            found.append(_after_releases(run, load, fact, at, recording))
+    loads = facts.transfer_loads(image) if recording.transfers is not None else {}
+    for peripheral, at in (recording.transfers or {}).items():
+        for stated in loads.get(peripheral, ()):
+            fact = f'[[transfer]] peripheral = "{peripheral}"'
+            found.append(_rate(run, fact, peripheral, (stated.at_most, stated.window_us), at))
+        if peripheral not in loads and bool((at >= run.since).any()):
+            first = int(at[at >= run.since][0])
+            excess = f"declared 0, seen {at.size}, the first at {first / CLOCK_HZ:.6f} s"
+            fact = f'no [[transfer]] peripheral = "{peripheral}"'
+            found.append(FactCount(fact, peripheral, 0, int(at.size), excess))
+    return found
+
+
+def _after_releases(
+    run: _Run, load: InterruptLoad, fact: str, at: Cycles, recording: Recording
+) -> FactCount:
+    """Windows from the releases of one task on, as far as its jobs last."""
+    names = [thread.name.lower() for thread in recording.threads]
+    window = MASTER_CLOCK.cycles_of_us(load.window_us)
+    thread, most, excess = names.index(str(load.task).lower()), 0, ""
+    for number, job in enumerate(jobs_of(recording, thread), 1):
+        if number == 1 or job.completion_cycles is None or job.release_cycles < run.since:
+            continue
+        end = min(job.release_cycles + window, job.completion_cycles)
+        seen = int(np.searchsorted(at, end) - np.searchsorted(at, job.release_cycles))
+        if seen > max(most, load.at_most):
+            when = f"at {float(MASTER_CLOCK.seconds(job.release_cycles)):.6f} s"
+            excess = f"declared {load.at_most}, seen {seen} {when}, job {number} of {load.task}"
+        most = max(most, seen)
+    name = source_name(load.source)
+    return FactCount(f'{fact}, task = "{load.task}"', name, load.at_most, most, excess)
+
+
+def _suspensions(run: _Run, facts: Facts, recording: Recording) -> list[FactCount]:
+    """Times for which jobs wait for something else than their release."""
+    found = []
+    names = [thread.name.lower() for thread in recording.threads]
+    states = recording.of_kind(EventKind.THREAD_STATE)
+    for fact in facts.suspensions:
+        thread = names.index(fact.task.lower())
+        mine = states[states["subject"] == thread]
+        at, state = mine["at_cycles"].astype(np.int64), mine["value"].astype(np.int64)
+        longest, where = 0, ""
+        for number, job in enumerate(jobs_of(recording, thread), 1):
+            if job.completion_cycles is None or job.release_cycles < run.since:
+                continue
+            inside = (at > job.release_cycles) & (at < job.completion_cycles)
+            ends = np.append(at[inside][1:], job.completion_cycles)
+            waited = int(((ends - at[inside]) * (state[inside] != READY)).sum())
+            if waited > longest:
+                longest, where = waited, f"job {number} of {fact.task}"
+        seen_us = round(longest * 1_000_000 / float(MASTER_CLOCK.hertz))
+        excess = ""
+        if longest > MASTER_CLOCK.cycles_of_us(fact.longest_us):
+            excess = f"declared {fact.longest_us} us, seen {seen_us} us, {where}"
+        text = f'{facts.name}: [[suspension]] task = "{fact.task}"'
+        found.append(FactCount(text, fact.task, fact.longest_us, seen_us, excess))
+    return found
+
+
+def fact_counts(
+    robot: Robot,
+    facts: Facts,
+    image: ElfImage,
+    counted: Sequence[CountedFact],
+    recording: Recording,
+) -> list[FactCount]:
+    """Each fact with what the run counted, after the start of all tasks."""
+    run = _Run(robot, recording)
+    flow = [
+        _flow_count(run, image, fact, count)
+        for fact, count in zip(counted, recording.flow_counts, strict=True)
+    ]
+    return [
+        *flow,
+        *_rates(run, facts, image, recording),
+        *_suspensions(run, facts, recording),
+    ]
+
+
+def check_facts_of_run(counts: Sequence[FactCount], what: str) -> None:
+    """Raise `ExecutionTimeError` for facts that a run, `what` in words, contradicts."""
+    wrong = [f"{count.fact}: {count.excess}" for count in counts if count.excess]
+    if wrong:
+        raise ExecutionTimeError(
+            f"{wrong[0]}; in {what} the program does more than this fact says: correct the fact",
+            detail="\n".join(wrong),
+        )

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Facts that match nothing in the image: a misspelt name, a file or a line without code."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.errors import ProjectFileError
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.installation import brick_module
+from ravenbrick.schemas.located_toml import KeyPath, LocatedToml
+from ravenbrick.timing.facts import Facts, annotations_of, has_unit
+
+__all__ = ["check_annotation_file", "check_facts"]
+
+REMEDY = "; correct it, or remove the fact"
+# Tables of places by the name that the execution-time analysis has for them.
+PLACES = {"loop": "loop", "call": "call", "never": "never", "outside": "avoided"}
+PLACES |= {"recursion": "recursion"}
+NAMING_ONE = ("suspension", "body", "flow")
+
+
+def _unmatched(elf: bytes, files: dict[str, str]) -> list[dict[str, Any]]:
+    """Facts of annotation files that match nothing, by the files' names."""
+    annotations = [{"name": name, "text": text, "own": True} for name, text in files.items()]
+    request = json.dumps({"annotations": annotations})
+    answer = json.loads(brick_module().bound_execution_times(elf, request))
+    return list(answer["unmatched"])
+
+
+def _files(document: LocatedToml) -> tuple[dict[str, str], dict[str, KeyPath]]:
+    """Annotations of the document and of its modes, and where each of them begins there."""
+    values = document.values
+    tables = {PLACES[name]: rows for name, rows in values.items() if name in PLACES}
+    files: dict[str, str] = {"": annotations_of(tables)}
+    places: dict[str, KeyPath] = {"": ()}
+    for index, mode in enumerate(values.get("mode", [])):
+        name = f"mode {index}"
+        tables = {key: mode[key] for key in ("never", "loop") if key in mode}
+        files[name], places[name] = annotations_of(tables), ("mode", index)
+    return files, places
+
+
+def check_facts(facts: Facts, image: ElfImage) -> None:
+    """Raise `ProjectFileError` for the first fact of the project's own file that matches nothing:
+    functions, source lines, library units and handlers that the image does not have."""
+    document = facts.document
+    if document is None:
+        return
+    files, places = _files(document)
+    own_names = {known: own for own, known in PLACES.items()}
+    for found in _unmatched(image.content, files):
+        place = (*places[found["file"]], own_names[found["table"]], found["index"], found["field"])
+        raise document.error(place, found["reason"] + REMEDY)
+    _check_names(document, image)
+
+
+def _check_names(document: LocatedToml, image: ElfImage) -> None:
+    """Names in tables that are no annotations of code."""
+    for table in NAMING_ONE:
+        for index, row in enumerate(document.values.get(table, [])):
+            name = row.get("symbol")
+            if name is not None and name not in image.symbols:
+                problem = f"the image has no function '{name}'{REMEDY}"
+                raise document.error((table, index, "symbol"), problem)
+    for table in ("interrupt", "transfer"):
+        for index, row in enumerate(document.values.get(table, [])):
+            if "unit" in row and not has_unit(image, row["unit"]):
+                problem = f"the image has no library unit '{row['unit']}'{REMEDY}"
+                raise document.error((table, index, "unit"), problem)
+
+
+def check_annotation_file(path: Path, text: str, elf: bytes) -> None:
+    """Raise `ProjectFileError` for the first fact of an annotation file that matches nothing."""
+    for found in _unmatched(elf, {str(path): text}):
+        line = _line(text, found["table"], found["index"])
+        field = f"{found['table']}[{found['index']}].{found['field']}"
+        raise ProjectFileError(path, line, field, found["reason"] + REMEDY)
+
+
+def _line(text: str, table: str, index: int) -> int:
+    """Line of the head of a table, the first for one that is written otherwise."""
+    heads = [n for n, line in enumerate(text.splitlines(), 1) if line.strip() == f"[[{table}]]"]
+    return heads[index] if index < len(heads) else 1

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Facts that the run contradicts: each is named with what was declared and seen, when and where."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from ravenbrick.image.build import TOOLS, find_tool
+
+if importlib.util.find_spec("virtual_brick") is None:
+    pytest.skip("the module virtual_brick is not built", allow_module_level=True)
+if any(find_tool(tool) is None for tool in TOOLS):
+    pytest.skip("the cross toolchain is not installed", allow_module_level=True)
+
+from verification.support.timing.programs import HERE, Subject, analysed, subject
+
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.errors import ProjectFileError
+from ravenbrick.project.robot import read_robot
+from ravenbrick.timing.counted_facts import points_text
+from ravenbrick.timing.facts import read_facts
+from ravenbrick.timing.observation.fact_counts import FactCount, fact_counts
+from ravenbrick.timing.observation.observed import exceeded, observe
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.task_set import check_task_set
+
+
+@cache
+def program() -> Subject:
+    found = subject("counted", "counted_load")
+    return replace(found, scenario=replace(found.scenario, duration_ms=1_000))
+
+
+def changed(folder: Path, old: str, new: str) -> Subject:
+    """The program beside another timing.toml."""
+    text = (HERE / "counted" / "timing.toml").read_text()
+    assert old in text
+    shutil.copy(HERE / "counted" / "robot.toml", folder)
+    (folder / "timing.toml").write_text(text.replace(old, new, 1))
+    robot = read_robot(folder)
+    return replace(program(), robot=robot, facts=read_facts(robot).of_image(program().image))
+
+
+def counted(found: Subject, engine: str = "fast") -> tuple[list[FactCount], Recording]:
+    analysis = analysed(found, found.facts)
+    target = VirtualTarget(settings={"engine": engine}, flow_points=points_text(analysis.counted))
+    recording = target.run(found.robot, found.scenario, found.image)
+    counts = fact_counts(found.robot, found.facts, found.image, analysis.counted, recording)
+    return counts, recording
+
+
+@cache
+def as_it_is() -> tuple[list[FactCount], Recording]:
+    return counted(program())
+
+
+def test_facts_that_hold_are_counted_and_the_run_stays_the_same() -> None:
+    counts, recording = as_it_is()
+    assert [count.excess for count in counts if count.excess] == []
+    seen = {count.fact.split("]] ")[1].split(",")[0]: count.seen for count in counts}
+    assert seen['symbol = "workers__sum"'] == 40
+    plain = VirtualTarget().run(program().robot, program().scenario, program().image)
+    assert plain.digest == recording.digest
+
+
+@pytest.mark.parametrize("engine", ["blocks", "reference"])
+def test_all_engines_count_the_same(engine: str) -> None:
+    counts, recording = counted(program(), engine)
+    assert (counts, recording.digest) == (as_it_is()[0], as_it_is()[1].digest)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("iterations = 40", "iterations = 5", "declared 5, seen 40 at "),
+        (', "workers__half"', "", "seen the target workers__half at "),
+        ("[[loop]]", '[[never]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]',
+         "declared 0, seen 1 executions at "),
+        ("[[loop]]", '[[outside]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]',
+         "declared 0, seen 1 executions in a job at "),
+    ],
+)  # fmt: skip
+def test_a_wrong_fact_is_told_with_the_job_and_the_line(
+    old: str, new: str, said: str, tmp_path: Path
+) -> None:
+    counts, _ = counted(changed(tmp_path, old, new))
+    (excess,) = (count.excess for count in counts if count.excess)
+    assert excess.startswith(said)
+    assert ", job " in excess and " of control, workers.adb:" in excess
+
+
+def test_a_wrong_fact_shows_in_the_own_time_of_the_job_too(tmp_path: Path) -> None:
+    """Cycles that transfers take are no part of it, on either side."""
+    wrong = changed(tmp_path, "iterations = 40", "iterations = 5")
+    _, recording = counted(wrong)
+    found = exceeded(analysed(wrong, wrong.facts), observe(wrong.robot, recording))
+    assert any(text.startswith("control showed an execution time of") for text in found), found
+
+
+def test_a_sporadic_task_that_is_released_more_often_than_declared_is_told(
+    tmp_path: Path,
+) -> None:
+    text = (HERE / "counted" / "robot.toml").read_text()
+    path = tmp_path / "robot.toml"
+    path.write_text(text)
+    check_task_set(read_robot(tmp_path), as_it_is()[1])
+    path.write_text(text.replace("period_us = 11_900", "period_us = 200_000"))
+    with pytest.raises(ProjectFileError, match=r"is 200000, but .* listener is released 1\d{4}"):
+        check_task_set(read_robot(tmp_path), as_it_is()[1])

@@ -1,0 +1,350 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Counts of what flow facts bound: iterations, depths of recursion, targets of indirect branches,
+//! code that is not executed. The run stays the same; without points nothing is looked at.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::{Deserialize, Serialize};
+
+use crate::backtrace;
+use crate::brick::VirtualBrick;
+use crate::memory::ChipMemory;
+use crate::threads::Memory;
+
+/// Most arrivals that are kept for a point.
+const ARRIVALS_MAX: usize = 1000;
+
+/// A fact about the program's flow, by the addresses of instructions.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum FlowPoint {
+    /// Executions of a loop's first block for each entry.
+    Loop {
+        /// First instruction of the loop.
+        header: u32,
+        /// The loop begins where its function does, so an entry is a call.
+        at_call: bool,
+        /// Last instructions of the blocks from which the loop is entered.
+        entries: Vec<u32>,
+        /// Last instructions of the blocks that go back to its first one.
+        repeats: Vec<u32>,
+        /// Those of `repeats` that are calls, after which it goes on there.
+        calls: Vec<u32>,
+        /// Only while this function is active.
+        within: Option<String>,
+        /// Executions that are allowed.
+        at_most: u64,
+    },
+    /// Arrivals at code.
+    Place {
+        /// Its instructions.
+        addresses: Vec<u32>,
+    },
+    /// Arrivals elsewhere than at some targets.
+    Branch {
+        /// The indirect branch.
+        address: u32,
+        /// The targets, without the bit that tells Thumb.
+        targets: Vec<u32>,
+    },
+    /// Activations of a function.
+    Recursion {
+        /// Its first instruction.
+        entry: u32,
+        /// Its last ones.
+        returns: Vec<u32>,
+        /// Activations at the same time that are allowed.
+        at_most: u64,
+        /// Activations in one call from outside that are allowed.
+        calls: u64,
+    },
+}
+
+/// Something that a fact excludes happened.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Arrival {
+    /// When.
+    pub at_cycles: u64,
+    /// The running thread by its position.
+    pub thread: Option<usize>,
+    /// Next instruction.
+    pub target: u32,
+    /// The number that a fact bounds, as far as it grew.
+    pub count: u64,
+}
+
+/// What a run showed about a point.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FlowCount {
+    /// Loop: most executions of the first block for one entry. Recursion: most activations at the
+    /// same time. Else the number of arrivals.
+    pub most: u64,
+    /// Recursion: most activations in one call from outside.
+    pub calls: u64,
+    /// Arrivals at a place, at each other target of a branch the first, entries of a loop and
+    /// calls of a recursion with more than is allowed.
+    pub arrivals: Vec<Arrival>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Role {
+    Header,
+    Entry,
+    Repeat,
+    Place,
+    Branch,
+    Call,
+    Return,
+}
+
+/// One entry of a loop: counted by the stack pointer, which differs between activations.
+#[derive(Clone, Copy, Debug, Default)]
+struct LoopEntry {
+    count: u64,
+    /// Is the function active within which the fact holds? None before that was asked.
+    counts: Option<bool>,
+    /// Its arrival, if there are more executions than allowed.
+    arrival: Option<usize>,
+}
+
+/// The points and their counts so far.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FlowCounts {
+    points: Vec<FlowPoint>,
+    counts: Vec<FlowCount>,
+    /// By address: points and what happens there.
+    roles: Vec<(u32, usize, Role)>,
+    entries: BTreeMap<(usize, u32), LoopEntry>,
+    /// Loops on the way back to their first block.
+    repeating: BTreeSet<(usize, u32)>,
+    /// Stack pointers of the open activations, and activations since the outermost one.
+    open: BTreeMap<(usize, Option<usize>), (Vec<u32>, u64)>,
+}
+
+impl FlowCounts {
+    fn new(points: Vec<FlowPoint>) -> Self {
+        let mut roles = Vec::new();
+        for (index, point) in points.iter().enumerate() {
+            let mut add = |addresses: &[u32], role| {
+                roles.extend(addresses.iter().map(|&address| (address, index, role)));
+            };
+            match point {
+                FlowPoint::Loop {
+                    header,
+                    at_call,
+                    entries,
+                    repeats,
+                    ..
+                } => {
+                    add(entries, Role::Entry);
+                    add(repeats, Role::Repeat);
+                    if *at_call {
+                        add(&[*header], Role::Header);
+                    }
+                }
+                FlowPoint::Place { addresses } => add(addresses, Role::Place),
+                FlowPoint::Branch { address, .. } => add(&[*address], Role::Branch),
+                FlowPoint::Recursion { entry, returns, .. } => {
+                    add(&[*entry], Role::Call);
+                    add(returns, Role::Return);
+                }
+            }
+        }
+        roles.sort_unstable();
+        roles.dedup();
+        Self {
+            counts: vec![FlowCount::default(); points.len()],
+            points,
+            roles,
+            ..Self::default()
+        }
+    }
+
+    fn roles_at(&self, address: u32) -> std::ops::Range<usize> {
+        let begin = self.roles.partition_point(|role| role.0 < address);
+        let length = self.roles[begin..].partition_point(|role| role.0 == address);
+        begin..begin + length
+    }
+
+    /// Is something counted at this instruction?
+    #[inline(always)]
+    pub(crate) fn watches(&self, address: u32) -> bool {
+        !self.roles.is_empty() && !self.roles_at(address).is_empty()
+    }
+
+    /// Instructions at which something is counted.
+    pub(crate) fn addresses(&self) -> impl Iterator<Item = u32> + '_ {
+        self.roles.iter().map(|role| role.0)
+    }
+}
+
+impl VirtualBrick {
+    /// Count these points from now on.
+    pub fn count_flow(&mut self, points: Vec<FlowPoint>) {
+        self.flow_counts = FlowCounts::new(points);
+        self.observe_arrivals();
+    }
+
+    /// The counts so far, in the order of the points.
+    #[must_use]
+    pub fn flow_counts(&self) -> &[FlowCount] {
+        &self.flow_counts.counts
+    }
+
+    /// Counts the instruction at `address`, which was executed with this stack pointer before.
+    #[cold]
+    pub(crate) fn count_instruction(&mut self, address: u32, pointer_before: u32) {
+        let pointer = self.cpu.register(13);
+        let arrival = Arrival {
+            at_cycles: self.chip.now(),
+            thread: self.recorder.running_index(),
+            target: self.cpu.next_instruction_address(),
+            count: 1,
+        };
+        let went_on = arrival.target.wrapping_sub(address) <= 4;
+        for place in self.flow_counts.roles_at(address) {
+            let (_, point, role) = self.flow_counts.roles[place];
+            let key = (point, pointer);
+            match role {
+                Role::Entry => self.count_loop((point, pointer), 1, &arrival),
+                Role::Repeat => self.count_repeat(key, address, &arrival),
+                Role::Header => {
+                    let key = (point, pointer_before);
+                    if !self.flow_counts.repeating.remove(&key) {
+                        self.count_loop(key, 1, &arrival);
+                    }
+                }
+                Role::Place => self.count_arrival(point, &arrival),
+                Role::Branch if !self.is_target(point, arrival.target) && !went_on => {
+                    self.count_arrival(point, &arrival);
+                }
+                Role::Call => self.count_call(point, pointer_before, &arrival),
+                Role::Return if !went_on => {
+                    let key = (point, arrival.thread);
+                    if let Some((open, _)) = self.flow_counts.open.get_mut(&key) {
+                        open.retain(|outer| *outer > pointer);
+                    }
+                }
+                Role::Branch | Role::Return => {}
+            }
+        }
+    }
+
+    fn is_target(&self, point: usize, target: u32) -> bool {
+        let point = &self.flow_counts.points[point];
+        matches!(point, FlowPoint::Branch { targets, .. } if targets.contains(&target))
+    }
+
+    /// Back to the loop's first block, if the branch is taken; a call comes back and goes there.
+    fn count_repeat(&mut self, key: (usize, u32), address: u32, arrival: &Arrival) {
+        let FlowPoint::Loop {
+            header,
+            at_call,
+            calls,
+            ..
+        } = &self.flow_counts.points[key.0]
+        else {
+            return;
+        };
+        if arrival.target != *header && !calls.contains(&address) {
+            return;
+        }
+        if *at_call {
+            self.flow_counts.repeating.insert(key);
+        }
+        let count = self.flow_counts.entries.get(&key).map_or(1, |e| e.count);
+        self.count_loop(key, count + 1, arrival);
+    }
+
+    /// The loop's first block is executed for the `count`-th time since its entry.
+    fn count_loop(&mut self, key: (usize, u32), count: u64, arrival: &Arrival) {
+        let entry = self.flow_counts.entries.entry(key).or_default();
+        if count == 1 {
+            *entry = LoopEntry::default();
+        }
+        entry.count = count;
+        let (counts, known) = (entry.counts, entry.arrival);
+        let FlowPoint::Loop { at_most, .. } = self.flow_counts.points[key.0] else {
+            return;
+        };
+        if count <= self.flow_counts.counts[key.0].most && count <= at_most {
+            return;
+        }
+        let counts = counts.unwrap_or_else(|| self.is_within(key.0));
+        let found = &mut self.flow_counts.counts[key.0];
+        let mut place = known;
+        if counts {
+            found.most = found.most.max(count);
+            if count > at_most {
+                let arrivals = &mut found.arrivals;
+                let index = known.unwrap_or(arrivals.len());
+                match arrivals.get_mut(index) {
+                    Some(arrival) => arrival.count = count,
+                    None if index < ARRIVALS_MAX => arrivals.push(Arrival {
+                        count,
+                        ..arrival.clone()
+                    }),
+                    None => {}
+                }
+                place = Some(index);
+            }
+        }
+        if let Some(entry) = self.flow_counts.entries.get_mut(&key) {
+            (entry.counts, entry.arrival) = (Some(counts), place);
+        }
+    }
+
+    /// Is the function active within which the fact holds?
+    fn is_within(&self, point: usize) -> bool {
+        let FlowPoint::Loop {
+            within: Some(function),
+            ..
+        } = &self.flow_counts.points[point]
+        else {
+            return true;
+        };
+        let memory = ChipMemory(&self.chip);
+        let registers = self.cpu.registers();
+        let active = backtrace::addresses(&self.image, registers, |at| memory.word(at));
+        let name = |address: &u32| self.image.symbols().nearest_code(*address);
+        active
+            .iter()
+            .filter_map(name)
+            .any(|(name, _)| name == function)
+    }
+
+    fn count_arrival(&mut self, point: usize, arrival: &Arrival) {
+        let is_place = matches!(self.flow_counts.points[point], FlowPoint::Place { .. });
+        let found = &mut self.flow_counts.counts[point];
+        found.most += 1;
+        let known = |other: &Arrival| other.target == arrival.target;
+        let new = is_place || !found.arrivals.iter().any(known);
+        if new && found.arrivals.len() < ARRIVALS_MAX {
+            found.arrivals.push(arrival.clone());
+        }
+    }
+
+    fn count_call(&mut self, point: usize, pointer: u32, arrival: &Arrival) {
+        let FlowPoint::Recursion { at_most, calls, .. } = self.flow_counts.points[point] else {
+            return;
+        };
+        let key = (point, arrival.thread);
+        let (open, number) = self.flow_counts.open.entry(key).or_default();
+        open.retain(|outer| *outer > pointer);
+        *number = if open.is_empty() { 1 } else { *number + 1 };
+        open.push(pointer);
+        let (depth, number) = (open.len() as u64, *number);
+        let found = &mut self.flow_counts.counts[point];
+        found.most = found.most.max(depth);
+        found.calls = found.calls.max(number);
+        let exceeds = depth > at_most || number > calls;
+        if exceeds && found.arrivals.len() < ARRIVALS_MAX {
+            let count = if depth > at_most { depth } else { number };
+            found.arrivals.push(Arrival {
+                count,
+                ..arrival.clone()
+            });
+        }
+    }
+}

@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Where a run can show whether the user's facts hold: the instructions at which loops, recursions,
+//! indirect branches and excluded places are seen.
+
+use crate::error::Error;
+use crate::functions::function_summary::FunctionSummary;
+use crate::functions::program::Program;
+use crate::graph::control_flow::Target;
+use crate::graph::loop_forest::successors;
+use crate::inputs::annotations::Fact;
+use crate::inputs::image::Entry;
+use crate::loops::flow_facts::header_executions;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Where a fact is counted, as the virtual brick takes it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum FlowPoint {
+    /// Executions of a loop's first block for each entry.
+    Loop {
+        /// First instruction of the loop.
+        header: u32,
+        /// The loop begins where its function does.
+        at_call: bool,
+        /// Last instructions of the blocks from which it is entered.
+        entries: Vec<u32>,
+        /// Last instructions of the blocks that go back to its first one.
+        repeats: Vec<u32>,
+        /// Those of `repeats` that are calls, after which it goes on there.
+        calls: Vec<u32>,
+        /// Only while this function is active.
+        within: Option<String>,
+        /// Executions that are allowed.
+        at_most: u64,
+    },
+    /// Arrivals at code.
+    Place {
+        /// Its instructions.
+        addresses: Vec<u32>,
+    },
+    /// Arrivals elsewhere than at some targets.
+    Branch {
+        /// The indirect branch.
+        address: u32,
+        /// The targets.
+        targets: Vec<u32>,
+    },
+    /// Activations of a function.
+    Recursion {
+        /// Its first instruction.
+        entry: u32,
+        /// Its last ones.
+        returns: Vec<u32>,
+        /// Activations at the same time that are allowed.
+        at_most: u64,
+        /// Activations in one call from outside that are allowed.
+        calls: u64,
+    },
+}
+
+/// A fact and a point at which it is counted.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CountedFact {
+    /// The fact as it is written, with its file.
+    pub fact: String,
+    /// Its file.
+    pub file: String,
+    /// Its table.
+    pub table: &'static str,
+    /// The place in the program: file and line, else the function.
+    pub place: String,
+    /// What the fact allows: iterations, activations at the same time; 0 for no execution.
+    pub declared: u64,
+    /// Executions of a first block that are no iteration of the source.
+    pub surplus: u64,
+    /// Where.
+    pub point: FlowPoint,
+}
+
+/// Points at which the facts about these functions and all that they call are counted.
+pub fn counted_facts(program: &Program<'_>, roots: &[String]) -> Result<Vec<CountedFact>, Error> {
+    let mut found = Vec::new();
+    let mut seen: BTreeSet<Entry> = BTreeSet::new();
+    let mut open: Vec<Entry> = roots
+        .iter()
+        .map(|name| program.function(name))
+        .collect::<Result<_, _>>()?;
+    while let Some(entry) = open.pop() {
+        if !seen.insert(entry) {
+            continue;
+        }
+        let summary = program.summary(entry, entry.0)?;
+        open.extend(summary.flow.blocks.iter().flat_map(|block| &block.calls));
+        found.extend(loop_facts(program, &summary));
+        found.extend(branch_facts(program, &summary));
+        found.extend(recursion_fact(program, entry, &summary));
+    }
+    found.extend(place_facts(program));
+    let mut unique: BTreeMap<String, CountedFact> = BTreeMap::new();
+    for fact in found {
+        let key = format!("{} {:?}", fact.fact, fact.point);
+        unique.entry(key).or_insert(fact);
+    }
+    Ok(unique.into_values().collect())
+}
+
+fn counted(
+    program: &Program<'_>,
+    table: &'static str,
+    fact: &Fact,
+    point: FlowPoint,
+) -> CountedFact {
+    let address = match &point {
+        FlowPoint::Loop { header, .. } => *header,
+        FlowPoint::Place { addresses } => addresses.first().copied().unwrap_or(0),
+        FlowPoint::Branch { address, .. } => *address,
+        FlowPoint::Recursion { entry, .. } => *entry,
+    };
+    let place = program.image.place(address);
+    let line = place.line.map(|(file, line)| format!("{file}:{line}"));
+    CountedFact {
+        fact: fact.written(table),
+        file: fact.source.clone(),
+        table,
+        place: line.unwrap_or_else(|| program.image.name_at(address)),
+        declared: fact.depth.map_or(0, u64::from),
+        surplus: 0,
+        point,
+    }
+}
+
+/// Bounds of this function's loops.
+fn loop_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFact> {
+    let facts = &program.facts;
+    let (flow, forest) = (&summary.flow, &summary.forest);
+    let mut found = Vec::new();
+    for (index, each) in forest.loops.iter().enumerate() {
+        let header = flow.blocks[each.header].node.address;
+        let uses = facts.uses.borrow();
+        let used = uses.iter().filter(|(_, uses)| uses.contains_key(&header));
+        let mut stated: Vec<Fact> = used
+            .map(|(which, _)| facts.annotations.loops[*which].clone())
+            .collect();
+        stated.extend(facts.statement_fact(header));
+        for fact in stated {
+            let Some(at_most) = header_executions(&fact, flow, forest, index) else {
+                continue;
+            };
+            // A loop that may be left in its first block is not repeated then.
+            let first_leaves = flow.blocks[each.header].edges.iter().any(
+                |edge| !matches!(edge.target, Target::Block(next) if each.blocks.contains(&next)),
+            );
+            let surplus = u64::from(first_leaves && fact.iterations.is_some());
+            if let Some(point) = loop_point(summary, index, (fact.within.clone(), at_most)) {
+                found.push(CountedFact {
+                    declared: fact.iterations.unwrap_or(at_most),
+                    surplus: surplus.min(at_most),
+                    ..counted(program, "loop", &fact, point)
+                });
+            }
+        }
+    }
+    found
+}
+
+/// None where an instruction belongs to the loop and to what leads into it, since code was copied.
+fn loop_point(
+    summary: &FunctionSummary,
+    index: usize,
+    (within, at_most): (Option<String>, u64),
+) -> Option<FlowPoint> {
+    let (flow, found) = (&summary.flow, &summary.forest.loops[index]);
+    let last = |block: usize| flow.blocks[block].instructions.last().map(|(at, _)| *at);
+    let into = (0..flow.blocks.len()).filter(|block| {
+        !found.blocks.contains(block) && successors(flow, *block).any(|next| next == found.header)
+    });
+    let entries: Vec<u32> = into.filter_map(last).collect();
+    let latches = found.latches.iter().copied();
+    let repeats: Vec<u32> = latches.clone().filter_map(last).collect();
+    let resuming = latches.filter(|block| flow.blocks[*block].resumes().is_some());
+    if entries.iter().any(|entry| repeats.contains(entry)) {
+        return None;
+    }
+    Some(FlowPoint::Loop {
+        header: flow.blocks[found.header].node.address,
+        at_call: found.header == 0,
+        entries,
+        calls: resuming.filter_map(last).collect(),
+        repeats,
+        within,
+        at_most,
+    })
+}
+
+/// Targets of this function's indirect branches.
+fn branch_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFact> {
+    let ends = summary
+        .flow
+        .blocks
+        .iter()
+        .filter_map(|block| block.instructions.last());
+    let stated = ends.filter_map(|(address, _)| {
+        let fact = program.facts.used_call_fact(*address)?;
+        let targets = program.facts.call_targets(*address)?;
+        let point = FlowPoint::Branch {
+            address: *address,
+            targets: targets.iter().map(|target| target.0 & !1).collect(),
+        };
+        Some(counted(program, "call", fact, point))
+    });
+    stated.collect()
+}
+
+fn recursion_fact(
+    program: &Program<'_>,
+    entry: Entry,
+    summary: &FunctionSummary,
+) -> Option<CountedFact> {
+    let fact = program.facts.recursion_fact(entry)?;
+    let blocks = summary.flow.blocks.iter();
+    let leaving = blocks.filter(|block| block.edges.iter().any(|e| e.target == Target::Return));
+    let returns = leaving.filter_map(|block| block.instructions.last());
+    let point = FlowPoint::Recursion {
+        entry: entry.0,
+        returns: returns.map(|(address, _)| *address).collect(),
+        at_most: fact.depth.map_or(0, u64::from),
+        calls: fact.calls?,
+    };
+    Some(counted(program, "recursion", fact, point))
+}
+
+/// Places that are never executed, or not by what is bounded.
+fn place_facts(program: &Program<'_>) -> Vec<CountedFact> {
+    let annotations = program.facts.annotations;
+    let tables = [
+        ("never", &annotations.never),
+        ("avoided", &annotations.avoided),
+    ];
+    let facts = tables
+        .into_iter()
+        .flat_map(|(table, facts)| facts.iter().map(move |fact| (table, fact)));
+    let found = facts.filter_map(|(table, fact)| {
+        let addresses = program.image.addresses_of(fact);
+        let point = (!addresses.is_empty()).then_some(FlowPoint::Place { addresses })?;
+        Some(counted(program, table, fact, point))
+    });
+    found.collect()
+}
