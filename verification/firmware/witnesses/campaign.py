@@ -29,17 +29,8 @@ __all__ = ["KNOWN_FAILURES", "outcome"]
 RESULTS = Path(__file__).with_name("results.json")
 FAMILIES = (lego, others)  # importing them registers their checks
 ABSENT = (ImageAbsentError, CompilerAbsentError, pytest.skip.Exception)
-SONAR = (
-    "asks the ultrasonic sensor 5 ms after switching its 9 V on; the model, which takes 50 ms"
-    " (chosen), does not acknowledge, and the program waits for ever"
-)
-WAITING_FOR_SONAR = (
-    "topdog 86c6f0", "topdog 472c1c", "topdog 64f7d2", "topdog 2edde5",
-    "schedule_program 24ad2c", "line_follower 6d5acb",
-)  # fmt: skip
 KNOWN_FAILURES = {
     ("pbLua 2.0.0 RC2", "USB"): "its USB console attaches, but does not answer SET_ADDRESS; open",
-    **{(f"GNAT {name}", "motor"): SONAR for name in WAITING_FOR_SONAR},
 }
 Row = dict[str, Any]
 

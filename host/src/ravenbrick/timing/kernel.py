@@ -92,7 +92,7 @@ ALARM_LATENESS_CYCLES = {
     "pessimistic": 16 + 4 + 7 + 20,
 }
 # What the alarm is set early by, so that the wake-up time has passed when its handler looks.
-ALARM_LEAD_CYCLES = 2 * (48 + 16)
+ALARM_LEAD_CYCLES = 2 * (48 + 24)
 
 
 @dataclass(frozen=True)

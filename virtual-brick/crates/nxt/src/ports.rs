@@ -44,7 +44,7 @@ impl Port {
     }
 
     fn supply_changed(&mut self, now: Cycles) {
-        let on = self.plugged && self.supply == SensorSupply::Constant;
+        let on = self.plugged && self.supply != SensorSupply::Off;
         self.sensor.set_supply(now, on);
     }
 

@@ -214,17 +214,24 @@ fn modes_are_kept_and_a_warm_reset_leaves_it_off() {
 }
 
 #[test]
-fn without_9_volts_or_unplugged_or_addressed_otherwise_nothing_answers() {
-    assert_eq!(Master::new(false).read(0x42, 1), None);
+fn without_9_volts_it_answers_and_hears_no_echo() {
+    for (power, echo) in [(false, 255), (true, 100)] {
+        let mut master = Master::new(power);
+        master.rig.set("distance.4", 1.0);
+        master.rig.run(milliseconds(60));
+        assert_eq!(master.read(0x42, 1), Some(vec![echo]));
+    }
+}
+
+#[test]
+fn unplugged_or_addressed_otherwise_it_does_not_answer() {
     let mut master = Master::new(true);
     assert!(!master.write(&[0x04, 0x41, 2]));
-    assert!(master.command(&[0x02, 0x41, 2]));
+    assert!(master.command(&[0x02, 0x41, 1]));
     master.rig.set("sensor.4.plugged", 0.0);
-    assert!(!master.command(&[0x02, 0x41, 2]));
+    assert!(!master.command(&[0x02, 0x41, 1]));
     master.rig.set("sensor.4.plugged", 1.0);
-    assert!(!master.command(&[0x02, 0x41, 2]), "it starts anew");
-    master.rig.run(milliseconds(60));
-    assert!(master.command(&[0x02, 0x41, 2]));
+    assert_eq!(master.read(0x41, 1).unwrap(), [2], "it starts anew");
 }
 
 #[test]

@@ -92,7 +92,7 @@ pub trait Device: Debug {
         None
     }
 
-    /// The 9 V that the sensor gets without pauses come or go.
+    /// The 9 V of its port come or go; pauses while the co-processor samples count as on.
     fn set_supply(&mut self, _now: Cycles, _on: bool) {}
 
     /// The cable is put in or pulled out.

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The ultrasonic sensor: a range finder on the digital lines that lives on the 9 V.
+//! The ultrasonic sensor: a range finder on the digital lines, whose transmitter needs the 9 V.
 //!
 //! Registers and modes as in the NXT Hardware Developer Kit, appendix of the ultrasonic sensor.
+//! Its processor lives on the 4.3 V that a port always has: programs that measured distances on
+//! real bricks speak to it 5 ms after they have switched on the 9 V, and with pauses in them.
 
 use at91sam7s::board::Cycles;
 use plant::{Mount, ParameterError};
@@ -14,8 +16,6 @@ use crate::time::{milliseconds, NEVER};
 
 /// Address byte of a write.
 const ADDRESS: u8 = 0x02;
-/// From the supply to the first answer (chosen).
-const START_UP: Cycles = milliseconds(50);
 /// From a ping to the readings; drivers wait 30 to 50 ms.
 const MEASUREMENT: Cycles = milliseconds(30);
 const NO_ECHO: u8 = 255;
@@ -62,8 +62,8 @@ pub struct UltrasonicSensor {
 /// What the sensor's processor knows.
 #[derive(Clone, Debug, PartialEq)]
 struct Program {
-    /// It answers from here on.
-    awake_at: Cycles,
+    /// The transmitter has its 9 V.
+    transmits: bool,
     mode: Mode,
     /// Interval of the continuous mode, in measurements (the unit is chosen).
     interval: u8,
@@ -78,7 +78,7 @@ impl Default for UltrasonicSensor {
             mount: None,
             distance: 100.0,
             slave: Slave::new(ADDRESS),
-            program: Program::asleep(),
+            program: Program::started(0),
         }
     }
 }
@@ -105,22 +105,19 @@ impl Device for UltrasonicSensor {
         self.program.measured_at
     }
 
-    fn set_supply(&mut self, now: Cycles, on: bool) {
-        let was_on = self.program.awake_at != NEVER;
-        if on && !was_on {
-            self.program = Program::started(now + START_UP);
-        } else if was_on && !on {
-            self.program = Program::asleep();
-            self.slave = Slave::new(ADDRESS);
-        }
+    /// The sensor starts anew.
+    fn set_plugged(&mut self, now: Cycles) {
+        self.slave = Slave::new(ADDRESS);
+        self.program = Program::started(now);
     }
 
-    /// Without supply, and while it starts, it does not see the lines.
+    fn set_supply(&mut self, _now: Cycles, on: bool) {
+        self.program.transmits = on;
+    }
+
     fn lines_changed(&mut self, now: Cycles, lines: Lines) {
-        if now >= self.program.awake_at {
-            let (clock, data) = (lines.is_high(0), lines.is_high(1));
-            self.slave.levels(now, clock, data, &mut self.program);
-        }
+        let (clock, data) = (lines.is_high(0), lines.is_high(1));
+        self.slave.levels(now, clock, data, &mut self.program);
     }
 
     fn advance(&mut self, now: Cycles) {
@@ -131,14 +128,10 @@ impl Device for UltrasonicSensor {
 }
 
 impl Program {
-    const fn asleep() -> Self {
-        Self::at_rest(NEVER, Mode::Off)
-    }
-
-    const fn at_rest(awake_at: Cycles, mode: Mode) -> Self {
+    const fn at_rest(transmits: bool) -> Self {
         Self {
-            awake_at,
-            mode,
+            transmits,
+            mode: Mode::Off,
             interval: 1,
             readings: [NO_ECHO; READINGS],
             calibration: FACTORY,
@@ -147,16 +140,17 @@ impl Program {
     }
 
     /// Continuous measurement is the default.
-    const fn started(awake_at: Cycles) -> Self {
+    const fn started(now: Cycles) -> Self {
         Self {
-            measured_at: awake_at + MEASUREMENT,
-            ..Self::at_rest(awake_at, Mode::Continuous)
+            mode: Mode::Continuous,
+            measured_at: now + MEASUREMENT,
+            ..Self::at_rest(false)
         }
     }
 
     fn measured(&mut self, distance: f64) {
         self.readings = [NO_ECHO; READINGS];
-        if self.mode != Mode::Capture {
+        if self.transmits && self.mode != Mode::Capture {
             self.readings[0] = self.reading(distance);
         }
         self.measured_at = match self.mode {
@@ -179,20 +173,20 @@ impl Program {
         }
     }
 
-    /// A warm reset leaves it off.
+    /// A warm reset leaves it off. The readings are kept until the next measurement ends: programs
+    /// that worked on real bricks read them just after the command for it.
     fn set_mode(&mut self, now: Cycles, code: u8) {
         let mode = match code {
             1 => Mode::SinglePing,
             2 => Mode::Continuous,
             3 => Mode::Capture,
             4 => {
-                *self = Self::at_rest(self.awake_at, Mode::Off);
+                *self = Self::at_rest(self.transmits);
                 return;
             }
             _ => Mode::Off,
         };
         self.mode = mode;
-        self.readings = [NO_ECHO; READINGS];
         self.measured_at = if mode == Mode::Off {
             NEVER
         } else {
