@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import shutil
 from dataclasses import replace
 from functools import cache
@@ -28,7 +29,8 @@ from ravenbrick.timing.counted_facts import points_text
 from ravenbrick.timing.facts import read_facts
 from ravenbrick.timing.observation.fact_counts import FactCount, fact_counts
 from ravenbrick.timing.observation.observed import exceeded, observe
-from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.schedule import jobs_of
 from ravenbrick.trace.task_set import check_task_set
 
 
@@ -80,6 +82,8 @@ def test_all_engines_count_the_same(engine: str) -> None:
     ("old", "new", "said"),
     [
         ("iterations = 40", "iterations = 5", "declared 5, seen 40 at "),
+        ("iterations = 40", 'within = "workers__controlTKB"\niterations = 5',
+         "declared 5, seen 40 at "),
         (', "workers__half"', "", "seen the target workers__half at "),
         ("[[loop]]", '[[never]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]',
          "declared 0, seen 1 executions at "),
@@ -94,6 +98,23 @@ def test_a_wrong_fact_is_told_with_the_job_and_the_line(
     (excess,) = (count.excess for count in counts if count.excess)
     assert excess.startswith(said)
     assert ", job " in excess and " of control, workers.adb:" in excess
+
+
+def test_a_search_after_which_the_task_is_released_anew_is_outside(tmp_path: Path) -> None:
+    seldom = '[[outside]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]'
+    wrong = changed(tmp_path, "[[loop]]", seldom)
+    counts, recording = counted(wrong)
+    (fact,) = (count for count in counts if count.excess)
+    numbers = re.findall(r", job (\d+) of control", fact.excess)
+    names = [thread.name for thread in recording.threads]
+    control = names.index("control")
+    after = jobs_of(recording, control)[int(numbers[0])].release_cycles
+    events = recording.events
+    is_release = (events["kind"] == int(EventKind.RELEASE)) & (events["subject"] == control)
+    late = replace(recording, events=events[~(is_release & (events["value"] == after))])
+    facts = analysed(wrong, wrong.facts).counted
+    counts = fact_counts(wrong.robot, wrong.facts, wrong.image, facts, late)
+    assert [count.excess for count in counts if count.excess] == []
 
 
 def test_a_wrong_fact_shows_in_the_own_time_of_the_job_too(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use arm7tdmi::Mode;
 use serde::{Deserialize, Serialize};
 
 use crate::backtrace;
@@ -32,7 +33,7 @@ pub enum FlowPoint {
         /// Those of `repeats` that are calls, after which it goes on there.
         calls: Vec<u32>,
         /// Only while this function is active.
-        within: Option<String>,
+        within: Option<Within>,
         /// Executions that are allowed.
         at_most: u64,
     },
@@ -61,6 +62,33 @@ pub enum FlowPoint {
     },
 }
 
+impl FlowPoint {
+    /// Activations of the function within which this fact holds.
+    fn activations(&self) -> Option<Self> {
+        let Self::Loop { within, .. } = self else {
+            return None;
+        };
+        within.as_ref().map(|within| Self::Recursion {
+            entry: within.entry,
+            returns: within.returns.clone(),
+            at_most: u64::MAX,
+            calls: u64::MAX,
+        })
+    }
+}
+
+/// The function within which a fact holds.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Within {
+    /// Its symbol.
+    pub function: String,
+    /// Its first instruction.
+    pub entry: u32,
+    /// Its last ones.
+    pub returns: Vec<u32>,
+}
+
 /// Something that a fact excludes happened.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Arrival {
@@ -87,14 +115,15 @@ pub struct FlowCount {
     pub arrivals: Vec<Arrival>,
 }
 
+/// What happens at an instruction, in the order in which it counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Role {
+    Call,
     Header,
     Entry,
     Repeat,
     Place,
     Branch,
-    Call,
     Return,
 }
 
@@ -111,23 +140,39 @@ struct LoopEntry {
 /// The points and their counts so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FlowCounts {
+    /// Those that are asked for, and a recursion for each function within which facts hold.
     points: Vec<FlowPoint>,
+    /// The place of that recursion, by the points that are asked for.
+    activations: Vec<Option<usize>>,
     counts: Vec<FlowCount>,
-    /// By address: points and what happens there.
-    roles: Vec<(u32, usize, Role)>,
+    /// By address: what happens there, and to which point.
+    roles: Vec<(u32, Role, usize)>,
     entries: BTreeMap<(usize, u32), LoopEntry>,
     /// Loops on the way back to their first block.
     repeating: BTreeSet<(usize, u32)>,
-    /// Stack pointers of the open activations, and activations since the outermost one.
+    /// By point and thread, none for handlers, which have a stack of their own: stack pointers of
+    /// the open activations, and activations since the outermost one.
     open: BTreeMap<(usize, Option<usize>), (Vec<u32>, u64)>,
 }
 
 impl FlowCounts {
-    fn new(points: Vec<FlowPoint>) -> Self {
+    fn new(mut points: Vec<FlowPoint>) -> Self {
+        let asked = points.len();
+        let mut activations = Vec::with_capacity(asked);
+        for index in 0..asked {
+            let function = points[index].activations();
+            activations.push(function.map(|function| {
+                let known = points.iter().position(|point| *point == function);
+                known.unwrap_or_else(|| {
+                    points.push(function);
+                    points.len() - 1
+                })
+            }));
+        }
         let mut roles = Vec::new();
         for (index, point) in points.iter().enumerate() {
             let mut add = |addresses: &[u32], role| {
-                roles.extend(addresses.iter().map(|&address| (address, index, role)));
+                roles.extend(addresses.iter().map(|&address| (address, role, index)));
             };
             match point {
                 FlowPoint::Loop {
@@ -156,6 +201,7 @@ impl FlowCounts {
         Self {
             counts: vec![FlowCount::default(); points.len()],
             points,
+            activations,
             roles,
             ..Self::default()
         }
@@ -189,7 +235,8 @@ impl VirtualBrick {
     /// The counts so far, in the order of the points.
     #[must_use]
     pub fn flow_counts(&self) -> &[FlowCount] {
-        &self.flow_counts.counts
+        let asked = self.flow_counts.activations.len();
+        &self.flow_counts.counts[..asked]
     }
 
     /// Counts the instruction at `address`, which was executed with this stack pointer before.
@@ -204,7 +251,7 @@ impl VirtualBrick {
         };
         let went_on = arrival.target.wrapping_sub(address) <= 4;
         for place in self.flow_counts.roles_at(address) {
-            let (_, point, role) = self.flow_counts.roles[place];
+            let (_, role, point) = self.flow_counts.roles[place];
             let key = (point, pointer);
             match role {
                 Role::Entry => self.count_loop((point, pointer), 1, &arrival),
@@ -221,7 +268,7 @@ impl VirtualBrick {
                 }
                 Role::Call => self.count_call(point, pointer_before, &arrival),
                 Role::Return if !went_on => {
-                    let key = (point, arrival.thread);
+                    let key = (point, self.executing_thread());
                     if let Some((open, _)) = self.flow_counts.open.get_mut(&key) {
                         open.retain(|outer| *outer > pointer);
                     }
@@ -229,6 +276,12 @@ impl VirtualBrick {
                 Role::Branch | Role::Return => {}
             }
         }
+    }
+
+    /// The running thread, unless a handler interrupts it.
+    fn executing_thread(&self) -> Option<usize> {
+        let in_thread = self.cpu.mode() == Some(Mode::System);
+        self.recorder.running_index().filter(|_| in_thread)
     }
 
     fn is_target(&self, point: usize, target: u32) -> bool {
@@ -271,7 +324,7 @@ impl VirtualBrick {
         if count <= self.flow_counts.counts[key.0].most && count <= at_most {
             return;
         }
-        let counts = counts.unwrap_or_else(|| self.is_within(key.0));
+        let counts = counts.unwrap_or_else(|| self.is_within(key));
         let found = &mut self.flow_counts.counts[key.0];
         let mut place = known;
         if counts {
@@ -295,15 +348,22 @@ impl VirtualBrick {
         }
     }
 
-    /// Is the function active within which the fact holds?
-    fn is_within(&self, point: usize) -> bool {
+    /// Is the function active within which the fact holds? The chain of calls is followed only
+    /// where the thread, or a handler, has entered it and not returned.
+    fn is_within(&self, (point, pointer): (usize, u32)) -> bool {
+        let counts = &self.flow_counts;
         let FlowPoint::Loop {
-            within: Some(function),
+            within: Some(within),
             ..
-        } = &self.flow_counts.points[point]
+        } = &counts.points[point]
         else {
             return true;
         };
+        let thread = self.executing_thread();
+        let open = counts.activations[point].and_then(|at| counts.open.get(&(at, thread)));
+        if !open.is_some_and(|(open, _)| open.iter().any(|outer| *outer >= pointer)) {
+            return false;
+        }
         let memory = ChipMemory(&self.chip);
         let registers = self.cpu.registers();
         let active = backtrace::addresses(&self.image, registers, |at| memory.word(at));
@@ -311,7 +371,7 @@ impl VirtualBrick {
         active
             .iter()
             .filter_map(name)
-            .any(|(name, _)| name == function)
+            .any(|(name, _)| name == within.function)
     }
 
     fn count_arrival(&mut self, point: usize, arrival: &Arrival) {
@@ -329,7 +389,7 @@ impl VirtualBrick {
         let FlowPoint::Recursion { at_most, calls, .. } = self.flow_counts.points[point] else {
             return;
         };
-        let key = (point, arrival.thread);
+        let key = (point, self.executing_thread());
         let (open, number) = self.flow_counts.open.entry(key).or_default();
         open.retain(|outer| *outer > pointer);
         *number = if open.is_empty() { 1 } else { *number + 1 };

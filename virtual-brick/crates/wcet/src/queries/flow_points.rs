@@ -12,7 +12,7 @@ use crate::inputs::annotations::Fact;
 use crate::inputs::image::Entry;
 use crate::loops::flow_facts::header_executions;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Where a fact is counted, as the virtual brick takes it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -31,7 +31,7 @@ pub enum FlowPoint {
         /// Those of `repeats` that are calls, after which it goes on there.
         calls: Vec<u32>,
         /// Only while this function is active.
-        within: Option<String>,
+        within: Option<Within>,
         /// Executions that are allowed.
         at_most: u64,
     },
@@ -60,6 +60,17 @@ pub enum FlowPoint {
     },
 }
 
+/// The function within which a fact holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Within {
+    /// Its symbol.
+    pub function: String,
+    /// Its first instruction.
+    pub entry: u32,
+    /// Its last ones.
+    pub returns: Vec<u32>,
+}
+
 /// A fact and a point at which it is counted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CountedFact {
@@ -82,16 +93,17 @@ pub struct CountedFact {
 /// Points at which the facts about these functions and all that they call are counted.
 pub fn counted_facts(program: &Program<'_>, roots: &[String]) -> Result<Vec<CountedFact>, Error> {
     let mut found = Vec::new();
-    let mut seen: BTreeSet<Entry> = BTreeSet::new();
+    let mut returns: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut open: Vec<Entry> = roots
         .iter()
         .map(|name| program.function(name))
         .collect::<Result<_, _>>()?;
     while let Some(entry) = open.pop() {
-        if !seen.insert(entry) {
+        if returns.contains_key(&entry.0) {
             continue;
         }
         let summary = program.summary(entry, entry.0)?;
+        returns.insert(entry.0, last_instructions(&summary));
         open.extend(summary.flow.blocks.iter().flat_map(|block| &block.calls));
         found.extend(loop_facts(program, &summary));
         found.extend(branch_facts(program, &summary));
@@ -99,7 +111,14 @@ pub fn counted_facts(program: &Program<'_>, roots: &[String]) -> Result<Vec<Coun
     }
     found.extend(place_facts(program));
     let mut unique: BTreeMap<String, CountedFact> = BTreeMap::new();
-    for fact in found {
+    for mut fact in found {
+        if let FlowPoint::Loop {
+            within: Some(within),
+            ..
+        } = &mut fact.point
+        {
+            within.returns = returns.get(&within.entry).cloned().unwrap_or_default();
+        }
         let key = format!("{} {:?}", fact.fact, fact.point);
         unique.entry(key).or_insert(fact);
     }
@@ -153,7 +172,20 @@ fn loop_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFa
                 |edge| !matches!(edge.target, Target::Block(next) if each.blocks.contains(&next)),
             );
             let surplus = u64::from(first_leaves && fact.iterations.is_some());
-            if let Some(point) = loop_point(summary, index, (fact.within.clone(), at_most)) {
+            let within = fact.within.as_ref().map(|function| {
+                let (entry, _) = program.image.function(function)?;
+                Some(Within {
+                    function: function.clone(),
+                    entry,
+                    // Known when all functions have been visited.
+                    returns: Vec::new(),
+                })
+            });
+            if within == Some(None) {
+                continue;
+            }
+            let within = within.flatten();
+            if let Some(point) = loop_point(summary, index, (within, at_most)) {
                 found.push(CountedFact {
                     declared: fact.iterations.unwrap_or(at_most),
                     surplus: surplus.min(at_most),
@@ -169,7 +201,7 @@ fn loop_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFa
 fn loop_point(
     summary: &FunctionSummary,
     index: usize,
-    (within, at_most): (Option<String>, u64),
+    (within, at_most): (Option<Within>, u64),
 ) -> Option<FlowPoint> {
     let (flow, found) = (&summary.flow, &summary.forest.loops[index]);
     let last = |block: usize| flow.blocks[block].instructions.last().map(|(at, _)| *at);
@@ -213,18 +245,23 @@ fn branch_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<Counted
     stated.collect()
 }
 
+/// Last instructions of the blocks from which a function returns.
+fn last_instructions(summary: &FunctionSummary) -> Vec<u32> {
+    let blocks = summary.flow.blocks.iter();
+    let leaving = blocks.filter(|block| block.edges.iter().any(|e| e.target == Target::Return));
+    let last = leaving.filter_map(|block| block.instructions.last());
+    last.map(|(address, _)| *address).collect()
+}
+
 fn recursion_fact(
     program: &Program<'_>,
     entry: Entry,
     summary: &FunctionSummary,
 ) -> Option<CountedFact> {
     let fact = program.facts.recursion_fact(entry)?;
-    let blocks = summary.flow.blocks.iter();
-    let leaving = blocks.filter(|block| block.edges.iter().any(|e| e.target == Target::Return));
-    let returns = leaving.filter_map(|block| block.instructions.last());
     let point = FlowPoint::Recursion {
         entry: entry.0,
-        returns: returns.map(|(address, _)| *address).collect(),
+        returns: last_instructions(summary),
         at_most: fact.depth.map_or(0, u64::from),
         calls: fact.calls?,
     };
