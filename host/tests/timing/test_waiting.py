@@ -6,6 +6,7 @@ than the alarm: neither is seen later than its bound."""
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import replace
 
 import pytest
 
@@ -57,7 +58,12 @@ def test_jobs_that_wait_inside_end_within_their_bounds(
     counts = fact_counts(program.robot, program.facts, program.image, (), recording)
     check_facts_of_run(counts, "the run")
     (suspension,) = (c for c in counts if "[[suspension]]" in c.fact)
-    assert 490 < suspension.seen <= suspension.declared
+    assert 480 < suspension.seen <= suspension.declared
+    (fact,) = program.facts.suspensions
+    wrong = replace(program.facts, suspensions=(replace(fact, longest_us=400),))
+    counts = fact_counts(program.robot, wrong, program.image, (), recording)
+    (excess,) = (count.excess for count in counts if count.excess)
+    assert excess.startswith("declared 400 us, seen 48") and excess.endswith(" of server")
     seen = observe(program.robot, recording)
     for name in ("control", "server", "display"):
         bound = analysis.bounds[name].bound

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ __all__ = ["FactCount", "check_facts_of_run", "fact_counts", "most_in_window"]
 Cycles = NDArray[np.int64]
 CLOCK_HZ = float(MASTER_CLOCK.hertz)
 TOLERANCE_CYCLES = 48
-READY = 1  # thread state (docs/reference/trace.md)
+DELAYED = 2  # thread state (docs/reference/trace.md)
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,11 @@ class _Run:
         number, job = numbered[-1]
         over = job.completion_cycles is not None and job.completion_cycles < at
         return None if over else (number, job)
+
+    def is_cyclic(self, thread: int) -> bool:
+        """Does the end of a delay release this thread's task?"""
+        task = self._robot.task(self._recording.threads[thread].name)
+        return task is not None and task.release == "cyclic"
 
     def in_a_job_with_deadline(self, thread: int | None, at: int) -> bool:
         """Is a task in a job after which it keeps its period, not in a handler?
@@ -196,27 +202,33 @@ def _after_releases(
 
 
 def _suspensions(run: _Run, facts: Facts, recording: Recording) -> list[FactCount]:
-    """Times for which jobs wait for something else than their release."""
+    """Times for which jobs wait for something else than their release.
+
+    A recording has a job for each part between two waits. A cyclic task is released by the end of
+    a delay, any other one by something else.
+    """
     found = []
     names = [thread.name.lower() for thread in recording.threads]
     states = recording.of_kind(EventKind.THREAD_STATE)
     for fact in facts.suspensions:
         thread = names.index(fact.task.lower())
         mine = states[states["subject"] == thread]
-        at, state = mine["at_cycles"].astype(np.int64), mine["value"].astype(np.int64)
-        longest, where = 0, ""
-        for number, job in enumerate(jobs_of(recording, thread), 1):
-            if job.completion_cycles is None or job.release_cycles < run.since:
+        state = dict(zip(mine["at_cycles"].tolist(), mine["value"].tolist(), strict=True))
+        waited, longest, where = 0, 0, ""
+        for part, later in pairwise(jobs_of(recording, thread)):
+            end = part.completion_cycles
+            if end is None or end < run.since:
                 continue
-            inside = (at > job.release_cycles) & (at < job.completion_cycles)
-            ends = np.append(at[inside][1:], job.completion_cycles)
-            waited = int(((ends - at[inside]) * (state[inside] != READY)).sum())
+            if (state.get(end) == DELAYED) == run.is_cyclic(thread):
+                waited = 0
+                continue
+            waited += later.release_cycles - end
             if waited > longest:
-                longest, where = waited, f"job {number} of {fact.task}"
-        seen_us = round(longest * 1_000_000 / float(MASTER_CLOCK.hertz))
+                longest, where = waited, run.words(thread, end)
+        seen_us = round(longest * 1_000_000 / CLOCK_HZ)
         excess = ""
         if longest > MASTER_CLOCK.cycles_of_us(fact.longest_us):
-            excess = f"declared {fact.longest_us} us, seen {seen_us} us, {where}"
+            excess = f"declared {fact.longest_us} us, seen {seen_us} us {where}"
         text = f'{facts.name}: [[suspension]] task = "{fact.task}"'
         found.append(FactCount(text, fact.task, fact.longest_us, seen_us, excess))
     return found
