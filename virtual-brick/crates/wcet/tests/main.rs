@@ -6,6 +6,7 @@
 mod calls;
 mod chip;
 mod controller;
+mod critical_sections;
 mod flow_facts;
 mod interworking;
 mod loop_forms;

@@ -9,7 +9,7 @@ use crate::functions::program::Program;
 use crate::graph::control_flow::{
     Block, ControlFlowGraph, ControlTransfer, Explorer, Node, Target,
 };
-use crate::graph::node_splitting::reducible;
+use crate::graph::node_splitting::{reducible, ReducibleGraph};
 use crate::inputs::image::Entry;
 use crate::values::block_interpreter::{
     any_arguments, changed_registers, BlockInterpreter, BlockOutcome,
@@ -151,7 +151,7 @@ pub fn summarise(program: &Program<'_>, entry: Entry) -> Result<FunctionSummary,
     }
     let block_count = flow.blocks.len();
     let places: Vec<u32> = flow.blocks.iter().map(|block| block.node.address).collect();
-    let (flow, forest) = reducible(flow).map_err(|block| {
+    let ReducibleGraph { flow, forest, .. } = reducible(flow).map_err(|block| {
         let place = places.get(block).copied().unwrap_or(entry.0);
         Error::Irreducible(program.image.place(place))
     })?;

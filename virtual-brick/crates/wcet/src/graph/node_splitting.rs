@@ -11,12 +11,29 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most blocks of a function with copies.
 const LIMIT: usize = 20_000;
 
-/// A graph with the same paths whose loops have one entry each, and the loops. `Err` is a block
-/// at which a loop is entered when too many copies would be needed.
-pub fn reducible(mut flow: ControlFlowGraph) -> Result<(ControlFlowGraph, LoopForest), usize> {
+/// A graph whose loops have one entry each.
+pub struct ReducibleGraph {
+    /// The same paths as in the given graph.
+    pub flow: ControlFlowGraph,
+    /// Its loops.
+    pub forest: LoopForest,
+    /// The block of the given graph that each block is or is a copy of.
+    pub origin: Vec<usize>,
+}
+
+/// A graph with the same paths whose loops have one entry each. `Err` is a block at which a loop
+/// is entered when too many copies would be needed.
+pub fn reducible(mut flow: ControlFlowGraph) -> Result<ReducibleGraph, usize> {
+    let mut origin: Vec<usize> = (0..flow.blocks.len()).collect();
     loop {
         let entered = match LoopForest::new(&flow) {
-            Ok(forest) => return Ok((flow, forest)),
+            Ok(forest) => {
+                return Ok(ReducibleGraph {
+                    flow,
+                    forest,
+                    origin,
+                })
+            }
             Err(block) => block,
         };
         let all: BTreeSet<usize> = (0..flow.blocks.len()).collect();
@@ -24,7 +41,13 @@ pub fn reducible(mut flow: ControlFlowGraph) -> Result<(ControlFlowGraph, LoopFo
         else {
             return Err(entered);
         };
-        copy(&mut flow, first, &region);
+        let copied = copy(&mut flow, first, &region);
+        origin.extend(
+            copied
+                .iter()
+                .map(|block| origin[*block])
+                .collect::<Vec<_>>(),
+        );
     }
 }
 
@@ -85,7 +108,8 @@ fn irreducible(
     None
 }
 
-fn copy(flow: &mut ControlFlowGraph, first: usize, region: &BTreeSet<usize>) {
+/// Copies a region without its first entry; the blocks that were copied, in the order of copies.
+fn copy(flow: &mut ControlFlowGraph, first: usize, region: &BTreeSet<usize>) -> Vec<usize> {
     let mut copies: BTreeMap<usize, usize> = BTreeMap::new();
     for block in region.iter().filter(|block| **block != first) {
         copies.insert(*block, flow.blocks.len());
@@ -105,4 +129,5 @@ fn copy(flow: &mut ControlFlowGraph, first: usize, region: &BTreeSet<usize>) {
             }
         }
     }
+    copies.into_keys().collect()
 }

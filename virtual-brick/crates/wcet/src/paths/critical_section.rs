@@ -3,8 +3,9 @@
 //! Longest critical sections (protected actions), for the blocking of more urgent threads.
 
 use crate::error::Error;
-use crate::graph::control_flow::ControlFlowGraph;
-use crate::graph::loop_forest::{successors, Loop, LoopForest};
+use crate::graph::control_flow::Target;
+use crate::graph::loop_forest::Loop;
+use crate::graph::node_splitting::{reducible, ReducibleGraph};
 use crate::graph::subgraph::Subgraph;
 use crate::paths::longest_path::{longest_path, PathError, PathProblem};
 use crate::values::records::BlockRecord;
@@ -24,7 +25,7 @@ pub fn critical_sections(
     for level in levels {
         let inside = |block: usize| records[block].urgency >= Some(level);
         let mut longest = 0;
-        for start in entries(function.flow, inside) {
+        for start in entries(function, inside) {
             longest = longest.max(longest_from(function, start, inside)?);
         }
         sections.insert(level, longest);
@@ -32,32 +33,39 @@ pub fn critical_sections(
     Ok(sections)
 }
 
-/// Blocks of a part of a graph that are reached from outside of it.
-fn entries(flow: &ControlFlowGraph, inside: impl Fn(usize) -> bool) -> Vec<usize> {
-    let blocks = 0..flow.blocks.len();
-    let outside = blocks.clone().filter(|block| !inside(*block));
-    let entered: BTreeSet<usize> = outside.flat_map(|block| successors(flow, block)).collect();
+/// Blocks of a part of a function that are reached from outside of it, on edges that are taken.
+fn entries(function: &PathProblem<'_>, inside: impl Fn(usize) -> bool) -> Vec<usize> {
+    let blocks = function.flow.blocks.iter().zip(function.cycles).enumerate();
+    let outside = blocks.filter(|(index, _)| !inside(*index));
+    let edges = outside.flat_map(|(_, (block, cycles))| block.edges.iter().zip(cycles));
+    let entered: BTreeSet<usize> = edges
+        .filter_map(|(edge, cycles)| match edge.target {
+            Target::Block(next) => cycles.map(|_| next),
+            Target::Return => None,
+        })
+        .collect();
     let is_entry = |block: &usize| inside(*block) && (*block == 0 || entered.contains(block));
-    blocks.filter(is_entry).collect()
+    (0..function.flow.blocks.len()).filter(is_entry).collect()
 }
 
+/// Longest path within a part of the function that begins at `start`, perhaps amid a loop.
 fn longest_from(
     function: &PathProblem<'_>,
     start: usize,
     inside: impl Fn(usize) -> bool,
 ) -> Result<u64, Error> {
     let part = Subgraph::new(function.flow, start, inside, |_, _| true);
-    let origin = part.origin.iter();
-    let cycles: Vec<_> = origin.map(|b| function.cycles[*b].clone()).collect();
-    let missing = || Error::Input("a protected action ends in the middle of a loop".into());
-    let forest = LoopForest::new(&part.flow).map_err(|_| missing())?;
-    let bound = |found: &Loop| {
-        let header = part.origin[found.header];
-        let mut loops = function.forest.loops.iter();
-        function.bounds[loops.position(|whole| whole.header == header)?]
-    };
+    let missing = || Error::Input("a loop within a protected action has no bound".into());
+    let ReducibleGraph {
+        flow,
+        forest,
+        origin,
+    } = reducible(part.flow).map_err(|_| missing())?;
+    let origin: Vec<usize> = origin.iter().map(|block| part.origin[*block]).collect();
+    let cycles: Vec<_> = origin.iter().map(|b| function.cycles[*b].clone()).collect();
+    let bound = |found: &Loop| header_executions(function, found, &origin);
     let problem = PathProblem {
-        flow: &part.flow,
+        flow: &flow,
         forest: &forest,
         cycles: &cycles,
         bounds: &forest.loops.iter().map(bound).collect::<Vec<_>>(),
@@ -67,6 +75,25 @@ fn longest_from(
         Ok(solution) => Ok(solution.cycles),
         Err(PathError::NoReturn) => Ok(0),
         Err(PathError::Unbounded(_)) => Err(missing()),
+    }
+}
+
+/// Most executions of the header of a loop in a part of the function. The part may begin amid loops
+/// of the whole function, so its loop may have another header and more blocks than any of these
+/// with that header. The smallest loop of the function around all its blocks is not left meanwhile,
+/// and within it a block is executed at most once for each execution of the header of its innermost
+/// loop, which is entered at most once for each execution of the next header further out.
+fn header_executions(function: &PathProblem<'_>, found: &Loop, origin: &[usize]) -> Option<u64> {
+    let mut scope = function.forest.innermost[origin[found.header]];
+    let mut executions = 1_u64;
+    loop {
+        let around = &function.forest.loops[scope?];
+        executions = executions.saturating_mul(function.bounds[scope?]?);
+        let mut blocks = found.blocks.iter();
+        if blocks.all(|block| around.blocks.contains(&origin[*block])) {
+            return Some(executions);
+        }
+        scope = around.parent;
     }
 }
 

@@ -1,0 +1,55 @@
+/* SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Protected actions around loops: one with a place that is never reached and leads into it, and one
+ * that a loop leaves and enters again.
+ */
+
+#define FUNCTION __attribute__((noinline))
+
+int object;
+volatile int weights[8] = { 3, 1, 4, 1, 5, 9, 2, 6 };
+volatile int yields;
+
+FUNCTION void enter_action(int *entered)
+{
+    *entered = 1;
+}
+
+FUNCTION void leave_action(int *left)
+{
+    *left = 0;
+}
+
+/* The compiler keeps the test of `failed`, which the analysis decides. */
+FUNCTION int never_leads_into_the_loop(void)
+{
+    int sum = 0;
+    int failed = 0;
+    enter_action(&object);
+    for (int place = 0; place < 8; place++) {
+        sum += weights[place];
+        if (failed == 1)
+            sum -= place;
+        sum ^= place;
+    }
+    leave_action(&object);
+    return sum;
+}
+
+FUNCTION int leaves_in_the_loop(void)
+{
+    int sum = 0;
+    enter_action(&object);
+    for (int place = 0; place < 8; place++) {
+        sum += weights[place];
+        if (yields) {
+            leave_action(&object);
+            weights[0] = sum;
+            enter_action(&object);
+        }
+        sum ^= place;
+    }
+    leave_action(&object);
+    return sum;
+}
