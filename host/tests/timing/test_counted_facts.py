@@ -31,7 +31,7 @@ from ravenbrick.timing.observation.fact_counts import FactCount, fact_counts
 from ravenbrick.timing.observation.observed import exceeded, observe
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of
-from ravenbrick.trace.task_set import check_task_set
+from ravenbrick.trace.task_set import check_shortest_interval
 
 
 @cache
@@ -131,7 +131,7 @@ def test_a_sporadic_task_that_is_released_more_often_than_declared_is_told(
     text = (HERE / "counted" / "robot.toml").read_text()
     path = tmp_path / "robot.toml"
     path.write_text(text)
-    check_task_set(read_robot(tmp_path), as_it_is()[1])
+    check_shortest_interval(read_robot(tmp_path), as_it_is()[1], "listener")
     path.write_text(text.replace("period_us = 11_900", "period_us = 200_000"))
     with pytest.raises(ProjectFileError, match=r"is 200000, but .* listener is released 1\d{4}"):
-        check_task_set(read_robot(tmp_path), as_it_is()[1])
+        check_shortest_interval(read_robot(tmp_path), as_it_is()[1], "listener")

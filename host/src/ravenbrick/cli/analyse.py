@@ -62,7 +62,7 @@ from ravenbrick.timing.scheduled_tasks import STOLEN_CYCLES
 from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.task_set import check_task_set
+from ravenbrick.trace.task_set import check_shortest_interval, check_task_set
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -185,7 +185,10 @@ def _check_facts(
             counts.append(fact_counts(robot, facts, image, analysis.counted, run))
             check_facts_of_run(counts[-1], what)
             check_event_rates(robot, facts, run)
-            check_task_set(robot, run)
+            for timing in analysis.tasks:
+                waits_us = microseconds(timing.suspension_cycles)
+                waits = (timing.suspension_count, waits_us)
+                check_shortest_interval(robot, run, timing.task.name, *waits)
     return counts[0]
 
 

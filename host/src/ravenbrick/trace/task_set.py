@@ -12,7 +12,7 @@ from ravenbrick.project.robot import Robot, Task
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import jobs_of
 
-__all__ = ["check_names", "check_task_set"]
+__all__ = ["check_names", "check_shortest_interval", "check_task_set"]
 
 PERIOD_TOLERANCE_US = 1.0
 # A first wait, and some releases of which one is too early.
@@ -44,28 +44,36 @@ def _differences(recording: Recording, thread: int, task: Task) -> list[tuple[st
     return differences
 
 
-def _check_shortest_interval(
-    robot: Robot, recording: Recording, thread: int, index: int, task: Task
+def check_shortest_interval(
+    robot: Robot, recording: Recording, name: str, waits: int = 0, waits_us: float = 0.0
 ) -> None:
-    """The analysis takes the period as the shortest time between two releases.
+    """Raise `ProjectFileError` where a task is released sooner than its period allows.
 
-    A task may begin by setting up, with other waits: until it keeps its period first.
+    The analysis takes the period as the shortest time between two releases. A job that waits
+    `waits` times inside, for `waits_us` in all, shows as so many more of them. A task may begin by
+    setting up, with other waits: it is judged from where it keeps its period first. A wait for an
+    instant before the last release does not wait, so it is none.
     """
+    index = [task.name for task in robot.tasks].index(name)
+    thread = [one.name.lower() for one in recording.threads].index(name.lower())
+    period_us = robot.tasks[index].period_us
     releases = np.array([job.release_cycles for job in jobs_of(recording, thread)], np.int64)
-    intervals_us = 1e6 * np.diff(releases) / float(recording.clock.hertz)
-    if task.period_us is None or intervals_us.size < LEAST_INTERVALS:
+    releases = releases[releases == np.maximum.accumulate(releases)]
+    apart = 1 + waits
+    intervals_us = 1e6 * (releases[apart:] - releases[:-apart]) / float(recording.clock.hertz)
+    if period_us is None or intervals_us.size < LEAST_INTERVALS:
         return
-    least_us = task.period_us - PERIOD_TOLERANCE_US
+    least_us = period_us - waits_us - PERIOD_TOLERANCE_US
     kept = np.flatnonzero(intervals_us[1:] >= least_us)
     first = 1 + (int(kept[0]) if kept.size else 0)
     place = first + int(intervals_us[first:].argmin())
     if intervals_us[place] < least_us:
-        when = float(recording.clock.seconds(int(releases[place + 1])))
+        when = float(recording.clock.seconds(int(releases[place + apart])))
         raise robot.document.error(
             ("tasks", index, "period_us"),
-            f"is {task.period_us}, but in the run '{recording.scenario}' {task.name} is released "
-            f"{intervals_us[place]:.1f} us after its release before, at {when:.6f} s (job "
-            f"{place + 2}); correct robot.toml or the program",
+            f"is {period_us}, but in the run '{recording.scenario}' {name} is released "
+            f"{intervals_us[place]:.1f} us after its release before, at {when:.6f} s; correct "
+            "robot.toml or the program",
         )
 
 
@@ -91,5 +99,5 @@ def check_task_set(robot: Robot, recording: Recording) -> None:
                 f"is {declared}, but the image that ran has {observed}; correct robot.toml or "
                 "the program",
             )
-        if task.release != "background":
-            _check_shortest_interval(robot, recording, thread, index, task)
+        if task.release == "cyclic":
+            check_shortest_interval(robot, recording, task.name)
