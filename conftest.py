@@ -8,10 +8,14 @@ Where submissions cannot be isolated, tests that grade trust their own; tests of
 from __future__ import annotations
 
 import os
+import signal
 
 import pytest
 import ravenbrick as ravenbrick  # limits the threads of linear algebra, before NumPy is loaded
 from ravenbrick.grading.isolation import IsolationError, find_isolation
+
+# A shell that starts the tests in the background has it ignored, and programs inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 try:
     find_isolation()

@@ -21,7 +21,7 @@ def test_the_notebook_runs_from_top_to_bottom() -> None:
     assert names["gains"].proportional == pytest.approx(0.361074, abs=1e-6)
     assert names["gains"].integral == pytest.approx(9.758762, abs=1e-6)
     assert names["sampled"].settling_time() == pytest.approx(0.4, abs=1e-5)
-    assert 0 < names["proof"].closed_loop.total < 1.051e-3
+    assert 0 < names["proof"].closed_loop.rounding < 1.051e-3
     figures = [cell.value for cell in cells if hasattr(cell.value, "savefig")]
     assert len(figures) == 2
     for axis in (axis for figure in figures for axis in figure.axes):

@@ -36,7 +36,7 @@ def test_each_test_continues_where_the_firmware_had_booted(firmware: Path, tmp_p
     path.write_text(
         "def boot(brick):\n    brick.expect_text('My Files', within=8)\n"
         "def test_right(brick):\n    brick.press('right')\n    brick.expect_text('NXT Program')\n"
-        "def test_left(brick):\n    brick.press('left')\n    brick.expect_text('Bluetooth')\n"
+        "def test_left(brick):\n    brick.press('left')\n    brick.expect_text('Try Me')\n"
     )
     code, answer = run(firmware, path)
     assert (code, answer["ok"]) == (0, True), answer
