@@ -264,7 +264,7 @@ class VirtualBrick:
     def count_flow(self, points_json: str) -> None:
         """Count flow facts from now on, before the run begins; the run is the same.
 
-        A JSON list of `FlowPoint` in the crate `virtual-brick`, as `Response.counted` of the crate
+        A JSON list of `FlowPoint` in the crate `image`, as `Response.counted` of the crate
         `wcet` has them. Raises ValueError for another form.
         """
     def flow_counts(self) -> str:

@@ -20,8 +20,7 @@ class CountedFact:
     """A fact with a place at which it is counted.
 
     `fact` is the fact as it is written, `declared` what it allows (iterations, activations at the
-    same time; 0 for no execution), `surplus` the executions of a loop's first block that are no
-    iteration of the source, `point` where and what to count, as the virtual brick takes it.
+    same time; 0 for no execution), `point` where and what to count, as the virtual brick takes it.
     """
 
     fact: str
@@ -29,7 +28,6 @@ class CountedFact:
     table: str
     place: str
     declared: int
-    surplus: int
     point: dict[str, Any]
 
 

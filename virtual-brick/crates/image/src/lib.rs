@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! A linked program for 32-bit little-endian ARM, read from an ELF file: segments, sections,
-//! symbols, source lines, call frames and the types of its variables.
+//! symbols, source lines, call frames and the types of its variables; places at which its flow is
+//! counted.
 
 mod error;
+mod flow_points;
 mod frames;
 mod header;
 mod lines;
@@ -20,6 +22,7 @@ use object::read::elf::ElfFile32;
 use object::{Object, ObjectSection};
 
 pub use error::ImageError;
+pub use flow_points::{FlowPoint, Within};
 pub use frames::Frames;
 pub use lines::{Line, Lines};
 pub use scalar::ScalarKind;

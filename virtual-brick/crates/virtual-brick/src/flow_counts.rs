@@ -6,7 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use arm7tdmi::Mode;
-use serde::{Deserialize, Serialize};
+use image::FlowPoint;
+use serde::Serialize;
 
 use crate::backtrace;
 use crate::brick::VirtualBrick;
@@ -16,77 +17,17 @@ use crate::threads::Memory;
 /// Most arrivals that are kept for a point.
 const ARRIVALS_MAX: usize = 1000;
 
-/// A fact about the program's flow, by the addresses of instructions.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum FlowPoint {
-    /// Executions of a loop's first block for each entry.
-    Loop {
-        /// First instruction of the loop.
-        header: u32,
-        /// The loop begins where its function does, so an entry is a call.
-        at_call: bool,
-        /// Last instructions of the blocks from which the loop is entered.
-        entries: Vec<u32>,
-        /// Last instructions of the blocks that go back to its first one.
-        repeats: Vec<u32>,
-        /// Those of `repeats` that are calls, after which it goes on there.
-        calls: Vec<u32>,
-        /// Only while this function is active.
-        within: Option<Within>,
-        /// Executions that are allowed.
-        at_most: u64,
-    },
-    /// Arrivals at code.
-    Place {
-        /// Its instructions.
-        addresses: Vec<u32>,
-    },
-    /// Arrivals elsewhere than at some targets.
-    Branch {
-        /// The indirect branch.
-        address: u32,
-        /// The targets, without the bit that tells Thumb.
-        targets: Vec<u32>,
-    },
-    /// Activations of a function.
-    Recursion {
-        /// Its first instruction.
-        entry: u32,
-        /// Its last ones.
-        returns: Vec<u32>,
-        /// Activations at the same time that are allowed.
-        at_most: u64,
-        /// Activations in one call from outside that are allowed.
-        calls: u64,
-    },
-}
-
-impl FlowPoint {
-    /// Activations of the function within which this fact holds.
-    fn activations(&self) -> Option<Self> {
-        let Self::Loop { within, .. } = self else {
-            return None;
-        };
-        within.as_ref().map(|within| Self::Recursion {
-            entry: within.entry,
-            returns: within.returns.clone(),
-            at_most: u64::MAX,
-            calls: u64::MAX,
-        })
-    }
-}
-
-/// The function within which a fact holds.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Within {
-    /// Its symbol.
-    pub function: String,
-    /// Its first instruction.
-    pub entry: u32,
-    /// Its last ones.
-    pub returns: Vec<u32>,
+/// Activations of the function within which a fact holds.
+fn activations_of(point: &FlowPoint) -> Option<FlowPoint> {
+    let FlowPoint::Loop { within, .. } = point else {
+        return None;
+    };
+    within.as_ref().map(|within| FlowPoint::Recursion {
+        entry: within.entry,
+        returns: within.returns.clone(),
+        at_most: u64::MAX,
+        calls: u64::MAX,
+    })
 }
 
 /// Something that a fact excludes happened.
@@ -160,7 +101,7 @@ impl FlowCounts {
         let asked = points.len();
         let mut activations = Vec::with_capacity(asked);
         for index in 0..asked {
-            let function = points[index].activations();
+            let function = activations_of(&points[index]);
             activations.push(function.map(|function| {
                 let known = points.iter().position(|point| *point == function);
                 known.unwrap_or_else(|| {

@@ -39,7 +39,7 @@ pub use configuration::{
     Configuration, ConfigurationError, Timing, TimingParameter, TimingValues, TIMING_PARAMETERS,
 };
 pub use engine::Engine;
-pub use flow_counts::{Arrival, FlowCount, FlowPoint, Within};
+pub use flow_counts::{Arrival, FlowCount};
 pub use image::{
     Image, ImageError, Line, Lines, ScalarKind, Section, Segment, Symbol, Symbols, Variable,
 };

@@ -35,7 +35,8 @@ pub struct CoprocessorTiming {
 }
 
 impl CoprocessorTiming {
-    /// With 20 us, 15 of 16 published programs that drove real bricks send only good frames.
+    /// With 20 us, 16 published programs that drove real bricks keep their link, 13 of them without
+    /// a bad frame; 18 and 25 us cost more frames (docs/reference/timing-inference.md).
     pub const fn nominal() -> Self {
         Self {
             stretch_cycles: microseconds(20),

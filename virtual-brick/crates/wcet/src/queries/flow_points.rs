@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Where a run can show whether the user's facts hold: the instructions at which loops, recursions,
-//! indirect branches and excluded places are seen.
+//! Where a run can show whether the user's facts hold.
 
 use crate::error::Error;
 use crate::functions::function_summary::FunctionSummary;
@@ -11,65 +10,9 @@ use crate::graph::loop_forest::successors;
 use crate::inputs::annotations::Fact;
 use crate::inputs::image::Entry;
 use crate::loops::flow_facts::header_executions;
+use image::{FlowPoint, Within};
 use serde::Serialize;
 use std::collections::BTreeMap;
-
-/// Where a fact is counted, as the virtual brick takes it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum FlowPoint {
-    /// Executions of a loop's first block for each entry.
-    Loop {
-        /// First instruction of the loop.
-        header: u32,
-        /// The loop begins where its function does.
-        at_call: bool,
-        /// Last instructions of the blocks from which it is entered.
-        entries: Vec<u32>,
-        /// Last instructions of the blocks that go back to its first one.
-        repeats: Vec<u32>,
-        /// Those of `repeats` that are calls, after which it goes on there.
-        calls: Vec<u32>,
-        /// Only while this function is active.
-        within: Option<Within>,
-        /// Executions that are allowed.
-        at_most: u64,
-    },
-    /// Arrivals at code.
-    Place {
-        /// Its instructions.
-        addresses: Vec<u32>,
-    },
-    /// Arrivals elsewhere than at some targets.
-    Branch {
-        /// The indirect branch.
-        address: u32,
-        /// The targets.
-        targets: Vec<u32>,
-    },
-    /// Activations of a function.
-    Recursion {
-        /// Its first instruction.
-        entry: u32,
-        /// Its last ones.
-        returns: Vec<u32>,
-        /// Activations at the same time that are allowed.
-        at_most: u64,
-        /// Activations in one call from outside that are allowed.
-        calls: u64,
-    },
-}
-
-/// The function within which a fact holds.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Within {
-    /// Its symbol.
-    pub function: String,
-    /// Its first instruction.
-    pub entry: u32,
-    /// Its last ones.
-    pub returns: Vec<u32>,
-}
 
 /// A fact and a point at which it is counted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -84,8 +27,6 @@ pub struct CountedFact {
     pub place: String,
     /// What the fact allows: iterations, activations at the same time; 0 for no execution.
     pub declared: u64,
-    /// Executions of a first block that are no iteration of the source.
-    pub surplus: u64,
     /// Where.
     pub point: FlowPoint,
 }
@@ -145,7 +86,6 @@ fn counted(
         table,
         place: line.unwrap_or_else(|| program.image.name_at(address)),
         declared: fact.depth.map_or(0, u64::from),
-        surplus: 0,
         point,
     }
 }
@@ -167,11 +107,6 @@ fn loop_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFa
             let Some(at_most) = header_executions(&fact, flow, forest, index) else {
                 continue;
             };
-            // A loop that may be left in its first block is not repeated then.
-            let first_leaves = flow.blocks[each.header].edges.iter().any(
-                |edge| !matches!(edge.target, Target::Block(next) if each.blocks.contains(&next)),
-            );
-            let surplus = u64::from(first_leaves && fact.iterations.is_some());
             let within = fact.within.as_ref().map(|function| {
                 let (entry, _) = program.image.function(function)?;
                 Some(Within {
@@ -188,7 +123,6 @@ fn loop_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFa
             if let Some(point) = loop_point(summary, index, (within, at_most)) {
                 found.push(CountedFact {
                     declared: fact.iterations.unwrap_or(at_most),
-                    surplus: surplus.min(at_most),
                     ..counted(program, "loop", &fact, point)
                 });
             }
