@@ -61,10 +61,7 @@ class _Script:
             if statement.target.kind is ir.Kind.STATE:
                 continue
             if (statement.target.kind, statement.target.name) in needed:
-                waiting: list[ir.Expression] = [statement.expression]
-                while waiting:
-                    node = waiting.pop()
-                    waiting.extend(ir.children(node))
+                for node in ir.nodes(statement.expression):
                     if isinstance(node, ir.Read):
                         needed.add((node.slot.kind, node.slot.name))
         return needed

@@ -129,14 +129,8 @@ def as_held(program: ir.Program) -> ir.Program:
         match expression:
             case ir.Literal(value=value, data_type=form):
                 return ir.Literal(float(form.scalar(value)), form)
-            case ir.Binary(left=left, right=right):
-                return replace(expression, left=held(left), right=held(right))
-            case ir.Clamp(value=value, limit=limit):
-                return ir.Clamp(held(value), held(limit))
-            case ir.Cast(value=value):
-                return replace(expression, value=held(value))
             case _:
-                return expression
+                return ir.rebuilt(expression, held)
 
     def slot(one: ir.Slot) -> ir.Slot:
         return replace(one, initial=float(one.data_type.scalar(one.initial)))
@@ -192,14 +186,12 @@ def _parts(program: ir.Program) -> list[tuple[str, ir.Program]]:
 
 def _read(statements: Sequence[ir.Statement]) -> dict[tuple[ir.Kind, str], ir.Slot]:
     """Variables that the statements read."""
-    found: dict[tuple[ir.Kind, str], ir.Slot] = {}
-    waiting = [statement.expression for statement in statements]
-    while waiting:
-        node = waiting.pop()
-        waiting.extend(ir.children(node))
-        if isinstance(node, ir.Read):
-            found[node.slot.kind, node.slot.name] = node.slot
-    return found
+    return {
+        (node.slot.kind, node.slot.name): node.slot
+        for statement in statements
+        for node in ir.nodes(statement.expression)
+        if isinstance(node, ir.Read)
+    }
 
 
 def fixed_point_errors(source: ir.Program, program: ir.Program) -> dict[str, float]:

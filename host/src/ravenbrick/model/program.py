@@ -48,6 +48,7 @@ __all__ = [
     "is_fixed_point",
     "is_wide",
     "mapped",
+    "nodes",
     "read_elsewhere",
     "rebuilt",
     "restarts_line",
@@ -312,7 +313,13 @@ def statements(instructions: Iterable[Instruction]) -> Iterator[Statement]:
 
 def expressions(program: Program) -> Iterator[Expression]:
     """All expressions of a program with those inside them, in order."""
-    waiting = list(reversed(list(_outermost(program.statements))))
+    for outermost in _outermost(program.statements):
+        yield from nodes(outermost)
+
+
+def nodes(expression: Expression) -> Iterator[Expression]:
+    """An expression and all inside it, in order."""
+    waiting = [expression]
     while waiting:
         node = waiting.pop()
         yield node

@@ -72,12 +72,10 @@ def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key,
 def _landmarks(program: ir.Program) -> list[float]:
     """Where a range that grows may end: the numbers that values are compared with, and one more."""
     found = {0.0}
-    waiting = [statement.expression for statement in ir.statements(program.statements)]
-    while waiting:
-        node = waiting.pop()
-        waiting.extend(ir.children(node))
-        if isinstance(node, ir.Literal):
-            found |= {abs(node.value), abs(node.value) + 1.0}
+    for statement in ir.statements(program.statements):
+        for node in ir.nodes(statement.expression):
+            if isinstance(node, ir.Literal):
+                found |= {abs(node.value), abs(node.value) + 1.0}
     return sorted(found)
 
 

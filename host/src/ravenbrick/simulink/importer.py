@@ -63,9 +63,10 @@ class Survey:
 
 @dataclass(frozen=True)
 class Imported:
-    """A model's `diagram`, the path of its `subsystem` if only that was imported, and a sentence
+    """A model as a diagram.
 
-    that says how its `continuous` blocks became discrete; empty without such blocks.
+    `subsystem` is the path of what was imported if that was not the whole model; `continuous` says
+    how continuous blocks became discrete, and is empty without such blocks.
     """
 
     diagram: Diagram

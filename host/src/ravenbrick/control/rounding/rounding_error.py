@@ -170,12 +170,9 @@ def _deciding_blocks(source: ir.Program) -> set[str]:
     """Blocks whose output is not a linear function of what they read, limits aside."""
     found = set()
     for statement in ir.statements(flattened(source).statements):
-        waiting: list[ir.Expression] = [statement.expression]
-        while waiting:
-            node = waiting.pop()
-            waiting.extend(ir.children(node))
-            if isinstance(node, ir.Select | ir.Rounded | ir.Table):
-                found.add(statement.block)
+        deciding = ir.Select | ir.Rounded | ir.Table
+        if any(isinstance(node, deciding) for node in ir.nodes(statement.expression)):
+            found.add(statement.block)
     return found
 
 
