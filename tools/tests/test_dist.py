@@ -22,7 +22,8 @@ from tools.dist import write_wheel
 
 ROOT = Path(__file__).resolve().parents[2]
 CONTAINERFILE = ROOT / "tools" / "Containerfile"
-# Libraries of others come from the environment of the tests; nothing else of the tree is opened.
+# Libraries of others come from the environment of the tests; nothing else of the tree is opened,
+# and the sandbox is told the folders above them.
 NO_TREE = """
 import os, sys
 TREE, LIBRARIES = {tree!r}, {libraries!r}
@@ -30,7 +31,8 @@ def refuse(event, arguments):
     if event in ("open", "os.listdir", "os.scandir", "subprocess.Popen"):
         for word in (arguments[0], *(arguments[1] if event == "subprocess.Popen" else ())):
             path = os.path.abspath(os.fsdecode(word)) if isinstance(word, (str, bytes)) else ""
-            if path.startswith(TREE + "/") and not path.startswith(LIBRARIES):
+            known = path.startswith(LIBRARIES) or LIBRARIES.startswith(path + "/")
+            if path.startswith(TREE + "/") and not known:
                 os.write(2, f"{{event}} {{path}}: is in the tree".encode())
                 os._exit(99)
 sys.addaudithook(refuse)
@@ -83,9 +85,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
     opt = tmp_path_factory.mktemp("wheel") / "Übung 1"
     write_wheel(opt / "wheel")
     environment = {"HOME": str(opt / "home"), "PATH": "/usr/bin:/bin", "LANG": "C.UTF-8"}
-    environment |= {"PIP_NO_INDEX": "1", "PIP_NO_DEPS": "1"}
-    # The sandbox hides the tree, where the libraries of others are.
-    machine = Machine(opt, environment | {"RAVENBRICK_TRUST_SUBMISSIONS": "1"})
+    machine = Machine(opt, environment | {"PIP_NO_INDEX": "1", "PIP_NO_DEPS": "1"})
     for word, rest in steps():
         if word == "RUN" and not rest.startswith(("apt-get", "useradd")):
             machine.shell(machine.here(rest))

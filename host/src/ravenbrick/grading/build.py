@@ -16,6 +16,7 @@ import sys
 import tarfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from ravenbrick.atomic_write import atomic_write
@@ -197,10 +198,15 @@ def python_parts() -> list[Path]:
     """What Python needs to run this package, but for the tree."""
     parts = {Path(sys.prefix), Path(sys.base_prefix), PACKAGE, tree() / "catalogue"}
     parts.add(tree() / "tools" / "ravenbrick.cgpr")
-    import virtual_brick
-
-    parts.add(Path(str(virtual_brick.__file__)).resolve().parent)
+    # A .pth file may have named folders that are none of this Python.
+    parts |= {_folder_with("numpy"), _folder_with("virtual_brick")}
     return [path for path in parts if path.exists()]
+
+
+def _folder_with(module: str) -> Path:
+    found = find_spec(module)
+    assert found is not None and found.origin is not None
+    return Path((found.submodule_search_locations or [found.origin])[0]).resolve().parent
 
 
 def design_files(
