@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 import shutil
 from dataclasses import replace
@@ -70,6 +71,20 @@ def test_facts_that_hold_are_counted_and_the_run_stays_the_same() -> None:
     assert seen['symbol = "workers__sum"'] == 40
     plain = VirtualTarget().run(program().robot, program().scenario, program().image)
     assert plain.digest == recording.digest
+
+
+def test_a_run_of_hours_counts_nothing() -> None:
+    found = program()
+    points = points_text(analysed(found, found.facts).counted)
+    target = VirtualTarget(flow_points=points)
+    bricks = [
+        chosen.prepare(found.robot, found.scenario, found.image)
+        for chosen in (target, target.without_counts())
+    ]
+    assert [len(json.loads(brick.flow_counts())) for brick in bricks] == [
+        len(json.loads(points)),
+        0,
+    ]
 
 
 @pytest.mark.parametrize("engine", ["blocks", "reference"])

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -81,6 +82,12 @@ class VirtualTarget:
         self._snapshots = snapshots or SnapshotOptions()
         self._sound = sound
         self._flow_points = flow_points
+
+    def without_counts(self) -> VirtualTarget:
+        """The same that counts nothing: a run of hours would fill the memory with transfers."""
+        plain = copy.copy(self)
+        plain._flow_points = None
+        return plain
 
     @property
     def name(self) -> str:

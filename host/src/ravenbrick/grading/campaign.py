@@ -134,6 +134,7 @@ def run_campaign(
     folder = folder.resolve()
     with locked(folder, "that grades into this folder"):
         _remove_unfinished(folder)
+        drawn_from = _secret(folder, secret)
         if rubric.needs_image:
             prepare_base(isolation, rubric, folder / "cache")
         jobs = {
@@ -144,7 +145,7 @@ def run_campaign(
                 path=os.path.abspath(s.path),
                 cache=str(folder / "cache"),
                 isolation=isolation.name,
-                secret=_secret(folder, secret),
+                secret=drawn_from,
                 design=design,
             )
             for s in submissions

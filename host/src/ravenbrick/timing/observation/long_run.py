@@ -182,10 +182,11 @@ def long_run(
 ) -> LongRun:
     """Play a scenario over and over for this long; a brick that went off is switched on again."""
     result, rng = LongRun(), random.Random(seed)
+    plain = (target or VirtualTarget()).without_counts()
     quiet = replace(scenario, inputs=(), stimuli=(), signal_period_us=SIGNAL_PERIOD_US)
     wanted = max(1, round(seconds * 1000 / scenario.duration_ms))
     while result.repetitions < wanted:
-        brick = (target or VirtualTarget()).prepare(robot, quiet, image)
+        brick = plain.prepare(robot, quiet, image)
         before = brick.cycles
         rest = np.zeros(0, decode_events(b"").dtype)
         since = None
