@@ -120,7 +120,7 @@ def _file(variable: str) -> bytes:
     return Path(path).read_bytes()
 
 
-def _lejos(machine: bytes, menu: bytes) -> bytes:
+def lejos_flash(machine: bytes, menu: bytes) -> bytes:
     """Virtual machine, menu behind it and an empty directory, as its own tool flashes them."""
     start = -(-len(machine) // PAGE_BYTES) * PAGE_BYTES
     image = bytearray(b"\xff" * FLASH_BYTES)
@@ -135,7 +135,7 @@ def _lejos(machine: bytes, menu: bytes) -> bytes:
 def image_of(family: Family) -> bytes:
     """The bytes to load. Raises ImageAbsentError."""
     files = [_file(variable) for variable in family.variables]
-    return _lejos(*files) if len(files) > 1 else files[0]
+    return lejos_flash(*files) if len(files) > 1 else files[0]
 
 
 def boot(family: Family, image: bytes) -> tuple[Any, Any]:

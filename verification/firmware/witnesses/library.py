@@ -24,6 +24,8 @@ from typing import Any
 
 from ravenbrick.brick.firmware import FirmwareBrick
 
+from verification.firmware.images import FLASH, USER_RAM
+
 __all__ = [
     "CHECKS", "FUNCTIONS", "Check", "Image", "ImageAbsentError", "check", "images",
     "switched_on", "timing",
@@ -35,7 +37,7 @@ FUNCTIONS = (
     "starts", "LCD", "buttons", "motor", "sensor", "sound", "files", "USB", "Bluetooth",
     "link", "switches off",
 )  # fmt: skip
-PLACES = {"flash": 0x0010_0000, "ram": 0x0020_2000, "file": 0}
+PLACES = {"flash": FLASH, "ram": USER_RAM, "file": 0}
 
 
 class ImageAbsentError(Exception):

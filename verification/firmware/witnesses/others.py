@@ -11,25 +11,16 @@ from typing import Any
 import nxt.brick
 from ravenbrick.brick.firmware import FirmwareBrick
 
+from verification.firmware.images import FLASH, lejos_flash
 from verification.firmware.witnesses.library import check, images, switched_on
 from verification.firmware.witnesses.link import commands, count_frames
 from verification.firmware.witnesses.pybricks import PybricksHub, compiled
 
-FLASH, PAGE_BYTES, FLASH_BYTES, FIRMWARE_PAGES = 0x0010_0000, 256, 0x4_0000, 420
-
 
 def lejos_brick() -> FirmwareBrick:
-    """Virtual machine, menu behind it and an empty directory, as its own tool flashes them."""
+    """As its own tool flashes it."""
     machine, menu = (images()[f"leJOS NXJ, {part}"] for part in ("virtual machine", "menu"))
-    start = -(-len(machine.content) // PAGE_BYTES) * PAGE_BYTES
-    image = bytearray(b"\xff" * FLASH_BYTES)
-    image[: len(machine.content)] = machine.content
-    image[start : start + len(menu.content)] = menu.content
-    mark = machine.content.index(b"MNUAMNULFLSP")
-    image[mark : mark + 12] = struct.pack("<3I", FLASH + start, len(menu.content), FIRMWARE_PAGES)
-    directory = FIRMWARE_PAGES * PAGE_BYTES
-    image[directory : directory + 3 * PAGE_BYTES] = bytes(3 * PAGE_BYTES)
-    return switched_on(bytes(image), FLASH)
+    return switched_on(lejos_flash(machine.content, menu.content), FLASH)
 
 
 def lejos_runs(brick: FirmwareBrick) -> None:
@@ -104,9 +95,10 @@ def lejos_sounds() -> str:
 
 @check("leJOS NXJ", "files")
 def lejos_keeps_files() -> str:
-    """nxt-python finds the uploaded file."""
+    """A file written over USB is read again when it is started."""
     brick = lejos_brick()
     lejos_runs(brick)
+    brick.expect_text("Java begins", within=8)
     return "Proof.nxj written over USB and started"
 
 
