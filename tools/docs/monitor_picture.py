@@ -13,6 +13,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import json
+import re
 import shutil
 import socket
 import subprocess
@@ -21,7 +22,7 @@ import tempfile
 import urllib.request
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
@@ -32,6 +33,7 @@ RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 WIDTH, HEIGHT = 1040, 800
 SECONDS = 45
 PATIENCE_S = 90
+ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/[\w-]+/")
 # Of the lowest slider in the page: the figure begins at 21, 44; axes of window.py in parts of it
 SLIDER_Y = 44 + 700 * (1 - 0.035)
 SLIDER_X = 21 + 1000 * 0.2
@@ -90,24 +92,22 @@ async def first_page(port: int) -> str:
     raise TimeoutError("the browser does not answer")
 
 
-async def page_is_served(port: int) -> None:
-    """Wait for the monitor's page."""
-    for _ in range(PATIENCE_S * 4):
-        try:
-            with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=5):
-                return
-        except OSError:
-            await asyncio.sleep(0.25)
-    raise TimeoutError("the monitor's page is not served")
+def page_address(output: IO[str]) -> str:
+    """The address that a command with a page tells once it serves it."""
+    told = ""
+    for line in output:
+        told += line
+        if found := ADDRESS.search(line):
+            return found[0]
+    raise ConnectionError(f"the command tells no address: {told}")
 
 
-async def look(page: int, debugger: int, share: float) -> bytes:
+async def look(page: str, debugger: int, share: float) -> bytes:
     """Open the page, wait, drag the set-point to about 3 V, wait, and take the picture."""
     browser = Browser(await websocket_connect(await first_page(debugger), max_message_size=1 << 26))
-    await page_is_served(page)
     size = {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
     await browser.call("Emulation.setDeviceMetricsOverride", **size)
-    await browser.call("Page.navigate", url=f"http://127.0.0.1:{page}/")
+    await browser.call("Page.navigate", url=page)
     await asyncio.sleep(12)
     x = SLIDER_X + SLIDER_WIDTH * share
     for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
@@ -126,10 +126,8 @@ def monitor_picture(project: str) -> tuple[bytes, dict[str, Any]]:
     with ExitStack() as stack:
         profile = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
 
-        def start(command: list[str]) -> subprocess.Popen[str]:
-            process = subprocess.Popen(
-                command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-            )
+        def start(command: list[str], errors: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
             stack.callback(process.wait)
             stack.callback(process.terminate)
             return process
@@ -138,7 +136,9 @@ def monitor_picture(project: str) -> tuple[bytes, dict[str, Any]]:
         live += ["--bluetooth", f"tcp:{air}", "--json"]
         start([*RAVENBRICK, *live])
         told_to = ["--page", f"{page}", "--seconds", f"{SECONDS}", "--json"]
-        monitor = start([*RAVENBRICK, "monitor", f"tcp:{air}", *told_to])
+        monitor = start([*RAVENBRICK, "monitor", f"tcp:{air}", *told_to], subprocess.PIPE)
+        assert monitor.stderr is not None
+        address = page_address(monitor.stderr)
         start(
             [
                 *(chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"),
@@ -146,7 +146,7 @@ def monitor_picture(project: str) -> tuple[bytes, dict[str, Any]]:
                 *(f"--remote-debugging-port={debugger}", "about:blank"),
             ]
         )
-        picture = asyncio.run(look(page, debugger, SET_POINTS[project]))
+        picture = asyncio.run(look(address, debugger, SET_POINTS[project]))
         told, _ = monitor.communicate(timeout=SECONDS + PATIENCE_S)
     return picture, json.loads(told)
 

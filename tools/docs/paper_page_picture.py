@@ -18,7 +18,7 @@ from pathlib import Path
 
 from tornado.websocket import websocket_connect
 
-from tools.docs.monitor_picture import RAVENBRICK, Browser, first_page, free_port, page_is_served
+from tools.docs.monitor_picture import RAVENBRICK, Browser, first_page, free_port, page_address
 
 ROOT = Path(__file__).resolve().parents[2]
 WIDTH, HEIGHT = 1280, 900
@@ -33,13 +33,12 @@ async def value(browser: Browser, expression: str) -> object:
     return answer["result"].get("value")
 
 
-async def driven(page: int, debugger: int) -> bytes:
+async def driven(page: str, debugger: int) -> bytes:
     """Open the page, press Run, wait until the vehicle has turned, and take the picture."""
     browser = Browser(await websocket_connect(await first_page(debugger), max_message_size=1 << 26))
-    await page_is_served(page)
     size = {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
     await browser.call("Emulation.setDeviceMetricsOverride", **size)
-    await browser.call("Page.navigate", url=f"http://127.0.0.1:{page}/")
+    await browser.call("Page.navigate", url=page)
     for _ in range(PATIENCE_S * 2):
         ready = await value(browser, "document.querySelector('#run')?.disabled === false")
         if ready:
@@ -61,21 +60,23 @@ def main(file: str) -> int:
     chromium = shutil.which("chromium")
     if chromium is None:
         raise SystemExit("chromium is not installed: apt install chromium")
-    page, debugger = free_port(), free_port()
+    debugger = free_port()
     with ExitStack() as stack:
         profile = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
-        view = ["view", str(ROOT / "examples" / "paper"), "drive", "--no-browser"]
-        options = ("--no-sandbox", "--disable-gpu", "--hide-scrollbars", "about:blank")
-        for command in (
-            [*RAVENBRICK, *view, "--port", f"{page}"],
-            [
-                *(chromium, "--headless=new", f"--user-data-dir={profile}", *options),
-                f"--remote-debugging-port={debugger}",
-            ],
-        ):
-            process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+
+        def start(command: list[str], output: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
+            process = subprocess.Popen(command, stdout=output, text=True)
             stack.callback(process.wait)
             stack.callback(process.terminate)
+            return process
+
+        view = ["view", str(ROOT / "examples" / "paper"), "drive", "--no-browser", "--port", "0"]
+        server = start([*RAVENBRICK, *view], subprocess.PIPE)
+        assert server.stdout is not None
+        page = page_address(server.stdout)
+        options = ("--no-sandbox", "--disable-gpu", "--hide-scrollbars", "about:blank")
+        places = (f"--user-data-dir={profile}", f"--remote-debugging-port={debugger}")
+        start([chromium, "--headless=new", *places, *options])
         Path(file).write_bytes(asyncio.run(driven(page, debugger)))
     return 0
 

@@ -38,11 +38,12 @@ async function serve(...words: string[]): Promise<{ address: string; end: () => 
     let said = "";
     const listen = (bytes: Buffer) => {
       said += bytes.toString();
-      const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(said);
+      const match = /http:\/\/127\.0\.0\.1:\d+\/[\w-]+\//.exec(said);
       if (match) found(match[0]);
     };
     server.stdout.on("data", listen);
     server.stderr.on("data", listen);
+    setTimeout(() => failed(new Error(`no address within a minute: ${said}`)), 60_000).unref();
     server.on("exit", (code) => failed(new Error(`ravenbrick view ended with ${code}: ${said}`)));
   });
   return { address, end: () => server.kill("SIGINT") };

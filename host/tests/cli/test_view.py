@@ -8,6 +8,7 @@ import json
 import threading
 import urllib.error
 import urllib.request
+from http.server import ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -154,6 +155,17 @@ def test_a_port_in_use_is_a_sentence(project: Path) -> None:
         code, answer = call("view", project, "--port", server.server_port, "--no-browser")
     assert code == ExitCode.USAGE
     assert f"port {server.server_port}" in answer["error"]
+
+
+def test_the_address_is_told_at_once_also_for_json(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On standard error, since the answer on standard output comes at the end of the run."""
+    monkeypatch.setattr(ThreadingHTTPServer, "serve_forever", lambda _server, **_options: None)
+    result = CliRunner().invoke(
+        app, ["view", str(project), "--port", "0", "--no-browser", "--json"]
+    )
+    assert json.loads(result.stdout)["address"] in result.stderr
 
 
 def test_a_run_of_the_page_is_replayed_to_its_end(project: Path, tmp_path: Path) -> None:

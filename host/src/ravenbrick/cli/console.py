@@ -83,6 +83,10 @@ class Reporter:
         if not self._quiet:
             print(text, flush=True)
 
+    def tell(self, text: str) -> None:
+        """A line needed while the command runs: with `--json` it goes to standard error."""
+        print(text, file=sys.stderr if self._quiet else sys.stdout, flush=True)
+
     def table(
         self, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[str] = ()
     ) -> None:

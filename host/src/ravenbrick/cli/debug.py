@@ -98,8 +98,8 @@ def _with_gdb(brick: Any, elf: Path, port: int, program: str) -> int:
 
 def _announce(reporter: Reporter, elf: Path) -> Callable[[int], None]:
     def announce(port: int) -> None:
-        reporter.print(f"the brick waits on {LOOPBACK}:{port}; Ctrl-C ends it; connect with")
-        reporter.print(f"  {shlex.join(gdb_command(GDB, elf, port))}")
+        reporter.tell(f"the brick waits on {LOOPBACK}:{port}; Ctrl-C ends it; connect with")
+        reporter.tell(f"  {shlex.join(gdb_command(GDB, elf, port))}")
 
     return announce
 

@@ -66,8 +66,8 @@ def live_command(
         return _replayed(brick, kept, reporter)
     port, run_record = open_port(usb or bluetooth), LiveRecord(chosen.name)
     link = "USB" if usb else "Bluetooth"
-    reporter.print(f"{link} of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
-    reporter.print(f"  ravenbrick monitor {port.address}")
+    reporter.tell(f"{link} of '{robot.name}' on {port.address}; Ctrl-C ends; listen with")
+    reporter.tell(f"  ravenbrick monitor {port.address}")
     server = _usb_ip_server(usb, usb_ip, reporter)
     live = LiveRun(
         brick, port, run_record, None if usb else pin, speed, usb_ip=server, tell=reporter.print
@@ -112,6 +112,6 @@ def _usb_ip_server(usb: str | None, port: int | None, reporter: Reporter) -> Usb
     if usb is not None:
         raise UsageError("--usb and --usb-ip both use the brick's only cable; choose one of them")
     server = UsbIpServer(port)
-    reporter.print(f"USB/IP on port {server.port}; as root: modprobe vhci-hcd, then")
-    reporter.print(f"  usbip --tcp-port {server.port} attach -r 127.0.0.1 -b 1-1")
+    reporter.tell(f"USB/IP on port {server.port}; as root: modprobe vhci-hcd, then")
+    reporter.tell(f"  usbip --tcp-port {server.port} attach -r 127.0.0.1 -b 1-1")
     return server

@@ -85,7 +85,7 @@ def _watch(
     reporter.print(f"{address}: connecting; Ctrl-C ends")
     try:
         if port is not None:
-            show_live(monitor, port, reporter.print, over)
+            show_live(monitor, port, reporter.tell, over)
         else:
             while not over():
                 monitor.poll()

@@ -174,7 +174,7 @@ def view_command(
     token = access_token()
     with page_server(served, port, token) as server:
         address = f"http://{LOOPBACK}:{server.server_port}/{token}/"
-        reporter.print(f"the brick is at {address}; Ctrl-C ends it")
+        reporter.tell(f"the brick is at {address}; Ctrl-C ends it")
         if not proven:
             reporter.print("no response-time bounds; run 'ravenbrick analyse' to compute them")
         if browser:
