@@ -10,7 +10,7 @@ use at91sam7s::FaultKind;
 
 registers! {
     SPI; CR = 0x00, MR = 0x04, RDR = 0x08, TDR = 0x0C, SR = 0x10, IER = 0x14, CSR0 = 0x30,
-    CSR2 = 0x38, RPR = 0x100, RCR = 0x104, TPR = 0x108, TCR = 0x10C, TNPR = 0x118, TNCR = 0x11C,
+    CSR2 = 0x38, RPR = 0x100, RCR = 0x104, TPR = 0x108, TCR = 0x10C, RNPR = 0x110, RNCR = 0x114, TNPR = 0x118, TNCR = 0x11C,
     PTCR = 0x120,
 }
 const TDRE: u32 = 1 << 1;
@@ -193,6 +193,34 @@ fn received_frames_go_to_memory() {
     write(&mut chip, PTCR, 1 << 8 | 1);
     wait_for(&mut chip, SR, 1 << 6);
     assert_eq!(chip.peek(SRAM + 0x20, 3).unwrap(), [0x5A, 0x5A, 0]);
+}
+
+/// AT91SAM7S datasheet, 23.3.3: ENDRX when RCR reaches 0, RXBUFF when RNCR is 0 as well.
+#[test]
+fn each_full_receive_buffer_is_flagged_until_a_count_is_written() {
+    const ENDRX: u32 = 1 << 4;
+    const RXBUFF: u32 = 1 << 6;
+    let full = |chip: &mut TestChip| read(chip, SR) & (ENDRX | RXBUFF);
+    let send_one = |chip: &mut TestChip| {
+        write(chip, TPR, SRAM);
+        write(chip, TCR, 1);
+        wait_for(chip, SR, TXEMPTY);
+    };
+    let mut chip = select_by_peripheral();
+    write(&mut chip, PTCR, 1 << 8 | 1);
+    assert_eq!(full(&mut chip), ENDRX | RXBUFF, "no buffer at all");
+    for (register, value) in [(RPR, SRAM + 0x20), (RCR, 2), (RNPR, SRAM + 0x30), (RNCR, 1)] {
+        write(&mut chip, register, value);
+    }
+    assert_eq!(full(&mut chip), 0);
+    send_one(&mut chip);
+    assert_eq!(full(&mut chip), 0, "one of two");
+    send_one(&mut chip);
+    assert_eq!(full(&mut chip), ENDRX, "the next buffer has room");
+    write(&mut chip, RCR, 1);
+    assert_eq!(full(&mut chip), 0, "a count was written");
+    send_one(&mut chip);
+    assert_eq!(full(&mut chip), ENDRX | RXBUFF);
 }
 
 #[test]

@@ -126,6 +126,18 @@ fn the_clock_sequence_of_a_flash_program_reaches_full_speed() {
     assert!(chip.fault().is_none());
 }
 
+/// The datasheet gives no figure for MCKRDY; 16 cycles are assumed.
+#[test]
+fn a_switch_of_the_master_clock_is_ready_sixteen_cycles_later() {
+    let mut chip = running_chip();
+    write(&mut chip, MCKR, 7);
+    let written = chip.now();
+    run_to(&mut chip, written + 10);
+    assert_eq!(read(&mut chip, PMC_SR) & 1 << 3, 0);
+    run_to(&mut chip, written + 16);
+    assert_eq!(read(&mut chip, PMC_SR) & 1 << 3, 1 << 3);
+}
+
 #[test]
 fn the_main_clock_is_charged_in_whole_cycles() {
     let mut chip = running_chip();
@@ -271,6 +283,63 @@ fn the_watchdog_halts_with_the_processor_when_its_mode_says_so() {
         assert_eq!(chip.take_reset().is_none(), halts);
         assert_eq!(chip.processor_stopped(), halts);
     }
+}
+
+/// From power-on to full speed; the mode of the watchdog is still to be written.
+fn full_speed_chip() -> TestChip {
+    let mut chip = cold_chip();
+    let steps = [
+        (MOR, 0x0601, 1),
+        (PLLR, 0x1048_1C0E, 1 << 2),
+        (MCKR, 4, 1 << 3),
+        (MCKR, 7, 1 << 3),
+    ];
+    for (register, value, ready) in steps {
+        write(&mut chip, register, value);
+        wait_for(&mut chip, PMC_SR, ready);
+    }
+    chip
+}
+
+/// Stop the processor; an alarm wakes it after `cycles`.
+fn sleep(chip: &mut TestChip, cycles: u32) {
+    write(chip, PCER, 1 << 12);
+    read(chip, TC0 + 0x20);
+    let event = alarm(chip, cycles / 2);
+    write(chip, SCDR, 1);
+    while chip.processor_stopped() {
+        chip.skip_to_next_event(u64::MAX);
+    }
+    assert!(chip.now() >= event);
+}
+
+/// AT91SAM7S datasheet, 16.3: with WDIDLEHLT the counter stands still while the processor does,
+/// so the window of allowed restarts opens later by the time in which it stood still.
+#[test]
+fn the_window_of_a_halted_watchdog_opens_later_by_the_halt() {
+    for (halts, status) in [(true, 2), (false, 0)] {
+        let mut chip = full_speed_chip();
+        // Period 8 units of 187,714 cycles; a restart is allowed in the last 4 of them.
+        write(&mut chip, WDT + 4, u32::from(halts) << 29 | 3 << 16 | 7);
+        for _ in 0..7 {
+            sleep(&mut chip, 120_000);
+        }
+        write(&mut chip, WDT, 0xA500_0001);
+        assert_eq!(read(&mut chip, WDT + 8), status, "halts: {halts}");
+    }
+}
+
+#[test]
+fn a_disabled_watchdog_stays_quiet_through_any_sleep() {
+    let mut chip = full_speed_chip();
+    write(&mut chip, WDT + 4, 1 << 29 | 1 << 15 | 1 << 13 | 7);
+    sleep(&mut chip, 100_000);
+    let end = chip.now() + 2 * SIXTEEN_SECONDS;
+    while chip.now() < end {
+        chip.skip_to_next_event(end);
+    }
+    assert_eq!(chip.take_reset(), None);
+    assert_eq!(read(&mut chip, WDT + 8), 0);
 }
 
 #[test]
@@ -471,4 +540,23 @@ fn a_restart_of_the_real_time_timer_begins_a_whole_period() {
             "restarts: {restarts}"
         );
     }
+}
+
+/// AT91SAM7S datasheet, chapter 14, RTT_MR.RTPRES: a new prescaler begins a period of its own; the
+/// counter goes on from where it is.
+#[test]
+fn another_prescaler_keeps_the_count_and_begins_a_period_of_its_length() {
+    let mut chip = running_chip();
+    write(&mut chip, RTT, 1 << 18 | 0x20);
+    let start = chip.now();
+    run_to(&mut chip, start + slow(3 * 32 + 8));
+    write(&mut chip, RTT, 0x40);
+    let changed = chip.now();
+    assert_eq!(read(&mut chip, RTT + 8), 3);
+    run_to(&mut chip, changed + slow(64) - 10);
+    assert_eq!(read(&mut chip, RTT + 8), 3);
+    run_to(&mut chip, changed + slow(64) + 10);
+    assert_eq!(read(&mut chip, RTT + 8), 4);
+    run_to(&mut chip, changed + slow(128) + 10);
+    assert_eq!(read(&mut chip, RTT + 8), 5);
 }

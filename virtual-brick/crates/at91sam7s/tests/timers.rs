@@ -222,6 +222,21 @@ fn compares_drive_the_output_pins() {
     assert_eq!(read(&mut chip, PIOA + 0x3C) & 3, 0);
 }
 
+/// AT91SAM7S datasheet, 33.5.12: of compares at the same value, RC has the higher priority.
+#[test]
+fn where_ra_and_rc_are_equal_the_effect_of_rc_counts() {
+    let mut chip = running_chip();
+    // RA clears, RC sets TIOA.
+    write(&mut chip, CMR, WAVE | AUTOMATIC | 2 << 16 | 1 << 18);
+    write(&mut chip, RA, 50);
+    write(&mut chip, RC, 50);
+    write(&mut chip, PIOA + 0x74, 1);
+    write(&mut chip, PIOA + 0x04, 1);
+    let zero = start(&mut chip, 2);
+    run_to(&mut chip, zero + 110);
+    assert_eq!(read(&mut chip, PIOA + 0x3C) & 1, 1);
+}
+
 #[test]
 fn disabling_and_enabling_the_clock_keeps_the_value() {
     let mut chip = running_chip();

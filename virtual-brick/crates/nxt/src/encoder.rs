@@ -111,3 +111,18 @@ fn floor(position: f64) -> i64 {
 const fn tacho_edges(state: i64) -> i64 {
     (state + 1).div_euclid(2)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the program sees changes after the instant at which the step begins, never at it.
+    #[test]
+    fn a_border_just_where_a_step_begins_is_crossed_one_cycle_later() {
+        let encoder = Encoder::new(0.0);
+        let mut edges = Vec::new();
+        encoder.edges(0, 0.0, -0.001, (1_000, 4_800), &mut edges);
+        assert_eq!(edges.len(), 1);
+        assert_eq!(edges[0].at_cycles, 1_001);
+    }
+}

@@ -69,6 +69,34 @@ fn falling_without_friction_keeps_the_energy() {
     near(energy(&robot), start, 2e-3);
 }
 
+/// Falling moves mass away from the vertical axis: the body turns slower and falls faster, and
+/// the sum of its energies stays.
+#[test]
+fn a_turning_body_that_falls_keeps_its_energy_and_turns_slower() {
+    let free = r#"{"resistance": 6.69, "torque_constant": 0.317, "electric_constant": 0.468,
+        "viscous_friction": 0.0, "inertia": 0.001}"#;
+    let weight = 0.6 * 9.81 * 0.072;
+    let energy = |robot: &Robot| robot.kinetic_energy() + weight * pitch(robot).cos();
+    let mut fallen_in = Vec::new();
+    for duty in [0.0, 1.0] {
+        let mut robot = balancer(free, r#", "start_pitch": 0.05, "fallen_pitch": 1.5"#);
+        run(&mut robot, 1.0, slow(-duty), slow(duty), 12.0);
+        let (start, yaw_rate) = (energy(&robot), robot.yaw_rate());
+        assert!(duty == 0.0 || yaw_rate > 5.0, "{yaw_rate}");
+        robot.set_held(false);
+        let mut steps = 0;
+        while pitch(&robot) < 1.3 {
+            robot.step(DT, &[MotorDrive::Coast; 3], 8.0);
+            steps += 1;
+            assert!(steps < 100_000);
+        }
+        near(energy(&robot), start, 2e-3);
+        assert!(duty == 0.0 || robot.yaw_rate() < 0.9 * yaw_rate);
+        fallen_in.push(steps);
+    }
+    assert!(fallen_in[1] < fallen_in[0], "{fallen_in:?}");
+}
+
 #[test]
 fn equal_wheels_never_turn_it_and_opposite_ones_turn_it_on_the_spot() {
     let mut robot = balancer(&NXTWAY_MOTOR, "");

@@ -183,6 +183,52 @@ fn with_inductance_fast_decay_gives_far_less_torque_at_low_duty_than_slow_decay(
     }
 }
 
+/// Mean current of a bridge that is on for `duty` of each period and gives the current back to the
+/// supply in the rest, by small steps of L di/dt = U - E - R i.
+fn switched_current(inductance: f64, emf: f64, duty: f64) -> f64 {
+    let (supply, resistance, steps) = (9.0, 5.262773292, 1_000);
+    let dt = 125e-6 / f64::from(steps);
+    let (mut current, mut sum) = (0.0_f64, 0.0);
+    for period in 0..100 {
+        sum = 0.0;
+        for step in 0..steps {
+            let on = f64::from(step) < duty * f64::from(steps);
+            let voltage = if on { supply } else { -supply };
+            let next = current + dt / inductance * (voltage - emf - resistance * current);
+            current = if on { next } else { next.max(0.0) };
+            sum += current;
+        }
+        assert!(period < 99 || sum > 0.0);
+    }
+    sum / f64::from(steps)
+}
+
+#[test]
+fn fast_decay_takes_the_mean_current_of_the_switched_circuit_at_any_duty_cycle() {
+    let inductance = 0.0047;
+    let set = format!(
+        r#"{}, "inductance": {inductance}}}"#,
+        SET_A.trim_end_matches('}')
+    );
+    for speed in [0.0, 4.0] {
+        let emf = 0.4952900056 * speed;
+        for percent in [10, 20, 40, 80, 90] {
+            let duty = f64::from(percent) / 100.0;
+            let mut robot = held(&set);
+            robot.motor_mut(B).unwrap().set_hand_angle(speed * 10.0);
+            run(&mut robot, 0.1, fast(duty), MotorDrive::Coast, 9.0);
+            near(velocity(&robot, B), speed, 1e-9);
+            let wanted = switched_current(inductance, emf, duty);
+            let error = (current(&robot, B) - wanted).abs();
+            assert!(
+                error < 0.12 * wanted + 0.002,
+                "{percent} % at {speed} rad/s: {} A, {wanted} A",
+                current(&robot, B)
+            );
+        }
+    }
+}
+
 #[test]
 fn inductance_delays_the_current_by_its_time_constant() {
     let mut robot = held(&format!(
@@ -253,10 +299,15 @@ fn a_hand_turns_the_shaft_at_its_rate_and_stops_exactly_at_the_angle() {
 }
 
 #[test]
-fn the_supply_gives_the_power_that_the_motor_uses() {
-    for drive in [slow(0.6), fast(0.6)] {
+fn the_supply_gives_the_power_that_the_motor_uses_in_both_directions() {
+    for (drive, load) in [
+        (slow(0.6), 0.1),
+        (slow(-0.6), -0.1),
+        (fast(0.6), 0.1),
+        (fast(-0.6), -0.1),
+    ] {
         let mut robot = bench(&TABLE_1, "");
-        robot.motor_mut(B).unwrap().set_load_torque(0.1);
+        robot.motor_mut(B).unwrap().set_load_torque(load);
         run(&mut robot, 2.0, drive, MotorDrive::Coast, 8.0);
         let (amperes, speed) = (current(&robot, B), velocity(&robot, B));
         let useful = amperes * nxt("electric_constant") * speed;
@@ -265,5 +316,28 @@ fn the_supply_gives_the_power_that_the_motor_uses() {
             taken > useful && useful > 0.0,
             "{taken} W taken, {useful} W used"
         );
+    }
+}
+
+#[test]
+fn a_shaft_turned_faster_than_the_bridge_drives_it_gives_current_back() {
+    for sign in [1.0, -1.0] {
+        for drive in [slow(sign * 0.2), fast(sign * 0.2)] {
+            let mut robot = held(&TABLE_1);
+            let shaft = robot.motor_mut(B).unwrap();
+            shaft.set_hand_angle(sign * 100.0);
+            run(&mut robot, 0.1, drive, MotorDrive::Coast, 4.0);
+            let emf = nxt("electric_constant") * 4.0;
+            assert!(emf > 0.2 * 4.0, "{emf} V");
+            let gives = matches!(
+                drive,
+                MotorDrive::Pwm {
+                    decay: plant::Decay::Slow,
+                    ..
+                }
+            );
+            assert_eq!(robot.supply_current() < 0.0, gives, "{drive:?}");
+            near(velocity(&robot, B), sign * 4.0, 1e-9);
+        }
     }
 }

@@ -102,6 +102,19 @@ fn an_aborted_multiple_load_stops_writing_and_restores_its_base() {
     assert_eq!(program.register(5), 55);
 }
 
+/// ARM7TDMI data sheet, 4.11.8: the base is restored even when the list has loaded it already.
+#[test]
+fn an_aborted_multiple_load_restores_a_base_that_it_has_loaded() {
+    let last_word = 0xFFFC;
+    for (opcode, base) in [(0xE8B4_0030, last_word + 8), (0xE894_0030, last_word)] {
+        let mut program = Program::arm(&[opcode]).with_words(last_word, &[7]);
+        program = program.with(4, last_word).with(5, 55);
+        enter(&mut program, Exception::DataAbort); // ldmia r4, {r4, r5}, with and without r4!
+        assert_eq!(program.register(4), base, "{opcode:#X}");
+        assert_eq!(program.register(5), 55);
+    }
+}
+
 #[test]
 fn an_aborted_swap_writes_nothing() {
     let mut program = Program::arm(&[0xE104_0091]).with(4, NOWHERE).with(0, 5);

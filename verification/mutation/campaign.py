@@ -1,0 +1,201 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Sample mutants of a room, run the room's own tests on each, and write the table of scores.
+
+`python -m verification.mutation.campaign ROOM ... [--sample 60] [--seed 1] [--minutes 55]` goes on
+where an earlier run ended. Outcomes are kept in build/verification/mutation while the mutated file,
+and for survivors the tests too, stay as they are. Each survivor gets a verdict, by hand, in
+`verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import time
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from tools.docs import tables
+from verification.commands import Counts, NoResultError
+from verification.mutation.mutants import Mutant, ranked
+from verification.mutation.rooms import ROOMS, Room
+from verification.mutation.scratch import PLACE, Scratch
+from verification.support.paths import ROOT
+
+RESULTS = ROOT / "verification" / "mutation" / "results.json"
+VERDICTS = RESULTS.with_name("verdicts.toml")
+SAMPLE = 60
+SEED = 1
+MINUTES = 55
+GOAL_ROOM = 0.85
+LIMIT_S = 1_200
+Row = dict[str, Any]
+
+
+def digest_of(paths: list[Path]) -> str:
+    """One digest of names and contents."""
+    content = hashlib.sha256()
+    for path in paths:
+        content.update(path.name.encode() + b"\0" + path.read_bytes())
+    return content.hexdigest()[:16]
+
+
+def verdicts(path: Path = VERDICTS) -> dict[str, Row]:
+    """The reviewed survivors by the mutant's name: `verdict`, "equivalent" or "open", `reason`."""
+    entries = tomllib.loads(path.read_text(encoding="utf-8")).get("survivor", [])
+    return {entry["mutant"]: entry for entry in entries}
+
+
+class Outcomes:
+    """What earlier runs found of a room's mutants, kept in a file after each."""
+
+    def __init__(self, room: Room) -> None:
+        self.file = PLACE / f"{room.name}.json"
+        self.kept: dict[str, Row] = json.loads(self.file.read_text()) if self.file.exists() else {}
+        self.tests = digest_of(room.files(ROOT, room.tests))
+
+    def of(self, mutant: Mutant) -> str | None:
+        """"killed", "survived" or "refused" (by the compiler); None when it has to be run."""
+        row = self.kept.get(mutant.key)
+        if row is None or row["source"] != digest_of([ROOT / mutant.file]):
+            return None
+        stale = row["outcome"] == "survived" and row["tests"] != self.tests
+        return None if stale else str(row["outcome"])
+
+    def keep(self, mutant: Mutant, outcome: str) -> None:
+        """Write an outcome down, whole."""
+        source = digest_of([ROOT / mutant.file])
+        self.kept[mutant.key] = {"outcome": outcome, "source": source, "tests": self.tests}
+        part = self.file.with_suffix(".part")
+        part.write_text(json.dumps(self.kept, indent=0))
+        part.replace(self.file)
+
+
+class Judge:
+    """Runs mutants of one room in its scratch copy, with a time limit from an unchanged run."""
+
+    def __init__(self, room: Room, scratch: Scratch) -> None:
+        self.room, self.scratch = room, scratch
+        for file in room.files(scratch.tree, room.sources):
+            file.touch()  # an earlier run may have left products of a mutant
+        for command in (room.build, room.test):
+            passed, needed_s = scratch.run(command, LIMIT_S)
+            if not passed:
+                last = "\n".join(scratch.log.read_text(errors="replace").splitlines()[-20:])
+                raise NoResultError(f"{room.name}, nothing changed: {command} fails\n{last}")
+        self.limit_s = 30 + 5 * needed_s
+
+    def outcome(self, mutant: Mutant) -> str:
+        """Of one mutant; the file is as before afterwards."""
+        file = self.scratch.tree / mutant.file
+        source = file.read_text(encoding="utf-8")
+        file.write_text(mutant.applied(source), encoding="utf-8")
+        try:
+            if not self.scratch.run(self.room.build, LIMIT_S)[0]:
+                return "refused"
+            passed, _ = self.scratch.run(self.room.test, self.limit_s)
+            return "survived" if passed else "killed"
+        finally:
+            file.write_text(source, encoding="utf-8")
+
+
+def judged(room: Room, sample: int, seed: int, end: float) -> Iterator[tuple[Mutant, str]]:
+    """The first mutants in the seed's order that a compiler takes, each with its outcome."""
+    outcomes, found = Outcomes(room), 0
+    waiting = ranked(room.mutants(ROOT), seed)
+    with Scratch(room.name) as scratch:
+        judge = None
+        for mutant in waiting:
+            outcome = outcomes.of(mutant)
+            if outcome is None:
+                if time.monotonic() > end:
+                    return
+                judge = judge or Judge(room, scratch)
+                start = time.monotonic()
+                outcome = judge.outcome(mutant)
+                outcomes.keep(mutant, outcome)
+                place = f"{mutant.line}: {mutant.key}"
+                took_s = time.monotonic() - start
+                print(f"{room.name} {found + 1}/{sample} {outcome} {took_s:.0f} s {place}",
+                      file=sys.stderr, flush=True)  # fmt: skip
+            if outcome != "refused":
+                found += 1
+                yield mutant, outcome
+            if found == sample:
+                return
+
+
+def measure(
+    name: str, sample: int = SAMPLE, seed: int = SEED, minutes: float = MINUTES
+) -> tuple[Row, list[str]]:
+    """The room's row, which is also written, and its survivors without a verdict."""
+    reviewed = verdicts()
+    results = list(judged(ROOMS[name], sample, seed, time.monotonic() + 60 * minutes))
+    survivors = [mutant.key for mutant, outcome in results if outcome == "survived"]
+    known = {key: reviewed[key] for key in survivors if key in reviewed}
+    equivalent = [key for key, entry in known.items() if entry["verdict"] == "equivalent"]
+    row = {
+        "room": name,
+        "seed": seed,
+        "sampled": len(results),
+        "killed": len(results) - len(survivors),
+        "equivalent": len(equivalent),
+        "survivors": [
+            {"mutant": key, "verdict": entry["verdict"], "reason": entry["reason"]}
+            for key, entry in known.items()
+        ] + [{"mutant": k, "verdict": "open", "reason": ""} for k in survivors if k not in known],
+    }  # fmt: skip
+    tables.merge_rows(RESULTS, [row], ("room",))
+    return row, [key for key in survivors if key not in known]
+
+
+def score(rows: list[Row]) -> float:
+    """Share of the mutants that change behaviour which are killed."""
+    of = sum(row["sampled"] - row["equivalent"] for row in rows)
+    return sum(row["killed"] for row in rows) / max(of, 1)
+
+
+def suite(name: str) -> Counts:
+    """Mutants of a room: equivalent and reviewed ones left out, new survivors and low scores fail.
+
+    Raises `NoResultError` when the time did not suffice; the next run goes on there.
+    """
+    row, new = measure(name)
+    if row["sampled"] < SAMPLE:
+        raise NoResultError(f"{name}: {row['sampled']} of {SAMPLE} mutants; the next run goes on")
+    if score([row]) < GOAL_ROOM:
+        new.append(f"{name}: {score([row]):.0%} are killed, {GOAL_ROOM:.0%} are expected")
+    still_open = row["sampled"] - row["killed"] - row["equivalent"] - len(new)
+    excluded = [
+        {"count": row["equivalent"], "reason": "equivalent"},
+        {"count": max(still_open, 0), "reason": "survive, with a verdict in verdicts.toml"},
+    ]
+    left_out = [entry for entry in excluded if entry["count"]]
+    return Counts(row["sampled"], row["killed"], left_out, new)
+
+
+def main(arguments: list[str]) -> int:
+    """Measure the rooms and write the page; 1 when one misses the goal or has new survivors."""
+    parser = argparse.ArgumentParser(prog="python -m verification.mutation.campaign")
+    parser.add_argument("rooms", nargs="*", choices=[*ROOMS, []], metavar="ROOM")
+    parser.add_argument("--sample", type=int, default=SAMPLE)
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--minutes", type=float, default=MINUTES, help="for each room")
+    chosen = parser.parse_args(arguments)
+    wrong = False
+    for name in chosen.rooms or ROOMS:
+        row, new = measure(name, chosen.sample, chosen.seed, chosen.minutes)
+        wrong = wrong or bool(new) or score([row]) < GOAL_ROOM
+        print(f"{name}: {row['killed']} of {row['sampled']} killed, {row['equivalent']} equivalent")
+        print("".join(f"  no verdict: {key}\n" for key in new), end="")
+    tables.main([])
+    return int(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The rooms whose tests are judged: sources, a command that builds, and the room's own tests."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from verification.mutation.mutants import LANGUAGES, Mutant, mutants_of
+
+__all__ = ["ROOMS", "Room"]
+
+CRATES = ("arm7tdmi", "at91sam7s", "nxt", "plant")
+HOST = ("trace", "model", "codegen", "control", "schedule", "timing", "grading", "telemetry")
+CARGO = "cargo test --offline --locked --quiet --manifest-path virtual-brick/Cargo.toml"
+PYTEST = ".venv/bin/python -m pytest -q -x -p no:cacheprovider"
+COMPILE = ".venv/bin/python -m compileall -q"
+
+
+@dataclass(frozen=True)
+class Room:
+    """Folders of its sources and of its tests, and two commands of a shell.
+
+    A mutant that `build` refuses is none; one that `test` refuses is killed.
+    """
+
+    name: str
+    sources: str
+    tests: str
+    build: str
+    test: str
+
+    def files(self, tree: Path, folder: str) -> list[Path]:
+        """Every file below one of its folders, in a fixed order."""
+        return sorted(path for path in (tree / folder).rglob("*") if path.is_file())
+
+    def mutants(self, tree: Path) -> list[Mutant]:
+        """Of all its sources, with paths below the tree."""
+        sources = [p for p in self.files(tree, self.sources) if p.suffix in LANGUAGES]
+        return [
+            mutant
+            for path in sources
+            for mutant in mutants_of(str(path.relative_to(tree)), path.read_text(encoding="utf-8"))
+        ]
+
+
+def _crate(name: str) -> Room:
+    folder = f"virtual-brick/crates/{name}"
+    command = f"{CARGO} -p {name} --lib --bins --tests"
+    # The first test that fails ends the run.
+    test = f"! grep -m 1 FAILED < <( ({command} || echo FAILED) 2>&1 | tee -a /dev/stderr)"
+    return Room(name, f"{folder}/src", f"{folder}/tests", f"{command} --no-run", test)
+
+
+def _host(name: str) -> Room:
+    folder = f"host/src/ravenbrick/{name}"
+    tests = f"host/tests/{name}"
+    return Room(name, folder, tests, f"{COMPILE} {folder}", f"{PYTEST} {tests}")
+
+
+ROOMS = {
+    room.name: room
+    for room in (
+        Room("kernel", "runtime/kernel", "runtime/tests", "make -s -C runtime",
+             f"{PYTEST} runtime/tests"),
+        Room("drivers", "drivers/src", "drivers/tests",
+             "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr -P drivers/drivers.gpr",
+             f"{PYTEST} drivers/tests"),
+        *map(_crate, CRATES),
+        *map(_host, HOST),
+        Room("page", "web/src", "web/tests", "cd web && npx tsc --noEmit",
+             "cd web && npx vitest run --bail=1"),
+    )
+}  # fmt: skip

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A scratch copy of the tree in which commands run; they can write nowhere else.
+
+Bubblewrap shows them the whole machine, read-only, an empty /tmp and no network. All processes of
+a command end with it, and with this one.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import time
+from pathlib import Path
+from types import TracebackType
+
+from verification.commands import NotRunError
+from verification.support.paths import BUILD, ROOT
+
+__all__ = ["PLACE", "Scratch"]
+
+PLACE = BUILD / "verification" / "mutation"
+MEMORY_KB = 6_000_000
+# Not tracked, but needed by some tests: products of the set-up.
+COPIED = ("build", "web/generated")
+LINKED = (".venv", "web/node_modules")
+
+
+def _copy_tree(tree: Path) -> None:
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    for name in filter(None, listed.stdout.split("\0")):
+        if (ROOT / name).is_file():
+            (tree / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, tree / name)
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            skipped = shutil.ignore_patterns("verification", "fuzz", "dist", "outside")
+            shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=skipped)
+    for name in LINKED:
+        if (ROOT / name).exists():
+            (tree / name).parent.mkdir(parents=True, exist_ok=True)
+            (tree / name).symlink_to(ROOT / name)
+
+
+class Scratch:
+    """The copy for one room; a copy that an earlier run left behind is replaced."""
+
+    def __init__(self, room: str) -> None:
+        bwrap = shutil.which("bwrap")
+        if bwrap is None:
+            raise NotRunError("mutants run in bubblewrap: install the Debian package bubblewrap")
+        self.folder = PLACE / room
+        self.tree = self.folder / "tree"
+        self.log = self.folder / "log.txt"
+        self.wrapper = [
+            *(bwrap, "--die-with-parent", "--unshare-pid", "--unshare-net", "--cap-add", "ALL"),
+            *("--ro-bind", "/", "/", "--dev", "/dev", "--proc", "/proc", "--tmpfs", "/tmp"),
+            *("--bind", str(self.folder), str(self.folder), "--chdir", str(self.tree)),
+        ]
+
+    def __enter__(self) -> Scratch:
+        shutil.rmtree(self.tree, ignore_errors=True)
+        self.tree.mkdir(parents=True)
+        _copy_tree(self.tree)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:  # fmt: skip
+        shutil.rmtree(self.tree, ignore_errors=True)
+
+    def run(self, command: str, limit_s: float) -> tuple[bool, float]:
+        """Whether a shell command ends well within the time, and the time it took."""
+        environment = {
+            **{k: v for k, v in os.environ.items() if k not in ("RAVENBRICK_BUILD", "MAKEFLAGS")},
+            "PYTHONPATH": str(self.tree / "host" / "src"),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "CARGO_TARGET_DIR": str(self.folder / "target"),
+        }
+        limited = f"ulimit -d {MEMORY_KB}; {command}"
+        start = time.monotonic()
+        with self.log.open("w") as log:
+            try:
+                done = subprocess.run(
+                    [*self.wrapper, "bash", "-c", limited], env=environment, timeout=limit_s,
+                    stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, check=False,
+                )  # fmt: skip
+            except subprocess.TimeoutExpired:
+                return False, time.monotonic() - start
+        return done.returncode == 0, time.monotonic() - start
