@@ -60,7 +60,7 @@ class Outcomes:
         self.tests = digest_of(room.files(ROOT, room.tests))
 
     def of(self, mutant: Mutant) -> str | None:
-        """"killed", "survived" or "refused" (by the compiler); None when it has to be run."""
+        """Killed, survived or refused (by the compiler); None when it has to be run."""
         row = self.kept.get(mutant.key)
         if row is None or row["source"] != digest_of([ROOT / mutant.file]):
             return None

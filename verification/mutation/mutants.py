@@ -23,7 +23,8 @@ NO_CODE = {
     "ada": r'--[^\n]*|"(?:""|[^"\n])*"|\'[^\n]\'|\bpragma\b[^;]*;',
     "python": r'#[^\n]*|[rbf]{0,2}(?:"""(?:\\.|.)*?"""|"(?:\\.|[^"\\\n])*")|\bassert [^\n]*'
     r"|\b(?:strict|frozen)=True",
-    "typescript": r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|`(?:\\.|[^`\\])*`",
+    "typescript": r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'"
+    r"|`(?:\\.|[^`\\])*`",
 }
 LANGUAGES = {".rs": "rust", ".adb": "ada", ".py": "python", ".ts": "typescript"}
 
@@ -120,7 +121,7 @@ def mutants_of(file: str, source: str) -> list[Mutant]:
     """All mutants of a file; of those that look the same, line for line, the first."""
     language = LANGUAGES[Path(file).suffix]
     code = re.sub(NO_CODE[language], _blank, source, flags=re.DOTALL)
-    found = {}
+    found: dict[str, Mutant] = {}
     for start, end, template in sorted(_places(code, language)):
         text = template.replace("{}", source[start:end])
         first = source.rfind("\n", 0, start) + 1

@@ -76,6 +76,15 @@ def test_a_wrong_field_is_named_with_its_line(
     assert f"robot.toml:{line}: {field}: " in caught.value.sentence
 
 
+def test_a_wheel_without_a_motor_is_named(project: Path, edit: Edit) -> None:
+    """The body's field is the wrong one, whichever the side."""
+    edit("robot.toml", '[ports.C]\ndevice = "motor"\nmotor = "nxt"', '[ports.2]\ndevice = "touch"')
+    line = edit("robot.toml", 'right = "C"', 'right = "C" ')
+    with pytest.raises(ProjectFileError, match="nothing is plugged into port C") as caught:
+        read_robot(project)
+    assert (caught.value.field, caught.value.line) == ("body.right", line)
+
+
 def test_a_missing_field_is_named_at_its_table(project: Path, edit: Edit) -> None:
     """What is not there is reported at the table where it belongs."""
     line = edit("robot.toml", '[battery]\ncatalogue = "li_ion"', "[battery]")

@@ -131,6 +131,13 @@ def test_jitter_counts_from_the_release_or_from_the_arrival() -> None:
     assert [each.bound for each in found] == [15, 19]
 
 
+def test_a_jitter_longer_than_the_period_releases_two_jobs_at_once() -> None:
+    """By hand: jobs arrive at 0 and 4, both are released at 6 and end at 7 and 8."""
+    (found,) = response_time_bounds(TaskSet((Task("t", 4, 1, 1, 12, release_jitter=6),)))
+    assert found.jobs[:2] == (7, 4)
+    assert (found.bound, found.from_release) == (7, 2)
+
+
 def test_non_preemptive_analysis_examines_the_second_job() -> None:
     """The last message needs 3.5; its first instance alone would say 3 (Davis et al. 2007)."""
     found = non_preemptive_bounds(TaskSet.of((1, "2.5"), (1, "3.5"), (1, "3.5")))

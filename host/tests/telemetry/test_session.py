@@ -97,10 +97,21 @@ def test_parameters_change_within_their_limits() -> None:
     session.receive(program.receive(session.pending(0.7)))
     assert program.gains[0] == session.values[0] == 1.25
     assert session.pending(0.8) == b""
-    with pytest.raises(UsageError, match="kp = 3 is outside 0 to 2"):
-        session.set_parameter("kp", 3.0)
+    for outside in (3.0, -0.01):
+        with pytest.raises(UsageError, match=f"kp = {outside:g} is outside 0 to 2"):
+            session.set_parameter("kp", outside)
     with pytest.raises(UsageError, match="no parameter 'kd'; it has: ki, kp"):
         session.set_parameter("kd", 1.0)
+
+
+@pytest.mark.parametrize("limit", [0.0, 2.0])
+def test_a_parameter_may_have_the_value_of_either_limit(limit: float) -> None:
+    """Both limits belong to the range."""
+    program = Program()
+    session = talking(program)
+    session.set_parameter("kp", limit)
+    session.receive(program.receive(session.pending(0.1)))
+    assert program.gains[0] == session.values[0] == limit
 
 
 def test_the_brick_has_the_last_word() -> None:

@@ -10,6 +10,7 @@ import math
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ToolMissingError
 from ravenbrick.trace.export import Format, export
 from ravenbrick.trace.export.timeline import nanoseconds
+from ravenbrick.trace.recording import EVENT_TYPE, IDLE, EventKind, Recording
 
 RECORDING = preempted()
 WORKER = [(1010, 1500), (1600, 2005), (2100, 2130), (3040, 6020)]
@@ -140,6 +142,38 @@ def test_perfetto_flows_go_from_release_through_execution_to_completion(tmp_path
     others = [f for _, e in trace.events("urgent (priority 5)") for f in e.flow_ids]
     assert len(set(others)) == 2
     assert flow not in others
+
+
+def back_to_back() -> Recording:
+    """A worker whose job ends where the next is released, just when a handler returns to it."""
+    kinds = EventKind
+    events = [
+        (1000, kinds.RELEASE, 0, 1000),
+        (1000, kinds.THREAD_RUNNING, 0, 0),
+        (2000, kinds.INTERRUPT_ENTERED, 9, 0),
+        (3000, kinds.INTERRUPT_LEFT, 0, 0),
+        (3000, kinds.COMPLETION, 0, 1000),
+        (3000, kinds.RELEASE, 0, 3000),
+        (4000, kinds.COMPLETION, 0, 3000),
+        (4000, kinds.THREAD_RUNNING, IDLE, 0),
+    ]
+    return replace(RECORDING, events=np.array(events, dtype=EVENT_TYPE))
+
+
+def test_a_piece_that_begins_where_a_job_ends_belongs_to_the_next_job(tmp_path: Path) -> None:
+    """Its flow in Perfetto is that of the second release."""
+    (path,) = export(back_to_back(), Format.PERFETTO, tmp_path / "made.pftrace")
+    trace = Perfetto(path)
+    events = trace.events("worker (priority 1)")
+    first, second = (e.flow_ids[0] for _, e in events if trace.names.get(e.name_iid) == "release")
+    pieces = [(at, list(e.flow_ids)) for at, e in events if e.type == trace.types.TYPE_SLICE_BEGIN]
+    assert pieces == [(1000, [first]), (3000, [second])]
+
+
+def test_a_wire_stays_high_where_one_job_follows_another(tmp_path: Path) -> None:
+    """No edge in the VCD file where a job ends and the next is released."""
+    (path,) = export(back_to_back(), Format.VCD, tmp_path / "made.vcd")
+    assert vcd_changes(path)["tasks.worker.job"] == [(0, "0"), (1000, "1"), (4000, "0")]
 
 
 def test_perfetto_counters_are_the_signals(tmp_path: Path) -> None:

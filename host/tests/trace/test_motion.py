@@ -48,6 +48,18 @@ def test_the_plain_difference_knows_only_multiples_of_the_count() -> None:
     assert late.max() - late.min() == pytest.approx(250)
 
 
+def test_the_difference_does_not_depend_on_when_the_recording_begins() -> None:
+    """Ten counts in each of 4 ms: the same speed and instants, only later."""
+    counts = np.repeat(np.arange(0.0, 100.0, 10.0), 4)
+    for begin in (0.0, 2.5):
+        times = begin + np.arange(40) * 0.001
+        instants, speed = count_difference_speed(
+            times.astype(np.float64), counts.astype(np.float64), 0.01, 0.004
+        )
+        assert instants == pytest.approx(begin + np.arange(1, 10) * 0.004)
+        assert speed == pytest.approx(np.full(9, 10 * 0.01 / 0.004))
+
+
 def test_overshoot_is_measured_against_the_final_value() -> None:
     """A second-order response with damping 0.5 overshoots by exp(-pi / sqrt 3) = 16.3 %."""
     omega, damping = 20.0, 0.5

@@ -125,6 +125,20 @@ def test_an_overrun_job_counts_from_its_nominal_release() -> None:
     assert measures.release_latency_cycles_max == 20
 
 
+def test_a_job_released_while_its_task_runs_starts_at_its_release_and_not_before() -> None:
+    """The kernel may release a moment early; the job of a sleeping task starts when selected."""
+    for at, nominal, running, start in [(98, 100, True, 100), (103, 100, True, 103)]:
+        events: list[Event] = [
+            (10, K.THREAD_RUNNING, 1 if running else 0, 0),
+            (at, K.RELEASE, 1, nominal),
+            (150, K.COMPLETION, 1, nominal),
+        ]
+        (job,) = jobs_of(recording(events, 200), 1)
+        assert (job.release_cycles, job.start_cycles) == (nominal, start)
+    (job,) = jobs_of(recording([(10, K.THREAD_RUNNING, 0, 0), (20, K.RELEASE, 1, 20)], 200), 1)
+    assert job.start_cycles is None
+
+
 def test_segments_cover_the_run_without_gap_or_overlap() -> None:
     """Each cycle has exactly one owner."""
     found = segments(recording(PREEMPTION, 200))

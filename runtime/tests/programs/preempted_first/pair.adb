@@ -5,6 +5,8 @@ with Ada.Real_Time; use Ada.Real_Time;
 
 package body Pair is
 
+   Epoch : constant Time := Clock;
+
    task body First is
    begin
       loop
@@ -20,7 +22,7 @@ package body Pair is
    end Second;
 
    task body Ticker is
-      Next : Time := Clock;
+      Next : Time := Epoch;
    begin
       loop
          Tick_Count := Tick_Count + 1;

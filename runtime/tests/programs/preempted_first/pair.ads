@@ -1,8 +1,10 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Two busy tasks of one priority and a periodic one above them: a preempted task goes on before
---  its equals (RM D.2.3)
+--  Two busy tasks of one priority and two periodic ones above them, which are released together: a
+--  preempted task goes on before its equals (RM D.2.3(10)), also with two more urgent ones ready
+
+with System;
 
 package Pair is
 
@@ -12,6 +14,10 @@ package Pair is
 
    task First with Priority => 10, Storage_Size => 512;
    task Second with Priority => 10, Storage_Size => 512;
-   task Ticker with Priority => 20, Storage_Size => 512;
+
+   task type Ticker (Urgency : System.Priority) with Priority => Urgency, Storage_Size => 512;
+
+   Less_Urgent : Ticker (20);
+   More_Urgent : Ticker (30);
 
 end Pair;

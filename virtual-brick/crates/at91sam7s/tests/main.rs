@@ -15,6 +15,7 @@ mod interrupts;
 mod memory;
 mod pins;
 mod pulse_width;
+mod real_time_timer;
 mod registers;
 mod serial;
 mod sound;

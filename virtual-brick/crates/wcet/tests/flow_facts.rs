@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Flow facts: the loops that a number of iterations in an annotation holds for.
 
+use crate::support::machine::Machine;
 use crate::support::toolchain::{build, program, VARIANTS};
-use crate::support::{bound, refusal};
+use crate::support::{bound, check, refusal, report};
 use wcet::{unmatched_facts, Annotations, Image};
 
 fn on_all(check: impl Fn(&[u8])) {
@@ -70,6 +71,18 @@ fn nested_statements_bound_a_loop_each_where_the_code_keeps_them_apart() {
         let apart = format!("{OUTER}lines = [31, 32, 35, 36]\n{INNER}iterations = ");
         let [few, many] = [2, 3].map(|n| bound(elf, "nested", &format!("{apart}{n}\n")).unwrap());
         assert!(few < many && many < 2 * few);
+    });
+}
+
+/// So many iterations, and the pass in which the loop is left, wherever that is.
+#[test]
+fn a_run_with_as_many_iterations_as_the_fact_says_is_within_the_bound() {
+    let facts = "[[loop]]\nsymbol = \"grow\"\nindex = 0\niterations = 5\n";
+    on_all(|elf| {
+        let found = report(elf, "grow", facts).unwrap();
+        let seen = Machine::new(elf).call("grow", [5, 0, 0, 0]);
+        check("five iterations", &found, seen);
+        assert!(Machine::new(elf).call("grow", [9, 0, 0, 0]).cycles > found.bound_cycles);
     });
 }
 

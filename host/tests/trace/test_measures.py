@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Measures of a run against paths, steps and screens whose values are known by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from verification.support.recordings import preempted
+
+from ravenbrick.project.criteria_text import parse_expectation
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import (
+    Criterion,
+    Scenario,
+    StraightDrive,
+    read_scenario,
+    scenario_path,
+)
+from ravenbrick.project.stimuli import TimedInput
+from ravenbrick.trace.measures import CriterionResult, RunMeasures, StepRecord, measure_run
+from ravenbrick.trace.motion import StepMeasures
+from ravenbrick.trace.recording import Recording, Screen, Signal
+from ravenbrick.trace.schedule import utilization
+from ravenbrick.trace.verdict import Verdict, judge
+
+MS = 48_055
+
+
+@pytest.fixture
+def scenario(robot: Robot, project: Path) -> Scenario:
+    """The vehicle's drive with a straight of 2 m from 10 ms on."""
+    read = read_scenario(scenario_path(project, "drive"), robot)
+    return replace(read, straight=StraightDrive(10, 2.0), step=None)
+
+
+def driven(points: list[tuple[float, float, float]]) -> Recording:
+    """A recording of x, y and heading, one point each 10 ms, without tasks."""
+    cycles = np.arange(len(points), dtype=np.uint64) * np.uint64(10 * MS)
+    columns = zip(("body.x", "body.y", "body.heading"), np.array(points).T, strict=True)
+    made = preempted()
+    return replace(
+        made,
+        events=made.events[:0],
+        threads=(),
+        inputs=(),
+        stop=replace(made.stop, reason="reached", at_cycles=10 * MS * len(points)),
+        signals={name: Signal(cycles, column) for name, column in columns},
+    )
+
+
+def test_the_distance_is_the_whole_path_and_the_deviation_that_of_the_straight(
+    robot: Robot, scenario: Scenario
+) -> None:
+    """By hand: 1 m before the straight, 2 m along it with a bulge of 0.1 m, then 3 m steered."""
+    points = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.1, 0.0), (3.0, 0.0, 0.0), (3.0, 3.0, 0.0)]
+    recording = driven(points)
+    steered = replace(recording, inputs=(TimedInput(35 * MS, "motor.A.hand_angle", 0.5),))
+    measures = measure_run(robot, scenario, steered)
+    along = 2 * float(np.hypot(1.0, 0.1))
+    assert measures.value("distance") == pytest.approx(1.0 + along + 3.0)
+    assert measures.value("lateral_deviation") == pytest.approx(0.1)
+    none = measure_run(robot, replace(scenario, straight=None), steered)
+    assert none.value("distance") is None and none.value("lateral_deviation") is None
+
+
+def test_a_hand_that_holds_still_does_not_end_the_straight(
+    robot: Robot, scenario: Scenario
+) -> None:
+    """An angle of zero turns nothing; only the first other one does."""
+    points = [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.2, 0.0), (2.0, 0.0, 0.0), (3.0, 0.0, 0.0)]
+    held = (TimedInput(15 * MS, "motor.A.hand_angle", 0.0),)
+    measures = measure_run(robot, scenario, replace(driven(points), inputs=held))
+    assert measures.value("lateral_deviation") == pytest.approx(0.2)
+
+
+def stepped(**overshoot: float) -> RunMeasures:
+    """Measures with one step for each motor."""
+    nothing = np.zeros(2)
+    records = {}
+    for motor, value in overshoot.items():
+        step = StepMeasures(
+            setpoint=0.0,
+            final_value=value,
+            settling_time=0.1,
+            overshoot=abs(value),
+            rise_time=None,
+            steady_state_error=0.0,
+        )
+        records[motor] = StepRecord(motor, nothing, nothing, nothing, nothing, nothing, step)
+    shares = utilization(preempted())
+    return RunMeasures((), (), shares, records, None, False, preempted().stop.at_cycles)
+
+
+def test_of_several_motors_the_one_farthest_from_zero_counts() -> None:
+    """With its sign; a measure that one motor did not reach was not reached."""
+    assert stepped(B=3.0, C=-5.0).value("final_value") == -5.0
+    assert stepped(B=3.0, C=-2.0).value("final_value") == 3.0
+    assert stepped(B=3.0, C=-2.0).value("rise_time") is None
+    assert stepped().value("overshoot") is None
+
+
+@pytest.mark.parametrize(
+    ("minimum", "maximum", "label"),
+    [
+        (1.0, None, "overshoot at least 1"),
+        (None, 2.5, "overshoot at most 2.5"),
+        (1.0, 2.5, "overshoot at least 1 and at most 2.5"),
+    ],
+)
+def test_a_criterion_says_its_bounds(
+    minimum: float | None, maximum: float | None, label: str
+) -> None:
+    """In the label of the report and in the sentence about a miss."""
+    result = CriterionResult(Criterion("overshoot", minimum, maximum, 0), 3.0, False, "here:1")
+    assert result.label == label
+    assert result.sentence.startswith(f"here:1: overshoot is 3, expected {label[10:]}; ")
+
+
+def shown(text: str) -> Verdict:
+    """A sentence about a display with two lines at 1 ms and another picture at 3 ms."""
+    screens = (Screen(MS, ("speed  12", "ready")), Screen(3 * MS, ("speed  15", "")))
+    made = replace(preempted(), screens=screens)
+    return judge(parse_expectation(text, "here"), made, stepped())
+
+
+def test_what_the_display_shows_is_the_line_with_the_text_and_its_instant() -> None:
+    """Blanks count as one; the line is found wherever it stands, and so is what was there last."""
+    found = shown('lcd shows "speed 15"')
+    assert (found.met, found.value) == (True, "speed 15")
+    assert found.at == pytest.approx(0.003, abs=1e-6)
+    assert shown('lcd shows "12"').value == "speed 12"
+    never = shown('lcd never shows "ready"')
+    assert (never.met, never.value) == (False, "ready")
+    missed = shown('lcd shows "stopped"')
+    assert (missed.met, missed.value) == (False, "speed 15")
+    assert shown('lcd never shows "stopped"').met
