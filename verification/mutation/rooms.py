@@ -70,6 +70,6 @@ ROOMS = {
         *map(_crate, CRATES),
         *map(_host, HOST),
         Room("page", "web/src", "web/tests", "cd web && npx tsc --noEmit",
-             "cd web && npx vitest run --bail=1"),
+             "cd web && npx vitest run --bail=1 --configLoader runner"),
     )
 }  # fmt: skip

@@ -2,14 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Real-time timer: prescaler, counter, alarm.
 
-use crate::common::{read, run_to, running_chip, write, TestChip, AIC};
+use crate::common::{read, run_to, running_chip, slow, write, TestChip, AIC};
 
 const RTT: u32 = 0xFFFF_FD20;
-
-/// Cycles of so many periods of the slow clock.
-fn slow(periods: u64) -> u64 {
-    periods * 336_384_000 / (7 * 32_768)
-}
 
 fn system_pending(chip: &mut TestChip) -> bool {
     read(chip, AIC + 0x10C) & 1 << 1 != 0

@@ -3,8 +3,8 @@
 //! Clocks, interval timer, watchdog, resets, stopped processor.
 
 use crate::common::{
-    chip_events, cold_chip, read, run_to, running_chip, try_write, wait_for, write, TestChip, AIC,
-    MC, PCER, PIOA, PIT, PMC, SRAM, TC0,
+    chip_events, cold_chip, read, run_to, running_chip, slow, try_write, wait_for, write, TestChip,
+    AIC, MC, PCER, PIOA, PIT, PMC, SRAM, TC0,
 };
 use arm7tdmi::bus::{Bus, Width};
 use at91sam7s::board::ChipEvent;

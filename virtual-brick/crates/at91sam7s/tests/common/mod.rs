@@ -255,6 +255,11 @@ pub fn run_to(chip: &mut TestChip, cycles: Cycles) {
     }
 }
 
+/// Cycles of so many periods of the slow clock.
+pub fn slow(periods: u64) -> u64 {
+    periods * 336_384_000 / (7 * 32_768)
+}
+
 /// Poll a register until some of the bits are set; panics after 100 000 polls.
 pub fn wait_for(chip: &mut TestChip, address: u32, bits: u32) -> u32 {
     for _ in 0..100_000 {
