@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.docs.inference_page import inference_pages
+from tools.docs.mutation_page import mutation_page
 from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page, witness_page
 from verification.table import SUITES, Suite, read_suites
 
@@ -122,6 +123,7 @@ def write_rows(path: Path, rows: list[Row]) -> None:
 VERIFICATION, BENCHMARKS = ROOT / "verification", ROOT / "verification" / "benchmarks"
 POINTS = VERIFICATION / "plant" / "points.json"
 WITNESSES = VERIFICATION / "firmware" / "witnesses" / "results.json"
+MUTATION = VERIFICATION / "mutation"
 DOCS = ROOT / "docs"
 
 
@@ -150,6 +152,7 @@ PAGES: tuple[tuple[Path, Callable[[Any], dict[Path, str]]], ...] = (
     (WITNESSES.with_name("inference.json"), _inference),
     (WITNESSES, _one(DOCS / "reference" / "witnesses.md", witness_page)),
     (VERIFICATION / "fuzz" / "results.json", _one(DOCS / "reference" / "fuzzing.md", fuzz_page)),
+    (MUTATION / "results.json", _one(DOCS / "reference" / "mutants.md", mutation_page)),
 )
 
 

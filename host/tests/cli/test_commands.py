@@ -25,10 +25,12 @@ from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import ExitCode
 from ravenbrick.image import build
 from ravenbrick.project.workspace import Workspace
+from ravenbrick.trace.recording import Recording
 
 Edit = Callable[[str, str, str], int]
 COMMANDS = ("design", "build", "run", "export", "report", "demo", "doctor")
 DRIVE = "scenarios/drive.toml"
+MASS = 'mass = { value = 0.7, unit = "kg", tolerance = 0.1, source = "test" }\n'
 
 
 @pytest.fixture(autouse=True)
@@ -277,6 +279,22 @@ def test_run_answers_with_the_measures_of_the_run(project: Path) -> None:
     assert answer["lateral_deviation"] == pytest.approx(0.004, abs=1e-5)
     assert answer["stop"] == "power_off"
     assert Path(answer["recording"]).is_file()
+
+
+def test_another_seed_or_another_robot_is_another_run(project: Path, edit: Edit) -> None:
+    """The digest stands for image, inputs and the whole configuration."""
+
+    def digest() -> str:
+        return Recording.load(
+            Path(parsed(call("run", project, "drive", "--json"))["recording"])
+        ).digest
+
+    first = digest()
+    assert digest() == first
+    edit(DRIVE, "seed = 1", "seed = 2")
+    second = digest()
+    edit("robot.toml", 'left = "B"', MASS + 'left = "B"')
+    assert len({first, second, digest()}) == 3
 
 
 def test_a_report_is_made_again_from_the_recordings(project: Path) -> None:

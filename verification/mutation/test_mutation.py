@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from verification.mutation import campaign
+from verification.mutation.campaign import Judge, Outcomes, judged, score
+from verification.mutation.mutants import mutants_of, ranked
+from verification.mutation.rooms import ROOMS, Room
+from verification.mutation.scratch import Scratch
+from verification.support.paths import ROOT
+
+TEXTS = {
+    "a.rs": '/// a < b\nfn f() -> u32 {\n    if a < b { "a < b" } else { 1_000 }\n}\n',
+    "a.adb": '--  a < b\n   if A < B then\n      Put ("a < b");\n   end if;\n',
+    "a.py": '# a < b\ndef f():\n    """a < b"""\n    if a < b:\n        call(a)\n',
+    "a.ts": "// a < b\nif (a < b) {\n  call(`a < b`);\n}\n",
+}
+
+
+@pytest.mark.parametrize("file", TEXTS)
+def test_code_is_changed_and_comments_and_texts_are_not(file: str) -> None:
+    """A comparison becomes another, its condition is negated; the other places stay."""
+    source = TEXTS[file]
+    made = [mutant.applied(source) for mutant in mutants_of(file, source)]
+    assert len(set(made)) == len(made) >= 2
+    assert any("<= " in text for text in made)
+    assert any("!(" in text or "not (" in text for text in made)
+    for text in made:
+        assert text.count("a < b") >= source.count("a < b") - 1
+        assert text.splitlines()[0] == source.splitlines()[0]
+
+
+def test_a_change_elsewhere_keeps_order_and_names_of_the_mutants() -> None:
+    """Lines may move; another seed draws others."""
+    one, two = (
+        [m.key for m in ranked(mutants_of("a.py", f"{head}x = a + b - c * 3\n"), 1)]
+        for head in ("", "import os\n\n\n")
+    )
+    assert one == two
+    assert sorted(one) == sorted(m.key for m in mutants_of("a.py", "x = a + b - c * 3\n"))
+    assert one != [m.key for m in ranked(mutants_of("a.py", "x = a + b - c * 3\n"), 2)]
+
+
+def test_every_room_has_sources_and_tests() -> None:
+    """Each has more mutants than a sample, and a folder of tests."""
+    for room in ROOMS.values():
+        assert len(room.mutants(ROOT)) > 2 * campaign.SAMPLE, room.name
+        assert room.files(ROOT, room.tests), room.name
+
+
+class Copy:
+    """In place of a scratch copy: `build` refuses 'bad', `test` notices the first constant."""
+
+    def __init__(self, tree: Path) -> None:
+        self.tree, self.log, self.runs = tree, tree / "log", 0
+
+    def __enter__(self) -> Copy:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        pass
+
+    def run(self, command: str, limit_s: float) -> tuple[bool, float]:
+        """As the text of the source says."""
+        self.runs += 1
+        text = (self.tree / "src" / "a.py").read_text()
+        if command == "build":
+            return "9 + 8" in text, 1.0
+        return "noticed = 1\n" in text, 1.0
+
+
+@pytest.fixture
+def room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Room:
+    """A tree with one source and one test."""
+    for name in ("src/a.py", "tests/test_a.py"):
+        (tmp_path / name).parent.mkdir()
+    (tmp_path / "src" / "a.py").write_text("noticed = 1\nunnoticed = 2\nrefused = 9 + 8\n")
+    (tmp_path / "tests" / "test_a.py").write_text("")
+    monkeypatch.setattr(campaign, "ROOT", tmp_path)
+    monkeypatch.setattr(campaign, "PLACE", tmp_path)
+    return Room("made", "src", "tests", "build", "test")
+
+
+def test_a_campaign_goes_on_and_judges_survivors_again_when_tests_changed(
+    room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Refused mutants do not count; what is known is not run again."""
+    copy = Copy(tmp_path)
+    monkeypatch.setattr(campaign, "Scratch", lambda _name: copy)
+    first = dict(judged(room, 60, 1, end=float("inf")))
+    assert sorted(first.values()) == ["killed", "survived"]
+    assert "refused = 9 + 8" in (tmp_path / "src" / "a.py").read_text()
+    runs = copy.runs
+    assert dict(judged(room, 60, 1, end=0.0)) == first and copy.runs == runs
+    (tmp_path / "tests" / "test_a.py").write_text("assert True\n")
+    outcomes = Outcomes(room)
+    assert [outcomes.of(mutant) for mutant in first] == [
+        None if outcome == "survived" else outcome for outcome in first.values()
+    ]
+
+
+def test_a_room_whose_tests_fail_unchanged_is_not_judged(room: Room, tmp_path: Path) -> None:
+    """The command and its last lines are named."""
+    (tmp_path / "src" / "a.py").write_text("noticed = 7\nrefused = 9 + 8\n")
+    (tmp_path / "log").write_text("1 failed\n")
+    with pytest.raises(Exception, match="made, nothing changed: test fails\n1 failed"):
+        Judge(room, Copy(tmp_path))  # type: ignore[arg-type]
+
+
+def test_the_score_leaves_equivalent_mutants_out() -> None:
+    """By hand: 8 of 10 without the two that change nothing, then 17 of 20."""
+    rows: list[dict[str, Any]] = [
+        {"sampled": 12, "killed": 8, "equivalent": 2},
+        {"sampled": 10, "killed": 9, "equivalent": 0},
+    ]
+    assert score(rows[:1]) == pytest.approx(0.8)
+    assert score(rows) == pytest.approx(0.85)
+
+
+@pytest.mark.isolated
+def test_a_command_in_the_scratch_copy_writes_nowhere_else_and_ends_in_time() -> None:
+    """Not into the tree, and no child survives the time limit."""
+    mark = ROOT / "build" / "written-by-a-mutant"
+    with Scratch("test") as scratch:
+        assert scratch.run("touch README.md", 60)[0]
+        assert not scratch.run(f"touch {mark}", 60)[0]
+        passed, needed_s = scratch.run("setsid sleep 1000 & sleep 1000", 1)
+        assert not passed and needed_s < 60
+    assert not mark.exists() and not scratch.tree.exists()
