@@ -20,7 +20,6 @@ from verification.support.timing.random_task_sets import (
 
 from ravenbrick.schedule.assignment import audsley
 from ravenbrick.schedule.bounds import passes_hyperbolic_bound, passes_liu_layland_bound
-from ravenbrick.schedule.chains import sampled_chain_bound
 from ravenbrick.schedule.edf import (
     earliest_deadline_bounds,
     processor_demand,
@@ -37,6 +36,7 @@ from ravenbrick.schedule.response_time import (
 )
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
 from ravenbrick.schedule.simulation import simulate
+from ravenbrick.schedule.task_models.sampled_chains import sampled_chain_bound
 
 SEEDS = range(60)
 ABOVE = Fraction(1_000_001, 1_000_000)

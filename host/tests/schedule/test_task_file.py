@@ -12,10 +12,11 @@ from pathlib import Path
 import pytest
 
 from ravenbrick.errors import ProjectFileError
+from ravenbrick.schedule.assignment import Rule
 from ravenbrick.schedule.model import CriticalSection, Overheads, Task, TaskSet, TaskSetError
 from ravenbrick.schedule.report import advice, analysis
 from ravenbrick.schedule.response_time import response_time_bounds
-from ravenbrick.schedule.task_file import Rule, read_task_file
+from ravenbrick.schedule.task_file import read_task_file
 
 TOML = """\
 schema_version = 1
@@ -223,3 +224,84 @@ def test_interrupts_stay_above_tasks_whatever_the_rule(tmp_path: Path) -> None:
         assert [task.name for task in found.by_priority()] == ["link", "fast", "slow"]
         assert found.task("link").limits == ((Fraction(1, 2), 20),)
     assert read_task_file(path).task_set.by_priority()[1].name == "slow"
+
+
+MODELS = """schema_version = 1
+[[tasks]]
+name = "sense"
+period = 20
+wcet = 2
+priority = 4
+[[tasks]]
+name = "act"
+release = "sporadic"
+minimum_interrelease_time = 20
+wcet = 1
+priority = 3
+[[tasks]]
+name = "command"
+release = "sporadic"
+minimum_interrelease_time = 100
+wcet = 3
+priority = 1
+server = "requests"
+[[servers]]
+name = "requests"
+kind = "polling"
+period = 10
+capacity = 1
+priority = 2
+[[transactions]]
+name = "steer"
+tasks = ["sense", "act"]
+deadline = 10
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        (
+            'server = "requests"',
+            'server = "other"',
+            "19: tasks[2].server: there is no server 'other'",
+        ),
+        ('server = "requests"\n', "", "20: servers[0].name: no task names this server"),
+        (
+            'kind = "polling"',
+            'kind = "constant"',
+            "22: servers[0].kind: is 'constant'; expected one",
+        ),
+        ("capacity = 1", "capacity = 11", "24: servers[0].capacity: is 11, more than the period"),
+        ('["sense", "act"]', '["sense", "command"]', "28: transactions[0].tasks: 'command' is not"),
+        ("time = 20", "time = 21", "10: tasks[1].minimum_interrelease_time: is 21, but 'sense'"),
+        ("deadline = 10", "deadline = 0", "29: transactions[0].deadline: is 0; expected more than"),
+        ("wcet = 2", "frames = [2, 0]", "5: tasks[0].frames: is 0; expected more than 0"),
+        ("wcet = 2", "wcet = 2\nframes = [2]", "5: tasks[0].wcet: a task with 'frames' has its"),
+        (
+            "wcet = 2",
+            "wcet = 2\nwcet_high = 3",
+            '6: tasks[0].wcet_high: needs criticality = "high"',
+        ),
+        ("wcet = 2", "wcet = 2\nbcet = 3", "6: tasks[0].bcet: is 3, more than the execution time"),
+    ],
+)
+def test_errors_of_the_models_name_line_and_field(
+    old: str, new: str, place: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "set.toml"
+    path.write_text(MODELS.replace(old, new, 1))
+    with pytest.raises(ProjectFileError) as caught:
+        read_task_file(path)
+    assert place in str(caught.value)
+
+
+def test_the_models_of_a_file_are_one_system(tmp_path: Path) -> None:
+    """A server's task stands among the others; the transaction's later task has its jitter."""
+    path = tmp_path / "set.toml"
+    path.write_text(MODELS)
+    solution = read_task_file(path).system.solution
+    assert [task.name for task in solution.task_set.by_priority()] == ["sense", "act", "requests"]
+    assert solution.task_set.task("act").release_jitter == 2
+    assert [found.bound for found in solution.served] == [34]
+    assert solution.schedulable

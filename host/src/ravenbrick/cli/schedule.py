@@ -17,9 +17,10 @@ from ravenbrick.atomic_write import atomic_write
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import DeadlineError, UsageError
+from ravenbrick.schedule.assignment import Rule
 from ravenbrick.schedule.quantity import Time, exact, shown
 from ravenbrick.schedule.report import advice, analysis
-from ravenbrick.schedule.task_file import Rule, TaskFile, read_task_file
+from ravenbrick.schedule.task_file import TaskFile, read_task_file
 
 __all__ = ["schedule_command"]
 
@@ -66,14 +67,46 @@ def _responses_edf(result: dict[str, Any]) -> str:
 def _print(reporter: Reporter, result: dict[str, Any]) -> None:
     reporter.print(f"{result['name']}: times in {result['unit']}, most urgent first")
     reporter.table(_HEAD, [_row(task) for task in result["tasks"]])
-    edf = "meets" if result["schedulable_earliest_deadline_first"] else "can miss"
-    reporter.print(
+    _print_models(reporter, result)
+    text = (
         f"utilisation {result['utilization']} (bound {result['liu_layland_bound']:.3f}), "
-        f"largest scaling {result['largest_scaling'] or 'none'}; "
-        f"earliest deadline first, without overheads, {edf} the deadlines{_responses_edf(result)}"
+        f"largest scaling {result['largest_scaling'] or 'none'}"
     )
+    if not (result["servers"] or result["transactions"] or result["mixed_criticality"]):
+        edf = "meets" if result["schedulable_earliest_deadline_first"] else "can miss"
+        text += f"; earliest deadline first, without overheads, {edf} the deadlines"
+        text += _responses_edf(result)
+    reporter.print(text)
     if result["schedulable"]:
         reporter.print("schedulable")
+
+
+def _print_models(reporter: Reporter, result: dict[str, Any]) -> None:
+    """Best cases, frames, servers, criticalities, transactions and slack, as far as there are."""
+    for task in result["tasks"]:
+        if task["response_time_best"] is not None:
+            text = f"{task['name']}: best response time {task['response_time_best']}"
+            reporter.print(f"{text}, output jitter {task['output_jitter'] or 'without bound'}")
+        if task["frames"]:
+            times = ", ".join(frame["response_time_bound"] or "-" for frame in task["frames"])
+            reporter.print(f"{task['name']}: response times of its frames: {times}")
+    for server in result["servers"]:
+        for task in server["tasks"]:
+            bound = task["response_time_bound"] or "no bound"
+            text = f"R {bound}, deadline {task['deadline']}"
+            reporter.print(f"{task['name']}, served by {server['name']} ({server['kind']}): {text}")
+    mixed = result["mixed_criticality"]
+    for task in mixed["tasks"] if mixed else ():
+        low, high = (task[f"response_time_bound_{mode}"] or "none" for mode in ("low", "high"))
+        text = f"{task['name']}: {task['criticality']} criticality, R {low} in the low mode"
+        high_mode = f", {high} in the high one ({mixed['method']})"
+        reporter.print(text + (high_mode if task["criticality"] == "high" else ""))
+    for each in result["transactions"]:
+        times = f"{each['response_time_best']} to {each['response_time_bound'] or 'no bound'}"
+        reporter.print(f"transaction {each['name']}: {times}, deadline {each['deadline']}")
+    for each in result["objects"]:
+        grow = each["slack_percent"]
+        reporter.print(f"sections on {each['name']} may grow by {grow or '-'} %")
 
 
 @command("ravenbrick schedule taskset.toml")

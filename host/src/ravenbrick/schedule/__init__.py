@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from ravenbrick.schedule.assignment import audsley, deadline_monotonic, rate_monotonic
-from ravenbrick.schedule.chains import sampled_chain_bound
 from ravenbrick.schedule.edf import earliest_deadline_bounds, processor_demand_test
-from ravenbrick.schedule.model import CriticalSection, Overheads, Task, TaskSet, TaskSetError
+from ravenbrick.schedule.model import CriticalSection, Frame, Overheads, Task, TaskSet, TaskSetError
 from ravenbrick.schedule.offsets import phased_response_time_bounds
 from ravenbrick.schedule.response_time import (
     is_schedulable,
@@ -16,9 +15,11 @@ from ravenbrick.schedule.response_time import (
 )
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
 from ravenbrick.schedule.simulation import simulate
+from ravenbrick.schedule.task_models.sampled_chains import sampled_chain_bound
 
 __all__ = [
     "CriticalSection",
+    "Frame",
     "Overheads",
     "Task",
     "TaskSet",

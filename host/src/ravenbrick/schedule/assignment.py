@@ -7,10 +7,22 @@ Interrupts keep their order above all tasks, since no task can be above them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from enum import StrEnum
+
 from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
 from ravenbrick.schedule.response_time import response_time_bound
 
-__all__ = ["audsley", "deadline_monotonic", "rate_monotonic"]
+__all__ = ["Rule", "audsley", "deadline_monotonic", "rate_monotonic"]
+
+
+class Rule(StrEnum):
+    """How priorities are assigned."""
+
+    DECLARED = "declared"
+    RATE_MONOTONIC = "rate_monotonic"
+    DEADLINE_MONOTONIC = "deadline_monotonic"
+    AUDSLEY = "audsley"
 
 
 def _names(tasks: list[Task]) -> list[str]:
@@ -44,8 +56,17 @@ def deadline_monotonic(task_set: TaskSet) -> TaskSet:
     return _assigned(task_set, order)
 
 
-def audsley(task_set: TaskSet, overheads: Overheads = NO_OVERHEADS) -> TaskSet | None:
-    """A feasible assignment by `response_time_bound` if there is one, otherwise None.
+Test = Callable[[TaskSet, Task, Overheads], bool]
+
+
+def _meets_deadline(task_set: TaskSet, task: Task, overheads: Overheads) -> bool:
+    return response_time_bound(task_set, task, overheads).meets_deadline
+
+
+def audsley(
+    task_set: TaskSet, overheads: Overheads = NO_OVERHEADS, test: Test = _meets_deadline
+) -> TaskSet | None:
+    """A feasible assignment by `test` (`response_time_bound`) if there is one, otherwise None.
 
     Fills the priorities from the bottom with the first task, latest deadline first, that meets
     its deadline there. Optimal because the bound depends on which tasks are more urgent, not on
@@ -58,7 +79,7 @@ def audsley(task_set: TaskSet, overheads: Overheads = NO_OVERHEADS) -> TaskSet |
         for candidate in unassigned:
             others = [task for task in unassigned if task.name != candidate.name]
             trial = _assigned(task_set, [*others, candidate, *assigned])
-            if response_time_bound(trial, trial.task(candidate.name), overheads).meets_deadline:
+            if test(trial, trial.task(candidate.name), overheads):
                 assigned.insert(0, candidate)
                 unassigned = others
                 break

@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
+from ravenbrick.schedule.model import NO_OVERHEADS, CriticalSection, Overheads, Task, TaskSet
 from ravenbrick.schedule.quantity import Time
 
 __all__ = ["Blocking", "blocking_candidates", "ceilings"]
@@ -17,12 +18,25 @@ Cause = Literal["none", "section", "stated", "masked"]
 
 @dataclass(frozen=True)
 class Blocking:
-    """A possible blocking: by a section of `task` on `resource`, by a stated bound, or masked."""
+    """A possible blocking: by a section of `task` on `resource`, by a stated bound, or masked.
+
+    `inner` are the sections within it, itself included.
+    """
 
     time: Time
     cause: Cause
     task: str = ""
     resource: str = ""
+    inner: tuple[CriticalSection, ...] = ()
+
+    def time_on(self, resource: str) -> Time:
+        """How much of it is spent in sections on this object."""
+        return time_on(self.inner, resource)
+
+
+def time_on(sections: Iterable[CriticalSection], resource: str) -> Time:
+    """Execution in sections on an object."""
+    return sum(section.duration for section in sections if section.resource == resource)
 
 
 NO_BLOCKING = Blocking(0, "none")
@@ -37,6 +51,11 @@ def ceilings(task_set: TaskSet) -> dict[str, int]:
     return dict(sorted(found.items()))
 
 
+def _within(task: Task, outer: CriticalSection) -> tuple[CriticalSection, ...]:
+    """The sections of a task that lie within one of them, itself included."""
+    return tuple(s for s in task.sections if outer.start <= s.start and s.end <= outer.end)
+
+
 def blocking_candidates(
     task_set: TaskSet, task: Task, overheads: Overheads = NO_OVERHEADS
 ) -> tuple[Blocking, ...]:
@@ -49,7 +68,7 @@ def blocking_candidates(
     ceiling_of = ceilings(task_set)
     found = [NO_BLOCKING]
     found += [
-        Blocking(section.duration, "section", lower.name, section.resource)
+        Blocking(section.duration, "section", lower.name, section.resource, _within(lower, section))
         for lower in task_set.lower(task)
         for section in lower.sections
         if ceiling_of[section.resource] >= task.priority

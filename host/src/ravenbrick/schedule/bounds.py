@@ -42,6 +42,7 @@ def _needs_plain_rate_monotonic(task_set: TaskSet) -> bool:
         and not task.release_jitter
         and not task.blocking
         and not task.sections
+        and not task.frames
         for task in task_set
     )
     order = task_set.by_priority()

@@ -12,6 +12,7 @@ from fractions import Fraction
 from ravenbrick.errors import ExitCode, RavenbrickError
 from ravenbrick.schedule.blocking import Blocking, blocking_candidates
 from ravenbrick.schedule.model import Overheads, Task, TaskSet
+from ravenbrick.schedule.multiframe import least_span, most_execution, most_work, release_times
 from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
 
 __all__ = ["AnalysisLimitError", "Source", "Window", "window_of"]
@@ -37,16 +38,35 @@ class Source:
 
     @property
     def rate(self) -> Fraction:
-        """Long-term jobs per time; `jobs` of a window are at least this many times its length."""
+        """Long-term jobs per time; a window holds at least this many times its length."""
         rates = [Fraction(share) / Fraction(span) for share, span in self.task.limits]
-        return min([1 / Fraction(self.period), *rates])
+        return min([Fraction(len(self.task.frames) or 1) / Fraction(self.task.cycle), *rates])
 
-    def jobs(self, window: Time) -> Time:
-        """Most jobs released in a half-open window of this length; a part of one if limited."""
+    @property
+    def utilization(self) -> Fraction:
+        """Long-term share of the processor; limits of bursts are not used."""
+        jobs = Fraction(len(self.task.frames) or 1) / Fraction(self.task.cycle)
+        execution = Fraction(self.task.utilization) if self.execution else Fraction(0)
+        return execution + jobs * self.overhead
+
+    def work(self, window: Time) -> tuple[Time, Time]:
+        """Most jobs released in a half-open window of this length (a part of one if limited) and
+        their execution without overheads."""
+        if self.task.frames:
+            return most_work(self.task, window + self.jitter, self.overhead)
         whole: Time = ceiling(window + self.jitter, self.period)
         for share, span in self.task.limits:
             whole = min(whole, share * ceiling(window + self.jitter, span))
-        return whole
+        return whole, whole * self.execution
+
+    def steps(self, limit: Time) -> Iterator[Iterator[Time]]:
+        """Window lengths up to `limit` just after which the work rises, each from the longest."""
+        if self.task.frames:
+            times = release_times(self.task, limit + self.jitter)
+            yield (time - self.jitter for time in times if time > self.jitter)
+        else:
+            yield _steps(self.period, self.jitter, limit)
+        yield from (_steps(span, self.jitter, limit) for _, span in self.task.limits)
 
 
 @dataclass(frozen=True)
@@ -148,30 +168,38 @@ class Window:
     @property
     def utilization(self) -> Fraction:
         """Long-term share of the processor at the task's priority and above."""
-        total = Fraction(self.own) / Fraction(self.task.period) + self.clock.utilization
-        for source in self.sources:
-            total += Fraction(source.execution + source.overhead) / Fraction(source.period)
-        return total
+        own = Source(self.task, self.task.period, 0, self.task.wcet, self.own_overhead)
+        loads = (source.utilization for source in (own, *self.sources))
+        return sum(loads, self.clock.utilization)
 
     @property
     def repetition(self) -> Time:
         """Length after which the pattern of releases repeats."""
-        periods = [self.task.period, *(source.period for source in self.sources)]
-        return common_multiple([*periods, *self.clock.periods()])
+        cycles = [self.task.cycle, *(source.task.cycle for source in self.sources)]
+        return common_multiple([*cycles, *self.clock.periods()])
+
+    def own_work(self, jobs: int) -> Time:
+        """Most execution and overhead of this many of the task's own jobs in a row."""
+        return most_execution(self.task, jobs) + jobs * self.own_overhead
+
+    def own_arrival(self, job: int) -> Time:
+        """Least time from the arrival of the task's first job to that of job `job`."""
+        return least_span(self.task, job)
 
     def interference(self, window: Time) -> Time:
         """Work of the interfering tasks and the clock in a window."""
         total = self.clock.time(window)
         for source in self.sources:
-            total += source.jobs(window) * (source.execution + source.overhead)
+            jobs, execution = source.work(window)
+            total += execution + jobs * source.overhead
         return total
 
-    def completion(self, job: int, start: Time) -> Time:
-        """Smallest window in which blocking, interference and jobs 0..`job` are served.
+    def completion(self, work: Time, start: Time) -> Time:
+        """Smallest window in which blocking, interference and this work of the task are served.
 
         `start` is a lower bound of it, from where the fixed-point iteration climbs.
         """
-        fixed = self.blocking.time + (job + 1) * self.own
+        fixed = self.blocking.time + work
         window = max(start, fixed)
         for _ in range(STEP_LIMIT):
             following = fixed + self.interference(window)
@@ -197,9 +225,7 @@ class Window:
                 "period of what is more urgent; use periods and deadlines that are closer together"
             )
         causes = [iter([limit]), *self.clock.steps(limit)]
-        for source in self.sources:
-            causes.append(_steps(source.period, source.jitter, limit))
-            causes += [_steps(span, source.jitter, limit) for _, span in source.task.limits]
+        causes += [times for source in self.sources for times in source.steps(limit)]
         latest: Time | None = None
         for step in heapq.merge(*causes, reverse=True):
             if step != latest and step > 0:

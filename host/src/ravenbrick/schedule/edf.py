@@ -137,8 +137,9 @@ def processor_demand_test(task_set: TaskSet) -> DemandTest:
 
     Exact for independent sporadic tasks; the windows are searched backwards by quick
     processor-demand analysis (Zhang, Burns 2009). With shared objects h(t) + B(t) <= t is
-    sufficient (Baruah 2006).
+    sufficient (Baruah 2006). Each job of a multiframe task counts as its longest.
     """
+    task_set = task_set.without_frames()
     if task_set.utilization > 1:
         return DemandTest(False, 0, 0)
     if any(task.sections or task.blocking for task in task_set):
@@ -171,7 +172,9 @@ def earliest_deadline_bounds(task_set: TaskSet) -> tuple[EarliestDeadlineBound, 
 
     Deadline busy periods with every candidate arrival (Spuri 1996), with release jitter, and with
     the blocking of the stack resource policy. Exact for independent sporadic tasks without jitter.
+    Each job of a multiframe task counts as its longest.
     """
+    task_set = task_set.without_frames()
     utilization = task_set.utilization
     if utilization > 1:
         return tuple(EarliestDeadlineBound(task, None) for task in task_set)

@@ -19,6 +19,7 @@ from ravenbrick.schedule.quantity import Time, common_multiple, exact
 __all__ = [
     "NO_OVERHEADS",
     "CriticalSection",
+    "Frame",
     "Overheads",
     "Task",
     "TaskSet",
@@ -68,6 +69,16 @@ class CriticalSection:
 
 
 @dataclass(frozen=True)
+class Frame:
+    """One job of a multiframe task: its execution time, its deadline relative to its arrival, and
+    the least time from its arrival to that of the next job."""
+
+    wcet: Time
+    separation: Time
+    deadline: Time
+
+
+@dataclass(frozen=True)
 class Task:
     """One task.
 
@@ -76,7 +87,11 @@ class Task:
     arrival to release. `phase` is the first arrival; None means that nothing is known about it.
     `blocking` is a bound stated by the user; it holds besides what the sections give. A job may
     stand for a burst of several: `limits` then says how little of its execution can come in a
-    shorter window, as (share of the job, length of any window).
+    shorter window, as (share of the job, length of any window). The jobs of a multiframe task take
+    its `frames` in turn, from any one on (Mok, Chen 1997; Baruah, Chen, Gorinsky, Mok 1999);
+    `wcet` is then the longest, `period` the least separation and `deadline` the shortest one, so
+    what does not know of frames is pessimistic. `bcet` is the least execution time of a job,
+    `wcet_high` the longest one of a task of high criticality when it takes longer than `wcet`.
     """
 
     name: str
@@ -90,16 +105,26 @@ class Task:
     sections: tuple[CriticalSection, ...] = ()
     blocking: Time = 0
     limits: tuple[tuple[Time, Time], ...] = ()
+    frames: tuple[Frame, ...] = ()
+    bcet: Time = 0
+    wcet_high: Time | None = None
 
     def __post_init__(self) -> None:
         """Make the times exact and refuse what means nothing."""
         for name in ("period", "wcet"):
             self._set(name, _time(getattr(self, name), self.name, name, positive=True))
+        self._check_frames()
         if self.deadline == -1:
             self._set("deadline", self.period)
         self._set("deadline", _time(self.deadline, self.name, "deadline", positive=True))
-        for name in ("release_jitter", "blocking"):
+        for name in ("release_jitter", "blocking", "bcet"):
             self._set(name, _time(getattr(self, name), self.name, name, positive=False))
+        if self.bcet > min([self.wcet, *(frame.wcet for frame in self.frames)]):
+            self._refuse("bcet", f"is {self.bcet}, more than the execution time of a job")
+        if self.wcet_high is not None:
+            self._set("wcet_high", _time(self.wcet_high, self.name, "wcet_high", positive=True))
+            if self.wcet_high < self.wcet:
+                self._refuse("wcet_high", f"is {self.wcet_high}; expected at least {self.wcet}")
         if self.phase is not None:
             self._set("phase", _time(self.phase, self.name, "phase", positive=False))
         if self.release not in RELEASES:
@@ -111,6 +136,25 @@ class Task:
             self._refuse("limits", "has a share or a window that is not more than 0")
         self._set("sections", tuple(self._section(section) for section in self.sections))
         self._check_nesting()
+
+    def _check_frames(self) -> None:
+        """Execution time, separation and deadline are the longest, least and shortest frame's."""
+        if not self.frames:
+            return
+        for frame in self.frames:
+            for name in ("wcet", "separation", "deadline"):
+                _time(getattr(frame, name), self.name, "frames", positive=True)
+        if self.limits:
+            self._refuse("frames", "does not go with 'limits'; leave one of them out")
+        self._set("wcet", max(frame.wcet for frame in self.frames))
+        self._set("period", min(frame.separation for frame in self.frames))
+        self._set("deadline", min(frame.deadline for frame in self.frames))
+
+    def frame(self, number: int) -> Frame:
+        """What job `number` from the first frame on is."""
+        if not self.frames:
+            return Frame(self.wcet, self.period, self.deadline)
+        return self.frames[number % len(self.frames)]
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
@@ -144,8 +188,16 @@ class Task:
 
     @property
     def utilization(self) -> Time:
-        """C / T."""
+        """C / T; of a multiframe task, sum of C / sum of T of its frames."""
+        if self.frames:
+            span = sum((Fraction(frame.separation) for frame in self.frames), Fraction(0))
+            return exact(sum(frame.wcet for frame in self.frames) / span)
         return exact(Fraction(self.wcet) / Fraction(self.period))
+
+    @property
+    def cycle(self) -> Time:
+        """Time after which the jobs repeat: the period, or the sum of the frames' separations."""
+        return exact(sum(frame.separation for frame in self.frames)) if self.frames else self.period
 
     @property
     def programs_alarm(self) -> bool:
@@ -287,6 +339,10 @@ class TaskSet:
         tasks = (changed if task.name == changed.name else task for task in self.tasks)
         return TaskSet(tuple(tasks))
 
+    def without_frames(self) -> TaskSet:
+        """The set with each multiframe task as a plain one of its longest frame."""
+        return TaskSet(tuple(replace(task, frames=()) for task in self.tasks))
+
     def with_priorities(self, most_urgent_first: Iterable[str]) -> TaskSet:
         """The set with distinct priorities in this order of names; n is the most urgent."""
         order = list(most_urgent_first)
@@ -302,5 +358,5 @@ class TaskSet:
 
     @property
     def hyperperiod(self) -> Time:
-        """Least common multiple of the periods."""
-        return common_multiple(task.period for task in self.tasks)
+        """Least common multiple of the periods, of multiframe tasks of their cycles."""
+        return common_multiple(task.cycle for task in self.tasks)

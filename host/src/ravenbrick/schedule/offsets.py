@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Window, window_of
+from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Source, Window, window_of
 from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
 from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
 from ravenbrick.schedule.response_time import (
@@ -35,6 +35,11 @@ class _Candidate:
             return ceiling(length + jitter, task.period)
         first = ceiling(self.begin - jitter - task.phase, task.period)
         return ceiling(self.begin + length - task.phase, task.period) - first
+
+    def load(self, source: Source, length: Time) -> tuple[Source, Time, Time]:
+        """Jobs of a source released within `length` of the start, and their execution."""
+        jobs = self.jobs(source.task, length)
+        return source, jobs, jobs * source.execution
 
     def arrival(self, number: int) -> Time:
         """Arrival of the task's own job `number` of the busy period, from its start."""
@@ -93,8 +98,8 @@ class _Candidate:
         for _ in range(STEP_LIMIT):
             following = fixed + self.clock_time(length)
             for source in self.window.sources:
-                cost = source.execution + source.overhead
-                following += self.jobs(source.task, length) * cost
+                _, count, execution = self.load(source, length)
+                following += execution + count * source.overhead
             if following <= length:
                 return length
             length = following
@@ -122,7 +127,8 @@ class _Candidate:
         return terms_of(
             window,
             job,
-            [(source, self.jobs(source.task, length)) for source in window.sources],
+            (window.task.wcet, job * window.task.wcet),
+            [self.load(source, length) for source in window.sources],
             clock=self.clock_time(length),
             jitter=exact(max(0, -arrival)),
             waited=exact(max(0, arrival)),
@@ -150,7 +156,8 @@ def _phased_bound(task_set: TaskSet, task: Task, overheads: Overheads) -> Respon
     window = window_of(task_set, task, overheads)
     involved = [task, *(source.task for source in window.sources)]
     phased = [each.period for each in involved if each.phase is not None]
-    if not phased or window.utilization > 1:
+    framed = any(each.frames for each in involved)
+    if not phased or framed or window.utilization > 1:
         return response_time_bound(task_set, task, overheads)
     jitters = {source.task.name: source.jitter for source in window.sources}
     jitters[task.name] = window.jitter
@@ -194,6 +201,7 @@ def phased_response_time_bounds(
     tasks arrive when they must and tasks without a phase at the start (Tindell 1994; Palencia,
     Gonzalez Harbour 1998, with one transaction for all phased tasks). Blocking and overheads are
     as in `response_time_bound`, but for releases at the same instant, which share a call of the
-    alarm. Exact for independent tasks which all have phases and no jitter.
+    alarm. Exact for independent tasks which all have phases and no jitter. Phases do not help
+    tasks that meet a multiframe task, whose first frame is unknown.
     """
     return tuple(_phased_bound(task_set, task, overheads) for task in task_set.by_priority())

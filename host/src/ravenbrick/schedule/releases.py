@@ -7,10 +7,10 @@ A pattern maps a task to its endless jobs (arrival, release), both never falling
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator
 
 from ravenbrick.schedule.model import Task
+from ravenbrick.schedule.multiframe import frames_from
 from ravenbrick.schedule.quantity import Time
 
 __all__ = ["ReleasePattern", "critical_instant", "periodic"]
@@ -20,8 +20,8 @@ ReleasePattern = Callable[[Task], Iterator[tuple[Time, Time]]]
 
 def periodic(task: Task) -> Iterator[tuple[Time, Time]]:
     """From the phase (0 when unknown) on, one job each period, without jitter."""
-    for number in itertools.count():
-        arrival = (task.phase or 0) + number * task.period
+    for distance, _ in frames_from(task, 0):
+        arrival = (task.phase or 0) + distance
         yield arrival, arrival
 
 
@@ -31,6 +31,6 @@ def critical_instant(task: Task) -> Iterator[tuple[Time, Time]]:
     The worst pattern of independent tasks under fixed priorities (Liu, Layland 1973; Audsley,
     Burns, Richardson, Tindell, Wellings 1993). Phases are not used.
     """
-    for number in itertools.count():
-        arrival = number * task.period - task.release_jitter
+    for distance, _ in frames_from(task, 0):
+        arrival = distance - task.release_jitter
         yield arrival, max(0, arrival)

@@ -10,7 +10,8 @@ from fractions import Fraction
 
 from ravenbrick.schedule.blocking import NO_BLOCKING, Blocking
 from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Source, Window, window_of
-from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
+from ravenbrick.schedule.model import NO_OVERHEADS, Frame, Overheads, Task, TaskSet
+from ravenbrick.schedule.multiframe import frames_from
 from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
 
 __all__ = [
@@ -75,7 +76,7 @@ class ResponseTimeBound:
     """Bound of a task's response time, from arrival to completion; None when there is none.
 
     `jobs` holds the bound of each job in the busy period, and `busy_period` its length: None when
-    it never ends.
+    it never ends. `frames` holds the bound of each frame of a multiframe task.
     """
 
     task: Task
@@ -83,24 +84,33 @@ class ResponseTimeBound:
     jobs: tuple[Time, ...] = ()
     busy_period: Time | None = None
     terms: Terms | None = None
+    frames: tuple[Time, ...] = ()
 
     @property
     def meets_deadline(self) -> bool:
         """Whether the bound is within the deadline."""
-        return self.bound is not None and self.bound <= self.task.deadline
+        slack = self.slack
+        return slack is not None and slack >= 0
 
     @property
     def from_release(self) -> Time | None:
-        """Bound counted from the release instead of the arrival."""
+        """Bound counted from the release instead of the arrival, which is not shorter for a
+        multiframe task."""
         if self.terms is None:
             return None
         task, jitter = self.task, self.terms.release_jitter
+        if task.frames:
+            return self.bound
         return exact(max(r - max(0, jitter - q * task.period) for q, r in enumerate(self.jobs)))
 
     @property
     def slack(self) -> Time | None:
-        """Deadline minus bound; negative when the deadline can be missed."""
-        return None if self.bound is None else self.task.deadline - self.bound
+        """Deadline minus bound, the least of all frames; negative when it can be missed."""
+        if self.bound is None:
+            return None
+        frames = zip(self.task.frames, self.frames, strict=bool(self.frames))
+        left = [frame.deadline - time for frame, time in frames]
+        return min(left, default=self.task.deadline - self.bound)
 
 
 def _too_long(task: Task) -> AnalysisLimitError:
@@ -110,16 +120,20 @@ def _too_long(task: Task) -> AnalysisLimitError:
     )
 
 
-def _interference_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Interference, ...]:
+Load = tuple[Source, Time, Time]
+"""A source with its jobs and their execution."""
+
+
+def _interference_parts(loads: Sequence[Load]) -> tuple[Interference, ...]:
     """Execution of the interfering jobs, task by task; tasks without a job are left out."""
-    return tuple(Interference(s.task.name, n, n * s.execution) for s, n in counts if n)
+    return tuple(Interference(s.task.name, jobs, time) for s, jobs, time in loads if jobs)
 
 
-def _overhead_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Time, Time]:
+def _overhead_parts(loads: Sequence[Load]) -> tuple[Time, Time]:
     """What the jobs cost in context switches and in interrupt entries."""
     switches: Time = 0
     entries: Time = 0
-    for source, count in counts:
+    for source, count, _ in loads:
         if source.task.release == "interrupt":
             entries += count * source.overhead
         else:
@@ -130,20 +144,21 @@ def _overhead_parts(counts: Sequence[tuple[Source, Time]]) -> tuple[Time, Time]:
 def terms_of(
     window: Window,
     job: int,
-    counts: Sequence[tuple[Source, Time]],
+    execution: tuple[Time, Time],
+    loads: Sequence[Load],
     *,
     clock: Time,
     jitter: Time,
     waited: Time,
 ) -> Terms:
-    """The response time of a job by its parts; `counts` are the jobs that delay it."""
+    """The response time of a job by its parts; `loads` are the jobs that delay it, `execution` its
+    own and that of the task's earlier jobs."""
     own = Source(window.task, window.task.period, 0, 0, window.own_overhead)
-    switches, entries = _overhead_parts([*counts, (own, job + 1)])
+    switches, entries = _overhead_parts([*loads, (own, job + 1, 0)])
     return Terms(
         job,
-        window.task.wcet,
-        job * window.task.wcet,
-        _interference_parts(counts),
+        *execution,
+        _interference_parts(loads),
         window.blocking,
         switches,
         entries,
@@ -153,15 +168,56 @@ def terms_of(
     )
 
 
-def _terms(window: Window, job: int, completion: Time) -> Terms:
-    return terms_of(
-        window,
-        job,
-        [(source, source.jobs(completion)) for source in window.sources],
-        clock=window.clock.time(completion),
-        jitter=window.jitter,
-        waited=job * window.task.period,
-    )
+@dataclass(frozen=True)
+class _Job:
+    """A job of the busy period, the frame at `place`; `execution` is the task's up to its end."""
+
+    number: int
+    place: int
+    frame: Frame
+    arrival: Time
+    execution: Time
+    completion: Time
+
+    def response(self, window: Window) -> Time:
+        """Response time from the arrival, which may lie before the busy period."""
+        return exact(self.completion - self.arrival + window.jitter)
+
+    def terms(self, window: Window) -> Terms:
+        """The response time by its parts."""
+        return terms_of(
+            window,
+            self.number,
+            (self.frame.wcet, self.execution - self.frame.wcet),
+            [(source, *source.work(self.completion)) for source in window.sources],
+            clock=window.clock.time(self.completion),
+            jitter=window.jitter,
+            waited=self.arrival,
+        )
+
+
+def _busy_period(window: Window, first: int) -> tuple[list[_Job], bool]:
+    """Jobs of the busy period that starts with frame `first`, and whether it ends."""
+    task = window.task
+    never_ends = window.utilization == 1
+    jobs_at_most = int(window.repetition // task.cycle) * (len(task.frames) or 1)
+    jobs: list[_Job] = []
+    execution: Time = 0
+    completion: Time = 0
+    for arrival, frame in frames_from(task, first):
+        number = len(jobs)
+        if jobs and completion + window.jitter <= arrival:
+            return jobs, True
+        if never_ends and number == jobs_at_most:
+            return jobs, False
+        if number >= STEP_LIMIT:
+            raise _too_long(task)
+        execution += frame.wcet
+        start = completion + frame.wcet + window.own_overhead if jobs else 0
+        completion = window.completion(execution + (number + 1) * window.own_overhead, start)
+        place = (first + number) % (len(task.frames) or 1)
+        jobs.append(_Job(number, place, frame, arrival, execution, completion))
+    raise AssertionError("frames never end")
 
 
 def response_time_bound(
@@ -177,35 +233,35 @@ def response_time_bound(
     1995. At utilisation 1 the jobs of one repetition of the pattern are examined, since
     w(q + H / T) = w(q) + H. Phases are not used, which is sound. Exact for independent tasks that
     can be released together.
+
+    A multiframe task interferes with the most work of any of its frames in a row, and its own busy
+    period is examined from each frame: exact if no such sequence is longer than the one from the
+    longest frame on (accumulatively monotonic: Zuhily, Burns 2008), else an upper bound.
     """
     window = window_of(task_set, task, overheads)
-    utilization = window.utilization
-    if utilization > 1:
+    if window.utilization > 1:
         return ResponseTimeBound(task, None)
-    jobs_at_most = window.repetition // task.period if utilization == 1 else None
-    responses: list[Time] = []
-    completions: list[Time] = []
-    completion: Time = 0
-    while True:
-        job = len(responses)
-        completion = window.completion(job, completion + window.own if job else 0)
-        completions.append(completion)
-        responses.append(exact(completion - job * task.period + window.jitter))
-        if completion + window.jitter <= (job + 1) * task.period:
-            break
-        if len(responses) == jobs_at_most:
-            return _bound(window, responses, completions, None)
-        if len(responses) >= STEP_LIMIT:
-            raise _too_long(task)
-    return _bound(window, responses, completions, exact(completion))
+    periods = [_busy_period(window, first) for first in range(len(task.frames) or 1)]
+    jobs, ends = max(periods, key=lambda found: max(job.response(window) for job in found[0]))
+    responses = tuple(job.response(window) for job in jobs)
+    worst = jobs[max(range(len(jobs)), key=responses.__getitem__)]
+    busy_period = exact(max(found[0][-1].completion for found in periods)) if ends else None
+    return ResponseTimeBound(
+        task,
+        worst.response(window),
+        responses,
+        busy_period,
+        worst.terms(window),
+        _frame_bounds(window, [job for found in periods for job in found[0]]),
+    )
 
 
-def _bound(
-    window: Window, responses: list[Time], completions: list[Time], busy_period: Time | None
-) -> ResponseTimeBound:
-    worst = max(range(len(responses)), key=responses.__getitem__)
-    terms = _terms(window, worst, completions[worst])
-    return ResponseTimeBound(window.task, responses[worst], tuple(responses), busy_period, terms)
+def _frame_bounds(window: Window, jobs: list[_Job]) -> tuple[Time, ...]:
+    """Worst response time of each frame."""
+    return tuple(
+        max(job.response(window) for job in jobs if job.place == place)
+        for place in range(len(window.task.frames))
+    )
 
 
 def response_time_bounds(
@@ -239,8 +295,10 @@ def non_preemptive_bounds(task_set: TaskSet) -> tuple[ResponseTimeBound, ...]:
 
     Every job of the level-i busy period counts, not only the first (Davis, Burns, Bril, Lukkien
     2007, which corrects the analysis of 1994). Blocking is the longest less urgent job; for
-    continuous time it is an upper bound that is approached, not reached.
+    continuous time it is an upper bound that is approached, not reached. Each job of a multiframe
+    task counts as its longest.
     """
+    task_set = task_set.without_frames()
     return tuple(_non_preemptive(task_set, task) for task in task_set.by_priority())
 
 

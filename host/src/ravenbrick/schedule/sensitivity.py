@@ -4,16 +4,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ravenbrick.schedule.blocking import Blocking
+from ravenbrick.schedule.blocking import Blocking, time_on
 from ravenbrick.schedule.demand import Window, window_of
-from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, TaskSet, TaskSetError
-from ravenbrick.schedule.quantity import Time, common_multiple, exact
+from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet, TaskSetError
+from ravenbrick.schedule.multiframe import least_span, most_execution
+from ravenbrick.schedule.quantity import Time, exact
 from ravenbrick.schedule.response_time import is_schedulable
 
-__all__ = ["largest_scaling", "largest_wcet", "smallest_period"]
+__all__ = [
+    "ScalingLimit",
+    "largest_scaling",
+    "largest_section_scaling",
+    "largest_wcet",
+    "slack_percent",
+    "smallest_period",
+]
 
 
 @dataclass(frozen=True)
@@ -29,17 +38,25 @@ class ScalingLimit:
 
 @dataclass(frozen=True)
 class _Scaled:
-    """A window in which the execution of the `names` is scaled."""
+    """A window in which the execution of some tasks is scaled: all of it, or (a time per job) their
+    sections on one object."""
 
     window: Window
-    names: frozenset[str]
+    parts: Mapping[str, Time | None]
+    resource: str = ""
 
-    def _split(self, name: str, execution: Time, overhead: Time) -> tuple[Time, Time]:
-        return (overhead, execution) if name in self.names else (overhead + execution, 0)
+    def _split(self, task: Task, jobs: Time, work: Time, overhead: Time) -> tuple[Time, Time]:
+        """Fixed and scaled part of the work of some jobs, each with its overhead."""
+        part = self.parts.get(task.name, 0)
+        scaled = work if part is None else jobs * part
+        return jobs * overhead + work - scaled, scaled
 
     def _blocking(self, blocking: Blocking) -> tuple[Time, Time]:
-        scaled = blocking.cause == "section" and blocking.task in self.names
-        return (0, blocking.time) if scaled else (blocking.time, 0)
+        """A section scales with its task, or by what it has of the scaled object's sections."""
+        if blocking.cause != "section" or blocking.task not in self.parts:
+            return blocking.time, 0
+        scaled = blocking.time if not self.resource else blocking.time_on(self.resource)
+        return blocking.time - scaled, scaled
 
     def utilization(self) -> tuple[Fraction, Fraction]:
         """Fixed and scaled share of the processor."""
@@ -48,28 +65,34 @@ class _Scaled:
         loads = [(window.task, window.own_overhead)]
         loads += [(source.task, source.overhead) for source in window.sources]
         for task, overhead in loads:
-            plain, factor = self._split(task.name, task.wcet, overhead)
-            fixed += Fraction(plain) / Fraction(task.period)
-            scaled += Fraction(factor) / Fraction(task.period)
+            jobs = Fraction(len(task.frames) or 1) / Fraction(task.cycle)
+            plain, factor = self._split(task, jobs, task.utilization, overhead)
+            fixed, scaled = fixed + plain, scaled + factor
         return fixed, scaled
 
     def demand(self, job: int, length: Time) -> tuple[Time, Time]:
         """Fixed and scaled work of jobs 0..`job` and their interference, without blocking."""
         window = self.window
-        fixed, scaled = self._split(window.task.name, window.task.wcet, window.own_overhead)
-        fixed, scaled = (job + 1) * fixed, (job + 1) * scaled
+        fixed, scaled = self._own(job)
         for source in window.sources:
-            plain, factor = self._split(source.task.name, source.execution, source.overhead)
-            count = source.jobs(length)
-            fixed, scaled = fixed + count * plain, scaled + count * factor
+            jobs, execution = source.work(length)
+            plain, factor = self._split(source.task, jobs, execution, source.overhead)
+            fixed, scaled = fixed + plain, scaled + factor
         return fixed + window.clock.time(length), scaled
+
+    def _own(self, job: int) -> tuple[Time, Time]:
+        """Fixed and scaled work of the task's own jobs 0..`job`."""
+        task, jobs = self.window.task, job + 1
+        return self._split(task, jobs, most_execution(task, jobs), self.window.own_overhead)
 
     def _rates(self) -> tuple[Fraction, Fraction]:
         """Fixed and scaled work of the interference per time, at least, in any window."""
         fixed, scaled = self.window.clock.utilization, Fraction(0)
         for source in self.window.sources:
-            plain, factor = self._split(source.task.name, source.execution, source.overhead)
-            fixed, scaled = fixed + source.rate * plain, scaled + source.rate * factor
+            task, rate = source.task, source.rate
+            execution = task.utilization if task.frames else rate * source.execution
+            plain, factor = self._split(task, rate, execution, source.overhead)
+            fixed, scaled = fixed + plain, scaled + factor
         return fixed, scaled
 
     def factor_of_job(self, job: int, enough: Fraction) -> Fraction | None:
@@ -80,13 +103,13 @@ class _Scaled:
         the window; where even this one is not above the best, no shorter window can be.
         """
         task = self.window.task
-        limit = task.deadline + job * task.period - self.window.jitter
-        own, own_scaled = self._split(task.name, task.wcet, self.window.own_overhead)
+        limit = task.deadline + least_span(task, job) - self.window.jitter
+        own, own_scaled = self._own(job)
         rate, rate_scaled = self._rates()
         best: Fraction | None = None
         for length in self.window.steps(limit) if limit > 0 else ():
-            left = length - length * rate - (job + 1) * own
-            needed = length * rate_scaled + (job + 1) * own_scaled
+            left = length - length * rate - own
+            needed = length * rate_scaled + own_scaled
             if left < 0 or (best is not None and (best >= enough or left <= best * needed)):
                 break
             fixed, scaled = self.demand(job, length)
@@ -128,25 +151,27 @@ def _lower_factor(scaled: _Scaled, factor: Fraction) -> Fraction | None:
     if share:
         factor = min(factor, (1 - fixed) / share)
     job, completion = 0, Fraction(0)
-    periods = [task.period, *(source.period for source in scaled.window.sources)]
-    repetition = common_multiple([*periods, *scaled.window.clock.periods()])
+    repetition = scaled.window.repetition
     while True:
         found = scaled.factor_of_job(job, factor)
         if found is None:
             return None
         factor = min(factor, found)
         completion = Fraction(scaled.completion(job, factor, completion))
-        if completion + scaled.window.jitter <= (job + 1) * task.period:
-            return factor
         job += 1
-        if fixed + factor * share == 1 and job * task.period >= repetition:
+        if completion + scaled.window.jitter <= least_span(task, job):
+            return factor
+        if fixed + factor * share == 1 and least_span(task, job) >= repetition:
             return factor
 
 
-def _limit(task_set: TaskSet, names: frozenset[str], overheads: Overheads) -> ScalingLimit:
+def _limit(
+    task_set: TaskSet, parts: Mapping[str, Time | None], overheads: Overheads, resource: str = ""
+) -> ScalingLimit:
     factor, limited_by = _UNLIMITED, ""
     for task in task_set.by_priority():
-        found = _lower_factor(_Scaled(window_of(task_set, task, overheads), names), factor)
+        window = window_of(task_set, task, overheads)
+        found = _lower_factor(_Scaled(window, parts, resource), factor)
         if found is None:
             return ScalingLimit(None, task.name)
         if found < factor:
@@ -161,7 +186,7 @@ def largest_scaling(task_set: TaskSet, overheads: Overheads = NO_OVERHEADS) -> S
     Lehoczky, Sha, Ding 1989 and Bini, Di Natale, Buttazzo 2008, with jitter, blocking (sections
     scale with their task) and overheads, which do not scale.
     """
-    return _limit(task_set, frozenset(task.name for task in task_set), overheads)
+    return _limit(task_set, dict.fromkeys(task.name for task in task_set), overheads)
 
 
 def largest_wcet(
@@ -173,9 +198,30 @@ def largest_wcet(
     `largest_scaling`.
     """
     task = task_set.task(name)
-    limit = _limit(task_set, frozenset({name}), overheads)
+    limit = _limit(task_set, {name: None}, overheads)
     factor = limit.factor
     return (None if factor is None else exact(factor * task.wcet)), limit.limited_by
+
+
+def largest_section_scaling(
+    task_set: TaskSet, resource: str, overheads: Overheads = NO_OVERHEADS
+) -> ScalingLimit:
+    """Largest factor on all sections on one object with which all deadlines are met, exactly.
+
+    Each user's execution time and each blocking that contains such a section grow with it. The
+    factor is `largest_scaling`'s for these parts (the slack of an operation in MAST).
+    """
+    parts = {
+        task.name: time_on(task.sections, resource)
+        for task in task_set
+        if any(section.resource == resource for section in task.sections)
+    }
+    return _limit(task_set, parts, overheads, resource)
+
+
+def slack_percent(limit: ScalingLimit) -> Time | None:
+    """By how many percent the scaled execution may grow; negative below the present."""
+    return None if limit.factor is None else exact((limit.factor - 1) * 100)
 
 
 def smallest_period(

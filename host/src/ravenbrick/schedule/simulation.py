@@ -38,8 +38,8 @@ class Job:
 
     @property
     def absolute_deadline(self) -> Time:
-        """Arrival plus relative deadline."""
-        return self.arrival + self.task.deadline
+        """Arrival plus relative deadline, of the frame if there are several."""
+        return self.arrival + self.task.frame(self.number).deadline
 
     @property
     def response_time(self) -> Time | None:
@@ -114,7 +114,7 @@ class _Running:
 
     @property
     def deadline(self) -> Time:
-        return self.arrival + self.task.deadline
+        return self.arrival + self.task.frame(self.number).deadline
 
     @property
     def order(self) -> tuple[Time, int, int]:
@@ -317,7 +317,7 @@ def simulate(
     scheduler: Scheduler = "fixed_priority",
     protocol: Protocol = "immediate_ceiling",
     releases: ReleasePattern = periodic,
-    execution_time: Callable[[Task, int], Time] = lambda task, number: task.wcet,
+    execution_time: Callable[[Task, int], Time] = lambda task, number: task.frame(number).wcet,
 ) -> Simulation:
     """Serve the jobs released before `until`, up to `until`.
 

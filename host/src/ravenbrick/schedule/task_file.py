@@ -4,41 +4,32 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.errors import ProjectFileError
-from ravenbrick.schedule.assignment import audsley, deadline_monotonic, rate_monotonic
+from ravenbrick.schedule.assignment import Rule
 from ravenbrick.schedule.driver_costs import CostError, DriverCosts, read_driver_costs
+from ravenbrick.schedule.file_table import FileTable
 from ravenbrick.schedule.model import (
     NO_OVERHEADS,
     RELEASES,
     CriticalSection,
+    Frame,
     Overheads,
     Task,
     TaskSet,
     TaskSetError,
 )
-from ravenbrick.schedule.quantity import Time, exact
+from ravenbrick.schedule.quantity import Time
+from ravenbrick.schedule.task_models.file import frames_of, system_of
+from ravenbrick.schedule.task_models.system import System
 from ravenbrick.schemas.located_json import read_json
-from ravenbrick.schemas.located_toml import KeyPath, LocatedToml, read_toml
+from ravenbrick.schemas.located_toml import read_toml
 
-__all__ = ["Rule", "TaskFile", "read_task_file"]
+__all__ = ["TaskFile", "read_task_file"]
 
 SCHEMA_VERSION = 1
-
-
-class Rule(StrEnum):
-    """How priorities are assigned."""
-
-    DECLARED = "declared"
-    RATE_MONOTONIC = "rate_monotonic"
-    DEADLINE_MONOTONIC = "deadline_monotonic"
-    AUDSLEY = "audsley"
 
 
 _ROOT = (
@@ -49,7 +40,11 @@ _ROOT = (
     "driver_costs",
     "driver_tasks",
     "overheads",
+    "mixed_criticality",
+    "deadline_assignment",
     "tasks",
+    "servers",
+    "transactions",
 )
 _TASK = (
     "name",
@@ -66,6 +61,11 @@ _TASK = (
     "limits",
     "sections",
     "operations",
+    "frames",
+    "bcet",
+    "criticality",
+    "wcet_high",
+    "server",
 )
 _SECTION = ("resource", "duration", "start")
 _LIMIT = ("share", "window")
@@ -80,88 +80,51 @@ class TaskFile:
     name: str
     unit: str
     priorities: str
-    task_set: TaskSet
-    overheads: Overheads
+    system: System
+
+    @property
+    def task_set(self) -> TaskSet:
+        """The tasks that the processor serves by priority, servers included."""
+        return self.system.task_set
+
+    @property
+    def overheads(self) -> Overheads:
+        """The costs of the run-time."""
+        return self.system.overheads
 
 
-@dataclass(frozen=True)
-class _Table:
-    """One table of the file; errors name file, line and field."""
-
-    document: LocatedToml
-    path: KeyPath
-    values: dict[str, Any]
-
-    def error(self, name: str, problem: str) -> ProjectFileError:
-        return self.document.error((*self.path, name), problem)
-
-    def only(self, known: Iterable[str]) -> None:
-        """Refuse fields that do not exist."""
-        names = list(known)
-        for name in self.values:
-            if name not in names:
-                close = difflib.get_close_matches(name, names, 1)
-                advice = f"did you mean '{close[0]}'?" if close else f"known: {', '.join(names)}"
-                raise self.error(name, f"unknown field; {advice}")
-
-    def required(self, name: str) -> Any:
-        if name not in self.values:
-            raise self.error(name, "is missing; add it")
-        return self.values[name]
-
-    def text(self, name: str, default: str | None = None) -> str:
-        value = self.required(name) if default is None else self.values.get(name, default)
-        if not isinstance(value, str) or not (value or default == ""):
-            raise self.error(name, f"is {value!r}; expected a text in quotes")
-        return value
-
-    def choice(self, name: str, allowed: Iterable[str], default: str) -> str:
-        value = self.text(name, default)
-        if value not in allowed:
-            raise self.error(name, f"is '{value}'; expected one of {', '.join(allowed)}")
-        return value
-
-    def time(self, name: str, default: Time | None = None) -> Time:
-        value = self.required(name) if default is None else self.values.get(name, default)
-        try:
-            return exact(value)
-        except ValueError as error:
-            advice = "expected a number, or a text such as '1/3'"
-            raise self.error(name, f"{error}; {advice}") from None
-
-    def whole(self, name: str, limit: int) -> int:
-        value = self.required(name)
-        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= limit:
-            raise self.error(name, f"is {value!r}; expected a whole number from 0 to {limit}")
-        return value
-
-    def table(self, name: str) -> _Table:
-        value = self.values.get(name, {})
-        if not isinstance(value, dict):
-            raise self.error(name, "expected a table")
-        return _Table(self.document, (*self.path, name), value)
-
-    def tables(self, name: str) -> list[_Table]:
-        value = self.values.get(name, [])
-        if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
-            raise self.error(name, "expected a list of tables")
-        return [
-            _Table(self.document, (*self.path, name, index), item)
-            for index, item in enumerate(value)
-        ]
-
-
-def _section(table: _Table) -> CriticalSection:
+def _section(table: FileTable) -> CriticalSection:
     table.only(_SECTION)
     return CriticalSection(table.text("resource"), table.time("duration"), table.time("start", 0))
 
 
-def _limit(table: _Table) -> tuple[Time, Time]:
+def _limit(table: FileTable) -> tuple[Time, Time]:
     table.only(_LIMIT)
     return table.time("share"), table.time("window")
 
 
-def _task(table: _Table, declared: bool) -> Task:
+def _least_separation(table: FileTable) -> Time | None:
+    """The period of a task whose frames all say their separation, None if it has to be given."""
+    frames = table.values.get("frames")
+    if not isinstance(frames, list) or not frames or not all(isinstance(f, dict) for f in frames):
+        return None
+    parts = table.tables("frames")
+    if any("separation" not in part.values for part in parts):
+        return None
+    return min(part.time("separation") for part in parts)
+
+
+def _execution(table: FileTable, period: Time, deadline: Time) -> tuple[Time, tuple[Frame, ...]]:
+    """Longest execution time, and the frames if there are several."""
+    if "frames" not in table.values:
+        return table.time("wcet"), ()
+    if "wcet" in table.values:
+        raise table.error("wcet", "a task with 'frames' has its execution times there")
+    frames = frames_of(table, period, deadline)
+    return max(frame.wcet for frame in frames), frames
+
+
+def _task(table: FileTable, declared: bool) -> Task:
     table.only(_TASK)
     name = table.text("name")
     release = table.choice("release", RELEASES, "cyclic")
@@ -169,7 +132,7 @@ def _task(table: _Table, declared: bool) -> Task:
     other = "minimum_interrelease_time" if release == "cyclic" else "period"
     if other in table.values:
         raise table.error(other, f"a task released as '{release}' has a '{expected}' instead")
-    period = table.time(expected)
+    period = table.time(expected, _least_separation(table))
     sections = tuple(_section(part) for part in table.tables("sections"))
     if declared and "priority" not in table.values:
         raise table.error("priority", "is missing; add it, or 'priorities' at the head of the file")
@@ -178,17 +141,23 @@ def _task(table: _Table, declared: bool) -> Task:
     for key in ("deadline", "phase"):
         if key in table.values:
             times[key] = table.time(key)
-    for key in ("release_jitter", "blocking"):
+    for key in ("release_jitter", "blocking", "bcet"):
         times[key] = table.time(key, 0)
+    wcet, frames = _execution(table, period, times.get("deadline", period))
+    high = table.choice("criticality", ("low", "high"), "low") == "high"
+    if "wcet_high" in table.values and not high:
+        raise table.error("wcet_high", 'needs criticality = "high"')
     if "deadline" in times and times["deadline"] <= 0:
         raise table.error("deadline", f"is {times['deadline']}; expected more than 0")
     try:
         return Task(
             name,
             period,
-            table.time("wcet"),
+            wcet,
             priority,
-            release=release,  # type: ignore[arg-type]
+            release=release,
+            frames=frames,
+            wcet_high=table.time("wcet_high", wcet) if high else None,
             sections=sections,
             limits=tuple(_limit(part) for part in table.tables("limits")),
             **times,
@@ -198,7 +167,7 @@ def _task(table: _Table, declared: bool) -> Task:
         raise table.error(field, error.problem) from None
 
 
-def _overheads(table: _Table) -> Overheads:
+def _overheads(table: FileTable) -> Overheads:
     known = [item.name for item in fields(Overheads)]
     table.only(known)
     times = {name: table.time(name) for name in known if name in table.values}
@@ -208,22 +177,7 @@ def _overheads(table: _Table) -> Overheads:
         raise table.error(error.field, error.problem) from None
 
 
-def _assigned(root: _Table, rule: str, task_set: TaskSet, overheads: Overheads) -> TaskSet:
-    if rule == "declared":
-        return task_set
-    if rule == "audsley":
-        found = audsley(task_set, overheads)
-        if found is None:
-            raise root.error(
-                "priorities",
-                "no assignment of priorities meets all deadlines; "
-                "write 'deadline_monotonic' to see which are missed",
-            )
-        return found
-    return (rate_monotonic if rule == "rate_monotonic" else deadline_monotonic)(task_set)
-
-
-def _unique_names(tables: list[_Table]) -> None:
+def _unique_names(tables: list[FileTable]) -> None:
     seen: set[str] = set()
     for table in tables:
         name = table.text("name")
@@ -232,13 +186,13 @@ def _unique_names(tables: list[_Table]) -> None:
         seen.add(name)
 
 
-def _counts(table: _Table) -> dict[str, int]:
+def _counts(table: FileTable) -> dict[str, int]:
     """How often each job calls operations of the drivers."""
     counts = table.table("operations")
     return {name: counts.whole(name, _PRIORITY_LIMIT) for name in counts.values}
 
 
-def _driver_costs(root: _Table, rule: str) -> DriverCosts:
+def _driver_costs(root: FileTable, rule: str) -> DriverCosts:
     if rule != "declared":
         raise root.error(
             "driver_costs", "needs priorities that are declared; add them to the tasks"
@@ -251,7 +205,7 @@ def _driver_costs(root: _Table, rule: str) -> DriverCosts:
 
 
 def _with_drivers(
-    root: _Table, costs: DriverCosts, tasks: list[Task], overheads: Overheads
+    root: FileTable, costs: DriverCosts, tasks: list[Task], overheads: Overheads
 ) -> tuple[list[Task], Overheads]:
     """The tasks with what their operations cost; drivers' tasks above them, interrupts on top."""
     names = root.values.get("driver_tasks", [])
@@ -284,12 +238,12 @@ def read_task_file(path: Path, priorities: Rule | None = None) -> TaskFile:
         document = read_json(path)
     else:
         document = read_toml(path, missing="name a task-set file")
-    root = _Table(document, (), document.values)
+    root = FileTable(document, (), document.values)
     root.only(_ROOT)
     version = root.required("schema_version")
     if version != SCHEMA_VERSION or isinstance(version, bool):
         raise root.error("schema_version", f"is {version!r}; expected {SCHEMA_VERSION}")
-    rule = priorities or root.choice("priorities", tuple(Rule), "declared")
+    rule = priorities or root.choice("priorities", tuple(Rule), Rule.DECLARED)
     overheads = _overheads(root.table("overheads")) if "overheads" in root.values else NO_OVERHEADS
     tables = root.tables("tasks")
     if not tables:
@@ -300,12 +254,6 @@ def read_task_file(path: Path, priorities: Rule | None = None) -> TaskFile:
         tasks, overheads = _with_drivers(root, _driver_costs(root, rule), tasks, overheads)
     elif "driver_tasks" in root.values or any("operations" in t.values for t in tables):
         raise root.error("driver_costs", "is missing; name the table of operation costs")
-    task_set = TaskSet(tuple(tasks))
-    return TaskFile(
-        path,
-        root.text("name", path.stem),
-        root.text("unit", "ms"),
-        rule,
-        _assigned(root, rule, task_set, overheads),
-        overheads,
-    )
+    places = {table.text("name"): table for table in tables}
+    system = system_of(root, places, tasks, overheads, rule)
+    return TaskFile(path, root.text("name", path.stem), root.text("unit", "ms"), rule, system)
