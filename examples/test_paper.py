@@ -16,7 +16,7 @@ from ravenbrick.cli.app import app
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.design_script import design_is_due
 from ravenbrick.image.elf import read_image
-from ravenbrick.model.execution import Execution
+from ravenbrick.model.simulation.execution import Execution
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.simulink import import_simulink

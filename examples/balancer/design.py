@@ -103,8 +103,9 @@ def controller(gain: np.ndarray) -> Diagram:
     diagram.connect_chain(angle, speed)
     diagram.connect_chain(angle, integral)
     terms = {"Angle": angle, "Pitch": pitch, "Speed": speed, "Rate": rate, "Integral": integral}
-    for port, (name, source) in enumerate(terms.items()):
-        value = Parameter(f"K_{name}", float(-gain[port]), "V", f"gain of {name.lower()}")
+    units = ("V/rad", "V/rad", "V s/rad", "V s/rad", "V/(rad s)")
+    for port, ((name, source), unit) in enumerate(zip(terms.items(), units, strict=True)):
+        value = Parameter(f"K_{name}", float(-gain[port]), unit, f"gain of {name.lower()}")
         weighted = diagram.add(Gain(f"{name}_Gain", gain=value))
         diagram.connect(source, weighted)
         diagram.connect(weighted, demand, port)

@@ -25,7 +25,7 @@ from ravenbrick.codegen import generate_c
 from ravenbrick.errors import DesignError, RavenbrickError
 from ravenbrick.simulink import ModelSource, Survey, survey_simulink
 from ravenbrick.simulink.numbers import Workspace
-from ravenbrick.simulink.simulation.simulate import simulate
+from ravenbrick.simulink.simulate import simulate
 
 from verification.support.codegen.block_programs import all_models
 from verification.support.codegen.misra import (

@@ -33,15 +33,15 @@ package State_Feedback is
       Saturation : Float;
       --  largest voltage, the battery's, V; referenced by '<Root>/Limited'
       K_Angle : Float;
-      --  gain of angle, V; referenced by '<Root>/Angle_Gain'
+      --  gain of angle, V/rad; referenced by '<Root>/Angle_Gain'
       K_Pitch : Float;
-      --  gain of pitch, V; referenced by '<Root>/Pitch_Gain'
+      --  gain of pitch, V/rad; referenced by '<Root>/Pitch_Gain'
       K_Speed : Float;
-      --  gain of speed, V; referenced by '<Root>/Speed_Gain'
+      --  gain of speed, V s/rad; referenced by '<Root>/Speed_Gain'
       K_Rate : Float;
-      --  gain of rate, V; referenced by '<Root>/Rate_Gain'
+      --  gain of rate, V s/rad; referenced by '<Root>/Rate_Gain'
       K_Integral : Float;
-      --  gain of integral, V; referenced by '<Root>/Integral_Gain'
+      --  gain of integral, V/(rad s); referenced by '<Root>/Integral_Gain'
    end record with Convention => C, Size => 192;
 
    Parameters : Tunable_Parameters with

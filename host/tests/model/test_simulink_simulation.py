@@ -15,7 +15,7 @@ from verification.support.codegen.simulink_files import block, line, single_file
 
 from ravenbrick.simulink import ModelSource, import_model, import_simulink
 from ravenbrick.simulink.numbers import Workspace
-from ravenbrick.simulink.simulation.simulate import Simulation, simulate
+from ravenbrick.simulink.simulate import Simulation, simulate
 
 MODELS = Path(__file__).resolve().parents[3] / "examples" / "paper" / "models"
 POSITION = Path(os.environ.get("RAVENBRICK_SLX_MODELS", "")) / "snehadubey9066/MBD_week2_ques4"

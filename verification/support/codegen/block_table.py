@@ -57,6 +57,7 @@ from ravenbrick.model import (
     Switch,
     Transition,
     Trigonometry,
+    UnitConversion,
     UnitDelay,
     ZeroOrderHold,
     ZeroPoleGain,
@@ -189,6 +190,10 @@ def _rows(count: int) -> np.ndarray:
 TABLE: dict[str, tuple[Block, Reference]] = {
     "constant": (Constant("B", value=-2.5), lambda u: np.full(len(u), -2.5)),
     "gain": (Gain("B", gain=-0.3), lambda u: -0.3 * u[:, 0]),
+    "unit_conversion": (
+        UnitConversion("B", source="deg/s", target="rad/s"),
+        lambda u: np.radians(u[:, 0]),
+    ),
     "sum": (Sum("B", signs="+-+"), lambda u: u[:, 0] - u[:, 1] + u[:, 2]),
     "saturation": (Saturation("B", limit=4.0), lambda u: np.clip(u[:, 0], -4, 4)),
     "unit_delay": (UnitDelay("B", initial=0.5), _delayed(1, 0.5)),

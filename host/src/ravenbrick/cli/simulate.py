@@ -24,7 +24,7 @@ from ravenbrick.simulink.importer import ModelSource
 from ravenbrick.simulink.numbers import Workspace
 
 if TYPE_CHECKING:
-    from ravenbrick.simulink.simulation.simulate import Signal, Simulation
+    from ravenbrick.simulink.simulate import Signal, Simulation
 
 __all__ = ["simulate_command"]
 
@@ -53,7 +53,7 @@ def simulate_command(
     ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
-    from ravenbrick.simulink.simulation.simulate import simulate  # slow to load
+    from ravenbrick.simulink.simulate import simulate  # slow to load
 
     _check(model, stop, sample_time, out)
     reporter = Reporter(json_output)

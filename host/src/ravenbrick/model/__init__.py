@@ -20,6 +20,14 @@ from ravenbrick.model.blocks.basic import (
     Sum,
     UnitDelay,
 )
+from ravenbrick.model.blocks.continuous import (
+    ContinuousStateSpace,
+    CustomDerivatives,
+    DryFriction,
+    EncoderCount,
+    Integrator,
+    continuous_transfer_function,
+)
 from ravenbrick.model.blocks.dynamic import (
     ComplementaryFilter,
     Delay,
@@ -60,17 +68,26 @@ from ravenbrick.model.blocks.sections import (
     transfer_function_block,
 )
 from ravenbrick.model.blocks.sources import Pulse, Ramp, Sine, Step
+from ravenbrick.model.blocks.time_functions import TimeFunction, white_noise
 from ravenbrick.model.blocks.trigonometry import ArcTangent, SquareRoot, Trigonometry
 from ravenbrick.model.diagram import Diagram, DiagramError
 from ravenbrick.model.encoder import Encoder, SpeedWindow
-from ravenbrick.model.execution import Execution
 from ravenbrick.model.fidelity import Fidelity, check_fidelity, fidelity
 from ravenbrick.model.fixed_point import FixedPoint, FixedPointOptions, to_fixed_point
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.linearisation import linear_system, linearise
 from ravenbrick.model.motor import NXT_MOTOR, MotorParameters, SpeedLoop
 from ravenbrick.model.number_format import FixedFormat, Interval, Rounding
+from ravenbrick.model.picture.svg import diagram_svg
 from ravenbrick.model.program import DataType, Program
+from ravenbrick.model.simulation.closed_loop import Simulation
+from ravenbrick.model.simulation.execution import Execution
+from ravenbrick.model.simulation.hybrid import Solver
+from ravenbrick.model.simulation.plants import linear_plant, motor_plant, vehicle_plant
+from ravenbrick.model.simulation.recording import Recording, Signal
+from ravenbrick.model.structure.signals import BusCreator, BusSelector, Demux, Mux
+from ravenbrick.model.structure.subsystem import Subsystem
+from ravenbrick.model.structure.units import UnitConversion
 from ravenbrick.model.zero_pole_gain import ZeroPoleGain
 
 __all__ = [
@@ -80,20 +97,27 @@ __all__ = [
     "ArcTangent",
     "Backlash",
     "Block",
+    "BusCreator",
+    "BusSelector",
     "ComplementaryFilter",
     "Constant",
+    "ContinuousStateSpace",
     "Conversion",
+    "CustomDerivatives",
     "CustomFunction",
     "DataType",
     "DeadZone",
     "Delay",
     "DeltaTransferFunction",
+    "Demux",
     "Diagram",
     "DiagramError",
     "DiscreteIntegrator",
     "DiscreteStateSpace",
     "DiscreteTransferFunction",
+    "DryFriction",
     "Encoder",
+    "EncoderCount",
     "Execution",
     "Fidelity",
     "FixedFormat",
@@ -102,6 +126,7 @@ __all__ = [
     "Gain",
     "Inport",
     "IntegrationMethod",
+    "Integrator",
     "Interval",
     "LinearSystem",
     "LogicalOperator",
@@ -111,6 +136,7 @@ __all__ = [
     "MinMax",
     "MotorParameters",
     "MovingAverage",
+    "Mux",
     "Outport",
     "Parameter",
     "PidController",
@@ -120,6 +146,7 @@ __all__ = [
     "Quantiser",
     "Ramp",
     "RateLimit",
+    "Recording",
     "RelationalOperator",
     "Relay",
     "Rounding",
@@ -127,25 +154,37 @@ __all__ = [
     "Saturation",
     "Section",
     "Sign",
+    "Signal",
+    "Simulation",
     "Sine",
+    "Solver",
     "SpeedLoop",
     "SpeedWindow",
     "SquareRoot",
     "StateMachine",
     "Step",
+    "Subsystem",
     "Sum",
     "Switch",
+    "TimeFunction",
     "Transition",
     "Trigonometry",
     "TwoWheeledBalancer",
+    "UnitConversion",
     "UnitDelay",
     "ZeroOrderHold",
     "ZeroPoleGain",
     "check_fidelity",
+    "continuous_transfer_function",
+    "diagram_svg",
     "fidelity",
+    "linear_plant",
     "linear_system",
     "linearise",
+    "motor_plant",
     "state_space_block",
     "to_fixed_point",
     "transfer_function_block",
+    "vehicle_plant",
+    "white_noise",
 ]

@@ -17,11 +17,11 @@ import numpy.typing as npt
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram, DiagramError
-from ravenbrick.model.execution import Execution
 from ravenbrick.model.flattening import with_shifts
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.linearisation import linear_system
 from ravenbrick.model.number_format import FixedFormat
+from ravenbrick.model.simulation.execution import Execution
 
 __all__ = [
     "TOLERANCE",

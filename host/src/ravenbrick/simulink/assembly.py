@@ -45,6 +45,8 @@ class Assembly:
             if enabling is not None:
                 by = self._blocks[id(translation.node(enabling[0], node.path))]
                 self._diagram.enable(block, by, reset=enabling[1])
+        self._diagram.paths = {block.name: needed[key].path or block.name
+                               for key, block in self._blocks.items()}  # fmt: skip
         return self._diagram
 
     def _needed(self) -> dict[int, Node]:

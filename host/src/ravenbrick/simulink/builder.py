@@ -24,11 +24,11 @@ from ravenbrick.model import (
     Switch,
     UnitDelay,
 )
+from ravenbrick.model.blocks.continuous import ContinuousStateSpace
 from ravenbrick.simulink.file import SimulinkBlock
 from ravenbrick.simulink.network import Network, Site
 from ravenbrick.simulink.numbers import Workspace, value_of
 from ravenbrick.simulink.signals import Node, Ref, Shape, Wire, plain, size_of
-from ravenbrick.simulink.simulation.continuous import LinearSystem
 
 __all__ = ["Builder", "ContinuousForm", "Dialog", "Names", "Value", "identifier"]
 
@@ -309,7 +309,7 @@ class Builder:
     def integral(self, wire: Wire | None = None, initial: float = 0.0) -> Node:
         """The integral over time, in a simulation; its input may be given later."""
         given = [] if wire is None else [wire]
-        return self.add(LinearSystem("B", initial=(initial,)), *given, ending="_integral")
+        return self.add(ContinuousStateSpace("B", initial=(initial,)), *given, ending="_integral")
 
     def last(self, wire: Wire, initial: float = 0.0) -> Wire:
         """The value of the step before."""

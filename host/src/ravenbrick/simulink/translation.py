@@ -19,6 +19,8 @@ from ravenbrick.model import (
     Outport,
     ZeroOrderHold,
 )
+from ravenbrick.model.blocks.continuous import ContinuousBlock
+from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.simulink.blocks.conditions import held_output, triggered
 from ravenbrick.simulink.blocks.library import library_maker, library_name, own_library
 from ravenbrick.simulink.blocks.sources import recorded
@@ -29,7 +31,6 @@ from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import block_rates, own_rate
 from ravenbrick.simulink.shapes import shapes_of
 from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Wire, size_of
-from ravenbrick.simulink.simulation.continuous import TIME, LinearSystem, TimeFunction
 
 __all__ = ["Refusal", "Translation"]
 
@@ -62,10 +63,10 @@ class Translation:
         self.open_inputs: list[str] = []
         self.sample_time = sample_time
         self._form = form
-        self._time = Node(Inport(TIME), "")
         self._names, self._parameters = Names(), Names()
+        self._time = Node(TimeFunction("the_time"), "")
         if form is ContinuousForm.SOLVED:
-            self._names.new(TIME)
+            self._names.new(self._time.block.name)
         self._shapes = shapes_of(network, _KNOWN)
         self.nodes: list[Node] = []
         self._outputs: dict[End, list[Wire]] = {}
@@ -83,7 +84,7 @@ class Translation:
                        self._condition, self._form, self._time_input)  # fmt: skip
 
     def _time_input(self) -> Wire:
-        """The input that holds the time, in a simulation."""
+        """The time, in a simulation."""
         if self._time not in self.nodes:
             self.nodes.append(self._time)
         return self._time
@@ -293,7 +294,7 @@ class Translation:
         block = node.block
         if self._form is ContinuousForm.SOLVED:
             block = replace(block, data_type=DataType.REAL64)
-        free = (Inport, Outport, Constant, LinearSystem, TimeFunction)
+        free = (Inport, Outport, Constant, ContinuousBlock)
         if isinstance(block, free) or rate == self.sample_time:
             return block
         given = own_rate(self.network.sites[node.path]) is not None

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from ravenbrick.model import program as ir
@@ -57,6 +57,7 @@ class Block:
     """A block.
 
     `data_type` is the format of the ports. `sample_time` in s, or None to take the diagram's.
+    `unit` is that of the outputs, such as "rad/s", where it is stated.
     Subclasses say how many inputs they have and whether the output needs input `i` in the same
     step (`feedthrough`).
     """
@@ -64,6 +65,7 @@ class Block:
     name: str
     data_type: ir.DataType = ir.DataType.REAL32
     sample_time: float | None = None
+    unit: str = field(default="", kw_only=True)
 
     @property
     def input_types(self) -> tuple[ir.DataType, ...]:
@@ -74,6 +76,11 @@ class Block:
     def output_type(self) -> ir.DataType | None:
         """Format of the output port; None for a block without one."""
         return self.data_type
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether it lives in continuous time: only a simulation has it, no generated code."""
+        return False
 
     def feedthrough(self, port: int) -> bool:
         """Whether the output depends on input `port` in the same step."""

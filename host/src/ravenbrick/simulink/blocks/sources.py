@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ravenbrick.model import LookupTable, Merge, Ramp, RoundingFunction, Trigonometry
+from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.simulink.builder import Builder, ContinuousForm
 from ravenbrick.simulink.signals import Wire
-from ravenbrick.simulink.simulation.continuous import TimeFunction
 
 __all__ = ["SOURCES", "recorded", "sequence"]
 
@@ -134,7 +134,7 @@ def _once(instant: float) -> Callable[[float], list[float]]:
 def _in_time(
     b: Builder, function: Callable[[float], float], breaks: Callable[[float], list[float]]
 ) -> Wire:
-    return b.add(TimeFunction("B", function=function, breaks=breaks), b.time())
+    return b.add(TimeFunction("B", function=function, breaks=breaks))
 
 
 def _generator(b: Builder) -> None:

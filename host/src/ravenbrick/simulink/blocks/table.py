@@ -36,6 +36,9 @@ from ravenbrick.model import (
     state_space_block,
     transfer_function_block,
 )
+from ravenbrick.model.blocks import time_functions
+from ravenbrick.model.blocks.continuous import ContinuousStateSpace
+from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.model.lazy import control
 from ravenbrick.simulink.blocks.arithmetic import ARITHMETIC
 from ravenbrick.simulink.blocks.conditions import CONDITIONS
@@ -47,8 +50,6 @@ from ravenbrick.simulink.blocks.sources import SOURCES
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
 from ravenbrick.simulink.numbers import matrix
 from ravenbrick.simulink.signals import Wire
-from ravenbrick.simulink.simulation import continuous
-from ravenbrick.simulink.simulation.continuous import LinearSystem, TimeFunction
 
 __all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
 
@@ -101,7 +102,7 @@ def _zero_pole(d: Dialog) -> Block:
 def _sampled(d: Dialog, system: control.TransferFunction) -> Block:
     """A continuous block at the diagram's rate, or as it is in a simulation."""
     if d.form is ContinuousForm.SOLVED:
-        return LinearSystem.of(d.name, system)
+        return ContinuousStateSpace.of(d.name, system)
     if d.form is ContinuousForm.HELD:
         system = discretise(system, d.sample_time, DiscretisationMethod.ZERO_ORDER_HOLD)
     return transfer_function_block(d.name, system, sample_time=d.sample_time)
@@ -123,7 +124,7 @@ def _state_space(d: Dialog) -> Block:
     system = control.ss(*parts, d.sample_time) if discrete else control.ss(*parts)
     start = d.numbers("X0", "0") if d.text("X0") else ()
     if not discrete and d.form is ContinuousForm.SOLVED:
-        return LinearSystem.of(d.name, system, start)
+        return ContinuousStateSpace.of(d.name, system, start)
     if not discrete:
         held = d.form is ContinuousForm.HELD
         system = control.sample_system(system, d.sample_time, "zoh" if held else "bilinear")
@@ -223,7 +224,9 @@ def _sine(b: Builder) -> None:
 
 
 def _step_in_time(d: Dialog) -> TimeFunction:
-    return continuous.step(d.number("Time", "1"), d.number("Before", "0"), d.number("After", "1"))
+    return time_functions.step(
+        "B", d.number("Time", "1"), d.number("Before", "0"), d.number("After", "1")
+    )
 
 
 def _pulse_in_time(d: Dialog) -> TimeFunction:
@@ -231,13 +234,15 @@ def _pulse_in_time(d: Dialog) -> TimeFunction:
         raise ValueError("a pulse that counts samples, without a sample time; make it time based")
     period = d.number("Period", "2")
     width = period * d.number("PulseWidth", "5") / 100
-    return continuous.pulse(d.number("Amplitude", "1"), period, width, d.number("PhaseDelay", "0"))
+    return time_functions.pulse(
+        "B", d.number("Amplitude", "1"), period, width, d.number("PhaseDelay", "0")
+    )
 
 
 def _sine_in_time(d: Dialog) -> TimeFunction:
     if d.text("SineType", "Time based") == "Sample based":
         raise ValueError("a sine that counts samples; make it time based")
-    return continuous.sine(d.number("Amplitude", "1"), d.number("Frequency", "1"),
+    return time_functions.sine("B", d.number("Amplitude", "1"), d.number("Frequency", "1"),
                            d.number("Phase", "0"), d.number("Bias", "0"))  # fmt: skip
 
 
@@ -246,7 +251,7 @@ def _in_time(maker: Callable[[Dialog], TimeFunction]) -> Callable[[Builder], Non
 
     def make(b: Builder) -> None:
         width = b.width(*_WIDENING.get(b.site.kind, ()))
-        b.out([b.add(maker(b.dialog("B", e)), b.time()) for e in range(width)])
+        b.out([b.add(maker(b.dialog("B", e))) for e in range(width)])
 
     return make
 
@@ -376,7 +381,7 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
 
 # Makers of a simulation in continuous time, in place of those above.
 IN_TIME: Mapping[str, Callable[[Builder], None]] = {
-    "Clock": lambda b: b.out([b.scaled_block(1.0, b.time())]),
+    "Clock": lambda b: b.out([b.add(TimeFunction("B"))]),
     "Derivative": _derivative_in_time,
     "DiscretePulseGenerator": _in_time(_pulse_in_time),
     "Sin": _in_time(_sine_in_time),

@@ -14,15 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model.blocks.continuous import ContinuousStateSpace
+from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.model.diagram import AlgebraicLoopError
+from ravenbrick.model.simulation.hybrid import Hybrid
 from ravenbrick.simulink.builder import ContinuousForm
 from ravenbrick.simulink.importer import ModelSource
 from ravenbrick.simulink.network import Network
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import own_rate
 from ravenbrick.simulink.signals import Node, Ref
-from ravenbrick.simulink.simulation.continuous import LinearSystem, TimeFunction
-from ravenbrick.simulink.simulation.hybrid import Hybrid
 from ravenbrick.simulink.translation import Refusal, Translation
 
 __all__ = ["Signal", "Simulation", "StepFigures", "simulate"]
@@ -101,7 +102,7 @@ def simulate(
             "more poles than zeros, or a delay, into it"
         ) from error
     given = dict(inputs or {})
-    known = {slot.name for slot in diagram.lower().inputs}
+    known = {slot.name for slot in hybrid.program.inputs}
     if given.keys() - known:
         raise DesignError(
             f"{source.path}: there is no inport '{min(given.keys() - known)}'; "
@@ -148,7 +149,7 @@ def _base_rate(network: Network, given: float) -> float | None:
 
 
 def _is_continuous(node: Node) -> bool:
-    return isinstance(node.block, LinearSystem)
+    return isinstance(node.block, ContinuousStateSpace)
 
 
 def _sampled_nodes(translation: Translation, inherit: bool) -> set[str]:
@@ -159,6 +160,8 @@ def _sampled_nodes(translation: Translation, inherit: bool) -> set[str]:
     network = translation.network
     discrete, seeds = set(), set()
     for node in translation.nodes:
+        if not node.path:
+            continue
         if _is_continuous(node) or isinstance(node.block, TimeFunction):
             seeds.add(node.path)
         elif node.block.states():
@@ -180,7 +183,8 @@ def _sampled_nodes(translation: Translation, inherit: bool) -> set[str]:
         if next(network.guards(network.sites[path].system), None) is not None:
             reason = "a continuous block in a conditional subsystem"
             translation.refusals.append(Refusal(path, network.sites[path].kind, reason))
-    return {node.block.name for node in translation.nodes if node.path not in continuous}
+    return {node.block.name for node in translation.nodes
+            if node.path and node.path not in continuous}  # fmt: skip
 
 
 def _refuse_unsampled(translation: Translation, discrete: set[str], continuous: set[str]) -> None:
