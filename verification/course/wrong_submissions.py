@@ -30,7 +30,7 @@ WORKERS = 2
 
 
 def wrong_submissions() -> dict[str, list[list[str]]]:
-    """By rubric: what is wrong, file, text, replacement."""
+    """By rubric: what is wrong, file or folder, text, replacement."""
     return {name: table["wrong"] for name, table in tomllib.loads(WRONG.read_text()).items()}
 
 
@@ -45,11 +45,17 @@ def _copy(solution: Path, folder: Path) -> Path:
     return folder
 
 
+def _files_at(place: Path) -> list[Path]:
+    return sorted(place.iterdir()) if place.is_dir() else [place]
+
+
 def _changed(folder: Path, file: str, old: str, new: str) -> None:
-    text = (folder / file).read_text("utf-8")
-    if old not in text:
+    place = folder / file
+    texts = {path: path.read_text("utf-8") for path in _files_at(place)}
+    if not any(old in text for text in texts.values()):
         raise ValueError(f"{folder.name}: {file} has no '{old}'")
-    (folder / file).write_text(text.replace(old, new), encoding="utf-8")
+    for path, text in texts.items():
+        path.write_text(text.replace(old, new), encoding="utf-8")
 
 
 def judge(sheet: Path, solved: Path) -> Iterator[tuple[str, bool]]:

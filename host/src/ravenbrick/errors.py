@@ -98,6 +98,7 @@ class ProjectFileError(RavenbrickError):
         self.path = path
         self.line = line
         self.field = field
+        self.problem = problem
 
 
 class RecordError(RavenbrickError):

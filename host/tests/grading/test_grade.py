@@ -31,7 +31,7 @@ RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 
 @pytest.fixture(scope="module")
 def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """One campaign over five submissions, on two workers."""
+    """One campaign over six submissions, on two workers."""
     folder = tmp_path_factory.mktemp("grade")
     all_of = folder / "submissions"
     write_submission(all_of / "good")
@@ -42,6 +42,9 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     write_submission(
         all_of / "hostile", SOURCES["tasks.adb"].replace("package body Tasks is\n", linker)
     )
+    moved = "         Before := Now;\n"
+    waits = f"         delay until Next_Release + Milliseconds (5);\n{moved}"
+    write_submission(all_of / "waits", SOURCES["tasks.adb"].replace(moved, waits))
     command = [*RAVENBRICK, "grade", str(all_of), "--rubric", str(RUBRIC), "--workers", "2"]
     command += ["--output", str(folder / "out"), "--json"]
     first = subprocess.run(command, capture_output=True, text=True)
@@ -64,6 +67,14 @@ def test_a_wrong_behaviour_loses_the_points_of_its_check_only(graded: dict[str, 
     lost = [row for row in graded["slow"]["checks"] if row["points"] < row["of"]]
     assert [row["name"] for row in lost] == ["the motor turns while the sensor is pressed"]
     assert "rad/s" in lost[0]["found"]
+
+
+def test_a_wait_inside_a_job_does_not_make_two_short_jobs_of_it(graded: dict[str, Any]) -> None:
+    """The deadlines are judged for the releases of the assignment only."""
+    assert graded["waits"]["points"] == 9
+    lost = next(row for row in graded["waits"]["checks"] if row["points"] < row["of"])
+    assert lost["name"] == "no deadline is missed"
+    assert "the task 'control_task' is not released as the assignment says" in lost["found"]
 
 
 def test_what_does_not_compile_gets_nothing_and_the_compiler_s_line(graded: dict[str, Any]) -> None:

@@ -18,16 +18,18 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.errors import RavenbrickError
+from ravenbrick.errors import ProjectFileError, RavenbrickError
 from ravenbrick.grading.draws import Pulses, hidden_seeds
 from ravenbrick.grading.rubric import Check, Rubric, check_row
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.memory import memory_report
-from ravenbrick.project.criteria import DeadlinesMet, Expectation
+from ravenbrick.project.criteria import DeadlinesMet, Expectation, ResponseBound
 from ravenbrick.project.criteria_text import parse_expectation
+from ravenbrick.project.robot import Robot, Task
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.measures import RunMeasures, check_survival, evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.task_set import check_release
 from ravenbrick.trace.verdict import expects_fault, judge
 
 CheckedRun = tuple[Recording, RunMeasures]
@@ -70,22 +72,39 @@ class _Runs:
         return recording, measures
 
 
-def _absent_task(rubric: Rubric, expected: Sequence[Expectation], measures: RunMeasures) -> str:
-    """A task of the rubric that the program does not have, where deadlines of all are judged.
+def _judged_tasks(robot: Robot, expected: Sequence[Expectation]) -> list[Task]:
+    """Tasks whose deadlines or response times are judged."""
+    judged = [e.task for e in expected if isinstance(e, DeadlinesMet | ResponseBound)]
+    names = {task and task.lower() for task in judged}
+    return [task for task in robot.tasks if None in names or task.name.lower() in names]
 
-    A task under another name has no deadline, and would miss none.
+
+def _check_releases(robot: Robot, tasks: Sequence[Task], recording: Recording) -> None:
+    """Raise `RavenbrickError` for a task that is absent or not released as the assignment says.
+
+    A task under another name has no deadline, and would miss none. A job ends where its task
+    waits, so a wait in the middle would make two short jobs of a long one.
     """
-    if not any(isinstance(e, DeadlinesMet) and e.task is None for e in expected):
-        return ""
-    found = {task.name.lower() for task in measures.tasks}
-    return next((name for name in rubric.tasks if name.lower() not in found), "")
+    found = {thread.name.lower() for thread in recording.threads}
+    for task in tasks:
+        if task.name.lower() not in found:
+            raise RavenbrickError(
+                f"there is no task '{task.name}', whose deadlines are judged; name it so"
+            )
+        try:
+            check_release(robot, recording, task.name)
+        except ProjectFileError as error:
+            raise RavenbrickError(
+                f"the task '{task.name}' is not released as the assignment says: {error.field} "
+                + error.problem.partition(";")[0]
+            ) from None
 
 
 def _judge_run(rubric: Rubric, runs: _Runs, check: Check, seed: int | None) -> tuple[bool, str]:
     recording, measures = runs.run(check, seed)
     scenario = runs.scenario(check, seed)
-    if absent := _absent_task(rubric, scenario.expectations, measures):
-        return False, f"there is no task '{absent}', whose deadlines are judged; name it so"
+    judged = _judged_tasks(rubric.robot, scenario.expectations)
+    _check_releases(rubric.robot, judged, recording)
     if check.kind == "criteria":
         results = evaluate_criteria(scenario, recording, measures)
         missed = [result.label for result in results if not result.met]

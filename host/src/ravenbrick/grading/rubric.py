@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from ravenbrick.grading.answers import parse_wanted
 from ravenbrick.grading.draws import Pulses
 from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
 from ravenbrick.project.named_files import is_file, named_file
-from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.robot import Robot, read_robot, tasks_of
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.workspace import tree
 from ravenbrick.schemas.located_toml import LocatedToml, read_toml
@@ -68,7 +68,6 @@ class Rubric:
     project: Path
     folders: tuple[str, ...]
     keep: frozenset[str]
-    tasks: tuple[str, ...]
     limits: Limits
     checks: tuple[Check, ...]
     robot: Robot
@@ -187,6 +186,8 @@ def read_rubric(path: Path) -> Rubric:
     if not is_file(project / "robot.gpr"):
         raise document.error(("project",), f"'{project}' has no robot.gpr; name a project")
     robot = read_robot(project)
+    if "tasks" in values:
+        robot = replace(robot, tasks=tasks_of(document))
     checks = tuple(_check(document, i, t, robot) for i, t in enumerate(values["checks"]))
     used = {path, *_files(project), *(c.scenario for c in checks if c.scenario)}
     names = "".join(sorted(digest_of([file], file.parent) for file in used))
@@ -197,7 +198,6 @@ def read_rubric(path: Path) -> Rubric:
         project=project,
         folders=tuple(values.get("folders", ("src", "generated"))),
         keep=frozenset(values.get("keep", ())),
-        tasks=tuple(values.get("tasks", (task.name for task in robot.tasks))),
         limits=Limits(**values.get("limits", {})),
         checks=checks,
         robot=robot,

@@ -25,6 +25,7 @@ __all__ = [
     "Task",
     "Wall",
     "read_robot",
+    "tasks_of",
 ]
 
 ROBOT_FILE = "robot.toml"
@@ -236,15 +237,26 @@ def _body(table: Mapping[str, Any]) -> Body:
     return Body(table["kind"], table.get("left"), table.get("right"), _quantities(table))
 
 
-def _task(table: Mapping[str, Any]) -> Task:
-    return Task(
-        name=table["name"],
-        description=table.get("description", ""),
-        release=table["release"],
-        period_us=table.get("period_us"),
-        deadline_us=table.get("deadline_us"),
-        priority=table["priority"],
-        stack_bytes=table["stack_bytes"],
+def tasks_of(document: LocatedToml) -> tuple[Task, ...]:
+    """The tasks of a validated file; raises `ProjectFileError` for one that is defined twice."""
+    seen: set[str] = set()
+    for index, task in enumerate(document.values["tasks"]):
+        if task["name"].lower() in seen:
+            raise document.error(
+                ("tasks", index, "name"), f"the task '{task['name']}' is defined twice; remove one"
+            )
+        seen.add(task["name"].lower())
+    return tuple(
+        Task(
+            name=table["name"],
+            description=table.get("description", ""),
+            release=table["release"],
+            period_us=table.get("period_us"),
+            deadline_us=table.get("deadline_us"),
+            priority=table["priority"],
+            stack_bytes=table["stack_bytes"],
+        )
+        for table in document.values["tasks"]
     )
 
 
@@ -273,16 +285,6 @@ def _check_wheels(document: LocatedToml) -> None:
             )
     if "left" in body and body["left"] == body.get("right"):
         raise document.error(("body", "right"), "is the port of the left wheel; name another port")
-
-
-def _check_tasks(document: LocatedToml) -> None:
-    seen: set[str] = set()
-    for index, task in enumerate(document.values["tasks"]):
-        if task["name"].lower() in seen:
-            raise document.error(
-                ("tasks", index, "name"), f"the task '{task['name']}' is defined twice; remove one"
-            )
-        seen.add(task["name"].lower())
 
 
 def _check_setpoints(document: LocatedToml) -> None:
@@ -321,7 +323,7 @@ def read_robot(directory: Path) -> Robot:
     )
     document = with_named_parts(document)
     validate(document, "robot")
-    checks = (_check_motor_names, _check_wheels, _check_tasks, _check_setpoints, _check_sensors)
+    checks = (_check_motor_names, _check_wheels, _check_setpoints, _check_sensors)
     for check in checks:
         check(document)
     values = document.values
@@ -340,7 +342,7 @@ def read_robot(directory: Path) -> Robot:
             _quantity(battery["voltage"]),
             _quantity(battery["internal_resistance"]),
         ),
-        tasks=tuple(_task(table) for table in values["tasks"]),
+        tasks=tasks_of(document),
         setpoints=tuple(_setpoint(table) for table in values.get("setpoints", [])),
         floor=_floor(document.path.parent, values["floor"]) if "floor" in values else None,
         walls=tuple(_wall(table) for table in values.get("walls", [])),

@@ -8,11 +8,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import jobs_of
 
-__all__ = ["check_names", "check_shortest_interval", "check_task_set"]
+__all__ = ["check_names", "check_release", "check_shortest_interval", "check_task_set"]
 
 PERIOD_TOLERANCE_US = 1.0
 # A first wait, and some releases of which one is too early.
@@ -37,11 +38,29 @@ def _differences(recording: Recording, thread: int, task: Task) -> list[tuple[st
         differences.append(("priority", task.priority, found.base_priority))
     if found.stack_bytes != task.stack_bytes:
         differences.append(("stack_bytes", task.stack_bytes, found.stack_bytes))
-    period = _observed_period_us(recording, thread) if task.release == "cyclic" else None
-    if period is not None and task.period_us is not None:
-        if abs(period - task.period_us) > PERIOD_TOLERANCE_US:
-            differences.append(("period_us", task.period_us, round(period, 3)))
     return differences
+
+
+def check_release(robot: Robot, recording: Recording, name: str) -> None:
+    """Raise `ProjectFileError` where a cyclic task does not keep its period."""
+    index = [task.name.lower() for task in robot.tasks].index(name.lower())
+    task = robot.tasks[index]
+    if task.release != "cyclic" or task.period_us is None:
+        return
+    thread = [one.name.lower() for one in recording.threads].index(name.lower())
+    period = _observed_period_us(recording, thread)
+    if period is not None and abs(period - task.period_us) > PERIOD_TOLERANCE_US:
+        raise _differs(robot, index, "period_us", task.period_us, round(period, 3))
+    check_shortest_interval(robot, recording, task.name)
+
+
+def _differs(
+    robot: Robot, index: int, field: str, declared: object, observed: object
+) -> ProjectFileError:
+    return robot.document.error(
+        ("tasks", index, field),
+        f"is {declared}, but the image that ran has {observed}; correct robot.toml or the program",
+    )
 
 
 def check_shortest_interval(
@@ -94,10 +113,5 @@ def check_task_set(robot: Robot, recording: Recording) -> None:
     for index, task in enumerate(robot.tasks):
         thread = names.index(task.name.lower())
         for field, declared, observed in _differences(recording, thread, task):
-            raise robot.document.error(
-                ("tasks", index, field),
-                f"is {declared}, but the image that ran has {observed}; correct robot.toml or "
-                "the program",
-            )
-        if task.release == "cyclic":
-            check_shortest_interval(robot, recording, task.name)
+            raise _differs(robot, index, field, declared, observed)
+        check_release(robot, recording, task.name)
