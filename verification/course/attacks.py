@@ -21,7 +21,7 @@ __all__ = ["ATTACKS", "COMPILER", "FILES", "SECRET", "Attack", "Place"]
 SECRET = "ravenbrick-canary-4711"
 TASKS = SOURCES["tasks.adb"]
 TOUCH = "with NXT.Touch_Sensors;\n"
-MISSING = r"No such file|can't open|cannot open|not found|no include path"
+MISSING = r"No such file|Permission denied|can't open|cannot open|not found|no include path"
 
 
 @dataclass(frozen=True)
@@ -218,7 +218,7 @@ COMPILER = [
     Attack("c-solutions", "the solutions", _c('#include "{solutions}"\n'), MISSING),
     Attack("c-oracle", "asks which files there are", _c(
         '#if __has_include("{secret}")\n#error it is there\n#else\n#error none\n#endif\n'),
-        r"error none|#error none|none"),
+        r"error none|Permission denied"),
     Attack("c-environment", "the variables of the compiler", _c(
         '#include "/proc/self/environ"\n'), "", 99),
     Attack("c-other-process", "the variables of the grader", _c(
@@ -294,11 +294,12 @@ DESIGN = [
     Attack("design-files", "reads the secret and the rubric", _design(
         "import sys\nfor f in ('{secret}', '{rubric}', '{solutions}', '/etc/shadow'):\n"
         "    try:\n        print(open(f).read())\n"
-        "    except OSError as e: print(f, e)\nsys.exit('done')\n"), "No such file", design=True),
+        "    except OSError as e: print(f, e)\nsys.exit('done')\n"), MISSING, design=True),
     Attack("design-write", "writes beside the secret", _design(
         "open('{secret}.new', 'w').write('x')\n"), "Error", design=True),
     Attack("design-network", "connects to a server", _design(
-        "import socket\nsocket.create_connection(('1.1.1.1', 53), 5)\n"), "Network", design=True),
+        "import socket\nsocket.create_connection(('1.1.1.1', 53), 5)\n"), "not permitted",
+        design=True),
     Attack("design-forks", "a fork bomb", _design(
         "import os\nwhile True: os.fork()\n"), "unavailable", design=True),
     Attack("design-session", "a child in its own session holds the pipes", _design(
@@ -312,6 +313,13 @@ DESIGN = [
         "x = [bytearray(1 << 30) for _ in range(20)]\n"), "MemoryError", design=True),
     Attack("design-disk", "fills the disk", _design(
         "for n in range(100):\n    open(f'f{n}', 'wb').write(bytes(50_000_000))\n"),
+        "No space", design=True),
+    Attack("design-memory-files", "takes 20 GB in files that are only in memory", _design(
+        "import os\nfor n in range(400):\n    os.write(os.memfd_create('m'), bytes(50_000_000))\n"),
+        "not permitted", design=True),
+    Attack("design-deleted", "fills the disk with files that it has deleted", _design(
+        "import os, time\nkept = []\nfor n in range(100):\n    kept.append(open('f', 'wb'))\n"
+        "    os.remove('f')\n    kept[-1].write(bytes(50_000_000))\ntime.sleep(5)\n"),
         "No space", design=True),
     Attack("design-kill", "kills all that it may", _design(
         "import os\nos.kill(-1, 9)\nos.kill(1, 9)\n"), "", 99, True),

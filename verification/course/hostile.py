@@ -22,7 +22,14 @@ from typing import Any
 
 from ravenbrick.grading.adapters import readable
 from ravenbrick.grading.campaign import run_campaign
-from ravenbrick.grading.isolation import FIRST_USER, USERS, IsolationError, find_isolation
+from ravenbrick.grading.isolation import (
+    FIRST_USER,
+    USERS,
+    IsolationError,
+    find_isolation,
+    tried,
+)
+from ravenbrick.grading.isolation.landlock import Landlock
 from ravenbrick.grading.rubric import Rubric, read_rubric
 from ravenbrick.grading.submission import find_submissions
 
@@ -88,13 +95,17 @@ def _processes() -> set[int]:
     found = set()
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
-            if parent == os.getpid() or entry.stat().st_uid in users:
+            state, parent = (entry / "stat").read_text().rpartition(")")[2].split()[:2]
+            # One that has ended and that init has not yet asked for is none.
+            alive = state != "Z"
+            if alive and (int(parent) == os.getpid() or entry.stat().st_uid in users):
                 found.add(int(entry.name))
     return found
 
 
-def grade(attacks: tuple[Attack, ...], folder: Path) -> tuple[list[Judged], list[str]]:
+def grade(
+    attacks: tuple[Attack, ...], folder: Path, border: str | None
+) -> tuple[list[Judged], list[str]]:
     """All in one campaign with right submissions between; and what concerns all of them."""
     lecturer, students = folder / "lecturer", folder / "students"
     lecturer.mkdir()
@@ -112,7 +123,12 @@ def grade(attacks: tuple[Attack, ...], folder: Path) -> tuple[list[Judged], list
         (students / f"s{number:03}-a-right-one" / "answers.toml").write_text("presses = 2\n")
     before, running = _fingerprint(lecturer), _processes()
     results = run_campaign(
-        rubric, find_submissions([students]), folder / "out", WORKERS, design=True
+        rubric,
+        find_submissions([students]),
+        folder / "out",
+        WORKERS,
+        design=True,
+        border=border,
     )
     wrong = []
     if _fingerprint(lecturer) != before:
@@ -177,24 +193,32 @@ def page(judged: list[Judged]) -> str:
     return "\n".join([*lines, ""])
 
 
-def measure(names: tuple[str, ...] = ()) -> tuple[list[Judged], list[str]]:
-    """Grade the attacks, all without names; writes the page when all were as they must be."""
+def measure(
+    names: tuple[str, ...] = (), border: str | None = None
+) -> tuple[list[Judged], list[str]]:
+    """Grade the attacks, all without names.
+
+    Behind the border that is found first, the page is written when all were as they must be.
+    """
     attacks = tuple(a for a in ATTACKS if not names or a.name in names)
     with tempfile.TemporaryDirectory(prefix="ravenbrick-hostile-") as name:
-        judged, wrong = grade(attacks, Path(name))
+        judged, wrong = grade(attacks, Path(name), border)
     wrong += [f"{j.attack.name}: {j.problem}" for j in judged if j.problem]
-    if not names and not wrong:
+    if not names and not border and not wrong:
         PAGE.write_text(page(judged), encoding="utf-8")
     return judged, wrong
 
 
 def suite() -> Counts:
-    """Attacks whose report is right and that cost the host nothing."""
+    """Attacks whose report is right and that cost the host nothing, behind both borders."""
     try:
         find_isolation()
     except IsolationError as error:
         raise NotRunError(error.sentence) from None
     judged, wrong = measure()
+    if not tried(Landlock()):
+        others, more = measure(border=Landlock.name)
+        judged, wrong = judged + others, wrong + [f"{Landlock.name}: {text}" for text in more]
     return Counts(len(judged), len(judged) - min(len(wrong), len(judged)), [], wrong)
 
 

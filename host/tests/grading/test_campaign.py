@@ -18,10 +18,11 @@ from verification.support.submissions import RUBRIC, SOURCES, write_submission
 
 from ravenbrick.grading import campaign, work
 from ravenbrick.grading.draws import Pulses, hidden_seeds
+from ravenbrick.grading.isolation import TRUST
 from ravenbrick.grading.rubric import read_rubric
 from ravenbrick.grading.submission import SubmissionError, find_submissions, read_files
 
-TRUSTED = bool(os.environ.get("RAVENBRICK_TRUST_SUBMISSIONS"))
+BORDER = TRUST if os.environ.get("RAVENBRICK_TRUST_SUBMISSIONS") else None
 GRADE = [sys.executable, "-c", "from ravenbrick.cli import main; main()", "grade"]
 LONGEST_S = 600
 
@@ -29,7 +30,7 @@ LONGEST_S = 600
 def grade(students: Path, out: Path) -> list[dict[str, Any]]:
     """A campaign in this process, always with the same secret."""
     return campaign.run_campaign(
-        read_rubric(RUBRIC), find_submissions([students]), out, 2, trust=TRUSTED, secret="x"
+        read_rubric(RUBRIC), find_submissions([students]), out, 2, border=BORDER, secret="x"
     )
 
 
@@ -83,7 +84,7 @@ def test_run_design_is_another_result_than_without(tmp_path: Path) -> None:
     rubric, found = read_rubric(RUBRIC), find_submissions([tmp_path / "students"])
     for design, points in ((False, 10), (True, 0)):
         (result,) = campaign.run_campaign(
-            rubric, found, tmp_path / "out", 1, design=design, trust=TRUSTED
+            rubric, found, tmp_path / "out", 1, design=design, border=BORDER
         )
         assert result["points"] == points
 

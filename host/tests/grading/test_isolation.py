@@ -14,10 +14,14 @@ from ravenbrick.cli.app import app
 from ravenbrick.grading.isolation import (
     TRUST,
     Bounds,
+    Isolation,
     IsolationError,
     find_isolation,
     isolation_named,
+    landlock,
+    tried,
 )
+from ravenbrick.grading.isolation.landlock import Landlock
 from ravenbrick.grading.sandbox import Outcome, run_isolated
 
 LIMITS = [
@@ -28,29 +32,43 @@ LIMITS = [
     ("import sys\nwhile True: print('x' * 10_000, file=sys.stderr)", "flood"),
     ("import time; time.sleep(1000)", "time"),
 ]
+BORDERS = ("bubblewrap", Landlock.name)
 ESCAPES = {
-    "a secret file": ("print(open({secret!r}).read())", "No such file"),
-    "the accounts": ("print(open('/etc/passwd').read())", "No such file"),
+    "a secret file": ("print(open({secret!r}).read())", "No such file|Permission denied"),
+    "the accounts": ("print(open('/etc/passwd').read())", "No such file|Permission denied"),
     "its own tools": ("open('/usr/x', 'w')", "Read-only|Permission"),
-    "the network": ("import socket; socket.create_connection(('192.0.2.1', 9), 5)", "unreach"),
+    "the network": ("import socket; socket.create_connection(('192.0.2.1', 9), 5)", "not permit"),
     "another user": ("import os; os.setuid(0); os.mkdir('/proc/x')", "Error"),
     "processes": ("import os\nwhile True: os.fork()", "unavailable"),
-    "the disk": (
-        "for n in range(99): open(f'f{{n}}', 'wb').write(bytes(9_000_000))",
-        "No space",
+    "the modes of files": (
+        "import os; os.chmod({secret!r}, 0o777); print(open({secret!r}).read())",
+        "No such file|Permission denied",
     ),
+    "memory that no limit counts": ("import os; os.memfd_create('m')", "not permitted"),
+    "signals": ("import os; os.kill(os.getppid(), 9)", "not permitted"),
+    "attributes": ("import os; os.setxattr({secret!r}, 'user.x', b'x')", "not permitted|No such"),
 }
+
+
+def border(name: str) -> Isolation:
+    """The border of that name, where this machine has it."""
+    if name == "bubblewrap":
+        return find_isolation()
+    if name == Landlock.name and (why := tried(Landlock())):
+        pytest.skip(why)
+    return isolation_named(name)
 
 
 def run(name: str, program: str, seconds: int = 2, readable: tuple[Path, ...] = ()) -> Outcome:
     """A program of Python in the isolation, with small bounds."""
     bounds = Bounds(seconds, 600, 10, scratch_mb=64)
-    chosen = find_isolation() if name != TRUST else isolation_named(TRUST)
-    return run_isolated(chosen, ["python3", "-c", program], bounds, readable=readable)
+    return run_isolated(border(name), ["python3", "-c", program], bounds, readable=readable)
 
 
 @pytest.mark.parametrize(("program", "what"), LIMITS)
-@pytest.mark.parametrize("name", [TRUST, pytest.param("bubblewrap", marks=pytest.mark.isolated)])
+@pytest.mark.parametrize(
+    "name", [TRUST, *(pytest.param(name, marks=pytest.mark.isolated) for name in BORDERS)]
+)
 def test_what_takes_too_much_is_ended(name: str, program: str, what: str) -> None:
     """Processor time, memory, files, output, waiting; with and without a border."""
     outcome = run(name, program)
@@ -60,55 +78,77 @@ def test_what_takes_too_much_is_ended(name: str, program: str, what: str) -> Non
 
 
 @pytest.mark.isolated
+@pytest.mark.parametrize("name", BORDERS)
 @pytest.mark.parametrize("what", ESCAPES)
-def test_nothing_of_the_host_is_inside(what: str, tmp_path: Path) -> None:
+def test_nothing_of_the_host_is_inside(name: str, what: str, tmp_path: Path) -> None:
     """Not even a file that anybody may read."""
     secret = tmp_path / "secret"
     secret.write_text("canary")
     program, words = ESCAPES[what]
-    outcome = run("bubblewrap", program.format(secret=str(secret)), 5)
+    outcome = run(name, program.format(secret=str(secret)), 5)
+    assert secret.stat().st_mode & 0o777 != 0o777
     assert outcome.code != 0 and "canary" not in outcome.output
     assert any(word in outcome.output for word in words.split("|")), outcome.output
 
 
 @pytest.mark.isolated
-def test_a_readable_path_cannot_be_written_and_its_neighbour_is_not_there(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", BORDERS)
+@pytest.mark.parametrize("delete", ["", "os.remove(f'f{n}'); "])
+def test_the_disk_is_not_filled(name: str, delete: str) -> None:
+    """Neither with files nor with files that were deleted and are still open."""
+    program = (
+        "import os, time\nkept = []\nfor n in range(99):\n    kept.append(open(f'f{n}', 'wb')); "
+    )
+    program += delete + "kept[-1].write(bytes(9_000_000))\ntime.sleep(5)"
+    outcome = run(name, program, 20)
+    assert outcome.full or "No space" in outcome.output
+    assert outcome.code != 0
+
+
+@pytest.mark.isolated
+@pytest.mark.parametrize("name", BORDERS)
+def test_a_readable_path_cannot_be_written_and_its_neighbour_is_not_there(
+    name: str, tmp_path: Path
+) -> None:
     """Both are files of one folder."""
-    for name in ("given", "other"):
-        (tmp_path / name).write_text(name)
-    told = run("bubblewrap", f"print(open('{tmp_path}/given').read())", 5, (tmp_path / "given",))
+    for file in ("given", "other"):
+        (tmp_path / file).write_text(file)
+    told = run(name, f"print(open('{tmp_path}/given').read())", 5, (tmp_path / "given",))
     assert told.result == b"given\n"
     for program in (f"open('{tmp_path}/given', 'w')", f"open('{tmp_path}/other')"):
-        assert run("bubblewrap", program, 5, (tmp_path / "given",)).code != 0
+        assert run(name, program, 5, (tmp_path / "given",)).code != 0
     assert (tmp_path / "given").read_text() == "given"
 
 
 @pytest.mark.isolated
-def test_a_child_with_its_own_session_ends_with_the_sandbox() -> None:
+@pytest.mark.parametrize("name", BORDERS)
+def test_a_child_ends_with_the_sandbox_and_gets_no_session_of_its_own(name: str) -> None:
     """It holds the pipes open and would be waited for."""
     program = "import os, time\nif os.fork() == 0:\n    os.setsid()\n    time.sleep(1000)"
-    outcome = run("bubblewrap", program, 20)
-    assert outcome.code == 0 and not outcome.timed_out
+    for kept in (program, program.replace("    os.setsid()\n", "")):
+        outcome = run(name, kept, 20)
+        assert outcome.code == 0 and not outcome.timed_out
+    assert "not permitted" in run(name, program + "\nos.wait()", 20).output
 
 
 @pytest.mark.isolated
-def test_a_tree_inside_what_is_readable_stays_hidden(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", BORDERS)
+def test_a_tree_inside_what_is_readable_stays_hidden(name: str, tmp_path: Path) -> None:
     """An installed package holds its tree, with the rubrics, but parts of it are needed."""
     tree = tmp_path / "package" / "tree"
     (tree / "tools").mkdir(parents=True)
     (tree / "rubric.toml").write_text("x")
     (tree / "tools" / "file").write_text("tool")
-    program = (
-        f"import os; print(os.listdir({str(tree)!r}), open({str(tree)!r} + '/tools/file').read())"
-    )
-    outcome = run_isolated(
-        find_isolation(),
-        ["python3", "-c", program],
-        Bounds(5, 600, 10),
-        readable=[tmp_path / "package", tree / "tools"],
-        hidden=[tree],
-    )
-    assert outcome.result == b"['tools'] tool\n"
+    (tmp_path / "package" / "part").write_text("part")
+    for file, code in (("tools/file", 0), ("../part", 0), ("rubric.toml", 1)):
+        outcome = run_isolated(
+            border(name),
+            ["python3", "-c", f"print(open('{tree}/{file}').read())"],
+            Bounds(5, 600, 10),
+            readable=[tmp_path / "package", tree / "tools"],
+            hidden=[tree],
+        )
+        assert outcome.code == code, outcome.output
 
 
 CAUSES = [
@@ -127,6 +167,7 @@ def test_a_host_that_forbids_it_is_told_with_cause_and_cure(
     program.write_text(f'#!/bin/sh\n[ "$1" = --version ] || {{ echo "{message}" >&2; exit 1; }}\n')
     program.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setattr(landlock, "CONFINEMENT", tmp_path / "absent")
     find_isolation.cache_clear()
     try:
         with pytest.raises(IsolationError) as caught:
@@ -143,9 +184,24 @@ def test_without_a_border_grading_needs_to_be_told(
 ) -> None:
     """Nothing of a submission is touched before."""
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(landlock, "CONFINEMENT", tmp_path / "absent")
     find_isolation.cache_clear()
     try:
         with pytest.raises(IsolationError, match=r"bwrap is not installed.*bubblewrap"):
             find_isolation()
+    finally:
+        find_isolation.cache_clear()
+
+
+@pytest.mark.isolated
+def test_landlock_takes_over_where_namespaces_are_forbidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a container with its default settings."""
+    border(Landlock.name)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    find_isolation.cache_clear()
+    try:
+        assert find_isolation().name == Landlock.name
     finally:
         find_isolation.cache_clear()

@@ -85,7 +85,9 @@ class Reporter:
 
     def tell(self, text: str) -> None:
         """A line needed while the command runs: with `--json` it goes to standard error."""
-        print(text, file=sys.stderr if self._quiet else sys.stdout, flush=True)
+        if self._quiet:
+            print(text, file=sys.stderr, flush=True)
+        self.print(text)
 
     def table(
         self, head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[str] = ()

@@ -17,6 +17,7 @@ from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import CriteriaError, RavenbrickError, UsageError
 from ravenbrick.grading.adapters import ADAPTERS
 from ravenbrick.grading.campaign import run_campaign
+from ravenbrick.grading.isolation import TRUST
 from ravenbrick.grading.rubric import read_rubric
 from ravenbrick.grading.submission import find_submissions
 
@@ -79,8 +80,9 @@ def grade_command(
     reporter = Reporter(json_output)
     with reporter.step(f"grade {len(found)} by '{chosen.name}'") as step:
         results = run_campaign(
-            chosen, found, output, workers, dask, run_design, trust, secret, step.progress
-        )
+            chosen, found, output, workers, dask, run_design,
+            TRUST if trust else None, secret, step.progress,
+        )  # fmt: skip
         mean = sum(result["points"] for result in results) / len(results)
         step.note = f"{mean:.4g} of {chosen.points:g} points on average"
     text = ADAPTERS[form.value](results)

@@ -225,7 +225,7 @@ def design_files(
         content=whole.archive({}),
         readable=python_parts(),
         hidden=[tree()],
-        variables={"MPLCONFIGDIR": "/tmp", "PYTHONDONTWRITEBYTECODE": "1"},
+        variables={"PYTHONDONTWRITEBYTECODE": "1"},
     )
     _refuse_excess(outcome, f"{DESIGN} took more than {limits.design_seconds} s of processor time")
     if outcome.code != 0:
@@ -237,6 +237,8 @@ def design_files(
 
 
 def _refuse_excess(outcome: Outcome, late: str) -> None:
+    if outcome.full:
+        raise SubmissionError("No space: it wrote more into files than it may")
     if outcome.flooded:
         raise SubmissionError("its messages never end, so it was stopped")
     if outcome.timed_out:

@@ -17,7 +17,7 @@ from typing import Any
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.errors import UsageError
 from ravenbrick.grading.build import prepare_base
-from ravenbrick.grading.isolation import TRUST, find_isolation, isolation_named
+from ravenbrick.grading.isolation import find_isolation, isolation_named
 from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.sandbox import allow_sessions, end_sessions
 from ravenbrick.grading.submission import Submission, states
@@ -121,16 +121,16 @@ def run_campaign(
     workers: int,
     dask: str | None = None,
     design: bool = False,
-    trust: bool = False,
+    border: str | None = None,
     secret: str | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> list[Result]:
     """Results in the order of the submissions; `folder` keeps them and the images.
 
     Hidden seeds are drawn from `secret`, by default one that `folder` keeps. Raises
-    `IsolationError` where submissions cannot be isolated and are not trusted.
+    `IsolationError` where submissions cannot be isolated, by default by what is found.
     """
-    isolation = isolation_named(TRUST) if trust else find_isolation()
+    isolation = isolation_named(border) if border else find_isolation()
     folder = folder.resolve()
     with locked(folder, "that grades into this folder"):
         _remove_unfinished(folder)

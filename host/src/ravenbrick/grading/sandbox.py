@@ -10,9 +10,10 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import IO
 
@@ -45,6 +46,7 @@ class Outcome:
     result: bytes
     timed_out: bool = False
     flooded: bool = False
+    full: bool = False
 
 
 @dataclass
@@ -56,6 +58,8 @@ class _Pipes:
     result: bytearray = field(default_factory=bytearray)
     messages: bytearray = field(default_factory=bytearray)
     said: int = 0
+    full: bool = False
+    overflows: Callable[[], bool] = lambda: False
 
     def write(self, pipe: IO[bytes]) -> bool:
         """Pass on a piece of the content; whether that was all, or nobody reads any more."""
@@ -77,18 +81,23 @@ class _Pipes:
 
     @property
     def flooded(self) -> bool:
-        """Too much was written."""
+        """Too much came through the pipes."""
         return self.said > MESSAGES_MAX or len(self.result) > RESULT_MAX
+
+    @property
+    def excess(self) -> bool:
+        """Too much was written, into the pipes or into files."""
+        return self.flooded or self.full
 
     def attend(self, seconds: float) -> bool:
         """Serve the pipes until they end, too much came, or the time is over; whether it is."""
-        process, end = self.process, time.monotonic() + seconds
+        process, end, look = self.process, time.monotonic() + seconds, 0.0
         assert process.stdin and process.stdout and process.stderr
         with selectors.DefaultSelector() as ready:
             ready.register(process.stdin, selectors.EVENT_WRITE, self.write)
             ready.register(process.stdout, selectors.EVENT_READ, self.read)
             ready.register(process.stderr, selectors.EVENT_READ, self.read)
-            while ready.get_map() and not self.flooded:
+            while ready.get_map() and not self.excess:
                 if time.monotonic() > end:
                     return process.poll() is None
                 for key, _events in ready.select(POLL_S):
@@ -96,11 +105,13 @@ class _Pipes:
                     if key.data(pipe):
                         ready.unregister(pipe)
                         pipe.close()
+                if time.monotonic() > look:
+                    self.full, look = self.overflows(), time.monotonic() + POLL_S
                 if process.poll() is not None:
                     end = min(end, time.monotonic() + GRACE_S)
         with suppress(subprocess.TimeoutExpired):
-            process.wait(0 if self.flooded else max(end - time.monotonic(), 0))
-        return process.poll() is None and not self.flooded
+            process.wait(0 if self.excess else max(end - time.monotonic(), 0))
+        return process.poll() is None and not self.excess
 
 
 def _kill(session: int) -> None:
@@ -140,6 +151,7 @@ def run_isolated(
             "PATH": isolation.path,
             "HOME": str(folder),
             "TMPDIR": str(folder),
+            "MPLCONFIGDIR": str(folder),
             "LANG": "C.UTF-8",
             "OMP_NUM_THREADS": "1",
             "OPENBLAS_NUM_THREADS": "1",
@@ -153,11 +165,13 @@ def run_isolated(
             stderr=subprocess.PIPE,
             start_new_session=True,
         ) as process:
-            return _outcome(process, content, PATIENCE * bounds.seconds)
+            pipes = _Pipes(process, memoryview(content))
+            pipes.overflows = partial(isolation.overflows, process.pid, folder, bounds)
+            return _outcome(pipes, PATIENCE * bounds.seconds)
 
 
-def _outcome(process: subprocess.Popen[bytes], content: bytes, seconds: float) -> Outcome:
-    pipes = _Pipes(process, memoryview(content))
+def _outcome(pipes: _Pipes, seconds: float) -> Outcome:
+    process = pipes.process
     _RUNNING.add(process.pid)
     try:
         if _STOPPED.is_set():
@@ -169,4 +183,6 @@ def _outcome(process: subprocess.Popen[bytes], content: bytes, seconds: float) -
         _RUNNING.discard(process.pid)
     output = pipes.messages.decode("utf-8", "replace")
     timed_out = late or process.returncode in (XCPU, -signal.SIGXCPU) or TIME_WORDS in output
-    return Outcome(process.returncode, output, bytes(pipes.result), timed_out, pipes.flooded)
+    return Outcome(
+        process.returncode, output, bytes(pipes.result), timed_out, pipes.flooded, pipes.full
+    )

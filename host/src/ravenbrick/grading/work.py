@@ -124,7 +124,7 @@ def _judged(
         content=pickle.dumps((rubric, secret, scenarios, *parts)),
         readable=[*python_parts(), rubric.project],
         hidden=[tree()],
-        variables={"PYTHONDONTWRITEBYTECODE": "1", "MPLCONFIGDIR": "/tmp"},
+        variables={"PYTHONDONTWRITEBYTECODE": "1"},
     )
     if outcome.code == 0:
         rows: list[dict[str, Any]] = json.loads(outcome.result)
