@@ -33,6 +33,7 @@ package body NXT.Display is
       First : Integer := S'First;
    begin
       while S'Last - First >= Piece loop
+         pragma Annotate (Ravenbrick, Iterations, 7, "a text fills the eight rows at most");
          Canvas.Write (S (First .. First + Piece - 1));
          First := First + Piece;
       end loop;

@@ -29,7 +29,8 @@ package NXT.Display with Elaborate_Body is
    procedure Put_Noupdate (V : Long_Long_Integer; Width : Field_Width := 0);
    --  Line feed and carriage return move as on a terminal, other control characters show as
    --  blanks. Text beyond the last column goes on in the next row. Numbers are decimal, on the
-   --  right of Width columns, or as wide as they need to be.
+   --  right of Width columns, or as wide as they need to be. The timing analysis takes a text to
+   --  have at most the 128 letters of a full display.
 
    procedure Put (C : Character);
    procedure Put (S : String);

@@ -23,6 +23,9 @@ package body NXT.I2C_Ports is
    type Bus_Table  is array (Sensor_Id) of Bus;
    type Flag_Table is array (Sensor_Id) of Boolean;
 
+   subtype Port_Count is Natural range 0 .. Sensor_Id'Pos (Sensor_Id'Last) + 1;
+   type Port_List  is array (1 .. Port_Count'Last) of Sensor_Id;
+
    type Request is record
       Output       : Byte_Array (1 .. Longest_Header + Longest_Data);
       Output_Last  : Natural := 0;
@@ -41,6 +44,10 @@ package body NXT.I2C_Ports is
       procedure Handle_Tick with Attach_Handler => Ada.Interrupts.Names.TC1;
       Table   : Bus_Table;
       Open    : Flag_Table := (others => False);
+      Used    : Flag_Table := (others => False);
+      Ports   : Port_List  := (others => Sensor_Id'First);
+      Last    : Port_Count := 0;
+      --  Ports (1 .. Last) are those that were ever open, as Used says.
       Running : Boolean := False;
    end Buses;
 
@@ -51,6 +58,11 @@ package body NXT.I2C_Ports is
          Table (Port).State := Idle;
          Table (Port).LEGO_Mode := (Mode and LEGO_Mode) /= 0;
          Open (Port) := True;
+         if not Used (Port) then
+            Used (Port) := True;
+            Last := Last + 1;
+            Ports (Last) := Port;
+         end if;
          Take_Lines (Port);
       end Enable;
 
@@ -98,7 +110,8 @@ package body NXT.I2C_Ports is
          Left    : Boolean := False;
          pragma Unreferenced (Ignored);
       begin
-         for Port in Sensor_Id loop
+         for Port of Ports (1 .. Last) loop
+            pragma Annotate (Ravenbrick, Iterations, 4, "ports with sensors", "ultrasonic");
             if Table (Port).State /= Idle then
                Tick (Table (Port), Port);
                if Table (Port).State = Idle then

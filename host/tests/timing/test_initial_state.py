@@ -11,9 +11,6 @@ import pytest
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import ElfImage
-from ravenbrick.project.robot import read_robot
-from ravenbrick.timing.background import background_of
-from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.initial_state import attached_handlers, main_rests
 
 VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
@@ -55,12 +52,3 @@ def test_a_main_procedure_rests_when_it_has_ended_or_waits_for_ever(
     state: int, wake: int, rests: bool
 ) -> None:
     assert main_rests(with_main(state, wake)) == rests
-
-
-def test_a_main_procedure_as_urgent_as_a_task_is_refused_with_what_to_do() -> None:
-    """A task of its priority never runs while it computes."""
-    robot = read_robot(VEHICLE)
-    brick = with_main(READY, 0, *(task.name for task in robot.tasks))
-    named = r"at priority 1 .*: display_task \(priority 1\); .*'delay until Ada\.Real"
-    with pytest.raises(ExecutionTimeError, match=named):
-        background_of(robot, IMAGE, brick, lambda task: task.name, (), "nominal")

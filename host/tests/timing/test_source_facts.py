@@ -53,6 +53,18 @@ def test_statements_are_told_with_their_lines_also_those_that_say_nothing() -> N
     assert told[1] == {"file": "worker.adb", "lines": [8, 9, 10], "depth": 1}
 
 
+def test_a_count_of_ports_with_a_device_is_that_of_the_robot() -> None:
+    """At least one, and never more than the pragma says."""
+    text = TEXT.replace('"no ""more"" of them"', '"sensors", "ultrasonic"').replace("1_000", "4")
+    (loop, *_) = loops = loop_statements(SOURCE, text)
+    assert (loop.iterations, loop.device) == (4, "ultrasonic")
+    for ports, most in ((0, 1), (1, 1), (3, 3), (5, 4)):
+        devices = ["touch", *("ultrasonic",) * ports]
+        told = tomllib.loads(statements_text(SOURCE, loops, devices))["statement"]
+        assert told[0]["iterations"] == most
+    assert tomllib.loads(statements_text(SOURCE, loops))["statement"][0]["iterations"] == 4
+
+
 @pytest.mark.parametrize(
     "pragma",
     [

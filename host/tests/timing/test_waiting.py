@@ -21,9 +21,11 @@ from verification.support.timing.programs import Subject, analysed, subject
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.errors import ProjectFileError
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
 from ravenbrick.timing.observation.observed import exceeded, observe
+from ravenbrick.trace.task_set import check_shortest_interval
 
 INTERRUPT = "TC1"
 CYCLES_PER_COUNT = 2
@@ -89,6 +91,20 @@ def test_a_wait_inside_is_charged_and_blocks_once_more(analysis: Analysis) -> No
     assert scheduled["server"].wcet == server.job.cycles + server.suspension_cycles
     assert scheduled["server"].blocking == 2 * server.blocking.cycles
     assert scheduled["alarm inside server"].wcet >= analysis.overheads.alarm
+
+
+def test_without_a_fact_both_waits_release_the_task(program: Subject) -> None:
+    """A job ends at each wait, and the run shows at most two releases in a period."""
+    analysis = analysed(program, replace(program.facts, suspensions=()))
+    server = next(t for t in analysis.tasks if t.task.name == "server")
+    assert (server.releases, server.suspension_count) == (2, 0)
+    assert "server, second release" in {task.name for task in analysis.task_set.tasks}
+    recording = program.run()
+    seen = observe(program.robot, recording)
+    assert exceeded(analysis, seen) == [] and analysis.schedulable
+    check_shortest_interval(program.robot, recording, "server", server.releases - 1)
+    with pytest.raises(ProjectFileError, match=r"period_us.*is 5900"):
+        check_shortest_interval(program.robot, recording, "server")
 
 
 def test_an_urgent_interrupt_waits_for_masked_stretches_at_most_as_bounded(

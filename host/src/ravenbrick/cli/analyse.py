@@ -187,7 +187,7 @@ def _check_facts(
             check_event_rates(robot, facts, run)
             for timing in analysis.tasks:
                 waits_us = microseconds(timing.suspension_cycles)
-                waits = (timing.suspension_count, waits_us)
+                waits = (timing.releases * (1 + timing.suspension_count) - 1, waits_us)
                 check_shortest_interval(robot, run, timing.task.name, *waits)
     return counts[0]
 

@@ -15,12 +15,19 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+from ravenbrick.errors import DeadlineError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.timing.alarm import alarm_costs
-from ravenbrick.timing.background import NO_BACKGROUND, Background, background_of
+from ravenbrick.timing.background import (
+    NO_BACKGROUND,
+    Background,
+    background_of,
+    endless_words,
+    main_symbol,
+)
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
 from ravenbrick.timing.counted_facts import CountedFact, counted_facts
 from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
@@ -48,7 +55,7 @@ from ravenbrick.timing.scheduled_tasks import (
     transfer_tasks,
 )
 from ravenbrick.timing.source_facts import source_facts
-from ravenbrick.timing.suspension import with_operations
+from ravenbrick.timing.suspension import joined_releases, with_operations
 from ravenbrick.trace.task_set import check_names
 
 __all__ = [
@@ -115,6 +122,8 @@ def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
     named = dict(facts.bodies).get(task.name.lower())
     if named is not None:
         return named
+    if task.name == ENVIRONMENT:
+        return main_symbol(image)
     end = f"__{task.name.lower()}TKB"
     found = sorted(name for name in image.symbols if name.endswith(end))
     if len(found) == 1:
@@ -172,6 +181,45 @@ def _solved(
     return [("longest paths", annotations_of({"cost": costs}))] if costs else []
 
 
+def _jobs(
+    image: ElfImage,
+    facts: Facts,
+    tasks: Sequence[Task],
+    annotations: Sequence[tuple[str, str]],
+    timing: str,
+    more: Sequence[tuple[str, str]],
+) -> list[tuple[Task, Bound]]:
+    """Tasks with their jobs, under more annotations."""
+
+    def asked(questions: Sequence[JobQuestion]) -> tuple[Bound, ...]:
+        return execution_times(
+            image.content, jobs=questions, annotations=[*annotations, *more], timing=timing
+        ).jobs
+
+    bodies = [body_of(image, facts, task) for task in tasks]
+    try:
+        found = asked([(b, *WAITS[task.release]) for b, task in zip(bodies, tasks, strict=True)])
+    except ExecutionTimeError as question:
+        _check_endless(question, dict(zip(bodies, tasks, strict=True)))
+        raise
+    jobs = []
+    for task, job, body in zip(tasks, found, bodies, strict=True):
+        if facts.suspension(task.name) is None:
+            job = joined_releases(task, job, body, lambda question: asked([question])[0])
+        jobs.append((task, job))
+    return jobs
+
+
+def _check_endless(question: ExecutionTimeError, tasks: dict[str, Task]) -> None:
+    """Whatever the answer to a question is, a task that stays in a loop misses its deadline.
+
+    Raises `DeadlineError` for such a task."""
+    for body, line in question.data.get("endless", {}).items():
+        task = tasks[body]
+        words = f"NOT schedulable: {endless_words(task, line, list(tasks.values()))}"
+        raise DeadlineError(words, detail=f"{question}\n{question.detail}") from question
+
+
 def _stack_bytes(
     image: ElfImage,
     question: JobQuestion,
@@ -193,7 +241,8 @@ def known_facts(
     queued = len(robot.tasks) + 1 + event_count(image)
     objects, known = run_time_facts(image, queued, expiring)
     own = (facts.name, facts.annotations)
-    return objects, [own, *facts.shared, *source_facts(image), *known]
+    devices = [port.device for port in robot.sensor_ports.values()]
+    return objects, [own, *facts.shared, *source_facts(image, devices), *known]
 
 
 def analyse(
@@ -220,21 +269,20 @@ def analyse(
     background = background_of(
         robot, image, brick, partial(body_of, image, facts), annotations, timing
     )
-    questions = [(body_of(image, facts, task), *WAITS[task.release]) for task in tasks]
-
-    def bounded(more: Sequence[tuple[str, str]]) -> list[tuple[Task, Bound]]:
-        places = (f"{facts.name}, [[outside]]", facts.outside)
-        known = [*annotations, places, *more]
-        found = execution_times(
-            image.content, jobs=questions, annotations=known, timing=timing
-        ).jobs
-        return list(zip(tasks, found, strict=True))
-
+    places = (f"{facts.name}, [[outside]]", facts.outside)
+    bounded = partial(_jobs, image, facts, tasks, [*annotations, places], timing)
     jobs = bounded(())
+    stuck = [(task, job) for task, job in jobs if job.endless is not None]
+    if stuck:
+        background = background.with_never_waiting(stuck)
+        tasks = [task for task, job in jobs if job.endless is None]
+        bounded = partial(_jobs, image, facts, tasks, [*annotations, places], timing)
+        jobs = [pair for pair in jobs if pair[0] in tasks]
+    questions = [(body_of(image, facts, task), *WAITS[task.release]) for task in tasks]
     if facts.outside:
         stacks = [_stack_bytes(image, one, annotations) for one in questions]
         jobs = [(t, replace(j, stack_bytes=s)) for (t, j), s in zip(jobs, stacks, strict=True)]
-    for task, job in [*jobs, *background.threads]:
+    for task, job in [*jobs, *background.all_threads]:
         _check_ceilings(robot, job, task, objects)
     facts = with_operations(facts, jobs, bounded)
     blocking = interrupt_blocking(image, costs, events, kernel, releasing)

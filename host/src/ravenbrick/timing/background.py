@@ -2,16 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Background threads: a main procedure that goes on beside the tasks, and background tasks.
 
-They are less urgent than all other tasks and have no deadline, so they delay others only as any
-less urgent task does: by protected actions and masked services. One that waits for a time has the
-alarm called for it. While a task or handler is active, such a thread does not run, so it cannot
-set the alarm anew: at most one call comes in each busy period, which is a constant like blocking.
+They have no deadline. Less urgent than all other tasks, they delay others only as any less urgent
+task does: by protected actions and masked services. One that waits for a time has the alarm called
+for it. While a task or handler is active, such a thread does not run, so it cannot set the alarm
+anew: at most one call comes in each busy period, which is a constant like blocking.
+
+A thread that never waits again lets no task of its priority or a lower one run, under
+FIFO_Within_Priorities (Ada Reference Manual, D.2.3).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ravenbrick.image.elf import ElfImage
@@ -19,11 +22,27 @@ from ravenbrick.project.robot import Robot, Task
 from ravenbrick.timing.alarm import AlarmCosts
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
 from ravenbrick.timing.initial_state import ENVIRONMENT, main_rests
-from ravenbrick.timing.kernel import DELAY_UNTIL
+from ravenbrick.timing.kernel import DELAY_UNTIL, WAITING
 
-__all__ = ["NO_BACKGROUND", "Background", "background_of"]
+__all__ = [
+    "NO_BACKGROUND",
+    "Background",
+    "background_of",
+    "delayed_tasks",
+    "endless_words",
+    "main_symbol",
+    "never_waits",
+]
 
 MAIN = "_ada_"
+LOWEST_PRIORITY = (
+    "give it the lowest priority (pragma Priority (System.Priority'First) in its declarations, and "
+    "higher ones to all tasks), or end it with 'delay until Ada.Real_Time.Time_Last;'"
+)
+WAIT_IN_LOOP = (
+    "let it wait there for its next release, or declare it in robot.toml with "
+    'release = "background" and give it a lower priority than all other tasks'
+)
 
 
 @dataclass(frozen=True)
@@ -31,6 +50,16 @@ class Background:
     """Background threads with what bounds their effects on others."""
 
     threads: tuple[tuple[Task, Bound], ...] = ()
+    never_waiting: tuple[tuple[Task, Bound], ...] = ()
+
+    def with_never_waiting(self, tasks: Sequence[tuple[Task, Bound]]) -> Background:
+        """With tasks that stay in a loop and never wait."""
+        return replace(self, never_waiting=(*self.never_waiting, *tasks))
+
+    @property
+    def all_threads(self) -> tuple[tuple[Task, Bound], ...]:
+        """Those that tasks are no less urgent than, and those that keep tasks from running."""
+        return (*self.threads, *self.never_waiting)
 
     def alarm_cycles(self, alarm: AlarmCosts) -> int:
         """Calls of the alarm in a busy period."""
@@ -41,7 +70,8 @@ class Background:
 NO_BACKGROUND = Background()
 
 
-def _main_symbol(image: ElfImage) -> str:
+def main_symbol(image: ElfImage) -> str:
+    """Symbol of the main procedure. Raises `ExecutionTimeError` when it cannot be told."""
     found = [name for name in image.symbols if name.startswith(MAIN)]
     if len(found) == 1:
         return found[0]
@@ -66,21 +96,38 @@ def _main_thread(brick: Any) -> Task:
     )
 
 
-def _delayed(thread: Task, tasks: Sequence[Task]) -> str:
+def delayed_tasks(thread: Task, tasks: Sequence[Task]) -> str:
     """Tasks that do not run while a thread computes, in words; empty without any."""
-    least = [task for task in tasks if task.priority <= thread.priority]
+    least = [task for task in tasks if task.priority <= thread.priority and task != thread]
     return ", ".join(f"{task.name} (priority {task.priority})" for task in least)
 
 
-def _check_main(main: Task, tasks: Sequence[Task], image: ElfImage) -> None:
-    delayed = _delayed(main, tasks)
-    if delayed:
-        raise ExecutionTimeError(
-            f"{image.path}: the main procedure goes on beside the tasks at priority "
-            f"{main.priority} and does not let these run while it computes: {delayed}; give it the "
-            "lowest priority (pragma Priority (System.Priority'First) in its declarations, and "
-            "higher ones to all tasks), or end it with 'delay until Ada.Real_Time.Time_Last;'"
-        )
+def never_waits(bound: Bound) -> bool:
+    """Whether a thread neither ends nor calls anything in which it could wait."""
+    return bound.endless is not None and not WAITING & bound.reached
+
+
+def endless_words(thread: Task, line: str, tasks: Sequence[Task]) -> str:
+    """A thread that stays in a loop without a wait: where, whom it delays, what to change."""
+    is_main = thread.name == ENVIRONMENT
+    who = "the main procedure stays" if is_main else f"{thread.name} can stay"
+    where = f" at {line}" if line else ""
+    delayed = delayed_tasks(thread, tasks)
+    whom = f", and then none of these runs again: {delayed}" if delayed else ""
+    remedy = LOWEST_PRIORITY if is_main else WAIT_IN_LOOP
+    return (
+        f"{who} in the loop{where} for ever at priority {thread.priority}, without a wait"
+        f"{whom}; {remedy}"
+    )
+
+
+def _refuse_main(main: Task, delayed: str, image: ElfImage) -> ExecutionTimeError:
+    return ExecutionTimeError(
+        f"{image.path}: the main procedure goes on beside the tasks at priority "
+        f"{main.priority} and does not let these run while it computes: {delayed}; "
+        f"{LOWEST_PRIORITY}; if it waits in its own loop, declare it in robot.toml as the task "
+        f"'{ENVIRONMENT}'"
+    )
 
 
 def background_of(
@@ -94,14 +141,15 @@ def background_of(
     """Background threads of a program that `brick` has elaborated.
 
     Raises `ProjectFileError` for a background task that is as urgent as another task, and
-    `ExecutionTimeError` for a main procedure that is, and for critical sections without a bound.
+    `ExecutionTimeError` for a main procedure that is and does not go on for ever without a wait,
+    and for critical sections without a bound.
     """
     timed = [task for task in robot.tasks if task.release != "background"]
     threads, symbols = [], []
     for index, task in enumerate(robot.tasks):
         if task.release != "background":
             continue
-        if delayed := _delayed(task, timed):
+        if delayed := delayed_tasks(task, timed):
             raise robot.document.error(
                 ("tasks", index, "priority"),
                 f"is {task.priority}, and a background task does not let these run while it "
@@ -110,13 +158,17 @@ def background_of(
         threads.append(task)
         symbols.append(body_of(task))
     if robot.task(ENVIRONMENT) is None and not main_rests(brick):
-        main = _main_thread(brick)
-        _check_main(main, timed, image)
-        threads.append(main)
-        symbols.append(_main_symbol(image))
+        threads.append(_main_thread(brick))
+        symbols.append(main_symbol(image))
     if not threads:
         return NO_BACKGROUND
     found = execution_times(
         image.content, background=symbols, annotations=annotations, timing=timing
     )
-    return Background(tuple(zip(threads, found.background, strict=True)))
+    known = tuple(zip(threads, found.background, strict=True))
+    main, bound = known[-1]
+    if main.name != ENVIRONMENT or not (delayed := delayed_tasks(main, timed)):
+        return Background(known)
+    if not never_waits(bound):
+        raise _refuse_main(main, delayed, image)
+    return Background(known[:-1], known[-1:])

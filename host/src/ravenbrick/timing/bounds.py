@@ -46,7 +46,8 @@ class Bound:
 
     `critical_sections` are the longest ones (protected actions): urgency and cycles. `reached` are
     all functions that may be executed, `reached_inside` those that a job calls before it waits for
-    its next release in one of `released_by`. What runs in the background has no cycles.
+    its next release in one of `released_by`. What runs in the background has no cycles, nor has a
+    task that stays in a loop for ever without a wait, at the line `endless`.
     """
 
     symbol: str
@@ -58,6 +59,7 @@ class Bound:
     graph: dict[str, Any] | None = None
     reached_inside: frozenset[str] = frozenset()
     released_by: frozenset[str] = frozenset()
+    endless: str | None = None
 
     def longest_critical_section(self, above_urgency: int) -> int:
         """Longest critical section above an urgency, in cycles."""
@@ -122,7 +124,9 @@ def _check_questions(answers: Sequence[dict[str, Any]], facts: str) -> None:
         f"{symbols}: loops without a bound; say in {facts} how often each is repeated",
         detail="\n".join(questions),
     )
-    error.data = {"missing": missing}
+    endless = [(answer["symbol"], answer["endless"]) for answer in answers]
+    stuck = dict(found for found in endless if found[1] is not None)
+    error.data = {"missing": missing, **({"endless": stuck} if stuck else {})}
     raise error
 
 
@@ -140,6 +144,7 @@ def _bound(answer: dict[str, Any]) -> Bound:
         answer["graph"],
         frozenset(answer["reached_inside"]),
         frozenset(answer["released_by"]),
+        answer["endless"],
     )
 
 

@@ -29,6 +29,7 @@ __all__ = [
     "EVENT_RING",
     "INTERRUPT",
     "SUSPEND",
+    "WAITING",
     "InterruptCost",
     "Services",
     "entry_exit_cycles",
@@ -49,6 +50,8 @@ SUSPEND = "ada__synchronous_task_control__suspend_until_true"
 SET_TRUE = "ada__synchronous_task_control__set_true"
 SET_FALSE = "ada__synchronous_task_control__set_false"
 YIELD = "ada__dispatching__yield"
+# Operations in which a thread may give the processor to one that is no more urgent.
+WAITING = frozenset((DELAY_UNTIL, ENTRY_CALL, SUSPEND, YIELD))
 INTERRUPT = "ravenbrick_interrupt"
 RESUME = "resume"
 EVENTS = "ada__real_time__timing_events"

@@ -23,7 +23,7 @@ from ravenbrick.timing.background import Background
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError
 from ravenbrick.timing.events import EventCost
 from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, TransferLoad
-from ravenbrick.timing.initial_state import ALARM_SOURCE
+from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
 from ravenbrick.timing.interrupt_blocking import InterruptBlocking
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
 from ravenbrick.timing.suspension import suspension_of
@@ -42,6 +42,7 @@ __all__ = [
 ]
 
 PREEMPTION_BYTES = 68
+ENDLESS_PERIOD_US = 1_000_000
 # By one transfer of the data controller, by timing profile (`pdc_steal_cycles`).
 STOLEN_CYCLES = {"optimistic": 1, "nominal": 1, "pessimistic": 4}
 # Where a task waits for its next release, and where if its body does not wait there.
@@ -71,9 +72,16 @@ class TaskTiming:
     blocking: BlockingCause
 
     @property
+    def releases(self) -> int:
+        """How often it is released in a period: twice if by a time and by something else."""
+        other = self.job.released_by & {ENTRY_CALL, SUSPEND}
+        return 2 if other and DELAY_UNTIL in self.job.released_by else 1
+
+    @property
     def stack_bound_bytes(self) -> int | None:
-        """Deepest stack, with what a preemption saves."""
-        return deepest_stack(self.job)
+        """Deepest stack, with what a preemption saves; not known of the environment task, which
+        elaborates the program before."""
+        return None if self.task.name == ENVIRONMENT else deepest_stack(self.job)
 
 
 def deepest_stack(job: Bound) -> int | None:
@@ -138,6 +146,26 @@ def _scheduled_tasks(timings: Sequence[TaskTiming]) -> list[ScheduledTask]:
             )
         )
     return found
+
+
+def _second_releases(
+    timings: Sequence[TaskTiming], tasks: Sequence[ScheduledTask]
+) -> list[ScheduledTask]:
+    """Tasks that stand for second releases in a period."""
+    return [
+        replace(task, name=f"{task.name}, second release")
+        for timing, task in zip(timings, tasks, strict=True)
+        if timing.releases > 1
+    ]
+
+
+def _never_waiting(background: Background) -> list[ScheduledTask]:
+    """Threads that take all the time there is: more than a processor has."""
+    period = exact_cycles(ENDLESS_PERIOD_US)
+    return [
+        ScheduledTask(task.name, period, 2 * period, task.priority, release="sporadic")
+        for task, _ in background.never_waiting
+    ]
 
 
 def periods_us(tasks: Sequence[Task]) -> list[int]:
@@ -251,7 +279,7 @@ def scheduled_bounds(
 ) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
     """The tasks with their blocking, the task set, its overheads, and bounds by the task's name."""
     costs, kernel = blocking.handlers, blocking.kernel
-    below = [*jobs, *background.threads]
+    below = [*jobs, *background.all_threads]
 
     def cause(task: Task) -> BlockingCause:
         found = blocking_cause(task.priority, task.name, below, kernel)
@@ -274,13 +302,14 @@ def scheduled_bounds(
     interrupts += _alarms_inside(timings, alarm, level)
     interrupts += transfers
     tasks = _scheduled_tasks(timings)
-    task_set = TaskSet((*interrupts, *tasks))
+    more = [*_second_releases(timings, tasks), *_never_waiting(background)]
+    task_set = TaskSet((*interrupts, *tasks, *more))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
     for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
         others = _seen_by(timing, timings, tasks, bounds)
         if special is not None or others is not None:
-            seen = TaskSet((*(special or interrupts), *(others or tasks)))
+            seen = TaskSet((*(special or interrupts), *(others or tasks), *more))
             own = seen.task(timing.task.name)
             bounds[own.name] = response_time_bound(seen, own, overheads)
     return timings, task_set, overheads, bounds

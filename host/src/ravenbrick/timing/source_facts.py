@@ -3,15 +3,16 @@
 """Loop bounds that Ada sources state themselves.
 
 In a loop, `pragma Annotate (Ravenbrick, Iterations, 47, "why");` says that the statement has no
-more iterations for each entry. The compiler does nothing with it (GNAT Reference Manual, pragma
-Annotate). Which code is the statement's is decided where the code is known, so all statements are
-told, also those that say nothing.
+more iterations for each entry; with a device as one more argument, no more than robot.toml has
+ports with it, if these are fewer (but at least one). The compiler does nothing with it (GNAT
+Reference Manual, pragma Annotate). Which code is the statement's is decided where the code is
+known, so all statements are told, also those that say nothing.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,8 @@ __all__ = ["SourceLoop", "loop_statements", "source_facts", "statements_text"]
 PRAGMA = "pragma Annotate"
 TOKEN = re.compile(r'--[^\n]*|"(?:[^"\n]|"")*"|\'.\'|\w+|=>|[^\s\w]')
 FORM = re.compile(
-    r'pragma annotate \( ravenbrick , iterations , ([0-9][0-9_]*)(?: , ("(?:[^"]|"")*"))? \)\Z',
+    r"pragma annotate \( ravenbrick , iterations , ([0-9][0-9_]*)"
+    r'(?: , ("(?:[^"]|"")*")(?: , "(\w+)")?)? \)\Z',
     re.IGNORECASE,
 )
 OURS = re.compile(r"pragma annotate \( ravenbrick\b", re.IGNORECASE)
@@ -47,6 +49,7 @@ class SourceLoop:
     last: int = 0
     iterations: int | None = None
     reason: str = ""
+    device: str | None = None
     inner: list[SourceLoop] = field(default_factory=list)
 
     def lines(self) -> list[int]:
@@ -74,6 +77,7 @@ def _note(path: Path, line: int, words: list[str], open_loops: list[SourceLoop])
         raise ProjectFileError(path, line, PRAGMA, EXPECTED)
     open_loops[-1].iterations = int(found[1].replace("_", ""))
     open_loops[-1].reason = (found[2] or '""')[1:-1].replace('""', '"')
+    open_loops[-1].device = found[3]
 
 
 def loop_statements(path: Path, text: str) -> list[SourceLoop]:
@@ -120,19 +124,23 @@ def _source_files(image: ElfImage) -> list[Path]:
     return sorted(path for path in files if path.is_file())
 
 
-def statements_text(path: Path, loops: list[SourceLoop]) -> str:
-    """Loop statements as TOML for the execution-time analysis."""
+def statements_text(path: Path, loops: list[SourceLoop], devices: Collection[str] = ()) -> str:
+    """Loop statements as TOML for the execution-time analysis; `devices` are those of the ports."""
     rows: list[dict[str, Any]] = []
     for loop in loops:
         row: dict[str, Any] = {"file": path.name, "lines": loop.lines(), "depth": loop.depth}
         if loop.iterations is not None:
-            row |= {"iterations": loop.iterations, "reason": loop.reason}
+            most = loop.iterations
+            if loop.device is not None and devices:
+                most = min(most, max(1, list(devices).count(loop.device)))
+            row |= {"iterations": most, "reason": loop.reason}
         rows.append(row)
     return annotations_of({"statement": rows})
 
 
-def source_facts(image: ElfImage) -> list[tuple[str, str]]:
-    """What the image's sources say about their loops: names of files and TOML.
+def source_facts(image: ElfImage, devices: Collection[str] = ()) -> list[tuple[str, str]]:
+    """What the image's sources say about their loops: names of files and TOML. `devices` are those
+    of the robot's ports.
 
     Raises `ImageFileError` when a source with facts is newer than the image, and
     `ProjectFileError` for a pragma that is not understood.
@@ -146,7 +154,7 @@ def source_facts(image: ElfImage) -> list[tuple[str, str]]:
         loops = loop_statements(path, path.read_text("utf-8", errors="replace"))
         if any(loop.iterations is not None for loop in loops):
             _check_age(path, image)
-        found.append((str(path), statements_text(path, loops)))
+        found.append((str(path), statements_text(path, loops, devices)))
     return found
 
 

@@ -1,6 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Self-suspension inside jobs: where a job may wait, and for how long by the facts."""
+"""Self-suspension inside jobs: where a job may wait, and for how long by the facts.
+
+A sporadic task that waits in its own loop for an entry or suspension object and for a time is
+released by both. It is judged by the longest execution from any of these waits to the next one of
+the same kind, and taken to be released at most twice in each period, which every run checks.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +15,11 @@ from dataclasses import replace
 
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Task
-from ravenbrick.timing.bounds import Bound, ExecutionTimeError
+from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion
 from ravenbrick.timing.facts import Facts, Operation, Suspension, annotations_of
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND
 
-__all__ = ["suspension_of", "waits_inside", "with_operations"]
+__all__ = ["joined_releases", "suspension_of", "waits_inside", "with_operations"]
 
 # Cycles that stand for one wait where waits are counted: more than any job takes.
 WAIT = 10**12
@@ -25,6 +30,31 @@ Jobs = Sequence[tuple[Task, Bound]]
 def waits_inside(job: Bound) -> frozenset[str]:
     """Where a job may wait before its end, without operations whose suspension is a fact."""
     return job.reached_inside & {ENTRY_CALL, SUSPEND, DELAY_UNTIL}
+
+
+def joined_releases(
+    task: Task, job: Bound, body: str, asked: Callable[[JobQuestion], Bound]
+) -> Bound:
+    """The job of a sporadic task that a delay in its own loop releases too; other jobs as they are.
+
+    `asked` bounds the jobs of a question.
+    """
+    if task.release != "sporadic" or DELAY_UNTIL not in job.reached_inside:
+        return job
+    try:
+        timed = asked((body, (DELAY_UNTIL,), ()))
+    except ExecutionTimeError:
+        return job
+    urgencies = dict(sorted((*job.critical_sections, *timed.critical_sections)))
+    longer = timed if timed.cycles > job.cycles else job
+    return replace(
+        longer,
+        critical_sections=tuple(urgencies.items()),
+        reached=job.reached | timed.reached,
+        reached_inside=(job.reached_inside - {DELAY_UNTIL})
+        | (timed.reached_inside - job.released_by),
+        released_by=job.released_by | timed.released_by,
+    )
 
 
 def suspension_of(facts: Facts, task: Task, job: Bound) -> tuple[int, int]:

@@ -13,3 +13,4 @@ mod loop_forms;
 mod refusals;
 mod soundness;
 mod support;
+mod task_bodies;

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.background import never_waits
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import Facts
-from ravenbrick.timing.initial_state import ALARM_SOURCE
+from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
 from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
+from ravenbrick.trace.schedule import Job, all_jobs, cyclic_begin_cycles, jobs_of
 
 __all__ = [
     "Observed",
@@ -60,6 +61,14 @@ def _largest(found: TaskDynamics, column: str, chosen: NDArray[np.bool_]) -> int
     return int(getattr(found, column)[chosen].max())
 
 
+def _begin_cycles(robot: Robot, recording: Recording, task: str) -> int:
+    """The start of all tasks; what the environment task waits for before is elaboration."""
+    since = cyclic_begin_cycles(robot, recording)
+    if task.lower() != ENVIRONMENT:
+        return since
+    return max(since, *(jobs[0].release_cycles for jobs in all_jobs(recording) if jobs))
+
+
 def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np.bool_]:
     """Which completed jobs are released from an instant on, the first job left out."""
     names = [thread.name.lower() for thread in recording.threads]
@@ -91,12 +100,11 @@ def observe(robot: Robot, recording: Recording, transfer_cycles: int = 1) -> dic
     the data controller takes `transfer_cycles` (`STOLEN_CYCLES`)."""
     threads = {thread.name.lower(): thread for thread in recording.threads}
     result: dict[str, Observed] = {}
-    since = cyclic_begin_cycles(robot, recording)
     for found in task_dynamics(robot, recording):
         task = robot.task(found.name)
         if task is None:
             continue
-        chosen = _operating(recording, found.name, since)
+        chosen = _operating(recording, found.name, _begin_cycles(robot, recording, found.name))
         if not chosen.any():
             continue
         latency = found.release_latency_cycles[chosen]
@@ -119,7 +127,7 @@ def observe(robot: Robot, recording: Recording, transfer_cycles: int = 1) -> dic
 def worst_job(robot: Robot, recording: Recording, task: str) -> Job | None:
     """The job with the longest response time after the start of all tasks."""
     names = [thread.name.lower() for thread in recording.threads]
-    since = cyclic_begin_cycles(robot, recording)
+    since = _begin_cycles(robot, recording, task)
     jobs = jobs_of(recording, names.index(task.lower()))[1:]
     done = [
         job for job in jobs if job.response_time_cycles is not None and job.release_cycles >= since
@@ -183,8 +191,10 @@ def ratio(bound: int, observed: int) -> float | None:
 def exceeded(
     analysis: Analysis, observed: dict[str, Observed], long_run: dict[str, Any] | None = None
 ) -> list[str]:
-    """Observations above their bounds, in words: responses, net execution times and stacks."""
+    """Observations above their bounds, in words: responses, net execution times and stacks, and
+    jobs of tasks that a thread never lets run."""
     found = []
+    endless = [thread for thread in analysis.background.never_waiting if never_waits(thread[1])]
     for timing in analysis.tasks:
         name = timing.task.name
         seen = observed.get(name)
@@ -202,6 +212,9 @@ def exceeded(
         if long_run is not None and name in long_run["tasks"]:
             longest = long_run["tasks"][name]["response_time_cycles"]["max"]
             pairs.append(("in the long run a response time of", longest or 0, response))
+        held = [t.name for t, _ in endless if t.priority >= timing.task.priority]
+        if held and seen is not None:
+            found.append(f"{name} completed {seen.jobs} jobs, but {held[0]} never waits for it")
         found += [
             f"{name} showed {what} {value}, above its bound of {math.ceil(bound)}"
             for what, value, bound in pairs

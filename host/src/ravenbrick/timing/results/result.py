@@ -12,6 +12,7 @@ from ravenbrick.schedule.demand import window_of
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
 from ravenbrick.timing.analysis import Analysis, ModeBounds
+from ravenbrick.timing.background import endless_words
 from ravenbrick.timing.bounds import recursion_words
 from ravenbrick.timing.observation.observed import Observed, ratio
 from ravenbrick.timing.scheduled_tasks import TaskTiming, deepest_stack
@@ -25,6 +26,20 @@ ENOUGH = "all deadlines are met"
 def microseconds(cycles: Any) -> float:
     """Cycles as microseconds."""
     return float(cycles * 1_000_000 / MASTER_CLOCK.hertz)
+
+
+def _never_waiting(analysis: Analysis) -> list[dict[str, Any]]:
+    """Threads that stay in a loop without a wait, with what they do in words."""
+    timed = [timing.task for timing in analysis.tasks]
+    return [
+        {
+            "name": task.name,
+            "priority": task.priority,
+            "line": bound.endless,
+            "words": endless_words(task, bound.endless or "", timed),
+        }
+        for task, bound in analysis.background.never_waiting
+    ]
 
 
 def _up(cycles: Any) -> int | None:
@@ -112,17 +127,18 @@ def _response(analysis: Analysis, name: str) -> dict[str, Any]:
 def _stacks(analysis: Analysis) -> list[tuple[int | None, int]]:
     """Bound and size of each stack of a task or background thread, in bytes."""
     tasks = [(timing.stack_bound_bytes, timing.task.stack_bytes) for timing in analysis.tasks]
-    threads = analysis.background.threads
+    threads = analysis.background.all_threads
     return tasks + [(deepest_stack(job), task.stack_bytes) for task, job in threads]
 
 
 def _misses(analysis: Analysis) -> list[dict[str, Any]]:
     """Tasks, interrupts, events and transfers that can miss their deadlines, the most urgent
-    first. The deadline of a burst is the end of its window."""
+    first. The deadline of a burst is the end of its window. Of a task with two releases in a
+    period, each meets its deadline or none does."""
     tasks = {timing.task.name for timing in analysis.tasks}
     found = []
     for name, bound in analysis.bounds.items():
-        if bound.meets_deadline:
+        if bound.meets_deadline or (name not in tasks and bound.task.release != "interrupt"):
             continue
         window = window_of(analysis.task_set, bound.task, analysis.overheads)
         found.append(
@@ -184,6 +200,7 @@ def result_of(
             }
             for event in analysis.events
         ],
+        "never_waiting": _never_waiting(analysis),
         "background": [
             {
                 "name": task.name,
@@ -256,6 +273,8 @@ def _miss(miss: dict[str, Any]) -> str:
 
 
 def _deadline_lines(result: dict[str, Any]) -> list[str]:
+    if result["never_waiting"]:
+        return [thread["words"] for thread in result["never_waiting"]]
     lines = [_miss(miss) for miss in result["misses"]]
     for task in result["tasks"]:
         limit, own = task["execution_max_cycles"], task["execution_bound_cycles"]

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Several questions about one program, and their answers, for other programs.
 
-use crate::error::Error;
+use crate::error::{Error, Place};
 use crate::functions::effects::{collect_functions, effects, Effects, Endless};
+use crate::functions::endless_loop::endless_loop;
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::program::Program;
 use crate::inputs::annotations::Annotations;
@@ -13,7 +14,7 @@ use crate::queries::flow_points::{counted_facts, CountedFact};
 use crate::queries::known_memory::{KnownMemory, LineCount};
 use crate::queries::path_problem::PathGraph;
 use crate::queries::report::Report;
-use crate::queries::task_job::{bound_job, JobBound, Task};
+use crate::queries::task_job::{bound_job, JobBound, Task, TaskBody};
 use crate::queries::unmatched_facts::{unmatched_facts, UnmatchedFact};
 use crate::values::block_interpreter::BlockInterpreter;
 use crate::values::value::Value;
@@ -96,6 +97,9 @@ pub struct Answer {
     pub report: Option<Report>,
     /// Functions in which a task waits for its next release.
     pub released_by: Vec<String>,
+    /// File and line where a task can stay for ever in a loop without a wait, or where what runs
+    /// in the background stays, which never returns. A task's effects are those of the background.
+    pub endless: Option<String>,
     /// The graph of which the longest path is a path, if requested.
     pub graph: Option<PathGraph>,
     /// AnnotationFile lines executed by a call that nothing disturbs.
@@ -212,21 +216,28 @@ impl Answer {
             reached: names(program, &job.reached),
             reached_inside: names(program, &job.inside),
             released_by: names(program, &job.waits),
-            ..Self::bounded(program, symbol, (&job.bound, job.stack_bytes), with_graph)
+            ..Self::bounded(program, symbol, (&*job.bound, job.stack_bytes), with_graph)
         }
     }
 
     /// What runs in the background.
     fn background(program: &Program<'_>, symbol: &str) -> Self {
-        let found = program.function(symbol);
-        match found.and_then(|entry| effects(program, entry, Endless::Followed)) {
+        let found = program.function(symbol).and_then(|entry| {
+            let effects = effects(program, entry, Endless::Followed)?;
+            Ok((effects, endless_loop(program, entry)?))
+        });
+        match found {
             Err(error) => Self::refused(program, symbol, &error),
-            Ok(Effects {
-                sections,
-                functions,
-                stack_bytes,
-            }) => Self {
+            Ok((
+                Effects {
+                    sections,
+                    functions,
+                    stack_bytes,
+                },
+                endless,
+            )) => Self {
                 symbol: symbol.to_owned(),
+                endless: endless.as_ref().map(source_line),
                 stack_bytes,
                 critical_sections: sections.into_iter().collect(),
                 reached: names(program, &functions),
@@ -243,18 +254,22 @@ fn names(program: &Program<'_>, functions: &BTreeSet<u32>) -> Vec<String> {
         .collect()
 }
 
+/// File and line, empty when not known.
+fn source_line(place: &Place) -> String {
+    let line = place.line.as_ref();
+    line.map_or(String::new(), |(file, line)| format!("{file}:{line}"))
+}
+
 fn missing_bounds(error: &Error) -> Vec<MissingLoopBound> {
     let Error::MissingBounds(loops) = error else {
         return Vec::new();
     };
     let each = loops.iter().map(|found| {
         let symbol = found.place.symbol.as_ref().map_or("", |(name, _)| name);
-        let line = found.place.line.as_ref();
-        let line = line.map_or(String::new(), |(file, line)| format!("{file}:{line}"));
         MissingLoopBound {
             symbol: symbol.to_owned(),
             index: found.index,
-            line,
+            line: source_line(&found.place),
             lines: found.lines.clone(),
             callers: found.callers.clone(),
         }
@@ -326,7 +341,11 @@ impl Request {
         for task in &self.jobs {
             response.jobs.push(match bound_job(&program, task) {
                 Err(error) => Answer::refused(&program, &task.body, &error),
-                Ok(job) => Answer::job(&program, &task.body, &job, self.graphs),
+                Ok(TaskBody::Jobs(job)) => Answer::job(&program, &task.body, &job, self.graphs),
+                Ok(TaskBody::Endless(place)) => Answer {
+                    endless: Some(source_line(&place)),
+                    ..Answer::background(&program, &task.body)
+                },
             });
         }
         let background = self.background.iter();

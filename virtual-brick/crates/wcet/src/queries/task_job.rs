@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Bounds of a task's jobs: its body is a loop that never ends, cut at the calls in which it waits
-//! for its next release. A job is what lies between two of them, the second included.
+//! for its next release. A job is what lies between two of them, the second included. The body of a
+//! task that ends without a wait is one job.
 
-use crate::error::Error;
+use crate::error::{Error, Place};
 use crate::functions::bound::bound_summary;
 use crate::functions::effects::{collect_functions, effects, Endless};
-use crate::functions::function_bound::FunctionBound;
+use crate::functions::endless_loop::endless_loop;
+use crate::functions::function_bound::{BoundOrigin, FunctionBound};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
 use crate::graph::control_flow::Target;
@@ -14,10 +16,11 @@ use crate::graph::loop_forest::LoopForest;
 use crate::graph::subgraph::Subgraph;
 use crate::inputs::image::Entry;
 use crate::paths::critical_section::{merge, CriticalSections};
-use crate::values::block_interpreter::BlockInterpreter;
+use crate::values::block_interpreter::{any_arguments, BlockInterpreter};
 use crate::values::state::State;
 use serde::Deserialize;
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
 /// The jobs of a task.
 #[derive(Clone, Debug, Deserialize)]
@@ -35,7 +38,7 @@ pub struct Task {
 /// Bounds of a task.
 pub struct JobBound {
     /// The longest job, the call in which the task waits included.
-    pub bound: FunctionBound,
+    pub bound: Rc<FunctionBound>,
     /// Functions that some job may execute.
     pub reached: BTreeSet<u32>,
     /// Those that a job calls before it waits; what happens in those whose suspension is a fact is
@@ -47,8 +50,16 @@ pub struct JobBound {
     pub stack_bytes: Option<u32>,
 }
 
+/// What a task's body does.
+pub enum TaskBody {
+    /// It has jobs.
+    Jobs(JobBound),
+    /// It can stay for ever in a loop without a wait, which begins here.
+    Endless(Place),
+}
+
 /// Bounds the jobs of a task.
-pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<JobBound, Error> {
+pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> {
     let entry = program.function(&task.body)?;
     let summary = program.summary(entry, entry.0)?;
     let mut found = waits_of(program, &summary, &task.waits);
@@ -56,18 +67,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<JobBound, Error> 
         found = waits_of(program, &summary, &task.otherwise);
     }
     if found.is_empty() {
-        let names: Vec<&str> = task
-            .waits
-            .iter()
-            .chain(&task.otherwise)
-            .map(String::as_str)
-            .collect();
-        return Err(Error::Input(format!(
-            "{}: the task '{}' calls none of {} in its own loop; wait there for its next release",
-            program.image.place(entry.0),
-            task.body,
-            names.join(", ")
-        )));
+        return body_without_waits(program, task, entry, summary.returns);
     }
     let waiting: Vec<usize> = found.iter().map(|(block, _)| *block).collect();
     let callees: BTreeSet<Entry> = found.into_iter().flat_map(|(_, called)| called).collect();
@@ -77,6 +77,10 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<JobBound, Error> 
     for block in &waiting {
         for (start, state) in resume_points(program, &summary, *block) {
             let bound = bound_one_job(program, entry, &summary, &waiting, start, state)?;
+            let mut loops = bound.loops.iter();
+            if let Some(endless) = loops.find(|found| found.origin == BoundOrigin::NotNeeded) {
+                return Ok(TaskBody::Endless(program.image.place(endless.address)));
+            }
             merge(&mut sections, &bound.sections);
             collect_functions(&bound, &|_| false, &mut reached);
             let calls = bound.blocks.iter().flat_map(|block| &block.calls);
@@ -93,16 +97,54 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<JobBound, Error> 
         }
     }
     let longest = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
-    Ok(JobBound {
+    Ok(TaskBody::Jobs(JobBound {
         stack_bytes: effects(program, entry, Endless::EndsProgram)?.stack_bytes,
         reached,
         inside,
         waits: callees.iter().map(|callee| callee.0).collect(),
-        bound: FunctionBound {
+        bound: Rc::new(FunctionBound {
             sections,
             ..longest
-        },
-    })
+        }),
+    }))
+}
+
+/// A body that waits for no release of its own: it ends, or it is a loop without a wait.
+fn body_without_waits(
+    program: &Program<'_>,
+    task: &Task,
+    entry: Entry,
+    returns: bool,
+) -> Result<TaskBody, Error> {
+    if returns {
+        let bound = program.bound(entry, &any_arguments())?;
+        let (mut reached, mut inside) = (BTreeSet::new(), BTreeSet::new());
+        let suspends = |entry| program.facts.added_cycles(entry).is_some();
+        collect_functions(&bound, &|_| false, &mut reached);
+        collect_functions(&bound, &suspends, &mut inside);
+        return Ok(TaskBody::Jobs(JobBound {
+            stack_bytes: bound.stack_bytes,
+            reached,
+            inside,
+            waits: BTreeSet::new(),
+            bound,
+        }));
+    }
+    let names = [&task.waits[..], &task.otherwise[..]].concat();
+    let reached = effects(program, entry, Endless::Followed)?.functions;
+    let mut waits = names.iter().filter_map(|name| program.image.function(name));
+    if !waits.any(|wait| reached.contains(&wait.0)) {
+        let place = endless_loop(program, entry)?;
+        return Ok(TaskBody::Endless(
+            place.unwrap_or_else(|| program.image.place(entry.0)),
+        ));
+    }
+    Err(Error::Input(format!(
+        "{}: the task '{}' calls none of {} in its own loop; wait there for its next release",
+        program.image.place(entry.0),
+        task.body,
+        names.join(", ")
+    )))
 }
 
 /// Blocks that call some of these functions, with those they call.
