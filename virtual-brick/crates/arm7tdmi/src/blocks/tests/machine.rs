@@ -72,10 +72,37 @@ pub fn assert_as_reference(opcodes: &[u32], cpu: &Cpu, machine: &Machine) {
 }
 
 impl Machine {
+    fn aligned(address: u32, width: Width) -> bool {
+        match width {
+            Width::Byte => true,
+            Width::Halfword => address & 1 == 0,
+            Width::Word => address & 3 == 0,
+        }
+    }
+
     fn index(&self, address: u32, width: Width) -> Option<usize> {
-        let aligned = address & (width as u32) == 0 || width == Width::Word && address & 3 == 0;
         let index = address as usize / 4;
-        (aligned && index < WORDS).then_some(index)
+        (Self::aligned(address, width) && index < WORDS).then_some(index)
+    }
+
+    /// The bytes of an access within their word, as a shift and a mask.
+    fn lane(address: u32, width: Width) -> (u32, u32) {
+        match width {
+            Width::Byte => (8 * (address & 3), 0xFF),
+            Width::Halfword => (8 * (address & 2), 0xFFFF),
+            Width::Word => (0, u32::MAX),
+        }
+    }
+
+    fn value(&self, index: usize, address: u32, width: Width) -> u32 {
+        let (shift, mask) = Self::lane(address, width);
+        self.words[index] >> shift & mask
+    }
+
+    fn set_value(&mut self, index: usize, address: u32, width: Width, value: u32) {
+        let (shift, mask) = Self::lane(address, width);
+        let word = &mut self.words[index];
+        *word = *word & !(mask << shift) | (value & mask) << shift;
     }
 
     fn words_at(&self, address: u32, count: u32) -> Option<std::ops::Range<usize>> {
@@ -96,20 +123,24 @@ impl Bus for Machine {
         Ok((word >> (8 * (address & 2))) as u16)
     }
 
-    fn read(&mut self, address: u32, _width: Width, _: Cycle) -> Result<u32, Abort> {
-        self.now += 1;
-        let word = self.words.get(address as usize / 4);
-        Ok(word.map_or(self.now as u32, |&word| word))
-    }
-
-    fn write(&mut self, address: u32, _: Width, value: u32, _: Cycle) -> Result<(), Abort> {
+    fn read(&mut self, address: u32, width: Width, _: Cycle) -> Result<u32, Abort> {
         self.now += 1;
         let index = address as usize / 4;
-        let Some(word) = self.words.get_mut(index) else {
+        Ok(if index < WORDS {
+            self.value(index, address, width)
+        } else {
+            self.now as u32
+        })
+    }
+
+    fn write(&mut self, address: u32, width: Width, value: u32, _: Cycle) -> Result<(), Abort> {
+        self.now += 1;
+        let index = address as usize / 4;
+        if index >= WORDS {
             self.event = u64::from(value);
             return Ok(());
-        };
-        *word = value;
+        }
+        self.set_value(index, address, width, value);
         if std::mem::take(&mut self.marks[index]) != 0 {
             self.changes.push(2 * index as u32);
         }
@@ -180,13 +211,16 @@ impl BlockBus for Machine {
     }
 
     fn ram_read(&self, address: u32, width: Width) -> Option<u32> {
-        self.index(address, width).map(|index| self.words[index])
+        let index = self.index(address, width)?;
+        Some(self.value(index, address, width))
     }
 
     fn ram_write(&mut self, address: u32, width: Width, value: u32) -> bool {
         let index = self.index(address, width);
         let plain = index.filter(|&index| self.marks[index] == 0);
-        plain.map(|index| self.words[index] = value).is_some()
+        plain
+            .map(|index| self.set_value(index, address, width, value))
+            .is_some()
     }
 
     fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead> {
@@ -207,9 +241,10 @@ impl BlockBus for Machine {
     }
 
     fn access_between(&self, address: u32, width: Width, _: bool, _: u32) -> BusAccess {
-        match self.index(address, width) {
-            None if address >= DEVICE => BusAccess::KeepsMemory,
-            _ => BusAccess::Refused,
+        if address >= DEVICE && Self::aligned(address, width) {
+            BusAccess::KeepsMemory
+        } else {
+            BusAccess::Refused
         }
     }
 

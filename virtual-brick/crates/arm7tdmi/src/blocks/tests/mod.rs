@@ -6,5 +6,6 @@
 mod execution;
 mod invalidation;
 mod machine;
+mod random_programs;
 mod regions;
 mod translation;
