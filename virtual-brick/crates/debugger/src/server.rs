@@ -15,6 +15,9 @@ use crate::target::DebugTarget;
 
 /// How long a look at the caller's wish to stop may be late.
 const PATIENCE: Duration = Duration::from_millis(50);
+/// What GDB begins with: an acknowledgement, a packet, or an interruption. Any site can have a
+/// browser send a request with packets in it to this port.
+const FIRST_BYTES: &[u8] = b"+-$\x03";
 /// GDB takes packets of a few hundred bytes at least.
 const CONSOLE_PIECE_BYTES: usize = 128;
 
@@ -170,6 +173,7 @@ struct Link<'a> {
     stream: TcpStream,
     received: Vec<u8>,
     taken: usize,
+    begun: bool,
     outgoing: Vec<u8>,
     stop: &'a dyn Fn() -> bool,
 }
@@ -183,6 +187,7 @@ impl<'a> Link<'a> {
             stream,
             received: Vec::new(),
             taken: 0,
+            begun: false,
             outgoing: Vec::new(),
             stop,
         })
@@ -204,7 +209,12 @@ impl<'a> Link<'a> {
                 ErrorKind::UnexpectedEof,
                 "GDB closed the connection",
             )),
+            Ok(_) if !self.begun && !FIRST_BYTES.contains(&buffer[0]) => Err(io::Error::new(
+                ErrorKind::InvalidData,
+                "what connected is no GDB",
+            )),
             Ok(count) => {
+                self.begun = true;
                 self.received = buffer[..count].to_vec();
                 self.taken = 0;
                 Ok(true)

@@ -106,3 +106,22 @@ fn the_caller_can_end_the_wait_and_a_session_under_way() {
         assert!(matches!(end, Some(SessionEnd::Broken(why)) if why.contains("told to stop")));
     });
 }
+
+#[test]
+fn a_packet_in_the_request_of_a_browser_is_not_read() {
+    let server = listen();
+    let address = server.address();
+    let post = thread::spawn(move || {
+        let mut stream = TcpStream::connect(address).unwrap();
+        let mut request = b"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n".to_vec();
+        request.extend(packet(format!("M{TEXT:x},1:00").as_bytes()));
+        stream.write_all(&request).unwrap();
+        // The session ends first.
+        let _ = stream.read_to_end(&mut Vec::new());
+    });
+    let mut target = target();
+    let end = server.serve_one(&mut target, &|| false).unwrap();
+    assert!(matches!(end, Some(SessionEnd::Broken(why)) if why.contains("no GDB")));
+    post.join().unwrap();
+    assert_eq!(target.into_brick().read_memory(TEXT, 1).unwrap(), b"h");
+}
