@@ -44,6 +44,7 @@ COMMANDS = {
     "debug": "Debug the program with GDB, forwards and backwards in time.",
     "demo": "Design, generate, build, run every scenario, measure, and write the report.",
     "design": "Run design.py: tune, discretise, simulate, and generate the controller's C.",
+    "diagram": "Draw a block diagram, beside its C or alone, or save it as text.",
     "doctor": "Check the toolchain, the Python modules and the connection to a real brick.",
     "export": "Convert a recording for Perfetto, GTKWave, Surfer, Foxglove, CSV or Parquet.",
     "firmware": "Test a firmware image: buttons, LCD text, motors, USB and Bluetooth clients.",

@@ -12,8 +12,9 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
+from ravenbrick.cli.diagram import DRAWN, write_drawn
 from ravenbrick.codegen import generate_c
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.image.controller_origin import replace_controller
 from ravenbrick.simulink import ModelSource, import_model, read_workspace
 from ravenbrick.simulink.numbers import Variables, Workspace
@@ -83,8 +84,14 @@ def import_command(
     name: Annotated[
         str, typer.Option(help="Name of the C model (default: that of the file or subsystem).")
     ] = "",
+    picture: Annotated[
+        Path | None,
+        typer.Option(help="Picture of the diagram (.svg), or a page with it and the C (.html)."),
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
+    if picture is not None and picture.suffix not in DRAWN:
+        raise UsageError(f"--picture {picture}: expected a file that ends with .svg or .html")
     if model.suffix in (".c", ".h") or (model.is_dir() and any(model.glob("*.h"))):
         folder = model if model.is_dir() else model.parent
         raise UsageError(
@@ -109,6 +116,9 @@ def import_command(
     with reporter.step("generate C"):
         files = generate_c(diagram, only_used=True).files
         replace_controller(output, "import", model, files)
+    if picture is not None:
+        write_drawn(diagram, picture)
+        reporter.print(f"picture: {shown_path(picture)}")
     return {
         "model": str(model),
         "subsystem": found.subsystem,

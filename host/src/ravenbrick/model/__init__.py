@@ -87,6 +87,7 @@ from ravenbrick.model.simulation.plants import linear_plant, motor_plant, vehicl
 from ravenbrick.model.simulation.recording import Recording, Signal
 from ravenbrick.model.structure.signals import BusCreator, BusSelector, Demux, Mux
 from ravenbrick.model.structure.subsystem import Subsystem
+from ravenbrick.model.structure.text_file import diagram_text, load_diagram, read_diagram
 from ravenbrick.model.structure.units import UnitConversion
 from ravenbrick.model.zero_pole_gain import ZeroPoleGain
 
@@ -177,11 +178,14 @@ __all__ = [
     "check_fidelity",
     "continuous_transfer_function",
     "diagram_svg",
+    "diagram_text",
     "fidelity",
     "linear_plant",
     "linear_system",
     "linearise",
+    "load_diagram",
     "motor_plant",
+    "read_diagram",
     "state_space_block",
     "to_fixed_point",
     "transfer_function_block",

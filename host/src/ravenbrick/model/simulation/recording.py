@@ -80,6 +80,16 @@ class Recording(Mapping[str, Signal]):
                 found[self[pattern].path] = self[pattern]
         return list(found.values())
 
+    def ranges(self, name: str) -> dict[str, str]:
+        """By path in the diagram `name`: least, largest and last value, for `diagram_svg`."""
+        found = {}
+        for path, signal in self.signals.items():
+            whole, _, own = path.partition("/")
+            if whole == name and len(signal.values):
+                low, high, last = signal.values.min(), signal.values.max(), signal.values[-1]
+                found[own] = f"{low:.4g} to {high:.4g} {signal.unit}, at the end {last:.4g}"
+        return found
+
     def plot(self, *patterns: str) -> Figure:
         """Signals over the time, those of one unit in one axis; events are marked below."""
         from matplotlib.figure import Figure  # slow to load

@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`ravenbrick diagram` as people and scripts call it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from ravenbrick.cli.app import app
+from ravenbrick.codegen.diagram_page import lines_of_blocks
+from ravenbrick.errors import ExitCode
+
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
+DESIGN = f"{EXAMPLES / 'vehicle' / 'design.py'}:design"
+
+
+def invoke(*arguments: object) -> Any:
+    """Run the command."""
+    return CliRunner().invoke(app, ["diagram", *map(str, arguments)])
+
+
+def test_a_design_becomes_picture_page_and_text(tmp_path: Path) -> None:
+    """The text, read again, gives the same picture."""
+    files = [tmp_path / f"d.{suffix}" for suffix in ("svg", "html", "toml")]
+    done = invoke(DESIGN, *(f"--out={path}" for path in files), "--json")
+    assert done.exit_code == ExitCode.OK, done.output
+    assert json.loads(done.output)["blocks"] == 12
+    again = tmp_path / "again.svg"
+    assert invoke(files[2], "--out", again).exit_code == ExitCode.OK
+    assert again.read_text() == files[0].read_text()
+    page = files[1].read_text()
+    assert '<span data-blocks="Cut_Off">  Cut_Off = Saturated - Demand;</span>' in page
+    assert '<g class="block" data-blocks="Cut_Off"' in page
+
+
+def test_lines_of_c_belong_to_the_block_of_the_comment_above() -> None:
+    """Until the next one, or the end of the function."""
+    source = "{\n  /* Gain: '<Root>/A' */\n  A = 2.0F * u;\n\n  /* Sum: '<Root>/B' */\n  B = A;\n}"
+    assert lines_of_blocks(source) == ["", "A", "A", "", "B", "B", ""]
+
+
+def test_a_simulink_model_is_drawn(tmp_path: Path) -> None:
+    """With the names of its blocks."""
+    picture = tmp_path / "figure.svg"
+    done = invoke(EXAMPLES / "paper" / "models" / "figure4.slx", "--out", picture)
+    assert done.exit_code == ExitCode.OK, done.output
+    assert "PI_Controller" in picture.read_text()
+
+
+@pytest.mark.parametrize(
+    ("source", "out", "sentence"),
+    [
+        ("missing.toml", "d.svg", "missing.toml: there is no such file"),
+        (DESIGN, "d.png", "expected a file that ends with .svg, .html, .toml"),
+        (DESIGN.replace(":design", ":other"), "d.svg", "name a diagram, such as"),
+        (DESIGN.replace(":design", ":PROJECT"), "d.svg", "is no diagram, but PosixPath"),
+    ],
+)
+def test_wrong_sources_are_explained(source: str, out: str, sentence: str, tmp_path: Path) -> None:
+    """In one sentence."""
+    done = invoke(source, "--out", tmp_path / out)
+    assert done.exit_code != ExitCode.OK
+    assert sentence in " ".join(done.output.split())
