@@ -9,13 +9,23 @@ from collections.abc import Callable
 from types import FrameType
 
 from ravenbrick.codegen import generate_c
-from ravenbrick.model import Diagram, Execution, Gain, Inport, Outport, Saturation, Sum, UnitDelay
+from ravenbrick.model import (
+    Block,
+    Diagram,
+    Execution,
+    Gain,
+    Inport,
+    Outport,
+    Saturation,
+    Sum,
+    UnitDelay,
+)
 
 
 def chain(count: int) -> Diagram:
     """`count` loops of sum, gain, limit and delay in a row."""
     d = Diagram("large", 0.001)
-    last = d.add(Inport("u"))
+    last: Block = d.add(Inport("u"))
     for number in range(count):
         total, gain = d.add(Sum(f"S{number}", signs="+-")), d.add(Gain(f"G{number}", gain=0.5))
         limit, delay = d.add(Saturation(f"L{number}", limit=9.0)), d.add(UnitDelay(f"Z{number}"))

@@ -12,6 +12,7 @@ from ravenbrick.atomic_write import atomic_write
 from ravenbrick.report.page import Figure, Figures, milliseconds, page, percent
 from ravenbrick.report.plots.path import path_drawing
 from ravenbrick.report.plots.step_response import step_drawing
+from ravenbrick.report.plots.style import data_uri
 from ravenbrick.report.run_section import compared, run_section
 from ravenbrick.trace.design import Response
 from ravenbrick.trace.motion import SPEED_FILTER, StepMeasures
@@ -131,6 +132,12 @@ def _memory(evidence: Evidence) -> dict[str, Any]:
     return {"memory": memory, "stacks": stacks, "memory_parts": rows}
 
 
+def _controller(evidence: Evidence) -> str:
+    """The picture of the designed controller for an `src` attribute, in which no script runs."""
+    drawn = evidence.design.diagram if evidence.design else ""
+    return data_uri(drawn.encode(), "image/svg+xml") if drawn else ""
+
+
 def _page(evidence: Evidence, figures: Figures) -> str:
     return page(
         "run_report.html",
@@ -139,6 +146,7 @@ def _page(evidence: Evidence, figures: Figures) -> str:
         main=evidence.main.scenario.name,
         same_digest_twice=evidence.same_digest_twice,
         key_figures=_key_figures(evidence),
+        controller=_controller(evidence),
         step=_step(evidence, figures),
         comparison=_comparison(evidence, figures),
         sections=[run_section(run, evidence, figures) for run in evidence.runs],

@@ -41,12 +41,16 @@ class Estimator:
 
 @dataclass(frozen=True)
 class Design:
-    """Continuous design, sampled simulation, and the figures of the design by name."""
+    """Continuous design, sampled simulation, and the figures of the design by name.
+
+    `diagram` is the controller's picture (SVG), empty if design.py left none.
+    """
 
     continuous: Response
     sampled: Response
     figures: Mapping[str, float]
     estimators: tuple[Estimator, ...]
+    diagram: str = ""
 
 
 def _response(table: Mapping[str, Any]) -> Response:
@@ -70,6 +74,7 @@ def read_design(path: Path) -> Design:
             sampled=_response(content["sampled"]),
             figures=content["figures"],
             estimators=tuple(_estimator(table) for table in content.get("estimators", [])),
+            diagram=str(content.get("diagram", "")),
         )
     except FileNotFoundError:
         raise DesignError(f"{path}: there is no design yet; run 'ravenbrick design'") from None

@@ -27,7 +27,14 @@ from ravenbrick.control.estimation.estimator import LoopSpecification
 from ravenbrick.control.synthesis.controller import pi_diagram
 from ravenbrick.control.synthesis.tuning import DiscretePi, PiGains
 from ravenbrick.errors import DesignError
-from ravenbrick.model import Diagram, Encoder, IntegrationMethod, SpeedLoop, linear_system
+from ravenbrick.model import (
+    Diagram,
+    Encoder,
+    IntegrationMethod,
+    SpeedLoop,
+    diagram_svg,
+    linear_system,
+)
 from ravenbrick.model.fidelity import TOLERANCE, as_held, fidelity
 from ravenbrick.model.lazy import linalg
 
@@ -204,6 +211,7 @@ class Design:
             "estimators": [comparison.row() for comparison in self.estimators],
             "loop": self.designed_loop.written(),
             "fidelity": self.fidelity(),
+            "diagram": diagram_svg(self.controller),
         }
 
     def fidelity(self) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.control.design.design_plots import written_system
-from ravenbrick.model import Diagram, fidelity
+from ravenbrick.model import Diagram, diagram_svg, fidelity
 from ravenbrick.model.lazy import control
 
 __all__ = ["write_loop_results"]
@@ -45,9 +45,9 @@ def write_loop_results(
     """Write figures and unit step responses of a continuous and a sampled closed loop as JSON.
 
     `open_loop`, if given, is for the frequency response and the root locus; `controller` is what
-    runs: its blocks with the numbers as held are compared with the design. Each loop has one input
-    and one output and must be at rest after `duration` (s): settling time (2 %) and overshoot are
-    taken from the samples against the last one.
+    runs: its blocks with the numbers as held are compared with the design, and drawn. Each loop has
+    one input and one output and must be at rest after `duration` (s): settling time (2 %) and
+    overshoot are taken from the samples against the last one.
     """
     continuous, sampled = (_response(loop, duration) for loop in loops)
     results: dict[str, object] = {
@@ -60,4 +60,5 @@ def write_loop_results(
         results["loop"] = {"open_loop": written_system(control.ss(open_loop))}
     if controller is not None:
         results["fidelity"] = {"blocks": fidelity(controller).rows()}
+        results["diagram"] = diagram_svg(controller)
     atomic_write(path, json.dumps(results, indent=1) + "\n")

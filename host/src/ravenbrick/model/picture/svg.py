@@ -23,12 +23,13 @@ _NAME = 13.0
 _RATES = ("#222222", "#4477aa", "#228833", "#aa3377", "#ccbb44", "#66ccee")
 _CONTINUOUS = "#cc5500"
 _STYLE = """
-text { font-family: 'DejaVu Sans', Verdana, sans-serif; font-size: 11px; fill: #222; }
-.name { font-size: 10px; fill: #555; } .port { font-size: 9px; fill: #555; }
-.title { font-size: 13px; font-weight: bold; }
-.block > :first-child { fill: #fff; stroke-width: 1.3; } .system > :first-child { fill: #f3f6fa; }
-.line { fill: none; stroke-width: 1.2; } .line:hover { stroke-width: 3; }
-.block:hover > :first-child, .chosen > :first-child { fill: #fff3c4; }
+.diagram text { font-family: 'DejaVu Sans', Verdana, sans-serif; font-size: 11px; fill: #222; }
+.diagram .name { font-size: 10px; fill: #555; } .diagram .port { font-size: 9px; fill: #555; }
+.diagram .title { font-size: 13px; font-weight: bold; }
+.diagram .block > :first-child { fill: #fff; stroke-width: 1.3; }
+.diagram .system > :first-child { fill: #f3f6fa; }
+.diagram .line { fill: none; stroke-width: 1.2; } .diagram .line:hover { stroke-width: 3; }
+.diagram .block:hover > :first-child, .diagram .chosen > :first-child { fill: #fff3c4; }
 """.strip()
 
 
@@ -49,8 +50,8 @@ def diagram_svg(diagram: Diagram, values: Mapping[str, str] | None = None) -> st
         width, y = max(width, w), y + h
     legend_width, y = painter.legend(y)
     width = max(width, legend_width) + 2 * _MARGIN
-    head = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{y:.0f}" '
-            f'viewBox="0 0 {width:.0f} {y:.0f}" role="img" '
+    head = ('<svg xmlns="http://www.w3.org/2000/svg" class="diagram" '
+            f'width="{width:.0f}" height="{y:.0f}" viewBox="0 0 {width:.0f} {y:.0f}" role="img" '
             f'aria-label="Block diagram {escape(diagram.name)}">')  # fmt: skip
     background = '<rect width="100%" height="100%" fill="#fff"/>'
     return "\n".join([head, f"<style>{_STYLE}</style>", background, *painter.parts, "</svg>", ""])
