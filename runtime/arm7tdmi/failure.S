@@ -3,7 +3,7 @@
 
 /* The end of a program that failed: the application's hook, if any, is told the place, then
    a second one, if any, has the processor for good; without it the processor halts. Interrupts
-   stay masked. Processor exceptions end here, too. */
+   stay masked, the fast one too. Processor exceptions and the watchdog end here. */
 
 #include "layout.h"
 
@@ -28,8 +28,19 @@ ravenbrick_prefetch_abort:
         ldr     r0, =prefetch_text
         b       __gnat_last_chance_handler
 ravenbrick_data_abort:
+        mrs     r0, spsr
+        and     r0, r0, #MODE_MASK
+        cmp     r0, #MODE_FIQ
+        beq     watchdog_expired
         sub     r1, lr, #8
         ldr     r0, =data_text
+        b       __gnat_last_chance_handler
+
+/* The fast interrupt, see interrupt.S. Its link register is 4 above the interrupted instruction. */
+watchdog_expired:
+        msr     cpsr_c, #(MODE_FIQ | ALL_MASKED)
+        sub     r1, lr, #4
+        ldr     r0, =watchdog_text
         b       __gnat_last_chance_handler
 
 /* r0: address of a file name or a message that ends with NUL; r1: line, or code address of a
@@ -37,7 +48,7 @@ ravenbrick_data_abort:
         .global __gnat_last_chance_handler
         .type   __gnat_last_chance_handler, %function
 __gnat_last_chance_handler:
-        msr     cpsr_c, #(MODE_SUPERVISOR | IRQ_MASKED)
+        msr     cpsr_c, #(MODE_SUPERVISOR | ALL_MASKED)
         ldr     sp, =ravenbrick_handler_stack_top
         mov     r3, #KERNEL
         ldr     r3, [r3, #KERNEL_CURRENT]
@@ -66,6 +77,7 @@ undefined_text: .asciz  "undefined instruction"
 software_text:  .asciz  "software interrupt"
 prefetch_text:  .asciz  "prefetch abort"
 data_text:      .asciz  "data abort"
+watchdog_text:  .asciz  "watchdog expired"
 
 /* Where the program failed: text, line, the current thread or handler, the protected object of a
    ceiling violation, and 1 as soon as the hook was told. The text is zero while the program has not

@@ -1,8 +1,11 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors */
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* Exception vectors with the interrupt entry and exit right behind them: there is no fast
-   interrupt whose vector would be in the way. The start-up copies all of it to the beginning of
+/* Exception vectors with the interrupt entry and exit right behind them. The vector of the fast
+   interrupt falls on the entry's second instruction. Only the watchdog requests it, to end the
+   program. The stack pointer of FIQ mode points to where there is no memory, so that this
+   instruction becomes a data abort, which failure.S takes for the watchdog. A branch in its place
+   would cost each interrupt 3 cycles. The start-up copies all of it to the beginning of
    the RAM, where it runs at address 0; only the first vector, the entry point of the image, is
    also used in place. Nothing here may refer to other code relative to itself.
 

@@ -7,11 +7,13 @@
 #define MODE_SYSTEM_BITS 0x1F
 #define MODE_SUPERVISOR_BITS 0x13
 
-/* The fast interrupt has no source on this board and stays masked */
-#define MODE_IRQ (0x12 | 0x40)
-#define MODE_SUPERVISOR (0x13 | 0x40)
-#define MODE_SYSTEM (0x1F | 0x40)
+/* The fast interrupt is the watchdog's: never masked before the program has failed */
+#define MODE_FIQ 0x11
+#define MODE_IRQ 0x12
+#define MODE_SUPERVISOR 0x13
+#define MODE_SYSTEM 0x1F
 #define IRQ_MASKED 0x80
+#define ALL_MASKED 0xC0
 
 /* Ravenbrick.Threads.Thread */
 #define THREAD_ACTIVE 0

@@ -7,10 +7,14 @@
 
         .arm
 /* Supervisor mode, interrupts masked by us; the loader's stack is not used */
+#define NO_MEMORY 0x00800000
+
         .section .text.start, "ax"
         .global ravenbrick_reset
         .type   ravenbrick_reset, %function
 ravenbrick_reset:
+        msr     cpsr_c, #(MODE_FIQ | ALL_MASKED)
+        mov     sp, #NO_MEMORY          /* see interrupt.S */
         msr     cpsr_c, #(MODE_IRQ | IRQ_MASKED)
         ldr     sp, =ravenbrick_interrupt_stack_top
         msr     cpsr_c, #(MODE_SUPERVISOR | IRQ_MASKED)

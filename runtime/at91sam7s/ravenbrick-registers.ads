@@ -2,7 +2,8 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Registers of the AT91SAM7S256 that the run-time owns. Names, offsets and bits as in the
---  datasheet (Atmel 6175): AIC section 23, PMC 26, PIT 16, TC 33, MC and EFC 18 and 19.
+--  datasheet (Atmel 6175): AIC section 23, PMC 26, RSTC 13, RTT 14, WDT 15,
+--  PIT 16, TC 33, MC and EFC 18 and 19.
 
 with Interfaces; use Interfaces;
 with System.Storage_Elements; use System.Storage_Elements;
@@ -26,6 +27,7 @@ package Ravenbrick.Registers is
       AIC_ICCR  : Word;          --  clears pending interrupts
       AIC_EOICR : Word;          --  end of an interrupt
       AIC_DCR   : Word;          --  debug control
+      AIC_FFER  : Word;          --  makes sources fast interrupts
    end record
      with Volatile;
    for Interrupt_Controller use record
@@ -37,6 +39,7 @@ package Ravenbrick.Registers is
       AIC_EOICR at 16#130# range 0 .. 31;
       AIC_SPU   at 16#134# range 0 .. 31;
       AIC_DCR   at 16#138# range 0 .. 31;
+      AIC_FFER  at 16#140# range 0 .. 31;
    end record;
 
    AIC : Interrupt_Controller with Import, Address => To_Address (16#FFFF_F000#);
@@ -101,6 +104,19 @@ package Ravenbrick.Registers is
 
    TC0_Id : constant Source_Id := 12;
 
+   System_Id : constant Source_Id := 1;
+   --  Shared by the timers below, the clocks' and the memory controller
+
+   type Real_Time_Timer is limited record
+      RTT_MR : Word;  --  mode
+      RTT_AR : Word;  --  alarm value
+   end record
+     with Volatile;
+
+   RTT : Real_Time_Timer with Import, Address => To_Address (16#FFFF_FD20#);
+
+   RSTC_SR : Word with Import, Volatile, Address => To_Address (16#FFFF_FD04#);
+   WDT_CR : Word with Import, Volatile, Address => To_Address (16#FFFF_FD40#);
    WDT_MR : Word with Import, Volatile, Address => To_Address (16#FFFF_FD44#);
    MC_FMR : Word with Import, Volatile, Address => To_Address (16#FFFF_FF60#);
    MC_RCR : Word with Import, Volatile, Address => To_Address (16#FFFF_FF00#);

@@ -15,12 +15,12 @@ from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.templates import create_project
 
-__all__ = ["FailingProgram", "failing_project"]
+__all__ = ["FailingProgram", "failing_project", "put_values"]
 
 SOURCES = Path(__file__).resolve().parents[2] / "host" / "tests" / "cli" / "programs" / "failing"
 
 
-def _put(content: bytearray, path: Path, values: dict[str, int]) -> None:
+def put_values(content: bytearray, path: Path, values: dict[str, int]) -> None:
     """Initial values of exported integers."""
     symbols = read_image(path).symbols
     segments = list(ELFFile(io.BytesIO(bytes(content))).iter_segments("PT_LOAD"))
@@ -43,7 +43,7 @@ class FailingProgram:
         names = [name.strip().lower() for name in ways.split(",")]
         content = bytearray(self._elf.read_bytes())
         values = {"failing_task": task, "failing_way": names.index(way), "failing_amount": amount}
-        _put(content, self._elf, values)
+        put_values(content, self._elf, values)
         path = self._elf.with_name(f"{way}-{task}-{amount}.elf")
         path.write_bytes(content)
         return path
@@ -76,6 +76,7 @@ def failing_project(folder: Path, *, stack_check: bool) -> FailingProgram:
     main.write_text(main.read_text().replace("with Tasks;", "with Tasks;\nwith Failing;", 1))
     if not stack_check:
         toml = project / "robot.toml"
-        toml.write_text(toml.read_text().replace("stack_check = true\n", ""))
+        first = 'name = "failing"\n'
+        toml.write_text(toml.read_text().replace(first, f"{first}stack_check = false\n", 1))
     built = build_image(workspace, read_robot(project), "ram")
     return FailingProgram(project, built.image.path)

@@ -10,6 +10,7 @@ with NXT.Forced_Power_Off;
 with NXT.LCD;
 with NXT.SPI.Bus;
 with NXT.TWI.Bus;
+with NXT.Watchdog;
 with Ravenbrick.Clock;
 with Ravenbrick.Failures.Context;
 
@@ -146,6 +147,7 @@ package body NXT.Last_Chance is
       Count : Ravenbrick.Clock.Count;
    begin
       Ravenbrick.Clock.Observe (Now, Count);
+      Watchdog.Restart;
       Transfer := Transfer + Milliseconds (Configuration.Link_Period_Ms);
       while Clock < Transfer loop
          null;

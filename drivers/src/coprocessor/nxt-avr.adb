@@ -6,10 +6,13 @@ with NXT.Last_Chance;
 pragma Unreferenced (NXT.Last_Chance);
 with NXT.Priorities;
 with NXT.TWI;
+with Ravenbrick.Failures;
+with Ravenbrick.Supervision;
 
 package body NXT.AVR is
 
    use Ada.Real_Time;
+   use Ravenbrick;
    use type AVR_IO.Power_Command;
    use type AVR_IO.Verdict;
    use type TWI.Transfer_Status;
@@ -22,16 +25,33 @@ package body NXT.AVR is
    --  Consecutive failures in one direction after which the link is lost
    Tolerated_Failures : constant := 3;
 
+   --  With less for a second the program ends: 6.5 V, without which LEGO's co-processor does not
+   --  start with the pack; 4.8 V of six cells, 0.8 V each, where makers end their discharge curves
+   --  (Energizer, data sheet of the E91). In counts of 13.848 mV.
+   Empty_Pack       : constant ADC_Value := 6_500_000 / 13_848;
+   Empty_Cells      : constant ADC_Value := 4_800_000 / 13_848;
+   Tolerated_Sag_Ms : constant := 1_000;
+
+   --  A loss for longer ends the program: the motors get no other command when the link is back.
+   Tolerated_Loss_Ms : constant := 250;
+
+   Link_Lost     : constant String := "link to motors lost" & ASCII.NUL;
+   Battery_Empty : constant String := "battery empty" & ASCII.NUL;
+
    Start : constant Time := Clock + Milliseconds (2);
 
    function First_Release return Time is (Start);
+
+   --  Of the outputs, or of the inputs
+   function Frames_Per (Time_Ms : Natural) return Natural is
+     (Time_Ms / (2 * Configuration.Link_Period_Ms)) with Inline;
 
    protected Shared with Priority => Priorities.Shared_Data is
       procedure Set_Motor (Motor : Motor_Id; Duty : PWM_Value; Brake : Boolean);
       procedure Set_Supply (Port : Sensor_Id; Supply : Sensor_Power);
       procedure Shut_Down (Command : AVR_IO.Power_Command);
       procedure Brake_Motors;
-      function Outputs return AVR_IO.Outputs;
+      procedure Take_Outputs (Values : out AVR_IO.Outputs);
       procedure Put_Inputs (Values : AVR_IO.Inputs);
       function Inputs return AVR_IO.Inputs;
       function Received return Boolean;
@@ -39,7 +59,9 @@ package body NXT.AVR is
       Commands  : AVR_IO.Outputs;
       Readings  : AVR_IO.Inputs;
       Available : Boolean := False;
+      Silence   : Natural := 0;
    end Shared;
+   --  Silence: frames sent since the latest command of a motor
 
    Errors : Error_Count := 0 with Atomic;
    Losses : Error_Count := 0 with Atomic;
@@ -53,6 +75,7 @@ package body NXT.AVR is
 
       procedure Set_Motor (Motor : Motor_Id; Duty : PWM_Value; Brake : Boolean) is
       begin
+         Silence := 0;
          if Commands.Power = AVR_IO.Stay_On then
             Commands.Duties (Motor) := Duty;
             Commands.Brakes (Motor) := Brake;
@@ -76,7 +99,15 @@ package body NXT.AVR is
          Commands.Brakes := AVR_IO.All_Stopped.Brakes;
       end Brake_Motors;
 
-      function Outputs return AVR_IO.Outputs is (Commands);
+      procedure Take_Outputs (Values : out AVR_IO.Outputs) is
+      begin
+         if Silence < Frames_Per (Supervision.Command_Timeout_Ms) then
+            Silence := Silence + 1;
+         elsif Silence > 0 then
+            Brake_Motors;
+         end if;
+         Values := Commands;
+      end Take_Outputs;
 
       procedure Put_Inputs (Values : AVR_IO.Inputs) is
       begin
@@ -105,7 +136,24 @@ package body NXT.AVR is
       Failures     : Failure_Counts := (others => 0);
       Inputs_Next  : Boolean := True;
       Power_Button : Forced_Power_Off.Button_Watch;
+      Low_Frames   : Natural := 0;
+      Down_Periods : Natural := 0;
    end record;
+   --  Low_Frames: consecutive inputs with an empty battery. Down_Periods: since the latest good
+   --  transfer of the link that was up.
+
+   procedure Judge_Battery (This : in out Link; Values : AVR_IO.Inputs) is
+      Stopping : constant ADC_Value :=
+        (if Values.Rechargeable then Empty_Pack else Empty_Cells);
+   begin
+      if Values.Battery_Count >= Stopping then
+         This.Low_Frames := 0;
+      elsif This.Low_Frames < Frames_Per (Tolerated_Sag_Ms) then
+         This.Low_Frames := This.Low_Frames + 1;
+      elsif Supervision.Enabled then
+         Failures.Stop (Battery_Empty'Address);
+      end if;
+   end Judge_Battery;
 
    procedure Accept_Readings (This : in out Link; Intact : out Boolean) is
       Frame     : AVR_IO.Input_Frame;
@@ -117,6 +165,7 @@ package body NXT.AVR is
       AVR_IO.Decode (Frame, Values, Judgement);
       if Judgement = AVR_IO.Valid then
          Shared.Put_Inputs (Values);
+         Judge_Battery (This, Values);
          Forced_Power_Off.Observe (This.Power_Button, Values.Pressed, Due => Held_Long);
          if Held_Long then
             Shared.Shut_Down (AVR_IO.Switch_Off);
@@ -132,6 +181,20 @@ package body NXT.AVR is
       Losses := Losses + 1;
       Shared.Brake_Motors;
    end Handle_Loss;
+
+   procedure Judge_Loss (This : in out Link; Good : Boolean) is
+   begin
+      if Good and then This.Purpose in Commands | Readings then
+         This.Down_Periods := 0;
+      elsif Losses > 0 then
+         This.Down_Periods := This.Down_Periods + 1;
+         if Supervision.Enabled
+           and then This.Down_Periods > Tolerated_Loss_Ms / Configuration.Link_Period_Ms
+         then
+            Failures.Stop (Link_Lost'Address);
+         end if;
+      end if;
+   end Judge_Loss;
 
    --  Judge the transfer of the period before. One that has not ended by now never will, except the
    --  text: it lasts longer than a period if the co-processor holds the clock for 18 us after each
@@ -154,6 +217,7 @@ package body NXT.AVR is
       if TWI.Status = TWI.Busy or else This.Failures (This.Purpose) > Tolerated_Failures then
          Handle_Loss (This);
       end if;
+      Judge_Loss (This, Good);
       This.Purpose := Nothing;
    end Complete_Transfer;
 
@@ -166,12 +230,14 @@ package body NXT.AVR is
    end Wait_Quietly;
 
    procedure Exchange (This : in out Link) is
+      Outputs : AVR_IO.Outputs;
    begin
       if This.Inputs_Next then
          TWI.Start_Receive (AVR_IO.Address, AVR_IO.Input_Length);
          This.Purpose := Readings;
       else
-         TWI.Start_Send (AVR_IO.Address, AVR_IO.Encode (Shared.Outputs));
+         Shared.Take_Outputs (Outputs);
+         TWI.Start_Send (AVR_IO.Address, AVR_IO.Encode (Outputs));
          This.Purpose := Commands;
       end if;
    end Exchange;
@@ -205,6 +271,7 @@ package body NXT.AVR is
    begin
       loop
          delay until Next_Release;
+         Supervision.Check (Configuration.Link_Period_Ms);
          Complete_Transfer (This);
          Start_Transfer (This);
          Next_Release := Next_Release + Period;

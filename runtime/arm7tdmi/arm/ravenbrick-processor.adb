@@ -27,12 +27,12 @@ package body Ravenbrick.Processor is
 
    procedure Mask_In_Thread is
    begin
-      Asm ("msr cpsr_c, #0xDF", Clobber => "memory", Volatile => True);
+      Asm ("msr cpsr_c, #0x9F", Clobber => "memory", Volatile => True);
    end Mask_In_Thread;
 
    procedure Unmask_In_Thread is
    begin
-      Asm ("msr cpsr_c, #0x5F", Clobber => "memory", Volatile => True);
+      Asm ("msr cpsr_c, #0x1F", Clobber => "memory", Volatile => True);
    end Unmask_In_Thread;
 
    Line : constant String := ASCII.LF & ASCII.HT;
@@ -50,7 +50,7 @@ package body Ravenbrick.Processor is
            & "ldr   sp, [%1, #8]" & Line
            & "ldr   pc, [sp], #4" & ASCII.LF
            & "1:" & ASCII.HT
-           & "msr   cpsr_c, #0x5F",
+           & "msr   cpsr_c, #0x1F",
            Inputs   => (Threads.Thread_Id'Asm_Input ("r", From),
                         Threads.Thread_Id'Asm_Input ("r", To),
                         System.Address'Asm_Input ("r", Threads.Kernel'Address)),
@@ -65,7 +65,7 @@ package body Ravenbrick.Processor is
            & "str   sp, [%0, #8]" & Line
            & "b     ravenbrick_idle" & ASCII.LF
            & "1:" & ASCII.HT
-           & "msr   cpsr_c, #0x5F",
+           & "msr   cpsr_c, #0x1F",
            Inputs   => Threads.Thread_Id'Asm_Input ("r", From),
            Clobber  => "r3,r4,r5,r6,r7,r8,r9,r10,r11,r12,lr,cc,memory",
            Volatile => True);

@@ -56,6 +56,8 @@ __all__ = [
 PROJECT_FILE = "robot.gpr"
 BUSY = "in this project"
 LINKER = "arm-none-eabi-gcc"
+# Choices that no object depends on.
+LINKED_ONLY = ("name", "HEAP", "SUPERVISION")
 _READ = re.compile(r'^(?:\s*adding source dir= |Parsing )"(.*)"$', re.MULTILINE)
 
 
@@ -243,7 +245,7 @@ def _build(
     elf, folder = workspace.image(kind, robot.name), workspace.build(kind)
     folder.mkdir(parents=True, exist_ok=True)
     choices = choices_of(workspace, robot, settings)
-    compiled = {name: value for name, value in choices.items() if name not in ("name", "HEAP")}
+    compiled = {name: value for name, value in choices.items() if name not in LINKED_ONLY}
     apart = ("project folder", "GENERATED", "DEBUG")
     shared = {name: value for name, value in compiled.items() if name not in apart}
     with _nothing_left_after_failure(elf), tempfile.TemporaryDirectory() as private:

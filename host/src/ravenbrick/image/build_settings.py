@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import UsageError
-from ravenbrick.project.robot import Robot
+from ravenbrick.project.robot import Robot, Task
 
 __all__ = ["Settings"]
 
@@ -20,6 +20,9 @@ CHOICES = {
     "RUNTIME_CODE": ("arm", "thumb"),
     "QUEUING": ("fifo", "priority"),
 }
+# Of the run-time's clock; a deadline has 32 bits of them.
+UNITS_PER_MS = 21_024
+LONGEST_UNITS = 2**31
 FOLDERS = ("GENERATED", "RAVENBRICK_RTS", "DRIVERS_CONFIGURATION")
 
 
@@ -28,6 +31,28 @@ def _chosen(name: str, variables: Mapping[str, str], default: str = "") -> str:
     if value not in CHOICES[name]:
         raise UsageError(f"{name}={value}: must be {' or '.join(CHOICES[name])}")
     return value
+
+
+def _deadline_units(task: Task) -> int:
+    """A deadline as `Ravenbrick.Supervision` takes it: even, and one more for a sporadic task."""
+    assert task.deadline_us is not None
+    units = min(task.deadline_us * UNITS_PER_MS // 1_000, LONGEST_UNITS)
+    return units // 2 * 2 + (task.release == "sporadic")
+
+
+def _supervision(robot: Robot) -> str:
+    """The linker's switch that has the program supervised; of several tasks of one priority, the
+    longest deadline."""
+    if not robot.watchdog:
+        return ""
+    symbols = {"ravenbrick_supervised": 1}
+    if robot.motor_timeout_ms:
+        symbols["ravenbrick_command_timeout_ms"] = robot.motor_timeout_ms
+    for task in robot.tasks:
+        if task.deadline_us is not None:
+            name = f"ravenbrick_deadline_{task.priority}"
+            symbols[name] = max(symbols.get(name, 0), _deadline_units(task))
+    return "-Wl" + "".join(f",--defsym={name}={value}" for name, value in symbols.items())
 
 
 @dataclass(frozen=True)
@@ -48,6 +73,7 @@ class Settings:
     generated: Path
     run_time: Path | None
     configuration: Path | None
+    supervision: str = ""
     debug: bool = False
 
     @classmethod
@@ -67,6 +93,8 @@ class Settings:
             generated=folders.get("GENERATED", robot.directory.resolve() / "generated"),
             run_time=folders.get("RAVENBRICK_RTS"),
             configuration=folders.get("DRIVERS_CONFIGURATION"),
+            # Unoptimised code may be too slow for the deadlines.
+            supervision="" if debug else _supervision(robot),
             debug=debug,
         )
 
@@ -99,6 +127,7 @@ class Settings:
             "STACK_CHECK": "yes" if self.stack_check else "no",
             "OBJECTS": self.objects,
             "HEAP": self.heap,
+            "SUPERVISION": self.supervision,
             "GENERATED": str(self.generated),
         }
         if self.debug:

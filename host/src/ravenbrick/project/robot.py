@@ -164,7 +164,9 @@ class Robot:
     walls: tuple[Wall, ...] = ()
     profile: Literal["ravenscar", "jorvik"] = "ravenscar"
     execution_time: bool = False
-    stack_check: bool = False
+    stack_check: bool = True
+    watchdog: bool = True
+    motor_timeout_ms: int = 0
     code: Literal["arm", "thumb"] = "arm"
 
     @property
@@ -348,6 +350,8 @@ def read_robot(directory: Path) -> Robot:
         walls=tuple(_wall(table) for table in values.get("walls", [])),
         profile=values.get("profile", "ravenscar"),
         execution_time=values.get("execution_time", False),
-        stack_check=values.get("stack_check", False),
+        stack_check=values.get("stack_check", True),
+        watchdog=values.get("watchdog", True),
+        motor_timeout_ms=values.get("motor_timeout_ms", 0),
         code=values.get("code", "arm"),
     )

@@ -78,6 +78,8 @@ QUEUES = (
     "ravenbrick-delays-events.adb",
     "interrupt.S",
 )
+# Looks at all threads.
+SUPERVISION = "ravenbrick-supervision.adb"
 # What a task calls at its end, where the program has set a handler, and the word that names it.
 AT_END = "system__tasking__restricted__stages__complete_restricted_task"
 END_HANDLER = "ada__task_termination__call_fallback"
@@ -173,6 +175,7 @@ def kernel_facts(thread_count: int, objects: Sequence[ProtectedObject]) -> str:
     # The search of the ready queue that is compiled into the handler.
     loops += [{"symbol": ring, "index": 1, "header_executions": thread_count} for ring in RINGS]
     loops += [{"file": file, "header_executions": thread_count, "every": True} for file in QUEUES]
+    loops += [{"file": SUPERVISION, "header_executions": thread_count + 1, "every": True}]
     return annotations_of({"loop": loops, "word": [dict(w) for w in object_words(objects)]})
 
 

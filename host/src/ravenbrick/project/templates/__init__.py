@@ -23,25 +23,17 @@ LEFT_OUT = ("Makefile", "tests", "__pycache__")
 
 @dataclass(frozen=True)
 class Template:
-    """An example below examples/, and the scenario to begin with.
-
-    `stack_check`: whether its image has room for the checks in RAM and can be analysed with them.
-    """
+    """An example below examples/, and the scenario to begin with."""
 
     example: str
     scenario: str
     description: str
-    stack_check: bool = True
 
 
 TEMPLATES = {
     "vehicle": Template("vehicle", "drive", "two driven wheels, castor, wired joystick"),
-    "paper": Template(
-        "paper", "drive", "the same with the listings of the 2012 paper", stack_check=False
-    ),
-    "motor": Template(
-        "motor-bench", "step", "one motor on the bench, speed and position", stack_check=False
-    ),
+    "paper": Template("paper", "drive", "the same with the listings of the 2012 paper"),
+    "motor": Template("motor-bench", "step", "one motor on the bench, speed and position"),
     "balance": Template("balancer", "let-go", "two-wheeled balancing robot with a gyro"),
     "line": Template("line-follower", "lap", "line follower with a light sensor"),
     "blank": Template("blank", "press", "one motor, one touch sensor, two tasks"),
@@ -69,8 +61,7 @@ def _rename_main(project: Path) -> None:
 def _adapt(project: Path, template: Template) -> None:
     robot = project / "robot.toml"
     text = robot.read_text("utf-8")
-    own = f'name = "{project.name}"' + ("\nstack_check = true" if template.stack_check else "")
-    changed = re.sub(r'^name = ".*"$', own, text, count=1, flags=re.M)
+    changed = re.sub(r'^name = ".*"$', f'name = "{project.name}"', text, count=1, flags=re.M)
     robot.write_text(changed, encoding="utf-8")
     for file in (project / "README.md", *project.glob("scenarios/*.toml")):
         text = file.read_text("utf-8").replace(f"examples/{template.example}", ".")
