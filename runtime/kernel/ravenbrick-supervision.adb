@@ -1,7 +1,6 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-with Interfaces;
 with System.Storage_Elements; use System.Storage_Elements;
 
 with Ravenbrick.Clock;
@@ -13,13 +12,6 @@ with Ravenbrick.Watchdog;
 package body Ravenbrick.Supervision is
 
    use Interfaces;
-
-   Supervised : Unsigned_32
-     with Import, Volatile, Convention => C, External_Name => "ravenbrick_supervision";
-   --  Not zero in a program that is supervised
-
-   Command_Timeout : Unsigned_32
-     with Import, Volatile, Convention => C, External_Name => "ravenbrick_command_timeout";
 
    type Deadline_Table is array (System.Any_Priority) of Unsigned_32;
 
@@ -45,10 +37,6 @@ package body Ravenbrick.Supervision is
    Overflow   : constant String := "Storage_Error: stack overflow" & ASCII.NUL;
    Nobody     : constant String := "main procedure ended, no task left" & ASCII.NUL;
    Started    : constant String := "watchdog reset" & ASCII.NUL;
-
-   function Enabled return Boolean is (Supervised /= 0);
-
-   function Command_Timeout_Ms return Natural is (Natural (Command_Timeout));
 
    procedure Fail (Culprit : not null Thread_Id; Text : System.Address) with No_Return;
 
@@ -109,7 +97,7 @@ package body Ravenbrick.Supervision is
       Culprit : Thread_Id := null;
       Alive   : Natural := 0;
    begin
-      if Supervised = 0 then
+      if not Enabled then
          return;
       end if;
       if not Armed then

@@ -5,6 +5,8 @@
 --  controller. The linker's command line gives the deadlines by priority, as robot.toml has them
 --  (see deadlines.S); a program that is linked without them is not supervised.
 
+with Interfaces;
+
 with Ravenbrick.Threads;
 
 package Ravenbrick.Supervision is
@@ -24,10 +26,14 @@ package Ravenbrick.Supervision is
    --  is ready, a sporadic one when it has been ready for longer than its deadline at each check.
    --  Takes time in proportion to the number of tasks.
 
-   function Enabled return Boolean with Inline;
+   Supervised : Interfaces.Unsigned_32
+     with Import, Volatile, Convention => C, External_Name => "ravenbrick_supervision";
+
+   function Enabled return Boolean is (Interfaces."/=" (Supervised, 0)) with Inline;
    --  Whether the program is supervised
 
-   function Command_Timeout_Ms return Natural with Inline;
+   Command_Timeout_Ms : Natural
+     with Import, Volatile, Convention => C, External_Name => "ravenbrick_command_timeout";
    --  After which motors without a new command are to stop; 0: they need none
 
 end Ravenbrick.Supervision;
