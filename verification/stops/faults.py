@@ -18,10 +18,10 @@ from ravenbrick.project.robot import read_robot
 from ravenbrick.project.templates import create_project
 from ravenbrick.project.workspace import BuildKind
 
-from verification.support.bricks.observe import Brick, bench
+from verification.support.bricks.observe import Brick, MotorCommand, bench
 from verification.support.failing_program import put_values
 
-__all__ = ["DUTY", "Fault", "FaultyProgram", "Outcome", "faulty_program", "strike"]
+__all__ = ["EARLIEST_MS", "Fault", "FaultyProgram", "Outcome", "faulty_program", "strike"]
 
 SOURCES = Path(__file__).resolve().parent / "program"
 DUTY = 50
@@ -48,10 +48,11 @@ class Fault:
 
 @dataclass(frozen=True)
 class Outcome:
-    """When the motor was off for good, in ms after the fault, None for never; the display."""
+    """When the motor was off for good, in ms after the fault, None for never; what was seen."""
 
     off_ms: float | None
     display: tuple[str, ...]
+    commands: tuple[MotorCommand, ...]
 
 
 class FaultyProgram:
@@ -129,18 +130,23 @@ def faulty_program(
     *,
     alone: bool = False,
     supervised: bool = True,
+    motor_timeout_ms: int = 0,
     kinds: tuple[BuildKind, ...] = ("ram",),
 ) -> FaultyProgram:
-    """Make and build the project; not `supervised`: without watchdog and stack checks."""
+    """Make and build the project; not `supervised`: without watchdog and stack checks.
+
+    `motor_timeout_ms` is the field of robot.toml.
+    """
     workspace = create_project(folder / "faulty", "blank")
     project = workspace.project
     for source in SOURCES.iterdir():
         shutil.copy(source, project / "src")
     (_alone if alone else _with_faults)(project)
+    name = f'name = "{project.name}"'
+    settings = f"{name}\nmotor_timeout_ms = {motor_timeout_ms}"
     if not supervised:
-        name = f'name = "{project.name}"'
-        settings = f"{name}\nwatchdog = false\nstack_check = false"
-        _edit(project / "robot.toml", (name, settings))
+        settings += "\nwatchdog = false\nstack_check = false"
+    _edit(project / "robot.toml", (name, settings))
     robot = read_robot(project)
     return FaultyProgram({k: build_image(workspace, robot, k).image.path for k in kinds})
 
@@ -179,4 +185,5 @@ def strike(program: FaultyProgram, fault: Fault, phase_us: int) -> Outcome:
         off_ms = None
     else:
         off_ms = max(0.0, commands[last_on + 1].at_ms - began_ms)
-    return Outcome(off_ms, tuple(row for row in brick.text() if row))
+    display = tuple(row for row in brick.text() if row)
+    return Outcome(off_ms, display, tuple(commands))

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from verification.stops.campaign import FAULTS, FEW_PHASES_US, Programs, measure, problems, programs
-from verification.stops.faults import Fault
+from verification.stops.faults import EARLIEST_MS, Fault, faulty_program, strike
 
 
 @pytest.fixture(scope="module")
@@ -27,3 +29,13 @@ def test_a_program_without_faults_goes_on(built: Programs) -> None:
     (outcome,) = measure(built, Fault("none", None), (0,), supervised=True)
     assert outcome.off_ms is None
     assert outcome.display == ("presses 0",)
+
+
+def test_motors_without_a_new_command_brake_after_the_timeout_of_the_robot(tmp_path: Path) -> None:
+    """The main procedure commands once; the timeout passes long before it ends."""
+    program = faulty_program(tmp_path, alone=True, motor_timeout_ms=100)
+    outcome = strike(program, Fault("none", None, inputs=((0, "button.left", 1),)), 0)
+    assert outcome.commands[0].duty == 50
+    on, off = outcome.commands[:2]
+    assert off.duty == 0
+    assert 100 <= off.at_ms - on.at_ms < 110 < EARLIEST_MS
