@@ -169,6 +169,25 @@ def newest_release() -> Iterator[Complaint]:
         yield changelog, 1, f"the newest release is not the version, {version[0]}"
 
 
+SOUNDNESS = Path("docs") / "internals" / "timing-soundness.md"
+TEST_FOLDERS = ("virtual-brick/crates/wcet", "host/tests")
+
+
+def named_tests(root: Path) -> Iterator[Complaint]:
+    """Each rule of the soundness argument names a test, and each named test exists."""
+    page = root / SOUNDNESS
+    text, _, _ = page.read_text().partition("## Assumptions")
+    for number, line in enumerate(text.split("\n"), 1):
+        names = re.findall(r"`([\w./]+)::(\w+)`", line)
+        if line.startswith("| ") and not line.startswith("| Rule |") and not names:
+            yield page, number, "this rule names no test; write `file::test`"
+        for file, test in names:
+            sources = [root / folder / file for folder in TEST_FOLDERS]
+            found = [path.read_text() for path in sources if path.exists()]
+            if not any(re.search(rf"^\s*(fn|def) {test}\(", each, re.MULTILINE) for each in found):
+                yield page, number, f"there is no test {file}::{test}"
+
+
 UNSAFE = ROOT / "virtual-brick" / "crates" / "jit" / "src" / "code_memory.rs"
 
 
@@ -204,6 +223,7 @@ def complaints() -> Iterator[Complaint]:
     yield from border_complaints(ROOT)
     yield from newest_release()
     yield from named_paths()
+    yield from named_tests(ROOT)
     for path in sorted(tracked_files()):
         yield from blobs(path)
         if path.suffix in SOURCE | COLUMN_FREE or is_source(path):

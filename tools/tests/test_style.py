@@ -12,7 +12,7 @@ import pytest
 from tools.style import tidy
 from tools.style.borders import border_complaints
 from tools.style.constants import second_copies
-from tools.style.tidy import ROOT, banned_words, rust_tests_are_run
+from tools.style.tidy import ROOT, SOUNDNESS, banned_words, named_tests, rust_tests_are_run
 
 BORDERS = """
 [crates]
@@ -137,3 +137,20 @@ def test_commit_messages_have_a_short_subject_and_a_body(
 def test_a_constant_of_the_catalogue_is_refused_elsewhere(line: str, refused: bool) -> None:
     """In whatever unit it is written; whole numbers and short ones are met by chance."""
     assert bool(list(second_copies(Path("robot.toml"), ["", line]))) == refused
+
+
+def test_a_rule_of_the_soundness_argument_without_an_existing_test_is_refused(
+    tmp_path: Path,
+) -> None:
+    page = tmp_path / SOUNDNESS
+    page.parent.mkdir(parents=True)
+    tests = tmp_path / "host" / "tests" / "timing" / "test_a.py"
+    tests.parent.mkdir(parents=True)
+    tests.write_text("def test_of_it() -> None: ...\n")
+    rows = ["| Rule |", "|---|", "| it `timing/test_a.py::test_of_it` |", "| none |"]
+    page.write_text("\n".join([*rows, "| other `timing/test_a.py::test_gone` |"]))
+    found = [(line, text) for _, line, text in named_tests(tmp_path)]
+    assert found == [
+        (4, "this rule names no test; write `file::test`"),
+        (5, "there is no test timing/test_a.py::test_gone"),
+    ]

@@ -165,13 +165,20 @@ def _known_memory_lines(answer: dict[str, Any] | None) -> tuple[tuple[str, int],
 
 def recursion_words(report: dict[str, Any]) -> list[str]:
     """Recursive functions of a bound's report: each activation costs as much as the longest."""
-    return [
+    recursive = [found for found in report["functions"] if found["activations"]]
+    words = [
         f"{found['symbol']} calls itself: the bound takes {found['activations']} activations, each "
         f"with the {found['cycles'] // found['activations']} cycles of the longest, so it is far "
         "above the time of a recursion whose activations differ"
-        for found in report["functions"]
-        if found["activations"]
+        for found in recursive
     ]
+    if len(recursive) > 1:
+        names = " and ".join(found["symbol"] for found in recursive)
+        words.append(
+            f"if {names} call one another, their activations multiply: "
+            "keep the [[recursion]] fact of one of them"
+        )
+    return words
 
 
 def execution_times(

@@ -49,6 +49,19 @@ fn a_loop_without_bound_is_asked_for_by_line_and_accepted_by_line_or_symbol() {
 }
 
 #[test]
+fn a_table_of_functions_that_is_read_beyond_its_end_is_asked_for_at_the_branch() {
+    on_both(|elf| {
+        let text = refusal(elf, "from_table", "");
+        assert!(
+            text.contains("target of this branch") && text.contains("refused.c"),
+            "{text}"
+        );
+        let fact = "[[call]]\nsymbol = \"from_table\"\ntargets = [\"first\", \"second\"]\n";
+        assert!(bound(elf, "from_table", fact).is_ok());
+    });
+}
+
+#[test]
 fn an_indirect_call_is_refused_with_its_address() {
     on_both(|elf| {
         let text = refusal(elf, "through", "");

@@ -92,11 +92,12 @@ fn resolve_branches(program: &Program<'_>, entry: Entry) -> Result<Resolved, Err
                 resolved.clear();
                 continue;
             }
-            explored => explored?,
+            explored => explored.map_err(|error| blame_branch(program, &resolved, error))?,
         };
         let new = new_callees(&flow, &returning);
         for (callee, site) in &new {
-            let summary = program.summary(*callee, *site)?;
+            let summary = program.summary(*callee, *site);
+            let summary = summary.map_err(|error| blame_branch(program, &resolved, error))?;
             returning.insert(*callee, summary.returns);
             changed.insert(*callee, summary.changed);
         }
@@ -121,6 +122,30 @@ fn resolve_branches(program: &Program<'_>, entry: Entry) -> Result<Resolved, Err
             });
         }
     }
+}
+
+/// An indirect branch with a target that is no code reads its table beyond the end: what it reaches
+/// is not known, and the branch is where a fact helps.
+fn blame_branch(
+    program: &Program<'_>,
+    resolved: &BTreeMap<Node, ControlTransfer>,
+    error: Error,
+) -> Error {
+    let Error::NoCode(place) = &error else {
+        return error;
+    };
+    let reaches = |transfer: &ControlTransfer| match transfer {
+        ControlTransfer::Jump(nodes) => nodes.iter().any(|node| node.address == place.address),
+        other => other
+            .callees()
+            .iter()
+            .any(|(target, _)| *target == place.address),
+    };
+    let branch = resolved.iter().find(|(_, transfer)| reaches(transfer));
+    branch.map_or(error, |(node, _)| {
+        let called_from = Some(node.copy).filter(|site| *site != 0);
+        Error::UnresolvedBranch(program.image.place(called_from.unwrap_or(node.address)))
+    })
 }
 
 /// Functions called for the first time, each with a place where that happens.
@@ -295,9 +320,7 @@ fn resolve_branch(
     let next = address.wrapping_add(instruction.size);
     let link = outcome.link.as_ref().and_then(Value::constant);
     let calls = link.is_some_and(|link| link & !1 == next);
-    let transfer = if *value == Value::entry(14) {
-        ControlTransfer::Return
-    } else if let Some(elements) = value.elements() {
+    let known = value.elements().map(|elements| {
         let targets = elements.iter().map(|target| {
             let thumb = if exchanges {
                 target & 1 != 0
@@ -306,11 +329,20 @@ fn resolve_branch(
             };
             (target & if thumb { !1 } else { !3 }, thumb)
         });
-        classify(program, entry, node, targets.collect(), calls)
+        targets.collect::<Vec<Entry>>()
+    });
+    let caller = Some(node.copy).filter(|site| *site != 0);
+    let of_caller = || program.facts.call_targets(caller?);
+    let fact = program.facts.call_targets(*address).or_else(of_caller);
+    // A table that is read beyond its end: a fact about its targets says more.
+    let is_code = |(target, thumb): &Entry| program.image.instruction(*target, *thumb).is_some();
+    let known = known.filter(|targets| fact.is_none() || targets.iter().all(is_code));
+    let transfer = if *value == Value::entry(14) {
+        ControlTransfer::Return
+    } else if let Some(targets) = known {
+        classify(program, entry, node, targets, calls)
     } else {
-        let caller = Some(node.copy).filter(|site| *site != 0);
-        let for_it = || program.facts.call_targets(caller?);
-        match program.facts.call_targets(*address).or_else(for_it) {
+        match fact {
             Some(targets) if calls => ControlTransfer::Call(targets),
             _ if program.facts.leaves(*address) => ControlTransfer::Return,
             Some(targets) => ControlTransfer::TailCall(targets),

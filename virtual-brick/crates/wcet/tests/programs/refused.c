@@ -39,6 +39,14 @@ __attribute__((noinline)) int second(int x)
   return x * x + port + port;
 }
 
+/* Words after a table of functions, as the linker's unwind index has them. */
+static const unsigned table[4] = {(unsigned)first, (unsigned)second, 0x7fffff38, 0x7fffff44};
+
+int from_table(unsigned which, int x)
+{
+  return ((int (*)(int))table[which & 3])(x) + 1;
+}
+
 void forever(void)
 {
   for (;;)
