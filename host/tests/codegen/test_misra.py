@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+import subprocess
 from collections import Counter
 from pathlib import Path
 
@@ -66,6 +67,36 @@ def test_the_deviation_is_stated_at_the_interface_only(tmp_path: Path) -> None:
     write_vehicle(tmp_path)
     done = judge(tmp_path)
     assert (done.findings, done.interface) == (Counter(), 2)
+
+
+HEADER = "extern float speed;\nextern void control_step(void);\n"
+STEP = "float speed;\nvoid control_step(void)\n{\n  speed = speed + 1.0F;\n}\n"
+TABLE = "typedef void (*entry_T)(void);\nextern const entry_T entry;\n"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "found"),
+    [
+        ('#include "control.h"\n', "", {"8.7"}),
+        ("", "", {"8.4"}),
+        (f'#include "control.h"\n{TABLE}', "const entry_T entry = &control_step;\n", {"8.7"}),
+        # What rule 8.5 forbids: the checker does not see it, and takes it for a reference.
+        ('#include "control.h"\nextern void control_step(void);\n', "", set()),
+    ],
+    ids=["declared", "not declared", "table of entry points", "declared twice"],
+)
+def test_each_form_of_an_entry_point_without_a_c_caller_breaks_a_rule(
+    before: str, after: str, found: set[str], tmp_path: Path
+) -> None:
+    """The outermost function of a library is one that no C refers to."""
+    cppcheck()
+    (tmp_path / "control.h").write_text(f"#ifndef CONTROL_H\n#define CONTROL_H\n{HEADER}#endif\n")
+    (tmp_path / "control.c").write_text(f"{before}{STEP}{after}")
+    options = ["--addon=misra", "--enable=style", "--template={id}", "--quiet"]
+    command = [cppcheck(), *options, str(tmp_path / "control.c")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    rules = {line.rpartition("-")[2] for line in done.stderr.splitlines() if "misra" in line}
+    assert rules & {"8.4", "8.7"} == found
 
 
 def test_an_imported_model_has_no_finding(tmp_path: Path) -> None:
