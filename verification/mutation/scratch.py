@@ -8,6 +8,7 @@ a command end with it, and with this one.
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import subprocess
@@ -62,6 +63,12 @@ class Scratch:
         ]
 
     def __enter__(self) -> Scratch:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._lock = (self.folder / "lock").open("w")
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise NotRunError(f"{self.folder.name}: another campaign runs this room") from None
         shutil.rmtree(self.tree, ignore_errors=True)
         self.tree.mkdir(parents=True)
         _copy_tree(self.tree)
@@ -72,6 +79,7 @@ class Scratch:
         trace: TracebackType | None,
     ) -> None:  # fmt: skip
         shutil.rmtree(self.tree, ignore_errors=True)
+        self._lock.close()
 
     def run(self, command: str, limit_s: float) -> tuple[bool, float]:
         """Whether a shell command ends well within the time, and the time it took."""

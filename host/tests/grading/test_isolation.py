@@ -91,6 +91,23 @@ def test_nothing_of_the_host_is_inside(name: str, what: str, tmp_path: Path) -> 
     assert any(word in outcome.output for word in words.split("|")), outcome.output
 
 
+@pytest.mark.parametrize(
+    "name", [TRUST, *(pytest.param(name, marks=pytest.mark.isolated) for name in BORDERS)]
+)
+def test_variables_and_home_are_its_own(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No variable of the grader is handed on; the home folder is the one that it may write."""
+    monkeypatch.setenv("RAVENBRICK_CANARY", "canary")
+    program = (
+        "import os\nopen(os.path.expanduser('~/x'), 'w').close()\n"
+        "print(os.path.samefile(os.environ['HOME'], '.'), os.path.exists('x'))\n"
+        "print(dict(os.environ))"
+    )
+    outcome = run(name, program, 5)
+    assert outcome.code == 0, outcome.output
+    assert outcome.result.startswith(b"True True\n")
+    assert b"canary" not in outcome.result
+
+
 @pytest.mark.isolated
 @pytest.mark.parametrize("name", BORDERS)
 @pytest.mark.parametrize("delete", ["", "os.remove(f'f{n}'); "])

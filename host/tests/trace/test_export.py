@@ -156,6 +156,8 @@ def back_to_back() -> Recording:
         (3000, kinds.RELEASE, 0, 3000),
         (4000, kinds.COMPLETION, 0, 3000),
         (4000, kinds.THREAD_RUNNING, IDLE, 0),
+        (5000, kinds.RELEASE, 0, 5000),
+        (5000, kinds.COMPLETION, 0, 5000),
     ]
     return replace(RECORDING, events=np.array(events, dtype=EVENT_TYPE))
 
@@ -165,13 +167,15 @@ def test_a_piece_that_begins_where_a_job_ends_belongs_to_the_next_job(tmp_path: 
     (path,) = export(back_to_back(), Format.PERFETTO, tmp_path / "made.pftrace")
     trace = Perfetto(path)
     events = trace.events("worker (priority 1)")
-    first, second = (e.flow_ids[0] for _, e in events if trace.names.get(e.name_iid) == "release")
+    first, second, _ = (
+        e.flow_ids[0] for _, e in events if trace.names.get(e.name_iid) == "release"
+    )
     pieces = [(at, list(e.flow_ids)) for at, e in events if e.type == trace.types.TYPE_SLICE_BEGIN]
     assert pieces == [(1000, [first]), (3000, [second])]
 
 
 def test_a_wire_stays_high_where_one_job_follows_another(tmp_path: Path) -> None:
-    """No edge in the VCD file where a job ends and the next is released."""
+    """No edge in the VCD file where a job ends and the next is released, or is done at once."""
     (path,) = export(back_to_back(), Format.VCD, tmp_path / "made.vcd")
     assert vcd_changes(path)["tasks.worker.job"] == [(0, "0"), (1000, "1"), (4000, "0")]
 

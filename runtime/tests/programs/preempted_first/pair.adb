@@ -7,10 +7,28 @@ package body Pair is
 
    Epoch : constant Time := Clock;
 
+   protected Action with Priority => 30 is
+      procedure Count;
+   end Action;
+
+   protected body Action is
+
+      procedure Count is
+      begin
+         for Turn in 1 .. 100 loop
+            First_Count := First_Count + 1;
+         end loop;
+      end Count;
+
+   end Action;
+
    task body First is
    begin
       loop
-         First_Count := First_Count + 1;
+         Action.Count;
+         for Turn in 1 .. 20 loop
+            First_Count := First_Count + 1;
+         end loop;
       end loop;
    end First;
 

@@ -2,7 +2,8 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Two busy tasks of one priority and two periodic ones above them, which are released together: a
---  preempted task goes on before its equals (RM D.2.3(10)), also with two more urgent ones ready
+--  preempted task goes on before its equals (RM D.2.3(10)), also with two more urgent ones ready,
+--  in a protected action of the ceiling 30 and outside of it
 
 with System;
 

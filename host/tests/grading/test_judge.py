@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Points for runs whose recordings are given."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from verification.support.recordings import preempted
+from verification.support.submissions import RUBRIC
+
+from ravenbrick.grading import judge
+from ravenbrick.grading.rubric import Check, Rubric, read_rubric
+from ravenbrick.project.robot import Robot
+from ravenbrick.project.scenario import read_scenario
+from ravenbrick.trace.recording import Picture, Recording, Stop
+
+
+def graded(
+    recording: Recording, monkeypatch: pytest.MonkeyPatch, text: str | None
+) -> dict[str, Any]:
+    """The row of the first lab's check of a run, with this expectation, for a program's run."""
+
+    class Target:
+        def run(self, _robot: Robot, _scenario: object, _image: object) -> Recording:
+            return recording
+
+    monkeypatch.setattr(judge, "VirtualTarget", Target)
+    rubric: Rubric = read_rubric(RUBRIC)
+    found = next(check for check in rubric.checks if check.scenario is not None)
+    fields: dict[str, Any] = {"value": text, "pulses": None, "seeds": (), "hidden_seeds": 0}
+    check: Check = replace(found, kind="expect", **fields)
+    path = Path(str(check.scenario))
+    scenario = replace(
+        read_scenario(path, rubric.robot), inputs=(), stimuli=(), straight=None, step=None
+    )
+    image: Any = None
+    runs = judge._Runs(rubric, {path: scenario}, image)
+    return judge.judge_check(rubric, image, runs, check, "secret")
+
+
+def test_a_program_that_fails_gets_no_points_for_what_it_showed_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Unless the fault is what is asked for; the cause is told."""
+    whole = replace(preempted(), threads=(), events=preempted().events[:0])
+    crashed = replace(
+        whole,
+        stop=Stop("halted", 200_000, "tasks.adb:12 range check failed"),
+        pictures=(Picture(0, np.zeros((64, 100), bool), ("halted",)),),
+    )
+    shown = 'lcd shows "closed loop"'
+    assert graded(whole, monkeypatch, shown)["points"] > 0
+    row = graded(crashed, monkeypatch, shown)
+    assert row["points"] == 0 and "tasks.adb:12" in row["found"]
+    assert graded(crashed, monkeypatch, "a fault")["points"] > 0
