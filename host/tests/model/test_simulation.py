@@ -12,7 +12,8 @@ import control
 import numpy as np
 import pytest
 from scipy import linalg
-from verification.support.codegen.c_build import host_library
+from verification.support.codegen.brick_cycles import image_of_checks, step_costs
+from verification.support.codegen.c_build import WORD_FLAGS, host_library
 
 from ravenbrick.codegen import check_program, generate_c
 from ravenbrick.codegen.vectors import StepVectors
@@ -138,21 +139,29 @@ def test_the_sampled_loop_is_that_of_the_exact_discretisation(method: str) -> No
     assert found == pytest.approx(wanted, abs=1e-5)
 
 
-def test_the_controller_in_a_loop_has_the_bits_of_its_c(tmp_path: Path) -> None:
-    """The C, given the inputs that the simulation recorded, gives its outputs, bit for bit."""
-    found = motor_loop()
+def recorded(found: Recording) -> StepVectors:
+    """What the controller took and gave in a simulation."""
     names = ("Input_Voltage", "Real_Voltage")
     inputs = np.array([found[f"functional/{name}"].values for name in names], np.float32).T
     outputs = np.array([found["functional/correctedvoltage"].values], np.float32).T
+    return StepVectors("functional", inputs, outputs)
+
+
+def test_the_controller_in_a_loop_has_the_bits_of_its_c_on_the_brick(tmp_path: Path) -> None:
+    """The C, given the 151 inputs that the simulation recorded, gives its outputs, bit for bit."""
     generate_c(PI).write(tmp_path)
-    check = check_program(StepVectors("functional", inputs, outputs))
-    (tmp_path / "check.c").write_text(check)
+    (tmp_path / "check.c").write_text(check_program(recorded(motor_loop())))
     ports = "ExternalInputs_functional functional_U;\nExternalOutputs_functional functional_Y;\n"
     (tmp_path / "ports.c").write_text(f'#include "functional.h"\n{ports}')
-    library = host_library(tmp_path, "functional.c", "check.c", "ports.c")
+    sources = ["functional.c", "check.c", "ports.c"]
+    library = host_library(tmp_path, *sources)
     library.functional_check()
     assert ctypes.c_uint32.in_dll(library, "functional_check_steps").value == 151
     assert ctypes.c_uint32.in_dll(library, "functional_check_failures").value == 0
+    image = image_of_checks(tmp_path, ["functional"], sources, (), WORD_FLAGS)
+    _, brick = step_costs(image, {"functional": "functional_step_instance"})
+    assert brick.read_int("functional_check_steps", "u32") == 151
+    assert brick.read_int("functional_check_failures", "u32") == 0
 
 
 def test_a_fixed_point_controller_closes_the_same_loop() -> None:
