@@ -18,8 +18,8 @@ pub enum Engine {
     Reference,
 }
 
-/// Compile threshold: runs of a block before it is compiled. To compile it costs as much as some
-/// thousand runs, but another thread does it, and a block that runs so often goes on running.
+/// Compile threshold: runs of a block before its compilation is requested, which the budget of the
+/// run may postpone.
 pub(crate) const JIT_THRESHOLD_RUNS: u32 = 200;
 
 impl Engine {

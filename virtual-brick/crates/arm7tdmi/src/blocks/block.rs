@@ -19,8 +19,11 @@ pub(super) struct JitState {
     pub decay_period: u16,
     /// Number of the entry into the engine in which the compiler was polled last.
     pub polled_at_entry: u32,
-    /// Entries into its code, in a row, that executed nothing.
-    pub futile_entries: u8,
+    /// Times that its compilation was requested and too expensive.
+    pub unaffordable: u16,
+    /// What entries into its code have gained lately, in cycles; below a bound the block is
+    /// interpreted.
+    pub gain_cycles: i16,
     /// It has code that is entered.
     pub has_code: bool,
     /// The region that it was compiled with.
@@ -35,7 +38,8 @@ impl JitState {
             hotness: 0,
             decay_period: 0,
             polled_at_entry: 0,
-            futile_entries: 0,
+            unaffordable: 0,
+            gain_cycles: 0,
             has_code: false,
             region: NO_REGION,
         }
@@ -61,6 +65,11 @@ pub(super) struct Block<B: BlockBus> {
 }
 
 impl<B: BlockBus> Block<B> {
+    /// Memory that it takes.
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of::<Self>() + std::mem::size_of_val(&*self.ops)
+    }
+
     /// Number of the block at `key` if it followed this one lately; it may be invalid by now.
     #[inline(always)]
     pub fn link(&self, key: u32) -> u32 {

@@ -5,12 +5,20 @@
 use std::fmt;
 
 use super::block::{Block, JitState};
+use super::budget::Budget;
 use super::bus::{BlockBus, CodePlace};
 use super::jit::Jit;
 use super::translate::{translate, BYTES_MAX};
 
-/// The cache holds at most so many blocks; one more invalidates them all.
-const BLOCKS_MAX: usize = 0x4000;
+/// The cache holds blocks of at most so many bytes; beyond that, those of some stretch of code are
+/// removed.
+const BYTES_KEPT_MAX: usize = 8 << 20;
+/// Halfwords of the stretch of code whose blocks are removed together.
+const STRETCH_HALFWORDS: usize = 0x800;
+/// A lower compile threshold is for tests, which want all blocks and all JIT code at once.
+const THRESHOLD_OF_RUNS_MIN: u32 = 100;
+/// Invalidating so many blocks costs as much as decoding one instruction.
+const INVALIDATIONS_PER_DECODING: usize = 16;
 /// The [`Block::key`] of a slot without a block.
 const NO_KEY: u32 = u32::MAX;
 /// After so many refusals in a row, the first instruction is expected to be refused again.
@@ -33,6 +41,13 @@ pub struct Blocks<B: BlockBus> {
     pub(super) regions: Vec<Box<[u32]>>,
     /// Of these, those whose code is still being compiled.
     pub(super) pending_regions: u32,
+    pub(super) budget: Budget,
+    /// What JIT code has gained, in cycles, that the budget does not know yet.
+    pub(super) code_gain_cycles: i64,
+    /// Bytes of all blocks.
+    bytes: usize,
+    /// First halfword of the stretch whose blocks are removed next.
+    next_stretch: usize,
 }
 
 impl<B: BlockBus> Default for Blocks<B> {
@@ -47,6 +62,10 @@ impl<B: BlockBus> Default for Blocks<B> {
             entries: 0,
             regions: Vec::new(),
             pending_regions: 0,
+            budget: Budget::new(false),
+            code_gain_cycles: 0,
+            bytes: 0,
+            next_stretch: 0,
         }
     }
 }
@@ -69,6 +88,7 @@ impl<B: BlockBus> Blocks<B> {
     pub fn with_jit(jit: Box<dyn Jit>) -> Self {
         Self {
             threshold_runs: jit.threshold_runs().clamp(1, 0x8000) as u16,
+            budget: Budget::new(jit.threshold_runs() < THRESHOLD_OF_RUNS_MIN),
             jit: Some(jit),
             ..Self::default()
         }
@@ -86,25 +106,43 @@ impl<B: BlockBus> Blocks<B> {
         self.jit.as_ref().map_or(0, |jit| jit.code_bytes())
     }
 
-    /// Invalidates what has changed in memory since the last run.
+    /// Invalidates what has changed in memory since the last run. False if that would cost more
+    /// than blocks have earned: none may run now.
     #[inline(always)]
-    pub(super) fn update(&mut self, bus: &mut B) {
+    pub(super) fn update(&mut self, bus: &mut B) -> bool {
         let epoch = bus.code_epoch();
-        if self.epoch != epoch || self.starts.is_empty() {
-            self.epoch = epoch;
-            self.invalidate_all();
+        if (self.epoch != epoch || self.starts.is_empty()) && !self.begin_epoch(epoch) {
+            return false;
         }
         while let Some(halfword) = bus.next_code_change() {
             self.invalidate_word(halfword);
         }
+        true
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn begin_epoch(&mut self, epoch: u32) -> bool {
+        if !self.budget.affords_decoding() {
+            return false;
+        }
+        self.epoch = epoch;
+        self.invalidate_all();
+        true
     }
 
     fn invalidate_all(&mut self) {
+        self.budget
+            .pay_for_decoding(1 + self.blocks.len() / INVALIDATIONS_PER_DECODING);
         self.invalidate_code();
-        self.blocks.clear();
+        if self.starts.is_empty() {
+            self.starts = vec![0; B::CODE_HALFWORDS as usize];
+        }
+        for block in self.blocks.drain(..) {
+            self.starts[block.jit.halfword as usize] = 0;
+        }
         self.free.clear();
-        self.starts.clear();
-        self.starts.resize(B::CODE_HALFWORDS as usize, 0);
+        self.bytes = 0;
     }
 
     /// Invalidates the blocks that cover a word.
@@ -127,6 +165,7 @@ impl<B: BlockBus> Blocks<B> {
     fn remove(&mut self, number: u32) {
         self.invalidate_region(self.blocks[number as usize].jit.region);
         let block = &mut self.blocks[number as usize];
+        self.bytes -= block.bytes();
         block.key = NO_KEY;
         block.ops = Box::default();
         self.free.push(number);
@@ -178,7 +217,11 @@ impl<B: BlockBus> Blocks<B> {
     /// Translates the block at `key` and replaces the one that began there.
     #[inline(never)]
     fn translate(&mut self, bus: &mut B, key: u32, place: CodePlace, slot: u32) -> Option<u32> {
+        if !self.budget.affords_decoding() {
+            return None;
+        }
         let block = translate(bus, key, place)?;
+        self.budget.pay_for_decoding(block.ops.len());
         if let Some(number) = slot.checked_sub(1) {
             self.starts[place.halfword as usize] = 0;
             self.remove(number);
@@ -189,15 +232,29 @@ impl<B: BlockBus> Blocks<B> {
     }
 
     fn insert(&mut self, block: Block<B>) -> u32 {
+        while self.bytes > BYTES_KEPT_MAX {
+            self.remove_stretch();
+        }
+        self.bytes += block.bytes();
         if let Some(number) = self.free.pop() {
             self.blocks[number as usize] = block;
             return number;
         }
-        if self.blocks.len() >= BLOCKS_MAX {
-            self.invalidate_all();
-        }
         self.blocks.push(block);
         self.blocks.len() as u32 - 1
+    }
+
+    /// Removes the blocks of one stretch of code, each in turn.
+    #[cold]
+    fn remove_stretch(&mut self) {
+        let first = self.next_stretch;
+        let end = (first + STRETCH_HALFWORDS).min(self.starts.len());
+        self.next_stretch = if end == self.starts.len() { 0 } else { end };
+        for start in first..end {
+            if let Some(number) = std::mem::take(&mut self.starts[start]).checked_sub(1) {
+                self.remove(number);
+            }
+        }
     }
 
     /// Has the reference engine had to execute the block's first instruction again and again? Now

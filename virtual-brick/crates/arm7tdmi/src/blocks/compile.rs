@@ -15,8 +15,10 @@ use super::translate::read_source;
 const BLOCKS_MAX: usize = 16;
 /// A block joins a region if it ran at least this fraction of the compile threshold.
 const WARM_FRACTION: u16 = 2;
-/// Code that executed nothing in so many entries in a row is not entered any more.
-const FUTILE_ENTRIES_MAX: u8 = 4;
+/// An entry into JIT code costs as much as so many interpreted cycles.
+const ENTRY_CYCLES: i32 = 40;
+/// Code that has lost so many cycles is not entered any more; gains beyond that are not counted.
+const LOSS_CYCLES_MAX: i32 = 32 * ENTRY_CYCLES;
 
 impl<B: BlockBus> Blocks<B> {
     /// Requests compilation of a block that has become hot, and installs what has been compiled
@@ -44,10 +46,18 @@ impl<B: BlockBus> Blocks<B> {
         if self.jit.as_ref().is_some_and(|jit| jit.is_exhausted()) {
             self.invalidate_code();
         }
+        let block = &mut self.blocks[number as usize];
+        let runs = u64::from(block.jit.unaffordable) * u64::from(self.threshold_runs);
+        if !self.budget.affords_compiling(block.ops.len(), runs) {
+            block.jit.hotness = 0;
+            block.jit.unaffordable = block.jit.unaffordable.saturating_add(1);
+            return;
+        }
         let blocks = self.hot_neighbourhood(bus, number);
         let Some(first) = blocks.first() else {
             return;
         };
+        let instructions = blocks.iter().map(|block| block.instructions.len()).sum();
         let region_number = self.regions.len() as u32;
         let numbers: Box<[u32]> = blocks.iter().map(|block| block.number).collect();
         let region = Region {
@@ -60,7 +70,10 @@ impl<B: BlockBus> Blocks<B> {
             return;
         };
         match jit.request(region, &ram) {
-            CompileAnswer::Queued => self.note_request(region_number, numbers),
+            CompileAnswer::Queued => {
+                self.budget.pay_for_compiling(instructions);
+                self.note_request(region_number, numbers);
+            }
             CompileAnswer::Busy => self.blocks[number as usize].jit.hotness = 0,
             CompileAnswer::Unsupported => {}
         }
@@ -160,10 +173,11 @@ impl<B: BlockBus> Blocks<B> {
         run.state.after_store = NO_ADDRESS;
         let exit = jit.run(halfword, &mut run.state, ram);
         run.state.cycles = budget - run.state.cycles_left;
-        if run.state.cycles == start_cycles {
+        let code_cycles = run.state.cycles - start_cycles;
+        if code_cycles == 0 {
             run.state.after_store = after_store;
-            self.count_futile_entry(number);
         }
+        self.count_entry(number, code_cycles);
         if exit.operation == EXIT_BY_BRANCH {
             return Some(exit.block);
         }
@@ -176,10 +190,15 @@ impl<B: BlockBus> Blocks<B> {
         Some(exit.block)
     }
 
-    fn count_futile_entry(&mut self, number: u32) {
+    /// JIT code that is left again and again after a few cycles is not worth entering.
+    #[inline(always)]
+    fn count_entry(&mut self, number: u32, code_cycles: u32) {
+        self.code_gain_cycles += i64::from(code_cycles) - i64::from(ENTRY_CYCLES);
         if let Some(block) = self.blocks.get_mut(number as usize) {
-            block.jit.futile_entries += 1;
-            block.jit.has_code = block.jit.futile_entries < FUTILE_ENTRIES_MAX;
+            let gain = code_cycles.min(LOSS_CYCLES_MAX as u32) as i32 - ENTRY_CYCLES;
+            let sum = (i32::from(block.jit.gain_cycles) + gain).min(LOSS_CYCLES_MAX);
+            block.jit.gain_cycles = sum as i16;
+            block.jit.has_code = sum > -LOSS_CYCLES_MAX;
         }
     }
 }

@@ -40,12 +40,17 @@ impl Cpu {
         limit: u64,
         min_cycles: u32,
     ) -> BlocksRun {
+        if blocks.budget.leaves_to_reference() {
+            return BlocksRun::default();
+        }
         let status = self.registers.status();
         let budget = bus.cycles_until_event(limit, status & psr::I == 0, status & psr::F == 0);
         if self.pipeline.attention != 0 || budget < min_cycles {
             return BlocksRun::default();
         }
-        blocks.update(bus);
+        if !blocks.update(bus) {
+            return BlocksRun::default();
+        }
         let start = self.next_instruction_address() | u32::from(self.thumb());
         let Some(place) = bus
             .code_place(start & !1)
@@ -66,6 +71,8 @@ impl Cpu {
         let mut run = self.begin_run(bus, start, place.memory);
         execute(&mut run, blocks, first, (budget, limit));
         let done = run.finish();
+        let code_gain_cycles = std::mem::take(&mut blocks.code_gain_cycles);
+        blocks.budget.earn(run.passed_cycles, code_gain_cycles);
         blocks.note_refusal(first, run.end == End::Refused && !done.ran);
         if done.ran {
             let aborted = run.end == End::Aborted;
@@ -109,6 +116,7 @@ impl Cpu {
             },
             end: End::Reached,
             ran: false,
+            passed_cycles: 0,
             fetched: None,
             delayed: NO_MASKS,
             delays_masks: self.profile.mask_change_delayed,
@@ -147,8 +155,7 @@ impl<B: BlockBus> Run<'_, B> {
     /// Tells the bus the time, and the caller what was done.
     fn finish(&mut self) -> BlocksRun {
         if self.state.cycles != 0 {
-            self.bus.pass(self.state.cycles);
-            self.ran = true;
+            self.pass(self.state.cycles);
             self.delayed = NO_MASKS;
         }
         let size = size_of(self.state.next);
@@ -182,8 +189,7 @@ impl<B: BlockBus> Run<'_, B> {
             return false;
         }
         self.fetched = None;
-        blocks.update(self.bus);
-        true
+        blocks.update(self.bus)
     }
 
     /// The cycles until the next event, after an access through the bus or with other masks; none
@@ -200,9 +206,8 @@ impl<B: BlockBus> Run<'_, B> {
                 }
             }
             End::Status => {
-                self.bus.pass(self.state.cycles);
+                self.pass(self.state.cycles);
                 self.state.cycles = 0;
-                self.ran = true;
             }
             End::Aborted => {
                 self.delayed = NO_MASKS;

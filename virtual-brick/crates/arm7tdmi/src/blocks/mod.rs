@@ -11,6 +11,7 @@
 //! made by the reference engine.
 
 mod block;
+mod budget;
 mod bus;
 mod cache;
 mod compile;

@@ -21,6 +21,7 @@ const LOCKE: u32 = 1 << 2;
 const PROGE: u32 = 1 << 3;
 const NEBP: u32 = 1 << 7;
 const FMR_MASK: u32 = 0x00FF_038D;
+const WAIT_STATES: u32 = 3 << 8;
 
 /// Cycles of each kind of access under the present wait states.
 #[derive(Clone, Copy, Debug)]
@@ -278,8 +279,11 @@ impl Flash {
     }
 
     pub(crate) fn set_mode(&mut self, value: u32, timing: &TimingProfile) {
+        let changed = (self.mode ^ value) & WAIT_STATES != 0;
         self.mode = value & FMR_MASK;
-        self.set_costs(timing);
+        if changed {
+            self.set_costs(timing);
+        }
     }
 
     /// `MC_FSR` as software reads it; the error flags clear.

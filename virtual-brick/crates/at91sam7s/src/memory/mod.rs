@@ -231,9 +231,12 @@ impl Memories {
     pub(crate) fn write_register(&mut self, offset: u32, value: u32, now: Cycles) -> Access {
         match offset {
             MC_RCR => {
+                let before = self.mc.remapped;
                 self.mc.write_remap(value);
                 self.sram_alias = if self.mc.remapped { 0 } else { SRAM_WINDOW };
-                self.flash.remapped();
+                if self.mc.remapped != before {
+                    self.flash.remapped();
+                }
             }
             MC_FMR => self.flash.set_mode(value, &self.timing),
             MC_FCR => self.flash.command(now, value)?,

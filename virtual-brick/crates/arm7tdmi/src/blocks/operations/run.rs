@@ -117,6 +117,8 @@ pub(in crate::blocks) struct Run<'a, B: BlockBus> {
     pub end: End,
     /// Some instruction was executed.
     pub ran: bool,
+    /// Cycles that the bus was told of.
+    pub passed_cycles: u64,
     /// Opcodes of the pipeline from before an access through the bus, which may change memory.
     pub fetched: Option<[u32; 2]>,
     /// Masks that still count at the next boundary, from before an MSR; else [`NO_MASKS`].
@@ -148,6 +150,14 @@ impl<B: BlockBus> Run<'_, B> {
         if let Some(op) = ops.next() {
             (op.handler)(self, op, ops);
         }
+    }
+
+    /// Tells the bus of cycles in which instructions were executed.
+    #[inline(always)]
+    pub fn pass(&mut self, cycles: u32) {
+        self.bus.pass(cycles);
+        self.passed_cycles += u64::from(cycles);
+        self.ran = true;
     }
 
     #[inline(always)]

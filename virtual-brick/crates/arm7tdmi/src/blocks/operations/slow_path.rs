@@ -71,9 +71,8 @@ impl<B: BlockBus> Run<'_, B> {
             self.fetched = Some(opcodes(self.bus, self.state.next));
         }
         self.bus.continue_at(op.address.wrapping_add(3 * size));
-        self.bus.pass(passed);
+        self.pass(passed);
         self.state.cycles = 0;
-        self.ran = true;
         self.end = End::Accessed;
         true
     }

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! What decoding and compiling may cost: a tenth of the time that passes without them, and what
+//! they have saved. A program that never earns the cost of its blocks runs about as fast as with
+//! single steps. A block may also be compiled when it has itself run for as long as that takes.
+//!
+//! Amounts are host time in units of about a nanosecond, for blocks, and a sixteenth of that, for
+//! JIT code. They steer the speed only: a run is the same whatever is decoded or compiled.
+
+/// A tenth of a step of the reference engine.
+const STEP: i64 = 1;
+/// Half of what a cycle in blocks saves, compared with single steps.
+const BLOCK_CYCLE: i64 = 2;
+/// What entering and leaving the blocks costs.
+const BLOCKS_ENTRY: i64 = 30;
+/// Decoding of one instruction, with the memory that it takes.
+const DECODED_INSTRUCTION: i64 = 200;
+/// Most that is kept, which is what a run begins with.
+const DECODING_MAX: i64 = 1_000 * DECODED_INSTRUCTION;
+/// After a refusal the blocks are not asked for so many steps.
+const STEPS_WITHOUT_BLOCKS: u32 = 128;
+/// A sixteenth of a cycle in blocks.
+const COMPILING_CYCLE: i64 = 1;
+/// What a cycle in JIT code saves besides, compared with blocks.
+const CODE_CYCLE: i64 = 8;
+/// Compilation of a region, and of each of its instructions.
+const COMPILED_REGION: i64 = 8_000_000;
+const COMPILED_INSTRUCTION: i64 = 240_000;
+/// A run of one interpreted instruction.
+const INTERPRETED_INSTRUCTION: u64 = 24;
+/// Most that is kept for compilation.
+const COMPILING_MAX: i64 = 2_000 * COMPILED_INSTRUCTION;
+
+/// The means of one run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    decoding: i64,
+    compiling: i64,
+    /// Steps of the reference engine before blocks are asked again.
+    steps_without_blocks: u32,
+    /// Everything is decoded and compiled at once, in tests.
+    unlimited: bool,
+}
+
+impl Budget {
+    pub const fn new(unlimited: bool) -> Self {
+        Self {
+            decoding: DECODING_MAX,
+            compiling: 0,
+            steps_without_blocks: 0,
+            unlimited,
+        }
+    }
+
+    /// Called before each step or run of blocks. True if the reference engine shall step.
+    #[inline(always)]
+    pub fn leaves_to_reference(&mut self) -> bool {
+        self.decoding += STEP;
+        if self.steps_without_blocks == 0 {
+            return false;
+        }
+        self.steps_without_blocks -= 1;
+        true
+    }
+
+    /// Cycles that passed in blocks, once entered; and those of them that passed in JIT code,
+    /// without as many as entering it costs.
+    #[inline(always)]
+    pub fn earn(&mut self, cycles: u64, code_gain_cycles: i64) {
+        let decoding = self.decoding + cycles as i64 * BLOCK_CYCLE - BLOCKS_ENTRY;
+        self.decoding = decoding.min(DECODING_MAX);
+        let earned = cycles as i64 * COMPILING_CYCLE + code_gain_cycles * CODE_CYCLE;
+        self.compiling = (self.compiling + earned).min(COMPILING_MAX);
+    }
+
+    /// May blocks be decoded, or invalidated all at once? If not, not for some steps.
+    pub fn affords_decoding(&mut self) -> bool {
+        let affords = self.unlimited || self.decoding > 0;
+        if !affords {
+            self.steps_without_blocks = STEPS_WITHOUT_BLOCKS;
+        }
+        affords
+    }
+
+    /// So many instructions were decoded, or as much work was done.
+    pub fn pay_for_decoding(&mut self, instructions: usize) {
+        self.decoding -= instructions as i64 * DECODED_INSTRUCTION;
+    }
+
+    /// May a block of so many instructions be compiled, which has run so often?
+    pub fn affords_compiling(&self, instructions: usize, runs: u64) -> bool {
+        let own = runs * instructions as u64 * INTERPRETED_INSTRUCTION;
+        let cost = compilation(instructions);
+        self.unlimited || self.compiling >= cost || own as i64 >= cost
+    }
+
+    pub fn pay_for_compiling(&mut self, instructions: usize) {
+        self.compiling -= compilation(instructions);
+    }
+}
+
+const fn compilation(instructions: usize) -> i64 {
+    COMPILED_REGION + instructions as i64 * COMPILED_INSTRUCTION
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decoding_pauses_when_it_has_cost_what_it_may() {
+        let mut budget = Budget::new(false);
+        assert!(!budget.leaves_to_reference() && budget.affords_decoding());
+        budget.pay_for_decoding(1_001);
+        assert!(!budget.affords_decoding());
+        let steps = (0..1_000).take_while(|_| budget.leaves_to_reference());
+        assert_eq!(steps.count(), STEPS_WITHOUT_BLOCKS as usize);
+        budget.earn(100, 0);
+        assert!(budget.affords_decoding());
+    }
+
+    #[test]
+    fn compilation_waits_for_a_share_of_the_run() {
+        let mut budget = Budget::new(false);
+        assert!(!budget.affords_compiling(1, 0));
+        budget.earn(compilation(1) as u64, 0);
+        assert!(budget.affords_compiling(1, 0) && !budget.affords_compiling(2, 0));
+        budget.pay_for_compiling(1);
+        assert!(!budget.affords_compiling(1, 0));
+        assert!(budget.affords_compiling(1, 1_000_000));
+        assert!(Budget::new(true).affords_compiling(1_000, 0));
+    }
+}
