@@ -29,11 +29,13 @@ from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
 from ravenbrick.timing.kernel import kernel_facts, services
 from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
+from ravenbrick.timing.observation.job_path import paths_of_longest_jobs
 from ravenbrick.timing.observation.long_run import long_run
 from ravenbrick.timing.observation.observed import exceeded, observe
 from ravenbrick.timing.observation.worst_case_search import largest, search_worst_case
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, result_of
+from ravenbrick.timing.results.worst_path import worst_paths
 from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.recording import Recording
 
@@ -368,3 +370,40 @@ def test_a_worst_case_search_and_a_long_run_find_no_response_above_its_bound(
     assert control.latency.most is not None and control.response.most is not None
     assert control.latency.most < control.response.most
     assert sum(control.response.bins.values()) == control.response.count
+
+
+def test_lines_add_up_to_the_bound_of_a_job_and_to_the_time_of_one_in_the_run(
+    robot: Robot,
+    scenario: Scenario,
+    image: ElfImage,
+    analysis: Analysis,
+    recording: Recording,
+) -> None:
+    target = VirtualTarget(flow_points=points_text(analysis.counted))
+    runs = paths_of_longest_jobs(robot, scenario, image, target, recording, 1)
+    seen = observe(robot, recording)
+    paths = worst_paths(analysis.tasks, image, runs)
+    assert [path.task for path in paths] == [timing.task.name for timing in analysis.tasks]
+    for timing, path in zip(analysis.tasks, paths, strict=True):
+        lines = [line for _, line in path.function.all_lines()]
+        assert sum(line.worst.cycles for line in lines if line.worst) == timing.job.cycles
+        own = sum(line.run.cycles for line in lines if line.run)
+        assert own == seen[path.task].execution_cycles == runs[path.task].cycles
+        # The instructions alone, without what the trace charges besides.
+        assert abs(runs[path.task].path["cycles"] - own) < 100
+
+
+def test_a_line_of_the_worst_path_has_its_source_and_the_calls_below_it(
+    image: ElfImage, analysis: Analysis
+) -> None:
+    control = next(t for t in worst_paths(analysis.tasks, image, {}) if t.task == "control_task")
+    lines = {line.text: line for line in control.function.lines}
+    line = lines["Driving.Control (Vehicle);"]
+    assert line.place.startswith("tasks.adb:")
+    assert line.worst is not None and line.worst.times == 1 and line.run is None
+    assert [called.name for called in line.calls] == ["driving.control"]
+    below = {called.name for owner, each in line.calls[0].all_lines() for called in each.calls}
+    assert any("functional_step" in name for name in below)
+    # The compiler's library has no source here.
+    places = {each.place for _, each in control.function.all_lines() if not each.text}
+    assert any(re.fullmatch(r"__aeabi_fmul at 0x[0-9a-f]+", place) for place in places), places

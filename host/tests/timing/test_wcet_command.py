@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -62,3 +63,25 @@ def test_annotations_that_are_no_text_are_named_with_their_line(
 
 def test_what_own_data_starts_from_needs_own_data(image: Path) -> None:
     assert "need --own-data; add it" in refused(2, image, FUNCTION, "--after", "adainit")
+
+
+def test_the_worst_path_on_the_source_adds_up_to_the_bound(image: Path, tmp_path: Path) -> None:
+    file = tmp_path / "path.html"
+    command = ["wcet", str(image), FUNCTION, "--html", str(file), "--json"]
+    result = CliRunner().invoke(app, command)
+    told = json.loads(result.stdout)
+    assert result.exit_code == 0, told
+    cells = re.findall(
+        r'class="share">(\d+)</td>', file.read_text("utf-8").partition("<details")[2]
+    )
+    whole = re.search(r"Line by line: worst path (\d+) cycles", file.read_text("utf-8"))
+    assert whole is not None
+    assert sum(map(int, cells)) == int(whole[1])
+    back = re.search(r"on its lines and (\d+) for the fetches", file.read_text("utf-8"))
+    assert back is not None
+    assert int(whole[1]) + int(back[1]) == told["data"]["cycles"]
+
+
+def test_known_memory_has_no_worst_path_on_the_source(image: Path, tmp_path: Path) -> None:
+    options = ["--own-data", "--html", str(tmp_path / "path.html")]
+    assert "omit --own-data" in refused(2, image, FUNCTION, *options)

@@ -269,6 +269,15 @@ class VirtualBrick:
         """
     def flow_counts(self) -> str:
         """The counts so far in the order of the points: a JSON list of `FlowCount`."""
+    def profile(self, windows: list[tuple[int, int, int]]) -> None:
+        """Note from now on the instructions of threads (by position) from a cycle to another.
+
+        Interrupts are left out; the run is the same.
+        """
+    def profiled(self) -> list[bytes]:
+        """The instructions of each window so far: u32 address, cycles with what transfers took,
+        and these transfers if they are logged, little endian.
+        """
     def log_transfers(self) -> None:
         """Log transfers of the peripheral data controller from now on; the run is the same."""
     def logged_transfers(self) -> dict[str, bytes]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -82,6 +82,13 @@ class VirtualTarget:
         self._snapshots = snapshots or SnapshotOptions()
         self._sound = sound
         self._flow_points = flow_points
+        self._profile: Sequence[tuple[int, int, int]] = ()
+
+    def with_profile(self, windows: Sequence[tuple[int, int, int]]) -> VirtualTarget:
+        """The same that notes the instructions of threads (by position) from a cycle to another."""
+        profiling = copy.copy(self)
+        profiling._profile = windows
+        return profiling
 
     def without_counts(self) -> VirtualTarget:
         """The same that counts nothing: a run of hours would fill the memory with transfers."""
@@ -133,6 +140,7 @@ class VirtualTarget:
         return replace(
             recording,
             flow_counts=tuple(json.loads(brick.flow_counts())),
+            profiles=tuple(brick.profiled()),
             transfers={
                 name.replace("USART", "USART "): np.frombuffer(at, "<u8").astype(np.int64)
                 for name, at in transfers
@@ -230,6 +238,7 @@ class VirtualTarget:
         if self._flow_points is not None and fields is None:
             brick.count_flow(self._flow_points)
             brick.log_transfers()
+            brick.profile(list(self._profile))
         outside = self._body if fields is None else None
         return brick if outside is None else CoSimulation(brick, outside)
 

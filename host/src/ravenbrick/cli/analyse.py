@@ -30,6 +30,7 @@ from ravenbrick.timing.counted_facts import points_text
 from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import FactCount, check_facts_of_run, fact_counts
+from ravenbrick.timing.observation.job_path import paths_of_longest_jobs
 from ravenbrick.timing.observation.long_run import long_run
 from ravenbrick.timing.observation.observed import (
     Observed,
@@ -58,6 +59,7 @@ from ravenbrick.timing.results.report import (
 )
 from ravenbrick.timing.results.result import advice, microseconds, result_of
 from ravenbrick.timing.results.task_set_file import task_set_text
+from ravenbrick.timing.results.worst_path import worst_paths
 from ravenbrick.timing.scheduled_tasks import STOLEN_CYCLES
 from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.measures import check_survival
@@ -326,13 +328,16 @@ def analyse_command(
         **found.more,
     }
     notes = _chain_notes(chains, result, directory)
+    with reporter.step(f"run '{chosen.name}' again for the paths of its longest jobs"):
+        runs = paths_of_longest_jobs(robot, chosen, elf, target, recording, wanted[2])
     with reporter.step("write the report") as step:
+        paths = worst_paths(analysis.tasks, elf, runs)
         figures = _figures(robot, analysis, recording, found, result)
         if loop is not None:
             figures += [
                 (f"Phase margin against delay: {c.name}", margin_figure(loop, c)) for c in chains
             ]
-        report = write_timing_report(robot.name, result, figures, notes, workspace.results)
+        report = write_timing_report(robot.name, result, figures, notes, paths, workspace.results)
         step.note = shown_path(report)
         task_file = workspace.results / "taskset.toml"
         atomic_write(task_file, task_set_text(robot.name, analysis.task_set, analysis.overheads))

@@ -11,12 +11,15 @@ from typing import Annotated, Any, Literal
 import typer
 from elftools.elf.elffile import ELFFile
 
+from ravenbrick.atomic_write import atomic_write
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import RavenbrickError, UsageError
+from ravenbrick.report.page import page
 from ravenbrick.schemas.located_toml import utf8_text
-from ravenbrick.timing.bounds import ExecutionTimeError, execution_times, recursion_words
+from ravenbrick.timing.bounds import Bounds, ExecutionTimeError, execution_times, recursion_words
+from ravenbrick.timing.results.worst_path import expensive_lines, path_table, source_lines
 from ravenbrick.timing.unmatched_facts import check_annotation_file
 
 __all__ = ["wcet_command"]
@@ -79,6 +82,22 @@ def _print_own_data(reporter: Reporter, result: dict[str, Any]) -> None:
     reporter.table(("source line", "executions"), rows)
 
 
+def _write_html(file: Path, elf: Path, found: Bounds) -> None:
+    """The worst path on the source lines."""
+    bound = found.functions[0]
+    function = path_table(bound.path or {}, source_lines(elf.read_bytes()))
+    text = page(
+        "worst_path.html",
+        title=f"{bound.symbol}: worst path",
+        bound_cycles=bound.cycles + found.return_cycles,
+        return_cycles=found.return_cycles,
+        timing=found.timing,
+        function=function,
+        expensive=expensive_lines(function),
+    )
+    atomic_write(file, text)
+
+
 def _with_names(error: RavenbrickError, elf: Path, calls: list[str]) -> RavenbrickError:
     """The error, or the one that names a function which the file does not have."""
     with elf.open("rb") as file:
@@ -116,6 +135,9 @@ def wcet_command(
         list[str] | None,
         typer.Option(help="Variable with unknown content; with --own-data; may be repeated."),
     ] = None,
+    html: Annotated[
+        Path | None, typer.Option(help="HTML file for the worst path on the source lines.")
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     reporter = Reporter(json_output)
@@ -123,6 +145,8 @@ def wcet_command(
         raise UsageError(f"{elf}: there is no such file; name an ELF file")
     if not own_data and (after or any_content):
         raise UsageError("--after and --any-content need --own-data; add it")
+    if own_data and html is not None:
+        raise UsageError("--html shows the worst path for any data; omit --own-data")
     files = [(str(path), utf8_text(path)) for path in annotations or []]
     content = elf.read_bytes()
     options: dict[str, Any] = {"annotations": files, "timing": timing, "wait_states": wait_states}
@@ -135,7 +159,7 @@ def wcet_command(
             result = _own_data(elf, calls, any_content or [], options)
             _print_own_data(reporter, result)
             return result
-        found = execution_times(content, functions=[symbol], **options)
+        found = execution_times(content, functions=[symbol], paths=html is not None, **options)
     except ExecutionTimeError as error:
         raise _with_names(error, elf, calls) from None
     bound = found.functions[0]
@@ -147,4 +171,7 @@ def wcet_command(
         "report": bound.report,
     }
     _print(reporter, result)
+    if html is not None:
+        _write_html(html, elf, found)
+        reporter.print(f"  {html}")
     return result

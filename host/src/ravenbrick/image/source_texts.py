@@ -26,9 +26,9 @@ def _folders(header: Mapping[str, Any], home: str) -> list[str]:
     return named if header["version"] >= 5 else [home, *named]
 
 
-def named_sources(image: ElfImage) -> list[str]:
-    """Paths of the files in the image's line tables; raises `ELFError` on damaged ones."""
-    elf = ELFFile(io.BytesIO(image.content))
+def named_sources(content: bytes) -> list[str]:
+    """Paths of the files in the line tables of an ELF file; raises `ELFError` on damaged ones."""
+    elf = ELFFile(io.BytesIO(content))
     if not elf.has_dwarf_info():
         return []
     dwarf = elf.get_dwarf_info()
@@ -54,7 +54,7 @@ def _below(named: str, root: Path) -> Path | None:
 def source_texts(image: ElfImage, roots: Sequence[Path]) -> dict[str, str]:
     """Text of each source file below one of the root folders, by its path in the line tables."""
     try:
-        named: Iterable[str] = named_sources(image)
+        named: Iterable[str] = named_sources(image.content)
     except (ELFError, ValueError, KeyError, AttributeError):
         return {}
     texts: dict[str, str] = {}

@@ -188,12 +188,14 @@ def _jobs(
     annotations: Sequence[tuple[str, str]],
     timing: str,
     more: Sequence[tuple[str, str]],
+    paths: bool = False,
 ) -> list[tuple[Task, Bound]]:
-    """Tasks with their jobs, under more annotations."""
+    """Tasks with their jobs, under more annotations; with `paths`, also their worst paths."""
 
     def asked(questions: Sequence[JobQuestion]) -> tuple[Bound, ...]:
+        known = [*annotations, *more]
         return execution_times(
-            image.content, jobs=questions, annotations=[*annotations, *more], timing=timing
+            image.content, jobs=questions, annotations=known, timing=timing, paths=paths
         ).jobs
 
     bodies = [body_of(image, facts, task) for task in tasks]
@@ -271,7 +273,7 @@ def analyse(
     )
     places = (f"{facts.name}, [[outside]]", facts.outside)
     bounded = partial(_jobs, image, facts, tasks, [*annotations, places], timing)
-    jobs = bounded(())
+    jobs = bounded((), paths=True)
     stuck = [(task, job) for task, job in jobs if job.endless is not None]
     if stuck:
         background = background.with_never_waiting(stuck)

@@ -60,6 +60,7 @@ class Bound:
     reached_inside: frozenset[str] = frozenset()
     released_by: frozenset[str] = frozenset()
     endless: str | None = None
+    path: dict[str, Any] | None = None
 
     def longest_critical_section(self, above_urgency: int) -> int:
         """Longest critical section above an urgency, in cycles."""
@@ -93,6 +94,7 @@ class Bounds:
     known_memory_cycles: int | None = None
     known_memory_lines: tuple[tuple[str, int], ...] = ()
     effort: dict[str, int] = field(default_factory=dict)
+    runs: tuple[dict[str, Any], ...] = ()
 
 
 def _question(loop: dict[str, Any], facts: str) -> str:
@@ -145,6 +147,7 @@ def _bound(answer: dict[str, Any]) -> Bound:
         frozenset(answer["reached_inside"]),
         frozenset(answer["released_by"]),
         answer["endless"],
+        answer["path"],
     )
 
 
@@ -191,6 +194,8 @@ def execution_times(
     root: str | None = None,
     callees: Sequence[str] = (),
     graphs: bool = False,
+    paths: bool = False,
+    runs: Sequence[Sequence[tuple[int, int]]] = (),
     known_memory: tuple[Sequence[str], int] | None = None,
     inputs: Sequence[str | dict[str, Any]] = (),
     timing: str = "nominal",
@@ -202,7 +207,9 @@ def execution_times(
     and need not end: only their stack and their effects on others are bounded.
 
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
-    what it calls. With `graphs`, bounds bring the graphs of their longest paths.
+    what it calls. With `graphs`, bounds bring the graphs of their longest paths, with `paths` the
+    longest paths by source lines. `runs` are sequences of executed instructions, each its address
+    and cycles; their paths come in the same form.
     With `known_memory`, functions called one after the other and their stack pointer, the last of
     them is bounded as it is, with memory as the image says and written by nothing else, but for
     `inputs`, variables that may then have any content; `known_memory_lines` are the lines it
@@ -223,6 +230,8 @@ def execution_times(
         "root": root,
         "callees": list(callees),
         "graphs": graphs,
+        "paths": paths,
+        "runs": runs,
     }
     if known_memory is not None:
         request["known_memory"] = {
@@ -249,4 +258,5 @@ def execution_times(
         _known_memory_cycles(answer["known_memory"]),
         _known_memory_lines(answer["known_memory"]),
         answer["effort"],
+        tuple(answer["runs"]),
     )

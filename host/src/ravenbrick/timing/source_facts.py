@@ -120,7 +120,7 @@ def loop_statements(path: Path, text: str) -> list[SourceLoop]:
 
 def _source_files(image: ElfImage) -> list[Path]:
     """Ada sources that the image's line tables name and that are there."""
-    files = (Path(name) for name in named_sources(image) if name.endswith((".adb", ".ads")))
+    files = (Path(name) for name in named_sources(image.content) if name.endswith((".adb", ".ads")))
     return sorted(path for path in files if path.is_file())
 
 

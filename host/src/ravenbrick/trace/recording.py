@@ -112,7 +112,8 @@ class Recording:
     texts of the LCD in the order of time. `overflows`: a sentence for each stack that overflowed.
     `warnings`: sentences about what the program uses and robot.toml does not have. `flow_counts`
     are what was counted about flow facts, `transfers` the instants of the data controller's
-    transfers by peripheral, both only of runs that count them; a file does not have them.
+    transfers by peripheral, `profiles` the instructions of chosen jobs, all only of runs that count
+    them; a file does not have them.
     """
 
     scenario: str
@@ -129,6 +130,7 @@ class Recording:
     warnings: tuple[str, ...] = ()
     flow_counts: tuple[dict[str, Any], ...] = ()
     transfers: Mapping[str, NDArray[np.int64]] | None = None
+    profiles: tuple[bytes, ...] = ()
 
     def of_kind(self, *kinds: EventKind) -> NDArray[np.void]:
         """The events of these kinds, in order."""

@@ -8,7 +8,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
 use trace::{EventKind, NameSpace};
-use virtual_brick_facade::{BrickError, Configuration, Image, ScalarKind, CLOCK_HZ};
+use virtual_brick_facade::{
+    BrickError, Configuration, Image, ProfileStep, ProfileWindow, ScalarKind, CLOCK_HZ,
+};
 
 use crate::debugging::Service;
 use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
@@ -378,6 +380,26 @@ impl VirtualBrick {
 
     fn flow_counts(&self) -> PyResult<String> {
         serde_json::to_string(self.0.flow_counts()).map_err(raise::<PyValueError>)
+    }
+
+    fn profile(&mut self, windows: Vec<(usize, u64, u64)>) {
+        let window = |(thread, begin_cycles, end_cycles)| ProfileWindow {
+            thread,
+            begin_cycles,
+            end_cycles,
+        };
+        let windows: Vec<_> = windows.into_iter().map(window).collect();
+        self.0.profile(&windows);
+    }
+
+    fn profiled<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyBytes>> {
+        let words = |step: &ProfileStep| [step.address, step.cycles, step.transfers];
+        let packed = |steps: &[ProfileStep]| {
+            let words = steps.iter().flat_map(words);
+            let bytes: Vec<u8> = words.flat_map(u32::to_le_bytes).collect();
+            PyBytes::new(py, &bytes)
+        };
+        self.0.profiled().into_iter().map(packed).collect()
     }
 
     fn log_transfers(&mut self) {

@@ -25,6 +25,7 @@ use crate::threads::{Layout, Thread, ThreadObserver};
 use crate::boot_monitor::MonitorState;
 use crate::call_trace::CallTrace;
 use crate::flow_counts::FlowCounts;
+use crate::job_profile::JobProfile;
 use crate::recorder::Recorder;
 use crate::semihosting::Console;
 use crate::stacks::StackChecker;
@@ -47,6 +48,7 @@ pub struct VirtualBrick {
     pub(crate) stacks: StackChecker,
     pub(crate) call_trace: CallTrace,
     pub(crate) flow_counts: FlowCounts,
+    pub(crate) job_profile: JobProfile,
     pub(crate) ended: Option<Stop>,
     pub(crate) engine: Engine,
     pub(crate) blocks: Blocks<Machine>,
@@ -140,6 +142,7 @@ impl VirtualBrick {
             inputs: InputSchedule::default(),
             call_trace: CallTrace::default(),
             flow_counts: FlowCounts::default(),
+            job_profile: JobProfile::default(),
             dead_ends: DeadEndDetector::default(),
             endless_loops: EndlessLoops::default(),
             ended: None,

@@ -88,7 +88,8 @@ pub(crate) struct FlowCounts {
     counts: Vec<FlowCount>,
     /// By address: what happens there, and to which point.
     roles: Vec<(u32, Role, usize)>,
-    entries: BTreeMap<(usize, u32), LoopEntry>,
+    /// By point: stack pointers and entries, the last used first. They are few.
+    entries: Vec<Vec<(u32, LoopEntry)>>,
     /// Loops on the way back to their first block.
     repeating: BTreeSet<(usize, u32)>,
     /// By point and thread, none for handlers, which have a stack of their own: stack pointers of
@@ -141,6 +142,7 @@ impl FlowCounts {
         roles.dedup();
         Self {
             counts: vec![FlowCount::default(); points.len()],
+            entries: vec![Vec::new(); points.len()],
             points,
             activations,
             roles,
@@ -148,16 +150,30 @@ impl FlowCounts {
         }
     }
 
-    fn roles_at(&self, address: u32) -> std::ops::Range<usize> {
+    /// What is counted at this instruction, as the first place among the roles.
+    #[inline]
+    pub(crate) fn watched(&self, address: u32) -> Option<usize> {
+        if self.roles.is_empty() {
+            return None;
+        }
         let begin = self.roles.partition_point(|role| role.0 < address);
-        let length = self.roles[begin..].partition_point(|role| role.0 == address);
-        begin..begin + length
+        let role = self.roles.get(begin)?;
+        (role.0 == address).then_some(begin)
     }
 
-    /// Is something counted at this instruction?
-    #[inline(always)]
-    pub(crate) fn watches(&self, address: u32) -> bool {
-        !self.roles.is_empty() && !self.roles_at(address).is_empty()
+    /// The entry of a loop with this stack pointer.
+    fn entry(&mut self, (point, pointer): (usize, u32)) -> &mut LoopEntry {
+        let entries = &mut self.entries[point];
+        match entries.iter().position(|(known, _)| *known == pointer) {
+            Some(0) => {}
+            Some(place) => entries.swap(0, place),
+            None => {
+                entries.push((pointer, LoopEntry::default()));
+                let last = entries.len() - 1;
+                entries.swap(0, last);
+            }
+        }
+        &mut entries[0].1
     }
 
     /// Instructions at which something is counted.
@@ -180,9 +196,10 @@ impl VirtualBrick {
         &self.flow_counts.counts[..asked]
     }
 
-    /// Counts the instruction at `address`, which was executed with this stack pointer before.
-    #[cold]
-    pub(crate) fn count_instruction(&mut self, address: u32, pointer_before: u32) {
+    /// Counts the instruction whose roles begin at `first`, which was executed with this stack
+    /// pointer before.
+    pub(crate) fn count_instruction(&mut self, first: usize, pointer_before: u32) {
+        let address = self.flow_counts.roles[first].0;
         let pointer = self.cpu.register(13);
         let arrival = Arrival {
             at_cycles: self.chip.now(),
@@ -191,8 +208,13 @@ impl VirtualBrick {
             count: 1,
         };
         let went_on = arrival.target.wrapping_sub(address) <= 4;
-        for place in self.flow_counts.roles_at(address) {
-            let (_, role, point) = self.flow_counts.roles[place];
+        for place in first.. {
+            let Some((at, role, point)) = self.flow_counts.roles.get(place).copied() else {
+                return;
+            };
+            if at != address {
+                return;
+            }
             let key = (point, pointer);
             match role {
                 Role::Entry => self.count_loop((point, pointer), 1, &arrival),
@@ -220,7 +242,7 @@ impl VirtualBrick {
     }
 
     /// The running thread, unless a handler interrupts it.
-    fn executing_thread(&self) -> Option<usize> {
+    pub(crate) fn executing_thread(&self) -> Option<usize> {
         let in_thread = self.cpu.mode() == Some(Mode::System);
         self.recorder.running_index().filter(|_| in_thread)
     }
@@ -247,13 +269,13 @@ impl VirtualBrick {
         if *at_call {
             self.flow_counts.repeating.insert(key);
         }
-        let count = self.flow_counts.entries.get(&key).map_or(1, |e| e.count);
+        let count = self.flow_counts.entry(key).count.max(1);
         self.count_loop(key, count + 1, arrival);
     }
 
     /// The loop's first block is executed for the `count`-th time since its entry.
     fn count_loop(&mut self, key: (usize, u32), count: u64, arrival: &Arrival) {
-        let entry = self.flow_counts.entries.entry(key).or_default();
+        let entry = self.flow_counts.entry(key);
         if count == 1 {
             *entry = LoopEntry::default();
         }
@@ -284,9 +306,8 @@ impl VirtualBrick {
                 place = Some(index);
             }
         }
-        if let Some(entry) = self.flow_counts.entries.get_mut(&key) {
-            (entry.counts, entry.arrival) = (Some(counts), place);
-        }
+        let entry = self.flow_counts.entry(key);
+        (entry.counts, entry.arrival) = (Some(counts), place);
     }
 
     /// Is the function active within which the fact holds? The chain of calls is followed only

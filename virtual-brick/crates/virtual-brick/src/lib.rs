@@ -18,6 +18,7 @@ mod engine;
 mod failure;
 mod flow_counts;
 mod inputs;
+mod job_profile;
 mod memory;
 mod observe;
 mod placement;
@@ -44,6 +45,7 @@ pub use image::{
     Image, ImageError, Line, Lines, ScalarKind, Section, Segment, Symbol, Symbols, Variable,
 };
 pub use inputs::InputError;
+pub use job_profile::{ProfileStep, ProfileWindow};
 pub use memory::MemoryError;
 pub use nxt::SOUND_SAMPLE_CYCLES;
 pub use observe::{Access, StepObserver};

@@ -112,6 +112,9 @@ impl VirtualBrick {
             .inputs
             .next_cycles()
             .min(self.recorder.next_sample_cycles());
+        let now = self.chip.now();
+        let due = due.min(self.job_profile.next_change_cycles(now));
+        let profiled = self.job_profile.is_active(now);
         let end = limit_cycles.min(due);
         while self.chip.now() < end {
             if self.chip.processor_stopped() {
@@ -119,7 +122,11 @@ impl VirtualBrick {
                 self.after_step(self.cpu.next_instruction_address())?;
                 continue;
             }
-            if !O::SEES_STEPS && self.engine != Engine::Reference && !self.stacks.following() {
+            if !O::SEES_STEPS
+                && !profiled
+                && self.engine != Engine::Reference
+                && !self.stacks.following()
+            {
                 if let Some(instruction) = self.run_blocks(end) {
                     self.after_step(instruction)?;
                     continue;
@@ -133,11 +140,15 @@ impl VirtualBrick {
             if self.call_trace.traces(before) {
                 self.record_call();
             }
-            let counted = self.flow_counts.watches(before);
+            let counted = self.flow_counts.watched(before);
+            let profile = profiled.then(|| self.before_profiled_step());
             let step = self.step(observer);
             let step = self.semihost(step)?;
-            if counted && step == Step::Instruction {
-                self.count_instruction(before, stack_pointer);
+            if let Some(profile) = profile {
+                self.after_profiled_step(&profile, step);
+            }
+            if let (Some(first), Step::Instruction) = (counted, step) {
+                self.count_instruction(first, stack_pointer);
             }
             self.after_step(before)?;
             self.check_stacks_after_step(stack_pointer);

@@ -14,17 +14,19 @@
 //!
 //! 1. `inputs`: what is given about a program;
 //! 2. `graph`: control-flow graph, loop nesting forest, node splitting; no values;
-//! 3. `values`: abstract domains, states, transfer functions of instructions and blocks;
-//! 4. `loops`: abstract execution iteration by iteration, and flow facts for other loops;
-//! 5. `paths`: costs of blocks, longest path, critical sections;
-//! 6. `functions`: the recursion over the call graph: summaries for any arguments, calls in the
+//! 3. `elapsed`: cycles of a path and, where wanted, the steps they are made of;
+//! 4. `values`: abstract domains, states, transfer functions of instructions and blocks;
+//! 5. `loops`: abstract execution iteration by iteration, and flow facts for other loops;
+//! 6. `paths`: costs of blocks, longest path, critical sections;
+//! 7. `functions`: the recursion over the call graph: summaries for any arguments, calls in the
 //!    context of their caller, bounds;
-//! 7. `queries`: what a caller asks, and the answers as data.
+//! 8. `queries`: what a caller asks, and the answers as data.
 //!
 //! Instructions and their bus cycles come from the core's crate, so the sums are what the virtual
 //! brick charges. The argument for soundness and its assumptions are written down in
 //! `docs/internals/timing-analysis.md`.
 
+mod elapsed;
 mod error;
 mod functions;
 mod graph;
@@ -40,6 +42,7 @@ pub use inputs::annotations::Annotations;
 pub use inputs::image::Image;
 pub use inputs::memory_map::{FetchCost, MemoryMap, Region};
 pub use queries::known_memory::{Input, KnownMemory, KnownMemoryBound, LineCount};
+pub use queries::path_report::{LineCost, PathReport};
 pub use queries::report::Report;
 pub use queries::request::{AnnotationFile, Request, Response};
 pub use queries::unmatched_facts::{unmatched_facts, UnmatchedFact};

@@ -11,7 +11,7 @@ use crate::support::{check, report, LIBGCC};
 const OPTIONS: [[&str; 2]; 2] = [["-marm", "-O2"], ["-mthumb", "-Os"]];
 
 /// Forms that are bounded with each of them, of 32.
-const BOUNDED: [usize; 2] = [30, 28];
+const BOUNDED: [usize; 2] = [30, 30];
 
 const RUNS: u32 = 200;
 

@@ -14,3 +14,4 @@ mod refusals;
 mod soundness;
 mod support;
 mod task_bodies;
+mod worst_path;

@@ -24,10 +24,12 @@ from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, all_jobs, cyclic_begin_cycles, jobs_of
 
 __all__ = [
+    "LongestJob",
     "Observed",
     "check_bounds",
     "check_event_rates",
     "exceeded",
+    "longest_jobs",
     "observe",
     "ratio",
     "worst_job",
@@ -121,6 +123,37 @@ def observe(robot: Robot, recording: Recording, transfer_cycles: int = 1) -> dic
             stack_bytes=threads[found.name.lower()].stack_used_bytes,
             without_transfers=recording.transfers is not None,
         )
+    return result
+
+
+@dataclass(frozen=True)
+class LongestJob:
+    """A job by its net execution time; cycles. It has the processor first at `begin_cycles`."""
+
+    thread: int
+    begin_cycles: int
+    end_cycles: int
+    cycles: int
+
+
+def longest_jobs(
+    robot: Robot, recording: Recording, transfer_cycles: int = 1
+) -> dict[str, LongestJob]:
+    """The job of each task whose `execution_cycles` are `observe`'s, by the task's name."""
+    since = cyclic_begin_cycles(robot, recording)
+    names = [thread.name for thread in recording.threads]
+    result = {}
+    for found in task_dynamics(robot, recording):
+        task, thread = robot.task(found.name), names.index(found.name)
+        chosen = np.flatnonzero(_operating(recording, found.name, since))
+        if task is None or not chosen.size:
+            continue
+        own = _net_execution_times(recording, found, transfer_cycles)
+        longest = int(chosen[np.argmax(own[chosen])])
+        done = [job for job in jobs_of(recording, thread) if job.completion_cycles is not None]
+        begin, end = done[longest].start_cycles, done[longest].completion_cycles
+        if begin is not None and end is not None:
+            result[task.name] = LongestJob(thread, begin, end, int(own[longest]))
     return result
 
 

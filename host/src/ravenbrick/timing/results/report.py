@@ -14,6 +14,7 @@ from ravenbrick.report.page import page
 from ravenbrick.report.plots.style import data_uri, png_bytes
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, microseconds
+from ravenbrick.timing.results.worst_path import Executed, PathLine, WorstPath
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,11 +103,27 @@ def _observed_rows(result: dict[str, Any]) -> list[list[str]]:
     return rows
 
 
+def _plain_paths(paths: Sequence[WorstPath]) -> dict[str, list[dict[str, Any]]]:
+    """By task: each line with the function and its executions and cycles on both paths."""
+
+    def plain(name: str, line: PathLine) -> dict[str, Any]:
+        own = {"function": name, "place": line.place}
+        for side, value in (("worst", line.worst), ("run", line.run)):
+            own |= {f"{side}_{key}": number for key, number in vars(value or Executed()).items()}
+        return own
+
+    return {
+        path.task: [plain(owner.name, line) for owner, line in path.function.all_lines()]
+        for path in paths
+    }
+
+
 def write_timing_report(
     name: str,
     result: dict[str, Any],
     figures: Sequence[tuple[str, Figure]],
     notes: Sequence[str],
+    paths: Sequence[WorstPath],
     folder: Path,
 ) -> Path:
     """Write timing.html, with `notes` below the advice, and timing.json; returns the report's
@@ -119,6 +136,7 @@ def write_timing_report(
         notes=(*advice(result), *notes),
         responses=short_rows(result),
         figures=[(text, data_uri(png_bytes(figure), "image/png")) for text, figure in figures],
+        paths=paths,
         terms=_observed_rows(result),
         differences=overestimation(result),
         interrupt_head=INTERRUPT_HEAD,
@@ -131,5 +149,8 @@ def write_timing_report(
     )
     report = folder / "timing.html"
     atomic_write(report, text)
-    atomic_write(folder / "timing.json", json.dumps(result, indent=1) + "\n")
+    atomic_write(
+        folder / "timing.json",
+        json.dumps({**result, "worst_paths": _plain_paths(paths)}, indent=1) + "\n",
+    )
     return report

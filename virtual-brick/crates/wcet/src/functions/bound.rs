@@ -5,6 +5,7 @@
 //! other: a call that is not analysed in its context costs what `Program::bound` says for its
 //! arguments.
 
+use crate::elapsed::{difference, Elapsed, PathTree, UNBOUNDED};
 use crate::error::{Error, MissingBound};
 use crate::functions::context_sensitive_calls::ContextSensitiveCalls;
 use crate::functions::effects::{effects, Endless};
@@ -15,12 +16,12 @@ use crate::graph::control_flow::{Block, Target};
 use crate::graph::loop_forest::LoopForest;
 use crate::inputs::image::Entry;
 use crate::loops::abstract_execution::{AbstractExecution, LoopFinding};
-use crate::paths::block_cost::edge_cycles;
+use crate::paths::block_cost::{edge_costs, edge_cycles};
 use crate::paths::critical_section::{critical_sections, merge, CriticalSections};
 use crate::paths::longest_path::{longest_path, LongestPath, PathError, PathProblem};
 use crate::values::block_interpreter::{any_arguments, as_arguments, BlockInterpreter};
 use crate::values::records::BlockRecord;
-use crate::values::state::{State, ANY_URGENCY, UNBOUNDED};
+use crate::values::state::{State, ANY_URGENCY};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -75,12 +76,17 @@ impl Program<'_> {
             None => bound?,
         };
         let cycles = self.facts.call_cycles(entry, bound.cycles);
-        Ok(Rc::new(FunctionBound { cycles, ..bound }))
+        let mut bound = FunctionBound { cycles, ..bound };
+        if let Some(path) = bound.path.as_mut().map(Rc::make_mut) {
+            path.difference += difference(cycles, path.cycles());
+        }
+        Ok(Rc::new(bound))
     }
 
     /// What holds at the entry. The callers of functions that leave a protected action are in one.
     fn entry_state(&self, entry: Entry, arguments: &Arguments) -> State {
         let mut state = State::entry(arguments);
+        state.elapsed = Elapsed::begin(self.paths_recorded);
         if self.conventions.unlocks.contains(&entry.0) {
             state.enter(ANY_URGENCY);
             state.mask_count = None;
@@ -101,7 +107,7 @@ pub struct Executed {
     /// Of each block.
     pub records: Vec<BlockRecord>,
     /// Longest path with calls analysed in their context, if each loop on it has a bound.
-    elapsed: Option<u64>,
+    elapsed: Option<Elapsed>,
 }
 
 /// Executes a function on abstract values, from a state at its entry.
@@ -124,9 +130,10 @@ pub fn execute(
     let (active, returns) = (program.bounding.borrow(), !returned.is_empty());
     program.note_contradictions(summary, &execution.findings, &active, returns);
     drop(active);
-    let longest = returned.iter().map(|state| state.elapsed.0).max();
+    let longest = returned.iter().map(|state| &state.elapsed);
+    let longest = longest.max_by_key(|elapsed| elapsed.cycles);
     Executed {
-        elapsed: longest.filter(|cycles| *cycles != UNBOUNDED),
+        elapsed: longest.filter(|own| own.cycles != UNBOUNDED).cloned(),
         findings: execution.findings,
         records: execution.interpreter.records,
     }
@@ -142,6 +149,7 @@ pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
         blocks: Vec::new(),
         loops: Vec::new(),
         sections: CriticalSections::new(),
+        path: None,
         functions: BTreeSet::new(),
     }
 }
@@ -162,6 +170,11 @@ fn context_bound(program: &Program<'_>, entry: Entry, cycles: u64) -> Result<Fun
 pub fn bound_recursive(one: FunctionBound, calls: u64, depth: u32) -> FunctionBound {
     FunctionBound {
         cycles: one.cycles.saturating_mul(calls),
+        path: one.path.map(|path| {
+            let mut all = PathTree::new(path.entry);
+            all.add(&path, calls);
+            Rc::new(PathTree { calls: 1, ..all })
+        }),
         stack_bytes: one.stack_bytes.and_then(|bytes| bytes.checked_mul(depth)),
         ..one
     }
@@ -182,15 +195,19 @@ pub fn bound_summary(
     } = execute(program, entry, summary, state);
     let annotated = summary.limits_within(&[entry]);
     let (calls, never_returning) = callee_bounds(program, summary, &records)?;
-    let mut cycles = Vec::new();
+    let mut costs = Vec::new();
     for (index, block) in flow.blocks.iter().enumerate() {
-        let call_cycles = call_cycles(&calls[index], &records[index]);
-        let mut edges = edge_cycles(block, &summary.costs[index], &records[index], call_cycles);
+        let call = longest_call(&calls[index], &records[index], program.paths_recorded);
+        let mut edges = edge_costs(block, &summary.costs[index], &records[index], &call);
         for (taken, edge) in edges.iter_mut().zip(&block.edges) {
-            *taken = taken.filter(|_| !(never_returning.contains(&index) && edge.executed));
+            if never_returning.contains(&index) && edge.executed {
+                *taken = None;
+            }
         }
-        cycles.push(edges);
+        costs.push(edges);
     }
+    let cycles = costs.iter().map(|edges| edges.iter().map(edge_cycles));
+    let cycles: Vec<Vec<_>> = cycles.map(Iterator::collect).collect();
     let bounds: Vec<Option<u64>> = findings
         .iter()
         .zip(&annotated)
@@ -214,10 +231,17 @@ pub fn bound_summary(
     }
     let stack_bytes = stack_bound(&records, &calls);
     let loops = loop_bounds(summary, &findings, &annotated, &bounds);
+    let elapsed = elapsed.filter(|own| own.cycles <= solution.cycles);
+    let on_blocks = || path_of(entry, &solution, &costs);
+    let path = program.paths_recorded.then(|| {
+        let tree = elapsed.as_ref().and_then(|own| own.tree(entry.0));
+        Rc::new(tree.unwrap_or_else(on_blocks))
+    });
     Ok(FunctionBound {
         entry,
         path_cycles: solution.cycles,
-        cycles: elapsed.map_or(solution.cycles, |cycles| cycles.min(solution.cycles)),
+        cycles: elapsed.map_or(solution.cycles, |own| own.cycles),
+        path,
         stack_bytes,
         loops,
         sections,
@@ -301,9 +325,9 @@ fn callee_bounds(
             match program.bound(*callee, cached_bound) {
                 Ok(bound) => bounds.push(bound),
                 Err(Error::NeverReturns(_)) => {}
-                Err(error @ Error::MissingBounds(_)) => match records[index].callee_cycles {
-                    Some(cycles) if cycles != UNBOUNDED => {
-                        bounds.push(Rc::new(context_bound(program, *callee, cycles)?));
+                Err(error @ Error::MissingBounds(_)) => match &records[index].callee_elapsed {
+                    Some(own) if own.cycles != UNBOUNDED => {
+                        bounds.push(Rc::new(context_bound(program, *callee, own.cycles)?));
                     }
                     _ => return Err(error),
                 },
@@ -318,11 +342,32 @@ fn callee_bounds(
     Ok((all, never_returning))
 }
 
-/// Time of the call at the end of a block, without the fetches after its return.
-pub fn call_cycles(calls: &[Rc<FunctionBound>], record: &BlockRecord) -> u64 {
-    let any_context = calls.iter().map(|bound| bound.cycles).max().unwrap_or(0);
-    let in_context = record.callee_cycles.unwrap_or(u64::MAX);
-    in_context.min(any_context)
+/// The call at the end of a block, without the fetches after its return.
+pub fn longest_call(calls: &[Rc<FunctionBound>], record: &BlockRecord, recorded: bool) -> Elapsed {
+    let mut longest = Elapsed::begin(recorded);
+    let any_context = calls.iter().max_by_key(|bound| bound.cycles);
+    let in_context = record.callee_elapsed.as_ref();
+    match (in_context, any_context) {
+        (_, None) => {}
+        (Some(own), Some(bound)) if own.cycles <= bound.cycles => longest.add_path(own),
+        (_, Some(bound)) => {
+            longest.add_bound(bound.entry.0, bound.cycles, bound.path.as_ref());
+        }
+    }
+    longest
+}
+
+/// The longest path over the blocks.
+fn path_of(entry: Entry, solution: &LongestPath, costs: &[Vec<Option<Elapsed>>]) -> PathTree {
+    let mut tree = PathTree::new(entry.0);
+    tree.calls = 1;
+    let counts = solution.counts.iter().flatten();
+    for (count, cost) in counts.zip(costs.iter().flatten()) {
+        if let Some(cost) = cost.as_ref().filter(|_| *count > 0) {
+            cost.add_to_tree(&mut tree, *count);
+        }
+    }
+    tree
 }
 
 fn stack_bound(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Option<u32> {
@@ -347,7 +392,7 @@ fn block_bounds(
     parts
         .map(|(index, ((cycles, calls), record))| BlockBound {
             address: summary.flow.blocks[index].node.address,
-            count: solution.counts[index],
+            count: solution.counts[index].iter().sum(),
             cycles,
             calls,
             targets: targets(&summary.flow.blocks[index]),

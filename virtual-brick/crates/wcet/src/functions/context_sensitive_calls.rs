@@ -5,13 +5,14 @@
 //! to the path on which it is called. The context is the whole call string, as far as the budget of
 //! steps reaches; beyond, a callee costs what it costs for its arguments alone.
 
+use crate::elapsed::{Elapsed, UNBOUNDED};
 use crate::error::Error;
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
 use crate::inputs::image::Entry;
 use crate::loops::abstract_execution::AbstractExecution;
 use crate::values::block_interpreter::{as_arguments, BlockInterpreter, CallHandler, CallOutcome};
-use crate::values::state::{State, UNBOUNDED};
+use crate::values::state::State;
 use crate::values::value::{Value, RUNNING};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
@@ -168,7 +169,7 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         let recursive = self.call_string.borrow().contains(&callee)
             || self.program.facts.recursion(callee).is_some();
         // A path without a bound gets none in a context.
-        let unbounded = state.elapsed.0 == UNBOUNDED && !self.memory_known;
+        let unbounded = state.elapsed.cycles == UNBOUNDED && !self.memory_known;
         let deep = self.call_string.borrow().len() >= CALL_DEPTH
             || self.host_stack_begin.abs_diff(host_stack_address()) > STACK_BYTES / 4 * 3;
         let failed = self.failed.borrow().is_some();
@@ -189,6 +190,7 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
     ) -> CallOutcome {
         let arguments = std::array::from_fn(|n| state.registers[n].clone());
         let mut inner = State::entry(&as_arguments(&arguments));
+        inner.elapsed = state.elapsed.restarted();
         inner.urgencies.clone_from(&state.urgencies);
         if self.program.conventions.unlocks.contains(&callee.0) {
             inner.mask_count = None;
@@ -198,13 +200,14 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         self.call_string.borrow_mut().pop();
         match after {
             None => CallOutcome::NeverReturns,
-            Some(after) if after.elapsed.0 == UNBOUNDED => {
+            Some(after) if after.elapsed.cycles == UNBOUNDED => {
                 self.bound_without_context(callee, state)
             }
-            Some(after) => CallOutcome::Bounded(
-                state,
-                self.program.facts.call_cycles(callee, after.elapsed.0),
-            ),
+            Some(after) => {
+                let mut state = state;
+                self.add_call(callee, &mut state.elapsed, &after.elapsed);
+                CallOutcome::Bounded(state)
+            }
         }
     }
 
@@ -222,6 +225,7 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         if !leaves {
             state.mask_count = Some(0);
         }
+        state.elapsed = state.elapsed.restarted();
         state.rebase_stack(pointer);
         self.call_string.borrow_mut().push(callee);
         let after = self.execute(summary, state);
@@ -234,24 +238,36 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         if !leaves {
             after.mask_count = before.mask_count;
         }
-        if after.elapsed.0 != UNBOUNDED {
-            let cycles = after.elapsed.0 - before.elapsed.0;
-            after.elapsed.0 = before.elapsed.0 + self.program.facts.call_cycles(callee, cycles);
-        }
+        let called = std::mem::replace(&mut after.elapsed, before.elapsed);
+        self.add_call(callee, &mut after.elapsed, &called);
         CallOutcome::Returns(after)
+    }
+
+    /// Adds a call with its own path, and what facts say about it.
+    fn add_call(&self, callee: Entry, elapsed: &mut Elapsed, own: &Elapsed) {
+        let cycles = match own.cycles {
+            UNBOUNDED => UNBOUNDED,
+            cycles => self.program.facts.call_cycles(callee, cycles),
+        };
+        elapsed.add_call(callee.0, own, cycles);
     }
 
     /// Bound of a callee for any state in which it has these arguments.
     fn bound_without_context(&self, callee: Entry, state: State) -> CallOutcome {
         let arguments = std::array::from_fn(|n| state.registers[n].clone());
+        let mut state = state;
         match self.program.bound(callee, &as_arguments(&arguments)) {
-            Ok(bound) => CallOutcome::Bounded(state, bound.cycles),
-            Err(Error::NeverReturns(_)) => CallOutcome::NeverReturns,
+            Ok(bound) => {
+                let tree = bound.path.as_ref();
+                state.elapsed.add_bound(callee.0, bound.cycles, tree);
+            }
+            Err(Error::NeverReturns(_)) => return CallOutcome::NeverReturns,
             Err(error) => {
                 self.failed.borrow_mut().get_or_insert(error);
-                CallOutcome::Bounded(state, UNBOUNDED)
+                state.elapsed.add_bound(callee.0, UNBOUNDED, None);
             }
         }
+        CallOutcome::Bounded(state)
     }
 }
 

@@ -4,18 +4,19 @@
 //! what a task does before its first release. Critical sections must be bounded, loops outside of
 //! them need not end.
 
+use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
-use crate::functions::bound::{call_cycles, execute, repeats};
+use crate::functions::bound::{execute, longest_call, repeats};
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
 use crate::inputs::image::Entry;
-use crate::paths::block_cost::edge_cycles;
+use crate::paths::block_cost::{edge_costs, edge_cycles};
 use crate::paths::critical_section::{critical_sections, merge, CriticalSections};
 use crate::paths::longest_path::PathProblem;
 use crate::values::block_interpreter::{any_arguments, as_arguments};
 use crate::values::records::BlockRecord;
-use crate::values::state::{State, UNBOUNDED};
+use crate::values::state::State;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -116,8 +117,9 @@ impl Search<'_, '_> {
                 return Err(error);
             }
             found.stack_bytes = deeper(found.stack_bytes, record.depth_bytes);
-            let longest = call_cycles(&calls.bounded, record);
-            cycles.push(edge_cycles(block, &summary.costs[index], record, longest));
+            let longest = longest_call(&calls.bounded, record, false);
+            let costs = edge_costs(block, &summary.costs[index], record, &longest);
+            cycles.push(costs.iter().map(edge_cycles).collect());
         }
         let annotated = summary.limits_within(&[entry]);
         let findings = executed.findings.iter().zip(&annotated);
@@ -168,7 +170,8 @@ impl Search<'_, '_> {
                     let inner = self.function(callee)?;
                     merge(&mut found.sections, &inner.sections);
                     found.functions.extend(&inner.functions);
-                    let in_context = record.callee_cycles.is_some_and(|c| c != UNBOUNDED);
+                    let in_context = record.callee_elapsed.as_ref();
+                    let in_context = in_context.is_some_and(|own| own.cycles != UNBOUNDED);
                     let needed = matches!(error, Error::MissingBounds(_)) && !in_context;
                     calls.unbounded = calls.unbounded.or(needed.then_some(error));
                     inner.stack_bytes

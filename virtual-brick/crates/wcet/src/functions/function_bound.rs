@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The bounds of one function: time, stack, protected actions, and the path that attains the time.
 
+use crate::elapsed::PathTree;
 use crate::inputs::image::Entry;
 use crate::paths::critical_section::CriticalSections;
 use serde::Serialize;
@@ -78,6 +79,8 @@ pub struct FunctionBound {
     pub loops: Vec<LoopBound>,
     /// Longest critical sections (protected actions), here and in all callees.
     pub sections: CriticalSections,
+    /// What `cycles` are made of, if that is recorded.
+    pub path: Option<Rc<PathTree>>,
     /// Functions that may be executed, where `blocks` do not show it.
     pub functions: BTreeSet<u32>,
 }

@@ -33,6 +33,8 @@ pub struct Program<'a> {
     pub(crate) facts: Facts<'a>,
     /// Nothing but the program writes to memory, and it begins as the image says.
     pub(crate) memory_known: bool,
+    /// Bounds tell the path that attains them.
+    pub(crate) paths_recorded: bool,
     pub(super) summaries: RefCell<BTreeMap<Entry, Rc<FunctionSummary>>>,
     pub(super) bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, BoundResult>>>,
     /// Functions whose summary is being computed, each with the place of its call.
@@ -59,6 +61,7 @@ impl<'a> Program<'a> {
             conventions: KernelConventions::new(image, annotations),
             facts: Facts::new(image, map, annotations)?,
             memory_known: false,
+            paths_recorded: false,
             summaries: RefCell::default(),
             bounds: RefCell::default(),
             summarising: RefCell::default(),

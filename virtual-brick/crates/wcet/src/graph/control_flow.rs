@@ -133,7 +133,7 @@ impl Node {
 
 /// Code that belongs to each of its calls: a switch helper of the compiler, or a veneer of the
 /// linker, behind which a call reaches a function in the other state or far away.
-fn is_helper(image: &Image, address: u32) -> bool {
+pub fn is_helper(image: &Image, address: u32) -> bool {
     const VENEERS: [&str; 3] = ["_from_thumb", "_from_arm", "_veneer"];
     image.names_at(address).iter().any(|name| {
         let is_veneer = || VENEERS.iter().any(|end| name.ends_with(end));

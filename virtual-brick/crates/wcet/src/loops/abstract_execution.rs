@@ -4,10 +4,11 @@
 //! iteration. A loop whose state has no path back has that many iterations; one whose state
 //! repeats, or that takes too long, has no bound of its own.
 
+use crate::elapsed::UNBOUNDED;
 use crate::graph::control_flow::{ControlFlowGraph, Target};
 use crate::graph::loop_forest::{Item, LoopForest};
 use crate::values::block_interpreter::BlockInterpreter;
-use crate::values::state::{Elapsed, State, UNBOUNDED};
+use crate::values::state::State;
 use std::collections::BTreeMap;
 
 /// Instructions executed in one visit of a loop before it gives up.
@@ -68,7 +69,7 @@ fn joined(states: Vec<State>) -> Option<State> {
 /// Adds a state to those at a block. It is joined to one with the same memory and, where there are
 /// too many, to the one whose path is most nearly as long.
 fn add_to_partition(states: &mut Vec<State>, state: State, most: usize) {
-    let distance = |known: &State| known.elapsed.0.abs_diff(state.elapsed.0);
+    let distance = |known: &State| known.elapsed.cycles.abs_diff(state.elapsed.cycles);
     let nearest = || (0..states.len()).min_by_key(|index| distance(&states[*index]));
     let position = if most == 1 {
         nearest()
@@ -221,10 +222,11 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
             }
             state = back;
         }
-        let before = entry.elapsed.0;
+        let before = entry.elapsed.clone();
         let mut exits = self.run_unbounded(index, entry.join(&state));
         for state in exits.values_mut() {
-            state.add_cycles(before);
+            let own = std::mem::replace(&mut state.elapsed, before.clone());
+            state.elapsed.add_path(&own);
         }
         exits
     }
@@ -268,7 +270,8 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
         let header = self.forest.loops[index].header;
         let mut state = entry;
         loop {
-            state.elapsed = Elapsed(0);
+            let begin = state.elapsed.restarted();
+            state.elapsed = begin.clone();
             let mut pass = self.pass(Some(index), header, state.clone());
             let Some(back) = pass.back else {
                 return pass.exits;
@@ -276,12 +279,9 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
             let map = self.interpreter.environment.map;
             let wider = state.widen(&back, 0, |value| map.pointer_region(value));
             if wider == state {
-                let again = self.limits[index].map_or(UNBOUNDED, |limit| {
-                    back.elapsed.0.saturating_mul(limit.max(1) - 1)
-                });
-                pass.exits
-                    .values_mut()
-                    .for_each(|state| state.add_cycles(again));
+                let again = self.limits[index].map_or(UNBOUNDED, |limit| limit.max(1) - 1);
+                let exits = pass.exits.values_mut();
+                exits.for_each(|state| state.elapsed.add_repeated(&begin, &back.elapsed, again));
                 return pass.exits;
             }
             state = wider;
@@ -294,10 +294,9 @@ fn add_repetitions(pass: &mut Pass, before: Option<&State>, again: u64) {
     let (Some(before), Some(back)) = (before, &pass.back) else {
         return;
     };
-    let one = back.elapsed.0.saturating_sub(before.elapsed.0);
-    let more = one.saturating_mul(again);
+    let (begin, end) = (&before.elapsed, back.elapsed.clone());
     let states = pass.exits.values_mut().chain(&mut pass.back);
-    states.for_each(|state| state.add_cycles(more));
+    states.for_each(|state| state.elapsed.add_repeated(begin, &end, again));
 }
 
 fn add_exit(exits: &mut Exits, edge: (usize, usize), state: State) {

@@ -6,6 +6,7 @@
 //! with opposite conditions are never both charged. An instruction that sets flags passes the
 //! largest sum on to all combinations that may follow.
 
+use crate::elapsed::Elapsed;
 use crate::graph::control_flow::{Block, Edge};
 use crate::graph::static_cost::BlockCost;
 use crate::values::flags::passing;
@@ -13,7 +14,7 @@ use crate::values::records::{BlockRecord, InstructionRecord};
 use arm7tdmi::instruction::Instruction;
 
 /// Largest cost by flags; `None` where the combination cannot occur.
-type ByFlags = [Option<u64>; 16];
+type ByFlags = [Option<Elapsed>; 16];
 
 /// Cycles after the first fetch when the condition passes, without filling the pipeline.
 fn executed_cycles(instruction: &Instruction, record: &InstructionRecord) -> u64 {
@@ -23,9 +24,10 @@ fn executed_cycles(instruction: &Instruction, record: &InstructionRecord) -> u64
         + u64::from(record.internal_cycles)
 }
 
-fn worst(costs: &ByFlags, mask: u16) -> Option<u64> {
+fn worst(costs: &ByFlags, mask: u16) -> Option<&Elapsed> {
     let possible = (0..16).filter(|flags| mask >> flags & 1 != 0);
-    possible.filter_map(|flags| costs[flags]).max()
+    let costs = possible.filter_map(|flags| costs[flags].as_ref());
+    costs.max_by_key(|cost| cost.cycles)
 }
 
 fn keep(costs: &mut ByFlags, mask: u16) {
@@ -36,62 +38,82 @@ fn keep(costs: &mut ByFlags, mask: u16) {
     }
 }
 
+/// The cost with the cycles of an instruction.
+fn with(cost: &Elapsed, address: u32, cycles: u64) -> Elapsed {
+    let mut sum = cost.clone();
+    sum.add(address, 1, cycles);
+    sum
+}
+
 /// One instruction that does not leave the block.
 fn pass_through(
     costs: &ByFlags,
-    instruction: &Instruction,
+    (address, instruction): (u32, &Instruction),
     record: &InstructionRecord,
     fetch: u64,
 ) -> ByFlags {
     let passes = passing(instruction.condition);
     let executed = fetch + executed_cycles(instruction, record);
-    let after = worst(costs, passes).map(|cost| cost + executed);
+    let after = worst(costs, passes).map(|cost| with(cost, address, executed));
     std::array::from_fn(|flags| {
-        let skipped = costs[flags]
+        let before = costs[flags].as_ref();
+        let skipped = before
             .filter(|_| passes >> flags & 1 == 0)
-            .map(|c| c + fetch);
+            .map(|cost| with(cost, address, fetch));
         let kept = if instruction.sets_flags() {
-            after
+            after.clone()
         } else {
-            costs[flags]
+            before
                 .filter(|_| passes >> flags & 1 != 0)
-                .map(|c| c + executed)
+                .map(|cost| with(cost, address, executed))
         };
-        skipped.max(kept)
+        match (skipped, kept) {
+            (Some(skipped), Some(kept)) => Some(kept.longer(&skipped)),
+            (skipped, kept) => skipped.or(kept),
+        }
     })
 }
 
-/// Cycles on each edge of a block with the call at its end, which takes `call_cycles` without the
-/// refill after its return; `None` for an edge that is never taken.
-pub fn edge_cycles(
+/// Cost on each edge of a block with the call at its end, which takes `call` without the refill
+/// after its return; `None` for an edge that is never taken. Recorded as `call` is.
+pub fn edge_costs(
     block: &Block,
     cost: &BlockCost,
     record: &BlockRecord,
-    call_cycles: u64,
-) -> Vec<Option<u64>> {
-    let mut costs: ByFlags = [Some(0); 16];
+    call: &Elapsed,
+) -> Vec<Option<Elapsed>> {
+    let mut costs: ByFlags = std::array::from_fn(|_| Some(call.restarted()));
     let straight = block.instructions.len() - usize::from(block.transfer.is_some());
-    for (position, (_, instruction)) in block.instructions.iter().enumerate() {
+    for (position, (address, instruction)) in block.instructions.iter().enumerate() {
         let known = &record.instructions[position];
         keep(&mut costs, known.flags);
         let fetch = cost.steps[position].fetch;
         if position < straight {
-            costs = pass_through(&costs, instruction, known, fetch);
+            costs = pass_through(&costs, (*address, instruction), known, fetch);
             continue;
         }
         let passes = passing(instruction.condition);
-        let executed = executed_cycles(instruction, known) + call_cycles + cost.after_call;
-        let cycles = |(number, edge): (usize, &Edge)| {
+        let executed = executed_cycles(instruction, known) + cost.after_call;
+        let edge_cost = |(number, edge): (usize, &Edge)| {
             let mask = if edge.executed { passes } else { !passes };
             let before = worst(&costs, mask).filter(|_| record.feasible[number])?;
-            let refill = cost.refills[number];
-            Some(before + fetch + if edge.executed { executed + refill } else { 0 })
+            let mut sum = with(before, *address, fetch);
+            if edge.executed {
+                sum.add(*address, 0, executed + cost.refills[number]);
+                sum.add_path(call);
+            }
+            Some(sum)
         };
-        return block.edges.iter().enumerate().map(cycles).collect();
+        return block.edges.iter().enumerate().map(edge_cost).collect();
     }
     let total = worst(&costs, u16::MAX);
     let feasible = record.feasible.iter();
     feasible
-        .map(|feasible| total.filter(|_| *feasible))
+        .map(|feasible| total.filter(|_| *feasible).cloned())
         .collect()
+}
+
+/// The cycles of such a cost.
+pub fn edge_cycles(cost: &Option<Elapsed>) -> Option<u64> {
+    cost.as_ref().map(|cost| cost.cycles)
 }

@@ -30,13 +30,13 @@ pub struct PathProblem<'a> {
     pub repeats: &'a [Option<u64>],
 }
 
-/// The longest path as how often it passes each block.
+/// The longest path as how often it passes each block and leaves it on each edge.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LongestPath {
     /// Cycles.
     pub cycles: u64,
-    /// Executions of each block.
-    pub counts: Vec<u64>,
+    /// Executions of each block, by edge.
+    pub counts: Vec<Vec<u64>>,
 }
 
 /// Why there is no longest path.
@@ -132,7 +132,8 @@ pub fn longest_path(problem: &PathProblem<'_>) -> Result<LongestPath, PathError>
         .max_by_key(|(cycles, _)| *cycles)
         .copied();
     let (cycles, via) = best.ok_or(PathError::NoReturn)?;
-    let mut counts = vec![0; problem.flow.blocks.len()];
+    let edges = problem.cycles.iter().map(|edges| vec![0; edges.len()]);
+    let mut counts = edges.collect::<Vec<_>>();
     solver.count(&paths, via, 1, &mut counts);
     Ok(LongestPath { cycles, counts })
 }
@@ -252,12 +253,12 @@ impl Solver<'_> {
     }
 
     /// Counts the blocks on the path that ends with `via`, taken `times`.
-    fn count(&self, paths: &ScopePaths, mut via: Predecessor, times: u64, counts: &mut [u64]) {
+    fn count(&self, paths: &ScopePaths, mut via: Predecessor, times: u64, counts: &mut [Vec<u64>]) {
         loop {
             let block = match via {
                 Predecessor::Start => return,
-                Predecessor::Edge((block, _)) => {
-                    counts[block] += times;
+                Predecessor::Edge((block, edge)) => {
+                    counts[block][edge] += times;
                     block
                 }
                 Predecessor::Loop(index, edge) => {
@@ -272,7 +273,7 @@ impl Solver<'_> {
         }
     }
 
-    fn count_loop(&self, index: usize, exit: EdgeId, times: u64, counts: &mut [u64]) {
+    fn count_loop(&self, index: usize, exit: EdgeId, times: u64, counts: &mut [Vec<u64>]) {
         let Some(paths) = self.paths.get(&index) else {
             return;
         };

@@ -5,6 +5,7 @@
 //! themselves. Loops, recursion and branches that depend on such data only need no fact; what
 //! cannot be executed is bounded for any data.
 
+use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
 use crate::functions::context_sensitive_calls::{ContextSensitiveCalls, STACK_BYTES};
 use crate::functions::function_summary::FunctionSummary;
@@ -14,7 +15,7 @@ use crate::inputs::image::Image;
 use crate::inputs::memory_map::MemoryMap;
 use crate::values::block_interpreter::any_arguments;
 use crate::values::memory_contents::Contents;
-use crate::values::state::{State, UNBOUNDED};
+use crate::values::state::State;
 use crate::values::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -161,7 +162,7 @@ impl KnownMemory {
             let after = calls.execute(&summary, state);
             let never = || Error::NeverReturns(program.image.place(entry.0));
             let after = after.ok_or_else(never)?;
-            cycles = after.elapsed.0;
+            cycles = after.elapsed.cycles;
             if cycles == UNBOUNDED && position + 1 == self.calls.len() {
                 return Err(calls.failure());
             }

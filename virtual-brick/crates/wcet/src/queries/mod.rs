@@ -4,7 +4,9 @@
 
 pub mod flow_points;
 pub mod known_memory;
+pub mod observed_path;
 pub mod path_problem;
+pub mod path_report;
 pub mod report;
 pub mod request;
 pub mod task_job;

@@ -12,7 +12,9 @@ use crate::inputs::image::{Entry, Image};
 use crate::inputs::memory_map::MemoryMap;
 use crate::queries::flow_points::{counted_facts, CountedFact};
 use crate::queries::known_memory::{KnownMemory, LineCount};
+use crate::queries::observed_path::observed_path;
 use crate::queries::path_problem::PathGraph;
+use crate::queries::path_report::PathReport;
 use crate::queries::report::Report;
 use crate::queries::task_job::{bound_job, JobBound, Task, TaskBody};
 use crate::queries::unmatched_facts::{unmatched_facts, UnmatchedFact};
@@ -52,6 +54,11 @@ pub struct Request {
     pub callees: Vec<String>,
     /// Graphs are wanted too.
     pub graphs: bool,
+    /// Worst paths of functions and jobs are wanted too.
+    pub paths: bool,
+    /// Runs whose paths are wanted in the form of worst paths: address and cycles of each
+    /// instruction.
+    pub runs: Vec<Vec<(u32, u64)>>,
     /// Functions for which, with all that they call, the points are wanted at which a run shows
     /// whether facts hold.
     pub counted: Vec<String>,
@@ -102,6 +109,8 @@ pub struct Answer {
     pub endless: Option<String>,
     /// The graph of which the longest path is a path, if requested.
     pub graph: Option<PathGraph>,
+    /// The worst path by source lines, if requested.
+    pub path: Option<PathReport>,
     /// AnnotationFile lines executed by a call that nothing disturbs.
     pub lines: Vec<LineCount>,
 }
@@ -166,6 +175,8 @@ pub struct Response {
     pub calls: Vec<Call>,
     /// Bound of the last of the calls that nothing disturbs.
     pub known_memory: Option<Answer>,
+    /// Paths of the runs.
+    pub runs: Vec<PathReport>,
     /// Where facts are counted.
     pub counted: Vec<CountedFact>,
     /// Facts of the program's own files that match nothing.
@@ -206,6 +217,10 @@ impl Answer {
             reached: names(program, &seen),
             report: Some(Report::of_bound(program, symbol, bound, bound.cycles)),
             graph: with_graph.then(|| PathGraph::new(program, bound)),
+            path: bound
+                .path
+                .as_ref()
+                .map(|path| PathReport::new(program, path)),
             ..Self::default()
         }
     }
@@ -322,7 +337,8 @@ impl Request {
             }
             annotations.extend(facts);
         }
-        let program = Program::new(&image, map, &annotations)?;
+        let mut program = Program::new(&image, map, &annotations)?;
+        program.paths_recorded = self.paths;
         let mut response = Response {
             timing: map.name.clone(),
             return_cycles: program.return_cycles()?,
@@ -365,6 +381,12 @@ impl Request {
                 },
             });
         }
+        let runs = self
+            .runs
+            .iter()
+            .map(|steps| observed_path(&image, map, steps));
+        let reports = runs.map(|tree| PathReport::new(&program, &tree));
+        response.runs = reports.collect();
         response.effort = Effort::of(&program);
         if !self.counted.is_empty() {
             response.counted = counted_facts(&program, &self.counted)?;

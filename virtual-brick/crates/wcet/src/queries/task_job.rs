@@ -4,6 +4,7 @@
 //! for its next release. A job is what lies between two of them, the second included. The body of a
 //! task that ends without a wait is one job.
 
+use crate::elapsed::Elapsed;
 use crate::error::{Error, Place};
 use crate::functions::bound::bound_summary;
 use crate::functions::effects::{collect_functions, effects, Endless};
@@ -221,6 +222,8 @@ fn bound_one_job(
         callees: whole.callees.clone(),
         ..FunctionSummary::of_graph(&program.facts, program.map, graph, numbers)?
     };
+    let mut state = state;
+    state.elapsed = Elapsed::begin(program.paths_recorded);
     program.bounding.borrow_mut().push(entry);
     let bound = bound_summary(program, entry, &summary, state);
     program.bounding.borrow_mut().pop();

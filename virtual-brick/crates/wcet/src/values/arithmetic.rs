@@ -39,10 +39,10 @@ pub fn compute(
     second: ShifterOperand,
 ) -> AluResult {
     let operation = processing.operation;
-    if let Some(value) = combined_with_itself(processing, &first) {
+    if let Some((value, flags)) = combined_with_itself(processing, &first) {
         return AluResult {
             value,
-            flags: ANY_FLAGS,
+            flags,
             comparison: None,
         };
     }
@@ -142,8 +142,8 @@ fn known_distance(
 }
 
 /// A register with itself shifted, as compilers multiply by constants: both hold the same element.
-/// `None` where flags are set or the carry is used.
-fn combined_with_itself(processing: &DataProcessing, value: &Value) -> Option<Value> {
+/// `None` where the carry is used or the shifter sets it. The value and the flags.
+fn combined_with_itself(processing: &DataProcessing, value: &Value) -> Option<(Value, u16)> {
     let operation = processing.operation;
     let Operand::Shifted {
         register,
@@ -154,15 +154,21 @@ fn combined_with_itself(processing: &DataProcessing, value: &Value) -> Option<Va
         return None;
     };
     let extends = kind == ROR && amount == 0;
-    let carried = extends || uses_carry(operation) || processing.sets_flags;
+    let shifter_carry = processing.sets_flags && is_logical(operation);
+    let carried = extends || uses_carry(operation) || shifter_carry;
     if register != processing.first || carried || operation.moves() {
         return None;
     }
     let one = |element: &u32| {
         let shifted = shift_by_constant(kind, *element, amount, false).value;
-        scalar(operation, *element, shifted, false).0
+        scalar(operation, *element, shifted, false)
     };
-    Value::of_elements(value.elements()?.iter().map(one).collect())
+    let each: Vec<(u32, u32)> = value.elements()?.iter().map(one).collect();
+    let flags = each
+        .iter()
+        .fold(0, |flags, (_, more)| flags | 1_u16 << more);
+    let values = each.into_iter().map(|(value, _)| value).collect();
+    Some((Value::of_elements(values)?, flags))
 }
 
 const fn is_logical(operation: AluOperation) -> bool {
@@ -253,7 +259,7 @@ mod tests {
         };
         let fives = (0..=255).map(|element| 5 * element).collect();
         let found = combined_with_itself(&fivefold, &Value::Range(0, 255));
-        assert_eq!(found, Value::of_elements(fives));
+        assert_eq!(found.map(|(value, _)| value), Value::of_elements(fives));
         let other = DataProcessing {
             first: 2,
             ..fivefold

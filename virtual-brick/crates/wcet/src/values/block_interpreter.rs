@@ -26,9 +26,9 @@ pub enum CallOutcome {
     Returns(State),
     /// It does not return.
     NeverReturns,
-    /// It was not analysed in its context: the state before it, and its cycles for any state with
-    /// these arguments.
-    Bounded(State, u64),
+    /// It was not analysed in its context: the state before it, with the cycles added that it takes
+    /// for any state with these arguments.
+    Bounded(State),
 }
 
 /// Executes calls in the states in which they are made.
@@ -278,7 +278,8 @@ impl<'a> BlockInterpreter<'a> {
             record.instructions[position].flags |= state.flags;
         }
         if let Some(cost) = self.costs.get(index) {
-            state.add_cycles(cost.steps[position].fetch);
+            let address = self.flow.blocks[index].instructions[position].0;
+            state.elapsed.add(address, 1, cost.steps[position].fetch);
         }
     }
 
@@ -303,7 +304,8 @@ impl<'a> BlockInterpreter<'a> {
         let (read, write) = (access(false), access(true));
         if let Some(cost) = self.costs.get(index) {
             let step = cost.steps[position];
-            state.add_cycles(step.reads * read + step.writes * write + u64::from(cycles));
+            let cycles = step.reads * read + step.writes * write + u64::from(cycles);
+            state.elapsed.add(address, 0, cycles);
         }
         if let Some(block) = self.records.get_mut(index) {
             let record = &mut block.instructions[position];
@@ -384,7 +386,8 @@ impl<'a> BlockInterpreter<'a> {
                     record.feasible[number] = true;
                 }
                 if let Some(cost) = self.costs.get(index).filter(|_| edge.executed) {
-                    state.add_cycles(cost.refills[number] + cost.after_call);
+                    let refills = cost.refills[number] + cost.after_call;
+                    state.elapsed.add(address, 0, refills);
                 }
                 outcome.leave(number, state);
             }

@@ -5,7 +5,7 @@
 
 use crate::inputs::image::Entry;
 use crate::values::block_interpreter::{BlockInterpreter, CallOutcome};
-use crate::values::state::{enter, State, ANY_URGENCY, UNBOUNDED};
+use crate::values::state::{enter, State, ANY_URGENCY};
 use crate::values::support_library::{apply_division, division};
 use crate::values::value::Value;
 use std::collections::BTreeSet;
@@ -27,7 +27,7 @@ impl BlockInterpreter<'_> {
             self.apply_unknown_callee(index, address, &mut state);
             return (!callees.is_empty()).then_some(state);
         };
-        let before = state.elapsed.0;
+        let before = state.elapsed.clone();
         let (number, divisor) = (&state.registers[0], &state.registers[1]);
         let divided = division(self.environment.image, &callees, (number, divisor));
         let mut after: Option<State> = None;
@@ -38,9 +38,8 @@ impl BlockInterpreter<'_> {
             let found = match calls.call(*callee, own?) {
                 CallOutcome::Returns(found) => found,
                 CallOutcome::NeverReturns => continue,
-                CallOutcome::Bounded(mut state, cycles) => {
+                CallOutcome::Bounded(mut state) => {
                     self.apply_unknown_callee(index, address, &mut state);
-                    state.add_cycles(cycles);
                     state
                 }
             };
@@ -55,11 +54,11 @@ impl BlockInterpreter<'_> {
             apply_division(&mut after.registers, results);
         }
         if let Some(record) = self.records.get_mut(index) {
-            let cycles = match after.elapsed.0 {
-                UNBOUNDED => UNBOUNDED,
-                cycles => cycles - before,
-            };
-            record.callee_cycles = record.callee_cycles.max(Some(cycles));
+            let elapsed = after.elapsed.since(&before);
+            record.callee_elapsed = Some(match record.callee_elapsed.take() {
+                Some(known) => known.longer(&elapsed),
+                None => elapsed,
+            });
         }
         Some(after)
     }

@@ -12,9 +12,9 @@ use crate::values::interval;
 use crate::values::operand::{shifter_operand, ShifterOperand};
 use crate::values::quotients::narrowed;
 use crate::values::relations::Location;
+use crate::values::spans::ShiftedCopy;
 use crate::values::state::State;
 use crate::values::value::Value;
-use arm7tdmi::alu::LSL;
 use arm7tdmi::instruction::{
     AluOperation, DataProcessing, Instruction, Multiply, Operand, Operation,
 };
@@ -294,6 +294,7 @@ impl Step<'_> {
     }
 
     fn process(&mut self, effects: &mut Effects, processing: &DataProcessing) {
+        let processing = &self.state.with_shifted_itself(processing);
         let late = matches!(processing.second, Operand::ShiftedByRegister { .. });
         let read = |number: u32| match (self.read(number), number, late) {
             (Value::Constant(pc), 15, true) => Value::Constant(pc.wrapping_add(4)),
@@ -318,13 +319,18 @@ impl Step<'_> {
             if let (
                 true,
                 Operand::Shifted {
-                    register,
-                    kind: LSL,
-                    amount: amount @ 1..,
+                    register: from,
+                    kind,
+                    amount,
                 },
             ) = (moves, processing.second)
             {
-                self.state.note_shifted(destination, register, amount);
+                self.state.note_shifted(ShiftedCopy {
+                    register: destination,
+                    from,
+                    kind,
+                    amount,
+                });
             }
             if let Some((base, distance)) = span {
                 self.state.note_span(destination, base, &distance);

@@ -132,13 +132,17 @@ impl Step<'_> {
         let lowest_pointer = if block.up { base } else { end.clone() };
         let first = u32::from(block.before == block.up);
         effects.address = Some(lowest_pointer.clone());
+        let distance = match block.up {
+            true => block.size_bytes,
+            false => block.size_bytes.wrapping_neg(),
+        };
         if block.write_back && block.load {
-            self.state.set(block.base, end.clone());
+            self.move_base(block.base, end.clone(), Some(distance));
         }
         let listed = (0..16).filter(|number| block.list >> number & 1 != 0);
         for (index, number) in listed.enumerate() {
-            let distance = Value::Constant(4 * (first + index as u32));
-            let address = self.address_sum(&lowest_pointer, distance, true);
+            let offset = Value::Constant(4 * (first + index as u32));
+            let address = self.address_sum(&lowest_pointer, offset, true);
             if block.load {
                 let loaded = self.load(&address, Width::Word, false);
                 if number == 15 {
@@ -151,7 +155,7 @@ impl Step<'_> {
                 self.store(&address, Width::Word, stored);
                 // The base moves behind the first transfer.
                 if block.write_back && index == 0 {
-                    self.state.set(block.base, end.clone());
+                    self.move_base(block.base, end.clone(), Some(distance));
                 }
             }
         }

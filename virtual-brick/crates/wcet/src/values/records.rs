@@ -3,6 +3,7 @@
 //! What all executions of an instruction or a block have in common: the joined knowledge on which
 //! the costs of blocks are based.
 
+use crate::elapsed::Elapsed;
 use crate::inputs::image::Entry;
 use crate::values::value::Value;
 use std::collections::BTreeSet;
@@ -38,7 +39,7 @@ pub struct BlockRecord {
     /// Highest urgency of a protected action that the block is in, at least in part.
     pub urgency: Option<u32>,
     /// Longest call at its end, where calls are analysed in their context.
-    pub callee_cycles: Option<u64>,
+    pub callee_elapsed: Option<Elapsed>,
     /// Functions that are really called at its end.
     pub callees: BTreeSet<Entry>,
 }

@@ -7,10 +7,24 @@ use crate::values::flags::distance_flags;
 use crate::values::interval::shifted;
 use crate::values::state::State;
 use crate::values::value::Value;
-use arm7tdmi::alu::LSL;
+use arm7tdmi::alu::{LSL, ROR};
+use arm7tdmi::instruction::{AluOperation, DataProcessing, Operand};
 
 /// Most pairs that are kept.
 const MAX_SPANS: usize = 8;
+
+/// The register `register` holds what `from` holds, shifted by a constant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShiftedCopy {
+    /// The register.
+    pub register: u32,
+    /// The other one.
+    pub from: u32,
+    /// LSL, LSR or ASR.
+    pub kind: u32,
+    /// By so many bits, from 1 to 31.
+    pub amount: u32,
+}
 
 /// The register `place` holds what `base` holds plus the distance, modulo 2^32.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,18 +58,52 @@ impl Span {
 }
 
 impl State {
-    /// A register was written with what another one holds, shifted to the left.
-    pub fn note_shifted(&mut self, register: u32, from: u32, amount: u32) {
-        if register != from && register < 13 && from < 13 && self.shifted.len() < MAX_SPANS {
-            self.shifted.push((register, from, amount));
+    /// A register was written with what another one holds, shifted.
+    pub fn note_shifted(&mut self, copy: ShiftedCopy) {
+        let (register, from) = (copy.register, copy.from);
+        let shifts = copy.kind != ROR && copy.amount > 0;
+        let room = self.shifted.len() < MAX_SPANS;
+        if shifts && register != from && register < 13 && from < 13 && room {
+            self.shifted.push(copy);
         }
     }
 
-    /// What a register holds became known better: so does what is it shifted to the left.
+    /// The sum of a register and a shifted copy of it, as one of the register and itself shifted:
+    /// both then come from the same number. Other operations stay as they are.
+    pub fn with_shifted_itself(&self, processing: &DataProcessing) -> DataProcessing {
+        let Operand::Shifted {
+            register: second,
+            kind: LSL,
+            amount: 0,
+        } = processing.second
+        else {
+            return *processing;
+        };
+        let first = processing.first;
+        let is_copy = |copy: &&ShiftedCopy| {
+            let pair = (copy.register, copy.from);
+            pair == (second, first) || pair == (first, second)
+        };
+        let adds = processing.operation == AluOperation::Add;
+        let Some(copy) = self.shifted.iter().find(is_copy).filter(|_| adds) else {
+            return *processing;
+        };
+        DataProcessing {
+            first: copy.from,
+            second: Operand::Shifted {
+                register: copy.from,
+                kind: copy.kind,
+                amount: copy.amount,
+            },
+            ..*processing
+        }
+    }
+
+    /// What a register holds became known better: so does what is it shifted.
     pub fn refine_shifted(&mut self, from: u32, value: &Value) {
-        for (register, _, amount) in self.shifted.iter().filter(|(_, held, _)| *held == from) {
-            let known = &mut self.registers[*register as usize];
-            if let Some(narrower) = known.meet(&shifted(value, LSL, *amount)) {
+        for copy in self.shifted.iter().filter(|copy| copy.from == from) {
+            let known = &mut self.registers[copy.register as usize];
+            if let Some(narrower) = known.meet(&shifted(value, copy.kind, copy.amount)) {
                 if known.bounds().is_some() {
                     *known = narrower;
                 }

@@ -2,30 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What is known at one point of a function: registers, words of the frame, flags.
 
+use crate::elapsed::Elapsed;
 use crate::values::comparison::Comparison;
 use crate::values::flags::ANY_FLAGS;
 use crate::values::memory_contents::Contents;
 use crate::values::quotients::Quotient;
 use crate::values::relations::{Location, Relations};
-use crate::values::spans::Span;
+use crate::values::spans::{ShiftedCopy, Span};
 use crate::values::value::Value;
 use std::collections::BTreeMap;
-
-/// Cycles on the longest path to a point, counted where calls are analysed; two states that differ
-/// in nothing else are equal.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Elapsed(pub u64);
-
-impl PartialEq for Elapsed {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl Eq for Elapsed {}
-
-/// Stands for a path without a bound.
-pub const UNBOUNDED: u64 = u64::MAX;
 
 /// Knowledge at one point. Stack offsets count from the stack pointer at the function's entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,8 +23,8 @@ pub struct State {
     pub quotients: Vec<Quotient>,
     /// Registers that differ by one of a few distances.
     pub spans: Vec<Span>,
-    /// Registers, what each is shifted to the left, and by how much.
-    pub shifted: Vec<(u32, u32, u32)>,
+    /// Registers that hold what other ones hold, shifted.
+    pub shifted: Vec<ShiftedCopy>,
     /// Known words of the stack.
     pub stack_words: BTreeMap<i32, Value>,
     /// Bit n is set when the flags may be n (NZCV as a number).
@@ -122,7 +107,7 @@ impl State {
             urgency: None,
             control: None,
             memory: None,
-            elapsed: Elapsed(0),
+            elapsed: Elapsed::default(),
         }
     }
 
@@ -152,11 +137,6 @@ impl State {
             self.comparison = None;
             self.tested = None;
         }
-    }
-
-    /// Adds to the cycles of the path.
-    pub fn add_cycles(&mut self, cycles: u64) {
-        self.elapsed.0 = self.elapsed.0.saturating_add(cycles);
     }
 
     /// The same with stack offsets counted from a place that lies `by` higher.
@@ -254,7 +234,7 @@ impl State {
         self.spans
             .retain(|span| span.place != number && span.base != number);
         self.shifted
-            .retain(|(held, from, _)| *held != number && *from != number);
+            .retain(|copy| copy.register != number && copy.from != number);
         if number == 13 {
             self.lowest_pointer = match value {
                 Value::Stack(offset) => Some(offset),
@@ -389,7 +369,7 @@ impl State {
                 .as_ref()
                 .zip(other.memory.as_ref())
                 .map(|(a, b)| a.combine(b, &join)),
-            elapsed: Elapsed(self.elapsed.0.max(other.elapsed.0)),
+            elapsed: self.elapsed.longer(&other.elapsed),
         }
     }
 

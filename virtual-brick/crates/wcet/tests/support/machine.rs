@@ -165,6 +165,15 @@ impl Machine {
         most
     }
 
+    /// Calls a function: address and cycles of each instruction.
+    pub fn steps_of(&mut self, symbol: &str, arguments: [u32; 4]) -> Vec<(u32, u64)> {
+        let mut steps = Vec::new();
+        self.run(symbol, arguments, PATIENCE, |address, _| {
+            steps.push((address, 0))
+        });
+        steps
+    }
+
     /// Calls a function and counts from its first instruction to the end of its return.
     pub fn call(&mut self, symbol: &str, arguments: [u32; 4]) -> Observation {
         self.run(symbol, arguments, PATIENCE, |_, _| {})

@@ -24,6 +24,7 @@ use crate::values::memory_contents::Contents;
 use crate::values::relations::Location;
 use crate::values::state::State;
 use crate::values::value::Value;
+use arm7tdmi::alu::shift_by_constant;
 use arm7tdmi::{condition_passes, psr, Abort, Bus, Cpu, Cycle, Instruction, Width};
 use opcodes::{arm, reach, thumb};
 use random::Random;
@@ -243,10 +244,11 @@ impl Pair {
                 return Some(format!("r{number} {held:#x} is not what set N and Z"));
             }
         }
-        for (number, from, amount) in &state.shifted {
-            let (held, shifted) = (cpu.register(*number), cpu.register(*from) << amount);
+        for copy in &state.shifted {
+            let (held, from) = (cpu.register(copy.register), cpu.register(copy.from));
+            let shifted = shift_by_constant(copy.kind, from, copy.amount, false).value;
             if held != shifted {
-                return Some(format!("r{number} {held:#x}, r{from} shifted {shifted:#x}"));
+                return Some(format!("{held:#x}, {copy:?} {shifted:#x}"));
             }
         }
         for span in &state.spans {
