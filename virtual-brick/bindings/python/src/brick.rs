@@ -383,13 +383,7 @@ impl VirtualBrick {
     }
 
     fn profile(&mut self, windows: Vec<(usize, u64, u64)>) {
-        let window = |(thread, begin_cycles, end_cycles)| ProfileWindow {
-            thread,
-            begin_cycles,
-            end_cycles,
-        };
-        let windows: Vec<_> = windows.into_iter().map(window).collect();
-        self.0.profile(&windows);
+        self.0.profile(windows.into_iter().map(ProfileWindow::from));
     }
 
     fn profiled<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyBytes>> {

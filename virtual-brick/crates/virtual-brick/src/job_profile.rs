@@ -21,6 +21,16 @@ pub struct ProfileWindow {
     pub end_cycles: u64,
 }
 
+impl From<(usize, u64, u64)> for ProfileWindow {
+    fn from((thread, begin_cycles, end_cycles): (usize, u64, u64)) -> Self {
+        Self {
+            thread,
+            begin_cycles,
+            end_cycles,
+        }
+    }
+}
+
 /// An executed instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProfileStep {
@@ -65,9 +75,8 @@ pub(crate) struct BeforeStep {
 impl VirtualBrick {
     /// Note the instructions of these threads and times from now on; see
     /// [`VirtualBrick::profiled`].
-    pub fn profile(&mut self, windows: &[ProfileWindow]) {
-        let windows = windows.iter().map(|window| (*window, Vec::new()));
-        self.job_profile.windows = windows.collect();
+    pub fn profile(&mut self, windows: impl Iterator<Item = ProfileWindow>) {
+        self.job_profile.windows = windows.map(|window| (window, Vec::new())).collect();
     }
 
     /// The instructions of each window so far, those of interrupts left out.

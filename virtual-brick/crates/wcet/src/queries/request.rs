@@ -324,6 +324,11 @@ fn calls(program: &Program<'_>, root: &str, callees: &[String]) -> Result<Vec<Ca
     Ok(found)
 }
 
+fn path_of_run(program: &Program<'_>, steps: &[(u32, u64)]) -> PathReport {
+    let tree = observed_path(program.image, program.map, steps);
+    PathReport::new(program, &tree)
+}
+
 impl Request {
     /// Answers all questions. An error is one of the image or of the annotations as a whole.
     pub fn answer(&self, elf: &[u8], map: &MemoryMap) -> Result<Response, Error> {
@@ -381,12 +386,8 @@ impl Request {
                 },
             });
         }
-        let runs = self
-            .runs
-            .iter()
-            .map(|steps| observed_path(&image, map, steps));
-        let reports = runs.map(|tree| PathReport::new(&program, &tree));
-        response.runs = reports.collect();
+        let runs = self.runs.iter();
+        response.runs = runs.map(|steps| path_of_run(&program, steps)).collect();
         response.effort = Effort::of(&program);
         if !self.counted.is_empty() {
             response.counted = counted_facts(&program, &self.counted)?;
