@@ -57,3 +57,22 @@ fn a_new_epoch_invalidates_all_blocks() {
     blocks.update(&mut machine);
     assert!(blocks.blocks.is_empty());
 }
+
+#[test]
+fn epochs_that_change_all_the_time_leave_the_run_to_single_steps() {
+    let (mut cpu, mut machine) = program(&opcodes());
+    let mut blocks = Blocks::default();
+    let mut runs = 0;
+    let steps = 20_000;
+    for _ in 0..steps {
+        machine.epoch += 1;
+        let limit = machine.now + 20;
+        if cpu.run_blocks(&mut machine, &mut blocks, limit, 1).ran {
+            runs += 1;
+        } else {
+            cpu.step(&mut machine);
+        }
+    }
+    assert!(runs > 0 && runs < steps / 10, "{runs} of {steps}");
+    assert_as_reference(&opcodes(), &cpu, &machine);
+}
