@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
+import signal
 import sys
 import time
 import tomllib
@@ -187,6 +188,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--minutes", type=float, default=MINUTES, help="for each room")
     chosen = parser.parse_args(arguments)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)  # the scratch copy is removed
     wrong = False
     for name in chosen.rooms or ROOMS:
         row, new = measure(name, chosen.sample, chosen.seed, chosen.minutes)
