@@ -420,7 +420,7 @@ in_thumb: adds  r4, r4, #1
 
 #elif defined STRAIGHT_ON
         @ 200 KB of code without a loop, passed a few times, then a spin.
-        mov     r7, #6
+        mov     r7, #60
 1:      many_blocks 2000, 10
         subs    r7, r7, #1
         bne     far
