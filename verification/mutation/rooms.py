@@ -36,8 +36,9 @@ class Room:
         return sorted(path for path in (tree / folder).rglob("*") if path.is_file())
 
     def mutants(self, tree: Path) -> list[Mutant]:
-        """Of all its sources, with paths below the tree."""
-        sources = [p for p in self.files(tree, self.sources) if p.suffix in LANGUAGES]
+        """Of all its sources but unit tests, with paths below the tree."""
+        files = self.files(tree, self.sources)
+        sources = [p for p in files if p.suffix in LANGUAGES and p.parent.name != "tests"]
         return [
             mutant
             for path in sources
@@ -50,7 +51,8 @@ def _crate(name: str) -> Room:
     command = f"{CARGO} -p {name} --lib --bins --tests"
     # The first test that fails ends the run.
     test = f"! grep -m 1 FAILED < <( ({command} || echo FAILED) 2>&1 | tee -a /dev/stderr)"
-    return Room(name, f"{folder}/src", f"{folder}/tests", f"{command} --no-run", test)
+    # Unit tests stand among the sources.
+    return Room(name, f"{folder}/src", folder, f"{command} --no-run", test)
 
 
 def _host(name: str) -> Room:
