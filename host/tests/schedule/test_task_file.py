@@ -222,7 +222,7 @@ def test_interrupts_stay_above_tasks_whatever_the_rule(tmp_path: Path) -> None:
     for rule in (Rule.RATE_MONOTONIC, Rule.DEADLINE_MONOTONIC, Rule.AUDSLEY):
         found = read_task_file(path, rule).task_set
         assert [task.name for task in found.by_priority()] == ["link", "fast", "slow"]
-        assert found.task("link").limits == ((Fraction(1, 2), 20),)
+        assert found.task("link").limits == ((Fraction(1, 2), 20, 0),)
     assert read_task_file(path).task_set.by_priority()[1].name == "slow"
 
 

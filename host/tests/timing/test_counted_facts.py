@@ -28,7 +28,8 @@ from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot
 from ravenbrick.timing.counted_facts import points_text
 from ravenbrick.timing.facts import read_facts
-from ravenbrick.timing.observation.fact_counts import FactCount, fact_counts
+from ravenbrick.timing.observation.fact_counts import fact_counts
+from ravenbrick.timing.observation.job_facts import FactCount
 from ravenbrick.timing.observation.observed import exceeded, observe
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of

@@ -29,13 +29,15 @@ from ravenbrick.timing.chain import ChainDelay, chain_delay
 from ravenbrick.timing.counted_facts import points_text
 from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
-from ravenbrick.timing.observation.fact_counts import FactCount, check_facts_of_run, fact_counts
+from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
+from ravenbrick.timing.observation.job_facts import FactCount
 from ravenbrick.timing.observation.job_path import paths_of_longest_jobs
 from ravenbrick.timing.observation.long_run import long_run
 from ravenbrick.timing.observation.observed import (
     Observed,
     check_bounds,
     check_event_rates,
+    check_job_kinds,
     observe,
     worst_job,
 )
@@ -173,6 +175,7 @@ def _check_facts(
     analysis: Analysis,
     recording: Recording,
     found: _Search,
+    transfer_cycles: int,
 ) -> list[FactCount]:
     """What was counted in the run. Raises `ExecutionTimeError` for a fact that the run or a sample
     of the search contradicts."""
@@ -184,9 +187,12 @@ def _check_facts(
     counts = []
     for what, run in runs.items():
         if run is not None:
-            counts.append(fact_counts(robot, facts, image, analysis.counted, run))
+            counts.append(
+                fact_counts(robot, facts, image, analysis.counted, run, analysis.requests)
+            )
             check_facts_of_run(counts[-1], what)
             check_event_rates(robot, facts, run)
+            check_job_kinds(robot, analysis, run, transfer_cycles)
             for timing in analysis.tasks:
                 waits_us = microseconds(timing.suspension_cycles)
                 waits = (timing.releases * (1 + timing.suspension_count) - 1, waits_us)
@@ -314,7 +320,7 @@ def analyse_command(
     recording = _recording(workspace, robot, chosen, elf, target, reporter)
     wanted = (search_variants, hours, STOLEN_CYCLES[timing_profile.value])
     found = _search(robot, chosen, elf, recording, wanted, target, reporter)
-    counts = _check_facts(robot, facts, elf, analysis, recording, found)
+    counts = _check_facts(robot, facts, elf, analysis, recording, found, wanted[2])
     check_bounds(analysis, found.seen, found.more.get("long_run"))
     loop = read_loop(workspace.design_file)
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]

@@ -39,7 +39,7 @@ class Source:
     @property
     def rate(self) -> Fraction:
         """Long-term jobs per time; a window holds at least this many times its length."""
-        rates = [Fraction(share) / Fraction(span) for share, span in self.task.limits]
+        rates = [Fraction(share) / Fraction(span) for share, span, _ in self.task.limits]
         return min([Fraction(len(self.task.frames) or 1) / Fraction(self.task.cycle), *rates])
 
     @property
@@ -55,8 +55,8 @@ class Source:
         if self.task.frames:
             return most_work(self.task, window + self.jitter, self.overhead)
         whole: Time = ceiling(window + self.jitter, self.period)
-        for share, span in self.task.limits:
-            whole = min(whole, share * ceiling(window + self.jitter, span))
+        for share, span, late in self.task.limits:
+            whole = min(whole, share * ceiling(window + self.jitter + late, span))
         return whole, whole * self.execution
 
     def steps(self, limit: Time) -> Iterator[Iterator[Time]]:
@@ -66,7 +66,7 @@ class Source:
             yield (time - self.jitter for time in times if time > self.jitter)
         else:
             yield _steps(self.period, self.jitter, limit)
-        yield from (_steps(span, self.jitter, limit) for _, span in self.task.limits)
+        yield from (_steps(span, self.jitter + late, limit) for _, span, late in self.task.limits)
 
 
 @dataclass(frozen=True)
@@ -218,7 +218,7 @@ class Window:
         Raises `AnalysisLimitError` where there are too many.
         """
         periods = [source.period for source in self.sources] + list(self.clock.periods())
-        periods += [span for source in self.sources for _, span in source.task.limits]
+        periods += [span for source in self.sources for _, span, _ in source.task.limits]
         if limit > STEP_LIMIT * min(periods, default=limit):
             raise AnalysisLimitError(
                 f"{self.task.name}: the deadline is more than {STEP_LIMIT} times the shortest "

@@ -54,6 +54,10 @@ def _time(value: object, task: str, name: str, *, positive: bool) -> Time:
     return time
 
 
+def _limit(share: object, span: object, late: object = 0) -> tuple[Time, Time, Time]:
+    return exact(share), exact(span), exact(late)
+
+
 @dataclass(frozen=True)
 class CriticalSection:
     """Use of a protected object for `duration`, after `start` of the job's own execution."""
@@ -87,11 +91,13 @@ class Task:
     arrival to release. `phase` is the first arrival; None means that nothing is known about it.
     `blocking` is a bound stated by the user; it holds besides what the sections give. A job may
     stand for a burst of several: `limits` then says how little of its execution can come in a
-    shorter window, as (share of the job, length of any window). The jobs of a multiframe task take
-    its `frames` in turn, from any one on (Mok, Chen 1997; Baruah, Chen, Gorinsky, Mok 1999);
-    `wcet` is then the longest, `period` the least separation and `deadline` the shortest one, so
-    what does not know of frames is pessimistic. `bcet` is the least execution time of a job,
-    `wcet_high` the longest one of a task of high criticality when it takes longer than `wcet`.
+    shorter window, as (share of the job, length of any window), or with a third time as a share
+    each such length that may come late by it (periodic with jitter; Richter 2005). The jobs of a
+    multiframe task take its `frames` in turn, from any one on (Mok, Chen 1997; Baruah, Chen,
+    Gorinsky, Mok 1999); `wcet` is then the longest, `period` the least separation and `deadline`
+    the shortest one, so what does not know of frames is pessimistic. `bcet` is the least execution
+    time of a job, `wcet_high` the longest one of a task of high criticality when it takes longer
+    than `wcet`.
     """
 
     name: str
@@ -104,7 +110,7 @@ class Task:
     release: Release = "cyclic"
     sections: tuple[CriticalSection, ...] = ()
     blocking: Time = 0
-    limits: tuple[tuple[Time, Time], ...] = ()
+    limits: tuple[tuple[Time, ...], ...] = ()
     frames: tuple[Frame, ...] = ()
     bcet: Time = 0
     wcet_high: Time | None = None
@@ -131,8 +137,8 @@ class Task:
             self._refuse("release", f"is '{self.release}'; expected one of {', '.join(RELEASES)}")
         if self.phase is not None and self.release != "cyclic":
             self._refuse("phase", f"has no meaning for a task released as '{self.release}'")
-        self._set("limits", tuple((exact(share), exact(span)) for share, span in self.limits))
-        if any(share <= 0 or span <= 0 for share, span in self.limits):
+        self._set("limits", tuple(_limit(*limit) for limit in self.limits))
+        if any(share <= 0 or span <= 0 or late < 0 for share, span, late in self.limits):
             self._refuse("limits", "has a share or a window that is not more than 0")
         self._set("sections", tuple(self._section(section) for section in self.sections))
         self._check_nesting()

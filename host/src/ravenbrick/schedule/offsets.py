@@ -4,20 +4,73 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Source, Window, window_of
+from ravenbrick.schedule.blocking import NO_BLOCKING, Blocking
+from ravenbrick.schedule.demand import (
+    STEP_LIMIT,
+    AnalysisLimitError,
+    Source,
+    Window,
+    window_of,
+)
 from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
 from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
 from ravenbrick.schedule.response_time import (
     ResponseTimeBound,
     Terms,
     response_time_bound,
+    response_time_bounds,
     terms_of,
 )
 
-__all__ = ["phased_response_time_bounds", "synchronous_bound"]
+__all__ = [
+    "JobKind",
+    "Known",
+    "Request",
+    "phased_response_time_bound",
+    "phased_response_time_bounds",
+    "synchronous_bound",
+]
+
+# Starts of busy periods for which less urgent tasks are looked at.
+LONGEST_REPETITION = 10_000
+
+
+@dataclass(frozen=True)
+class Request:
+    """Jobs of `source` come only from a release of one of the tasks until `lasts` after the end of
+    that job."""
+
+    source: str
+    tasks: tuple[str, ...]
+    lasts: Time = 0
+
+
+@dataclass(frozen=True)
+class JobKind:
+    """Jobs of a task that take at most `wcet` and after whose release, until the next one, at most
+    this many jobs of each source come (parts of one where a job is a burst)."""
+
+    wcet: Time
+    most: tuple[tuple[str, Time], ...] = ()
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known besides the phases when a busy period starts.
+
+    `responses` are bounds of response times, which tell when a job of a less urgent task is over.
+    `blocking` is the longest blocking of a task by less urgent ones without those of these names;
+    None takes the sections of the task set. Each job of a task in `kinds` is of one of its kinds.
+    """
+
+    responses: Mapping[str, Time | None]
+    requests: tuple[Request, ...] = ()
+    blocking: Callable[[Task, frozenset[str]], Time] | None = None
+    kinds: Mapping[str, tuple[JobKind, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -28,17 +81,13 @@ class _Candidate:
     begin: Time
     jitters: dict[str, Time]
 
-    def jobs(self, task: Task, length: Time) -> int:
-        """Most jobs of `task` released within `length` of the start."""
-        jitter = self.jitters[task.name]
-        if task.phase is None:
-            return ceiling(length + jitter, task.period)
-        first = ceiling(self.begin - jitter - task.phase, task.period)
-        return ceiling(self.begin + length - task.phase, task.period) - first
-
     def load(self, source: Source, length: Time) -> tuple[Source, Time, Time]:
-        """Jobs of a source released within `length` of the start, and their execution."""
-        jobs = self.jobs(source.task, length)
+        """Most jobs of a source released within `length` of the start, and their execution."""
+        task, jitter = source.task, self.jitters[source.task.name]
+        if task.phase is None:
+            return source, *source.work(length)
+        first = ceiling(self.begin - jitter - task.phase, task.period)
+        jobs = ceiling(self.begin + length - task.phase, task.period) - first
         return source, jobs, jobs * source.execution
 
     def arrival(self, number: int) -> Time:
@@ -55,7 +104,8 @@ class _Candidate:
         for source in self.window.sources:
             task, jitter = source.task, source.jitter
             if task.phase is None:
-                count = jitter // task.period + 1
+                limits = (n * ((jitter + late) // span + 1) for n, span, late in task.limits)
+                count = min([jitter // task.period + 1, *limits])
             else:
                 first = ceiling(self.begin - jitter - task.phase, task.period)
                 count = (self.begin - task.phase) // task.period + 1 - first
@@ -152,24 +202,151 @@ def _begins(window: Window, repetition: Time) -> list[Time]:
     return sorted(found)
 
 
-def _phased_bound(task_set: TaskSet, task: Task, overheads: Overheads) -> ResponseTimeBound:
-    window = window_of(task_set, task, overheads)
+class _Beginning:
+    """What can be under way when a busy period of `window.task` starts.
+
+    It starts with the first arrival of a phased task of at least this priority (`begin`, which is
+    after the longest jitter) or before it with an arrival of one without a phase. That lead is at
+    most the time in which blocking and all without a phase are served. A less urgent task runs
+    before the start or not at all, but for the section that blocks; since the clock releases in the
+    order of arrivals, it arrived before the tasks that start the busy period.
+    """
+
+    def __init__(self, window: Window, tasks: Iterable[Task], known: Known) -> None:
+        self._window, self._known = window, known
+        self._tasks = {task.name: task for task in tasks}
+        self._clock = window.clock.overheads.clock_resolution
+        without = tuple(source for source in window.sources if source.task.phase is None)
+        own = window.own if window.task.phase is None else 0
+        alone = replace(window, sources=without)
+        self._lead = alone.completion(own, 1) if without or own or window.blocking.time else 0
+        phased = [source.jitter for source in window.sources if source.task.phase is not None]
+        self._earliest = self._lead + max([window.jitter, *phased])
+
+    def _over(self, name: str, begin: Time, lasts: Time = 0) -> bool:
+        """Is each job of a less urgent task that runs before the start over by then, and for as
+        long as given?"""
+        task, response = self._tasks.get(name), self._known.responses.get(name)
+        if task is None or task.phase is None or response is None:
+            return False
+        if task.priority >= self._window.task.priority:
+            return False
+        latest = ceiling(begin - self._clock - task.phase, task.period) - 1
+        end = task.phase + latest * task.period + response + lasts
+        return end <= begin - self._earliest
+
+    def window(self, begin: Time) -> Window:
+        """The load without what cannot be met at this start."""
+        window, known = self._window, self._known
+        absent = frozenset(name for name in self._tasks if self._over(name, begin))
+        blockings = [b for b in window.blockings if b.task not in absent]
+        if known.blocking is not None:
+            blockings = [Blocking(known.blocking(window.task, absent), "stated")]
+        over = {
+            request.source
+            for request in known.requests
+            if all(self._over(name, begin, request.lasts) for name in request.tasks)
+        }
+        sources = tuple(source for source in window.sources if source.task.name not in over)
+        return replace(window, sources=sources, blockings=tuple(blockings) or (NO_BLOCKING,))
+
+    def with_kind(self, candidate: _Candidate, task: Task, kind: JobKind) -> _Candidate:
+        """The load that starts with a job of this kind: what comes until the next one, and before
+        the start from the job before."""
+        most, found = dict(kind.most), []
+        for source in candidate.window.sources:
+            if source.task.name == task.name:
+                source = replace(source, execution=kind.wcet)
+            elif source.task.name in most:
+                share = most[source.task.name] + source.work(self._lead)[0]
+                limits = (*source.task.limits, (share, task.period + source.jitter, 0))
+                source = replace(source, task=replace(source.task, limits=limits))
+            found.append(source)
+        return replace(candidate, window=replace(candidate.window, sources=tuple(found)))
+
+
+def _signature(candidate: _Candidate, longest: Time) -> tuple[object, ...]:
+    """Candidates with the same one have the same bound: the releases within the longest busy
+    period, from its start."""
+    window, found = candidate.window, []
+    released = [(source.task, source.jitter) for source in window.sources]
+    for task, jitter in [*released, (window.task, window.jitter)]:
+        if task.phase is not None:
+            first = ceiling(candidate.begin - jitter - task.phase, task.period)
+            offset = task.phase + first * task.period - candidate.begin
+            found.append((task.name, min(offset, longest)))
+        else:
+            found.append((task.name, 0))
+    for (period, jitter), phase in zip(window.clock.released, window.clock.phases, strict=True):
+        if phase is not None:
+            first = ceiling(candidate.begin - jitter - phase, period)
+            found.append(("clock", min(phase + first * period - candidate.begin, longest)))
+    return (window.blocking, *found)
+
+
+Worst = tuple[tuple[Time, int, Time], _Candidate]
+
+
+def _worst_of_kinds(worst: Worst, beginning: _Beginning, known: Known) -> Worst:
+    """The worst job, kind by kind, if the start is a release of a task with kinds and none of them
+    makes the busy period last until its next one, which is no later than the next of the own."""
+    candidate = worst[1]
+    for source in candidate.window.sources:
+        task, kinds = source.task, known.kinds.get(source.task.name, ())
+        if task.phase is None or not kinds or candidate.window.task.period < task.period:
+            continue
+        if (candidate.begin - source.jitter - task.phase) % task.period:
+            continue
+        each: list[Worst] = []
+        for kind in kinds:
+            chosen = beginning.with_kind(candidate, task, kind)
+            found = chosen.worst(STEP_LIMIT)
+            if found is not None and found[2] <= task.period - source.jitter:
+                each.append((found, chosen))
+        if len(each) == len(kinds):
+            return min(worst, max(each, key=lambda one: one[0][0]), key=lambda one: one[0][0])
+    return worst
+
+
+def phased_response_time_bound(
+    task_set: TaskSet, task: Task, overheads: Overheads, known: Known
+) -> ResponseTimeBound:
+    """`phased_response_time_bounds` of one task, with what is known besides the phases."""
+    window, plain = (
+        window_of(task_set, task, overheads),
+        response_time_bound(task_set, task, overheads),
+    )
     involved = [task, *(source.task for source in window.sources)]
     phased = [each.period for each in involved if each.phase is not None]
     framed = any(each.frames for each in involved)
     if not phased or framed or window.utilization > 1:
-        return response_time_bound(task_set, task, overheads)
+        return plain
+    repetition, lower = common_multiple(phased), list[Task]()
+    for other in sorted(task_set.lower(task), key=lambda each: each.period):
+        if other.phase is not None and not other.frames:
+            longer = common_multiple([repetition, other.period])
+            if longer <= LONGEST_REPETITION * min(phased):
+                repetition, lower = longer, [*lower, other]
     jitters = {source.task.name: source.jitter for source in window.sources}
     jitters[task.name] = window.jitter
     jobs_at_most = int(window.repetition // task.period) + 1 if window.utilization == 1 else None
-    worst: tuple[tuple[Time, int, Time], _Candidate] | None = None
-    for begin in _begins(window, common_multiple(phased)):
-        candidate = _Candidate(window, begin, jitters)
+    worst: Worst | None = None
+    seen: set[tuple[object, ...]] = set()
+    beginning = _Beginning(window, lower, known)
+    for begin in _begins(window, repetition):
+        candidate = _Candidate(beginning.window(begin), begin, jitters)
+        if plain.busy_period is not None:
+            signature = _signature(candidate, plain.busy_period)
+            if signature in seen:
+                continue
+            seen.add(signature)
         found = candidate.worst(jobs_at_most or STEP_LIMIT)
         if found is not None and (worst is None or found[0] > worst[0][0]):
-            worst = (found, candidate)
+            closer = _worst_of_kinds((found, candidate), beginning, known)
+            if worst is None or closer[0][0] > worst[0][0]:
+                worst = closer
     if worst is None:
-        return response_time_bound(task_set, task, overheads)
+        return plain
     (bound, job, length), candidate = worst
     return ResponseTimeBound(task, bound, terms=candidate.terms(job, length))
 
@@ -199,9 +376,15 @@ def phased_response_time_bounds(
     A busy period starts, at worst, with a release of one of the phased tasks after its longest
     jitter; all such starts within one repetition are examined, in each of them the other phased
     tasks arrive when they must and tasks without a phase at the start (Tindell 1994; Palencia,
-    Gonzalez Harbour 1998, with one transaction for all phased tasks). Blocking and overheads are
-    as in `response_time_bound`, but for releases at the same instant, which share a call of the
-    alarm. Exact for independent tasks which all have phases and no jitter. Phases do not help
-    tasks that meet a multiframe task, whose first frame is unknown.
+    Gonzalez Harbour 1998, with one transaction for all phased tasks). A less urgent task blocks
+    only where a job of it can be under way. Overheads are as in `response_time_bound`, but for
+    releases at the same instant, which share a call of the alarm. Exact for independent tasks
+    which all have phases and no jitter. Phases do not help tasks that meet a multiframe task,
+    whose first frame is unknown.
     """
-    return tuple(_phased_bound(task_set, task, overheads) for task in task_set.by_priority())
+    plain = response_time_bounds(task_set, overheads)
+    known = Known({each.task.name: each.bound for each in plain})
+    return tuple(
+        phased_response_time_bound(task_set, task, overheads, known)
+        for task in task_set.by_priority()
+    )

@@ -68,7 +68,7 @@ _TASK = (
     "server",
 )
 _SECTION = ("resource", "duration", "start")
-_LIMIT = ("share", "window")
+_LIMIT = ("share", "window", "late")
 _PRIORITY_LIMIT = 10**6
 
 
@@ -98,9 +98,9 @@ def _section(table: FileTable) -> CriticalSection:
     return CriticalSection(table.text("resource"), table.time("duration"), table.time("start", 0))
 
 
-def _limit(table: FileTable) -> tuple[Time, Time]:
+def _limit(table: FileTable) -> tuple[Time, Time, Time]:
     table.only(_LIMIT)
-    return table.time("share"), table.time("window")
+    return table.time("share"), table.time("window"), table.time("late", 0)
 
 
 def _least_separation(table: FileTable) -> Time | None:

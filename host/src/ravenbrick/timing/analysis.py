@@ -10,7 +10,7 @@ and may be blocked once more each time they go on.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -19,6 +19,7 @@ from ravenbrick.errors import DeadlineError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.model import Overheads, TaskSet
+from ravenbrick.schedule.offsets import Request
 from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.timing.alarm import alarm_costs
 from ravenbrick.timing.background import (
@@ -31,7 +32,7 @@ from ravenbrick.timing.background import (
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
 from ravenbrick.timing.counted_facts import CountedFact, counted_facts
 from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
-from ravenbrick.timing.facts import TIMING_FILE, Facts, Mode, annotations_of
+from ravenbrick.timing.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
 from ravenbrick.timing.initial_state import (
     ENVIRONMENT,
     ProtectedObject,
@@ -51,6 +52,7 @@ from ravenbrick.timing.scheduled_tasks import (
     WAITS,
     TaskTiming,
     periods_us,
+    requests_of,
     scheduled_bounds,
     transfer_tasks,
 )
@@ -92,6 +94,8 @@ class Analysis:
     transfers: tuple[str, ...] = ()
     background: Background = NO_BACKGROUND
     counted: tuple[CountedFact, ...] = ()
+    requests: tuple[Request, ...] = ()
+    kinds: tuple[tuple[KindOfJob, int], ...] = ()
 
     @property
     def schedulable(self) -> bool:
@@ -247,6 +251,26 @@ def known_facts(
     return objects, [own, *facts.shared, *source_facts(image, devices), *known]
 
 
+def _kinds(
+    image: ElfImage,
+    facts: Facts,
+    questions: Mapping[str, JobQuestion],
+    timing: str,
+    annotations: Sequence[tuple[str, str]],
+) -> list[tuple[KindOfJob, int]]:
+    """Kinds of jobs with the bounds of their execution; used with a common release only."""
+    found = []
+    for kind in facts.kinds if facts.together else ():
+        if kind.task not in questions:
+            continue
+        own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
+        known = [*annotations, (f"{facts.name}, [[outside]]", facts.outside), own]
+        jobs = [questions[kind.task]]
+        times = execution_times(image.content, jobs=jobs, annotations=known, timing=timing)
+        found.append((kind, times.jobs[0].cycles))
+    return found
+
+
 def analyse(
     robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: str = "nominal"
 ) -> Analysis:
@@ -281,6 +305,8 @@ def analyse(
         bounded = partial(_jobs, image, facts, tasks, [*annotations, places], timing)
         jobs = [pair for pair in jobs if pair[0] in tasks]
     questions = [(body_of(image, facts, task), *WAITS[task.release]) for task in tasks]
+    asked = dict(zip((task.name for task in tasks), questions, strict=True))
+    kinds_of = partial(_kinds, image, facts, asked, timing)
     if facts.outside:
         stacks = [_stack_bytes(image, one, annotations) for one in questions]
         jobs = [(t, replace(j, stack_bytes=s)) for (t, j), s in zip(jobs, stacks, strict=True)]
@@ -292,11 +318,13 @@ def analyse(
     scheduled = partial(scheduled_bounds, blocking, alarm, background, transfers)
     modes = []
     for mode in facts.modes:
-        in_mode = bounded([(f"{facts.name}, mode '{mode.name}'", mode.annotations)])
+        stated = [(f"{facts.name}, mode '{mode.name}'", mode.annotations)]
+        in_mode = bounded(stated)
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
-        timings, _, _, bounds = scheduled(rates, in_mode)
+        timings, _, _, bounds = scheduled(rates, in_mode, kinds_of([*annotations, *stated]))
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    timings, task_set, overheads, bounds = scheduled(facts, jobs)
+    kinds = kinds_of(annotations)
+    timings, task_set, overheads, bounds = scheduled(facts, jobs, kinds)
     roots = [body for body, _, _ in questions] + [cost.handler.symbol for cost in costs]
     counted = _counted(image, roots, facts, annotations)
     return Analysis(
@@ -312,6 +340,8 @@ def analyse(
         tuple(task.name for task in transfers),
         background,
         counted,
+        requests_of(facts, costs, [*jobs, *background.all_threads]),
+        tuple(kinds),
     )
 
 

@@ -28,6 +28,7 @@ __all__ = [
     "Mode",
     "TransferLoad",
     "annotations_of",
+    "has_unit",
     "read_facts",
 ]
 
@@ -44,6 +45,9 @@ OWN_TABLES = frozenset(
         "mode",
         "flow",
         "outside",
+        "common_release",
+        "request",
+        "job_kind",
     }
 )
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
@@ -53,8 +57,10 @@ SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 class InterruptLoad:
     """At most `at_most` interrupts of a source in any window of `window_us`.
 
-    Several loads of one source hold together. With `task`, the windows are those from a release
-    of this task on, with `unit` only programs that have this library unit are meant.
+    Several loads of one source hold together. With `late_us`, they come as if `at_most` came each
+    `window_us` and each was late by at most that: in a window of any length w, `at_most` times (w +
+    late_us) / window_us, rounded up. With `task`, the windows are those from a release of this
+    task on, with `unit` only programs that have this library unit are meant.
     """
 
     source: int
@@ -64,6 +70,7 @@ class InterruptLoad:
     task: str | None = None
     file: str = TIMING_FILE
     unit: str | None = None
+    late_us: int = 0
 
 
 @dataclass(frozen=True)
@@ -125,6 +132,32 @@ class Chain:
 
 
 @dataclass(frozen=True)
+class RequestedInterrupts:
+    """Interrupts of a source come only from the release of a job that calls the library unit `unit`
+    until `lasts_us` after its end."""
+
+    source: int
+    unit: str
+    lasts_us: int
+    reason: str
+    file: str = TIMING_FILE
+
+
+@dataclass(frozen=True)
+class KindOfJob:
+    """Jobs of `task` that do not execute the subprograms `never`, and after whose release, until
+    the next, at most so many interrupts of each source of `most` come. The kinds of a task together
+    are all its jobs."""
+
+    task: str
+    name: str
+    annotations: str
+    most: tuple[tuple[int, int], ...]
+    reason: str
+    file: str = TIMING_FILE
+
+
+@dataclass(frozen=True)
 class Mode:
     """How the program runs most of the time: `annotations` and the rates of `interrupts` hold only
     then."""
@@ -140,7 +173,8 @@ class Facts:
     """All facts; `annotations` is TOML for the execution-time analysis.
 
     `shared` are annotations that hold for every project: names of files and TOML. `outside` is TOML
-    that holds for jobs only.
+    that holds for jobs only. `together` are the tasks (in lower case) with a common release: all
+    their releases lie whole periods of theirs after it.
     """
 
     document: LocatedToml | None
@@ -156,6 +190,9 @@ class Facts:
     chains: tuple[Chain, ...] = ()
     modes: tuple[Mode, ...] = ()
     flows: tuple[FlowFact, ...] = ()
+    together: frozenset[str] = frozenset()
+    requests: tuple[RequestedInterrupts, ...] = ()
+    kinds: tuple[KindOfJob, ...] = ()
 
     @property
     def name(self) -> str:
@@ -176,7 +213,7 @@ class Facts:
             for load in self.interrupts
             if load.source == source and (load.task and load.task.lower()) == wanted
         )
-        return tuple(sorted(found, key=lambda load: -load.window_us))
+        return tuple(sorted(found, key=lambda load: (load.late_us > 0, -load.window_us)))
 
     def of_image(self, image: ElfImage) -> Facts:
         """The facts without the rates of interrupts in units that this program does not have."""
@@ -234,6 +271,11 @@ def _check_tasks(document: LocatedToml, robot: Robot) -> None:
         for number, load in enumerate(row.get("interrupt", []))
         if "task" in load
     ]
+    named += [
+        (("common_release", index, "tasks"), name)
+        for index, row in enumerate(document.values.get("common_release", []))
+        for name in row["tasks"]
+    ]
     for place, name in named:
         if robot.task(name) is None:
             known = ", ".join(task.name for task in robot.tasks)
@@ -243,6 +285,13 @@ def _check_tasks(document: LocatedToml, robot: Robot) -> None:
 def _chain(row: dict[str, Any]) -> Chain:
     stages = tuple((stage["task"], stage.get("every", 1)) for stage in row["stages"])
     return Chain(row["name"], stages, row["transfer_us"], row.get("edge", ""))
+
+
+def _kind(row: dict[str, Any], path: Path) -> KindOfJob:
+    never = [{"symbol": symbol} for symbol in row.get("never", [])]
+    most = tuple((SOURCE_NUMBERS[m["source"]], m["at_most"]) for m in row.get("most", []))
+    annotations = annotations_of({"never": never})
+    return KindOfJob(row["task"], row["name"], annotations, most, row["reason"], str(path))
 
 
 def _mode(row: dict[str, Any], path: Path, robot: Robot) -> Mode:
@@ -264,6 +313,7 @@ def _interrupts(
             row.get("task"),
             str(path),
             row.get("unit"),
+            row.get("late_us", 0),
         )
         for row in rows
         if "task" not in row or robot.task(row["task"]) is not None
@@ -328,5 +378,23 @@ def read_facts(robot: Robot) -> Facts:
         tuple(
             FlowFact(row["symbol"], tuple(row["lines"]), row["at_most"], row["reason"])
             for row in rows("flow")
+        ),
+        frozenset(name.lower() for row in rows("common_release") for name in row["tasks"]),
+        tuple(
+            RequestedInterrupts(
+                SOURCE_NUMBERS[row["source"]],
+                row["unit"],
+                row["lasts_us"],
+                row["reason"],
+                str(document.path),
+            )
+            for document in documents
+            for row in document.values.get("request", [])
+        ),
+        tuple(
+            _kind(row, document.path)
+            for document in documents
+            for row in document.values.get("job_kind", [])
+            if robot.task(row["task"]) is not None
         ),
     )

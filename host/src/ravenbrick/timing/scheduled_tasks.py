@@ -5,7 +5,7 @@ timing events and transfers of the data controller as tasks of their own. Times 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -13,6 +13,8 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
+from ravenbrick.schedule.offsets import JobKind, Known, Request, phased_response_time_bound
+from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.response_time import (
     ResponseTimeBound,
     response_time_bound,
@@ -22,7 +24,7 @@ from ravenbrick.timing.alarm import AlarmCosts, coarse_alarm, exact_cycles
 from ravenbrick.timing.background import Background
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError
 from ravenbrick.timing.events import EventCost
-from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, TransferLoad
+from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, KindOfJob, TransferLoad
 from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
 from ravenbrick.timing.interrupt_blocking import InterruptBlocking
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
@@ -37,12 +39,14 @@ __all__ = [
     "blocking_cause",
     "deepest_stack",
     "periods_us",
+    "requests_of",
     "scheduled_bounds",
     "transfer_tasks",
 ]
 
 PREEMPTION_BYTES = 68
 ENDLESS_PERIOD_US = 1_000_000
+ROUNDS = 3
 # By one transfer of the data controller, by timing profile (`pdc_steal_cycles`).
 STOLEN_CYCLES = {"optimistic": 1, "nominal": 1, "pessimistic": 4}
 # Where a task waits for its next release, and where if its body does not wait there.
@@ -130,10 +134,12 @@ def _after_others(cause: BlockingCause, masked_cycles: dict[str, int]) -> Blocki
     return BlockingCause(cause.cycles + before, cause.task, kind)
 
 
-def _scheduled_tasks(timings: Sequence[TaskTiming]) -> list[ScheduledTask]:
+def _scheduled_tasks(timings: Sequence[TaskTiming], facts: Facts) -> list[ScheduledTask]:
     found = []
     for timing in timings:
         task = timing.task
+        clocked = DELAY_UNTIL in timing.job.released_by
+        together = clocked and task.name.lower() in facts.together
         found.append(
             ScheduledTask(
                 name=task.name,
@@ -141,7 +147,8 @@ def _scheduled_tasks(timings: Sequence[TaskTiming]) -> list[ScheduledTask]:
                 deadline=exact_cycles(task.deadline_us or task.period_us or 0),
                 wcet=timing.job.cycles + timing.suspension_cycles,
                 priority=task.priority,
-                release="cyclic" if DELAY_UNTIL in timing.job.released_by else "sporadic",
+                release="cyclic" if clocked else "sporadic",
+                phase=0 if together else None,
                 blocking=timing.blocking.cycles * (1 + timing.suspension_count),
             )
         )
@@ -153,7 +160,7 @@ def _second_releases(
 ) -> list[ScheduledTask]:
     """Tasks that stand for second releases in a period."""
     return [
-        replace(task, name=f"{task.name}, second release")
+        replace(task, name=f"{task.name}, second release", phase=None)
         for timing, task in zip(timings, tasks, strict=True)
         if timing.releases > 1
     ]
@@ -212,7 +219,10 @@ def _bursts(
 ) -> ScheduledTask:
     """Calls of a handler, or transfers, the longest window first."""
     load, *shorter = loads
-    limits = [(Fraction(s.at_most, load.at_most), exact_cycles(s.window_us)) for s in shorter]
+    limits = [
+        (Fraction(s.at_most, load.at_most), exact_cycles(s.window_us), exact_cycles(_late_us(s)))
+        for s in shorter
+    ]
     return ScheduledTask(
         name=name,
         period=exact_cycles(load.window_us),
@@ -221,8 +231,12 @@ def _bursts(
         priority=priority,
         release="interrupt",
         blocking=blocking,
-        release_jitter=release_jitter,
+        release_jitter=release_jitter + exact_cycles(_late_us(load)),
     )
+
+
+def _late_us(load: InterruptLoad | EventLoad | TransferLoad) -> int:
+    return load.late_us if isinstance(load, InterruptLoad) else 0
 
 
 def transfer_tasks(
@@ -276,13 +290,16 @@ def scheduled_bounds(
     transfers: Sequence[ScheduledTask],
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
+    kinds: Sequence[tuple[KindOfJob, int]] = (),
 ) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
-    """The tasks with their blocking, the task set, its overheads, and bounds by the task's name."""
+    """The tasks with their blocking, the task set, its overheads, and bounds by the task's name;
+    `kinds` are kinds of jobs with the bounds of their execution."""
     costs, kernel = blocking.handlers, blocking.kernel
     below = [*jobs, *background.all_threads]
 
-    def cause(task: Task) -> BlockingCause:
-        found = blocking_cause(task.priority, task.name, below, kernel)
+    def cause(task: Task, absent: frozenset[str] = frozenset()) -> BlockingCause:
+        present = [(other, job) for other, job in below if other.name not in absent]
+        found = blocking_cause(task.priority, task.name, present, kernel)
         return _in_background(found, background, alarm)
 
     timings = tuple(
@@ -301,18 +318,98 @@ def scheduled_bounds(
     interrupts += _expiries(blocking.events, alarm, longest_blocking(level))
     interrupts += _alarms_inside(timings, alarm, level)
     interrupts += transfers
-    tasks = _scheduled_tasks(timings)
+    tasks = _scheduled_tasks(timings, facts)
     more = [*_second_releases(timings, tasks), *_never_waiting(background)]
     task_set = TaskSet((*interrupts, *tasks, *more))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
+    sets = {}
     for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
         others = _seen_by(timing, timings, tasks, bounds)
+        seen = TaskSet((*(special or interrupts), *(others or tasks), *more))
+        sets[timing.task.name] = seen
         if special is not None or others is not None:
-            seen = TaskSet((*(special or interrupts), *(others or tasks), *more))
             own = seen.task(timing.task.name)
             bounds[own.name] = response_time_bound(seen, own, overheads)
+    if facts.together and not more and not any(timing.suspension_count for timing in timings):
+        requests = requests_of(facts, costs, below)
+        known = Known({}, requests, kinds=_job_kinds(kinds, facts))
+        timings, closer = with_common_release(timings, sets, overheads, bounds, known, cause)
+        bounds |= closer
     return timings, task_set, overheads, bounds
+
+
+def with_common_release(
+    timings: tuple[TaskTiming, ...],
+    sets: Mapping[str, TaskSet],
+    overheads: Overheads,
+    bounds: dict[str, ResponseTimeBound],
+    known: Known,
+    cause: Callable[[Task, frozenset[str]], BlockingCause],
+) -> tuple[tuple[TaskTiming, ...], dict[str, ResponseTimeBound]]:
+    """Closer bounds of tasks that keep a common release, with the blocking that they meet.
+
+    `sets` are the tasks and interrupts as each task meets them, `cause` the blocking of a task by
+    less urgent ones without those of some names. Bounds tell when a job is over, so closer ones
+    make those of the second round closer still.
+    """
+    tasks = {timing.task.name: timing.task for timing in timings}
+    causes: dict[tuple[str, object], BlockingCause] = {}
+
+    def blocking(task: ScheduledTask, absent: frozenset[str]) -> int:
+        met = cause(tasks[task.name], absent)
+        causes[task.name, met.cycles] = met
+        return met.cycles
+
+    found: dict[str, ResponseTimeBound] = {}
+    for _ in range(ROUNDS):
+        responses = {name: bound.bound for name, bound in (bounds | found).items()}
+        known = replace(known, responses=responses, blocking=blocking)
+        for name, seen in sets.items():
+            closer = phased_response_time_bound(seen, seen.task(name), overheads, known)
+            found[name] = closer
+
+    def met(timing: TaskTiming) -> BlockingCause:
+        terms = found[timing.task.name].terms
+        time = None if terms is None else terms.blocking.time
+        return causes.get((timing.task.name, time), timing.blocking)
+
+    return tuple(replace(timing, blocking=met(timing)) for timing in timings), found
+
+
+def _job_kinds(
+    kinds: Sequence[tuple[KindOfJob, int]], facts: Facts
+) -> dict[str, tuple[JobKind, ...]]:
+    """Kinds by task; interrupts as shares of the burst that stands for their source."""
+    found: dict[str, tuple[JobKind, ...]] = {}
+    for kind, cycles in kinds:
+        most = tuple(
+            (source_name(source), exact(Fraction(at_most, facts.loads(source)[0].at_most)))
+            for source, at_most in kind.most
+            if facts.loads(source)
+        )
+        found[kind.task] = (*found.get(kind.task, ()), JobKind(cycles, most))
+    return found
+
+
+def requests_of(
+    facts: Facts, costs: Sequence[InterruptCost], jobs: Sequence[tuple[Task, Bound]]
+) -> tuple[Request, ...]:
+    """Who requests interrupts; left out where a handler of another source may request them too."""
+    found = []
+    for fact in facts.requests:
+        begin = f"{fact.unit.lower().replace('.', '__')}__"
+
+        def calls(bound: Bound, begin: str = begin) -> bool:
+            return any(symbol.startswith(begin) for symbol in bound.reached)
+
+        others = (cost.body for cost in costs if cost.handler.source != fact.source)
+        tasks = tuple(task.name for task, job in jobs if calls(job))
+        if tasks and not any(calls(body) for body in others):
+            lasts = exact_cycles(fact.lasts_us)
+            found.append(Request(source_name(fact.source), tasks, lasts))
+            found.append(Request(f"{source_name(fact.source)} transfers", tasks, lasts))
+    return tuple(found)
 
 
 def _seen_by(

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -15,34 +15,25 @@ from numpy.typing import NDArray
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
+from ravenbrick.schedule.offsets import Request
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.counted_facts import CountedFact
 from ravenbrick.timing.facts import Facts, InterruptLoad
+from ravenbrick.timing.observation.job_facts import (
+    TOLERANCE_CYCLES,
+    FactCount,
+    request_counts,
+    together_counts,
+)
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
 
-__all__ = ["FactCount", "check_facts_of_run", "fact_counts", "most_in_window"]
+__all__ = ["check_facts_of_run", "fact_counts", "latest", "most_in_window"]
 
 Cycles = NDArray[np.int64]
 CLOCK_HZ = float(MASTER_CLOCK.hertz)
-TOLERANCE_CYCLES = 48
 DELAYED = 2  # thread state (docs/reference/trace.md)
-
-
-@dataclass(frozen=True)
-class FactCount:
-    """A fact, what it declares, what was seen, and where that was too much, in words."""
-
-    fact: str
-    place: str
-    declared: int
-    seen: int
-    excess: str = ""
-
-    def plain(self) -> dict[str, Any]:
-        """For JSON."""
-        return {**vars(self), "holds": not self.excess}
 
 
 def most_in_window(at: Cycles, window_cycles: int) -> tuple[int, int]:
@@ -53,6 +44,19 @@ def most_in_window(at: Cycles, window_cycles: int) -> tuple[int, int]:
     counts = np.searchsorted(at, at + window_cycles) - np.arange(at.size)
     place = int(counts.argmax())
     return int(counts[place]), int(at[place])
+
+
+def latest(at: Cycles, at_most: int, period_cycles: float) -> tuple[int, int]:
+    """Longest lateness of a sorted column, in cycles, and when: how much sooner than after the
+    whole number of periods between them one comes after another, every `at_most`-th counted."""
+    longest = (0, 0)
+    for first in range(min(at_most, at.size)):
+        each = at[first::at_most]
+        steps = each - period_cycles * np.arange(each.size)
+        late = np.maximum.accumulate(steps) - steps
+        place = int(late.argmax())
+        longest = max(longest, (math.ceil(late[place]), int(each[place])))
+    return longest
 
 
 class _Run:
@@ -156,6 +160,20 @@ def _rate(run: _Run, fact: str, place: str, limits: tuple[int, int], at: Cycles)
     return FactCount(fact, place, at_most, seen, excess)
 
 
+def _lateness(run: _Run, fact: str, load: InterruptLoad, at: Cycles) -> FactCount:
+    """How late interrupts come that are said to be periodic with some lateness, in us."""
+    period = float(MASTER_CLOCK.hertz * load.window_us / 1_000_000)
+    late, when = latest(at[at >= run.since], load.at_most, period)
+    late_us, excess = math.ceil(late * 1_000_000 / CLOCK_HZ), ""
+    if late_us > load.late_us:
+        what = f"{load.at_most} each {load.window_us} us"
+        excess = (
+            f"declared {what} late by {load.late_us} us, seen late by {late_us} us "
+            f"at {when / CLOCK_HZ:.6f} s"
+        )
+    return FactCount(fact, source_name(load.source), load.late_us, late_us, excess)
+
+
 def _rates(run: _Run, facts: Facts, image: ElfImage, recording: Recording) -> list[FactCount]:
     """Interrupts and transfers in any window, or in windows from the releases of a task."""
     found = []
@@ -164,7 +182,9 @@ def _rates(run: _Run, facts: Facts, image: ElfImage, recording: Recording) -> li
         at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
         name = source_name(load.source)
         fact = f'{load.file}: [[interrupt]] source = "{name}"'
-        if load.task is None:
+        if load.late_us:
+            found.append(_lateness(run, fact, load, at))
+        elif load.task is None:
             found.append(_rate(run, fact, name, (load.at_most, load.window_us), at))
         else:
             found.append(_after_releases(run, load, fact, at, recording))
@@ -240,8 +260,10 @@ def fact_counts(
     image: ElfImage,
     counted: Sequence[CountedFact],
     recording: Recording,
+    requests: Sequence[Request] = (),
 ) -> list[FactCount]:
-    """Each fact with what the run counted, after the start of all tasks."""
+    """Each fact with what the run counted, after the start of all tasks; `requests` are those
+    that the analysis uses."""
     run = _Run(robot, recording)
     flow = [
         _flow_count(run, image, fact, count)
@@ -250,6 +272,8 @@ def fact_counts(
     return [
         *flow,
         *_rates(run, facts, image, recording),
+        *together_counts(robot, facts, recording),
+        *request_counts(requests, facts, recording, run.since),
         *_suspensions(run, facts, recording),
     ]
 

@@ -28,6 +28,7 @@ __all__ = [
     "Observed",
     "check_bounds",
     "check_event_rates",
+    "check_job_kinds",
     "exceeded",
     "longest_jobs",
     "observe",
@@ -80,18 +81,24 @@ def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np
     return (releases >= since_cycles) & (np.arange(releases.size) > 0)
 
 
-def _net_execution_times(
-    recording: Recording, found: TaskDynamics, transfer_cycles: int
-) -> NDArray[np.int64]:
-    """Net execution time of each completed job, without what interrupts add to it and what the
-    data controller takes, `transfer_cycles` each, where the run recorded it."""
-    thread = [thread.name for thread in recording.threads].index(found.name)
+def _completed(recording: Recording, task: str) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
+    """Thread of a task, releases and completions of its completed jobs."""
+    thread = [thread.name for thread in recording.threads].index(task)
     done = [
         (job.release_cycles, job.completion_cycles)
         for job in jobs_of(recording, thread)
         if job.start_cycles is not None and job.completion_cycles is not None
     ]
-    release, end = np.array(done, np.int64).T
+    release, end = np.array(done, np.int64).reshape(-1, 2).T
+    return thread, release, end
+
+
+def _net_execution_times(
+    recording: Recording, found: TaskDynamics, transfer_cycles: int
+) -> NDArray[np.int64]:
+    """Net execution time of each completed job, without what interrupts add to it and what the
+    data controller takes, `transfer_cycles` each, where the run recorded it."""
+    thread, release, end = _completed(recording, found.name)
     own = found.execution_cycles - interruption_cycles(recording, thread, release, end)
     own -= stolen_cycles(recording, thread, release, end, transfer_cycles)
     return np.asarray(own, np.int64)
@@ -214,6 +221,44 @@ def check_event_rates(robot: Robot, facts: Facts, recording: Recording) -> None:
                 f"{begin:.6f} s after the start of the run '{recording.scenario}'; correct the "
                 "rates in [[timing_event]]"
             )
+
+
+def check_job_kinds(
+    robot: Robot, analysis: Analysis, recording: Recording, transfer_cycles: int = 1
+) -> None:
+    """Raise `ExecutionTimeError` for a job that is of no kind that the facts state: it takes more
+    than the bound of each, or more interrupts come until the next release."""
+    names = {kind.task for kind, _ in analysis.kinds}
+    since = cyclic_begin_cycles(robot, recording)
+    for found in task_dynamics(robot, recording):
+        task = robot.task(found.name)
+        if task is None or task.name not in names:
+            continue
+        kinds = [(kind, cycles) for kind, cycles in analysis.kinds if kind.task == task.name]
+        chosen = _operating(recording, found.name, since)
+        own = _net_execution_times(recording, found, transfer_cycles)[chosen]
+        release = _completed(recording, found.name)[1][chosen]
+        following = release + MASTER_CLOCK.cycles_of_us(task.period_us or 0)
+        fits = np.zeros(own.size, np.bool_)
+        for kind, cycles in kinds:
+            of_kind = own <= cycles
+            for source, at_most in kind.most:
+                at = _entries(recording, source)
+                count = np.searchsorted(at, following) - np.searchsorted(at, release)
+                of_kind &= count <= at_most
+            fits |= of_kind
+        if not fits.all():
+            when = float(MASTER_CLOCK.seconds(int(release[~fits][0])))
+            words = ", ".join(f"'{kind.name}'" for kind, _ in kinds)
+            raise ExecutionTimeError(
+                f"{kinds[0][0].file}: [[job_kind]]: the job of {task.name} released at {when:.6f} "
+                f"s of the run '{recording.scenario}' is of none of the kinds {words}; add a kind"
+            )
+
+
+def _entries(recording: Recording, source: int) -> NDArray[np.int64]:
+    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    return np.asarray(entered["at_cycles"][entered["subject"] == source], np.int64)
 
 
 def ratio(bound: int, observed: int) -> float | None:

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The longest response times, searched: the inputs of a scenario are moved in time, added and
 changed, at random and from the best variant found so far. In every other variant the link to the
-co-processor is disturbed too, so that jobs set it up again."""
+co-processor is disturbed too, so that jobs set it up again, often just when the longest undisturbed
+job of a task is released."""
 
 from __future__ import annotations
 
@@ -28,6 +29,9 @@ from ravenbrick.trace.recording import EventKind, Recording, decode_events
 
 __all__ = ["WorstSample", "largest", "search_worst_case"]
 
+# Longest response and release of that job, by the task's name.
+Longest = Mapping[str, tuple[int, int]]
+
 SHIFT_MS = 20
 FRESH = 0.3
 EXCEEDED = " exceeded"
@@ -39,6 +43,10 @@ SWITCHES = (
 WRONG_SUMS, STUCK = "fault.coprocessor_checksum", "fault.twi_stuck"
 # More wrong sums than the link tolerates, and longer than its quiet time.
 MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
+AIMED = 0.6
+# From the loss of the link, which ends what the bus is held in, to the reset and to the greeting.
+AFTER_LOSS_US = (0, 22_000)
+HELD_BEFORE_US, HELD_AFTER_US = 2_000, 200
 
 
 @dataclass(frozen=True)
@@ -49,6 +57,7 @@ class WorstSample:
     response_cycles: int
     variant: int
     inputs: tuple[TimedInput, ...]
+    release_cycles: int = 0
     observed: Observed | None = None
     recording: Recording | None = None
 
@@ -122,6 +131,16 @@ def _disturbed(
     return tuple(sorted(found, key=lambda timed: timed.at_cycles))
 
 
+def _aimed(sample: WorstSample, end: int, rng: random.Random) -> tuple[TimedInput, ...]:
+    """The inputs of a sample, and the bus held so that the link is set up at its longest job."""
+    lost = sample.release_cycles - MASTER_CLOCK.cycles_of_us(rng.choice(AFTER_LOSS_US))
+    begin = lost - MASTER_CLOCK.cycles_of_us(rng.randrange(100, HELD_BEFORE_US))
+    back = lost + MASTER_CLOCK.cycles_of_us(rng.randrange(1, HELD_AFTER_US))
+    held = (TimedInput(begin, STUCK, 1.0), TimedInput(back, STUCK, 0.0))
+    kept = [replace(i, at_cycles=min(max(i.at_cycles, 1), end - 1)) for i in held]
+    return tuple(sorted((*sample.inputs, *kept), key=lambda timed: timed.at_cycles))
+
+
 def _taken(brick: Any, inputs: Sequence[TimedInput]) -> tuple[TimedInput, ...]:
     """Inputs that the brick has and whose values it can take."""
     found = []
@@ -155,14 +174,18 @@ class _VariantRunner:
         inputs = _varied(base, self.end, self.switches, rng)
         return _taken(self._probe, _disturbed(inputs, self.end, rng) if disturbed else inputs)
 
+    def disturb(self, sample: WorstSample, rng: random.Random) -> tuple[TimedInput, ...]:
+        """Inputs of a sample with the link lost before its longest job."""
+        return _taken(self._probe, _aimed(sample, self.end, rng))
+
     def recording(self, inputs: Sequence[TimedInput]) -> Recording:
         """The whole run; the scenario's peer or monitor, if any, runs beside."""
         scenario = replace(self._quiet, stimuli=tuple(inputs))
         return self._target.run(self._robot, scenario, self._image)
 
-    def play(self, inputs: Sequence[TimedInput]) -> tuple[dict[str, int], list[dict[str, Any]]]:
-        """Longest response of each task after the start of all of them, and what was counted about
-        facts."""
+    def play(self, inputs: Sequence[TimedInput]) -> tuple[Longest, list[dict[str, Any]]]:
+        """Longest response of each task after the start of all of them with the release of that
+        job, and what was counted about facts."""
         if self._quiet.peer is not None or self._quiet.monitor is not None:
             found = self.recording(inputs)
             names = [thread.name for thread in found.threads]
@@ -174,7 +197,7 @@ class _VariantRunner:
         counts: list[dict[str, Any]] = json.loads(brick.flow_counts())
         return self._longest(decode_events(brick.events()), names), counts
 
-    def _longest(self, events: NDArray[np.void], names: list[str]) -> dict[str, int]:
+    def _longest(self, events: NDArray[np.void], names: list[str]) -> Longest:
         since = cyclic_begin(events, names, self._robot)
         done = events[events["kind"] == int(EventKind.COMPLETION)]
         done = done[done["value"] >= since]
@@ -183,25 +206,28 @@ class _VariantRunner:
             task, mine = self._robot.task(name), done[done["subject"] == index]
             if task is not None and mine.size:
                 spans = mine["at_cycles"].astype(np.int64) - mine["value"]
-                found[task.name] = int(spans.max())
+                place = int(spans.argmax())
+                found[task.name] = int(spans[place]), int(mine["value"][place])
         return found
 
 
-def _keep(
-    worst: dict[str, WorstSample], found: Mapping[str, int], variant: int, inputs: Any
-) -> None:
-    for name, response in found.items():
+def _keep(worst: dict[str, WorstSample], found: Longest, variant: int, inputs: Any) -> None:
+    for name, (response, release) in found.items():
         known = worst.get(name)
         if known is None or known.response_cycles < response:
-            worst[name] = WorstSample(name, response, variant, inputs)
+            worst[name] = WorstSample(name, response, variant, inputs, release)
 
 
-def _nearly_wrong(counts: Sequence[dict[str, Any]]) -> dict[str, int]:
+def _name(sample: WorstSample) -> str:
+    return sample.task
+
+
+def _nearly_wrong(counts: Sequence[dict[str, Any]]) -> Longest:
     """What a search for wrong facts raises: most executions, and then how often they are too
     many."""
-    most = {f"fact {number}": int(count["most"]) for number, count in enumerate(counts)}
+    most = {f"fact {number}": (int(count["most"]), 0) for number, count in enumerate(counts)}
     wrong = {
-        f"fact {number}{EXCEEDED}": len(count["arrivals"])
+        f"fact {number}{EXCEEDED}": (len(count["arrivals"]), 0)
         for number, count in enumerate(counts)
         if count["arrivals"]
     }
@@ -233,9 +259,12 @@ def search_worst_case(
         best = [sample.inputs for sample in (worst if disturbed else undisturbed).values()]
         best += [sample.inputs for sample in facts.values()]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
-        inputs = runner.vary(base, disturbed, rng) if variant else original
+        if disturbed and undisturbed and rng.random() < AIMED:
+            inputs = runner.disturb(rng.choice(sorted(undisturbed.values(), key=_name)), rng)
+        else:
+            inputs = runner.vary(base, disturbed, rng) if variant else original
         responses, counts = runner.play(inputs)
-        unvaried = unvaried or responses
+        unvaried = unvaried or {name: longest for name, (longest, _) in responses.items()}
         _keep(worst, responses, variant, inputs)
         _keep(facts, _nearly_wrong(counts), variant, inputs)
         if not disturbed:

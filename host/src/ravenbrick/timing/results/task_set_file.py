@@ -40,7 +40,11 @@ def _task(task: Task) -> list[str]:
     if task.blocking:
         lines.append(f"blocking = {_time(task.blocking)}")
     if task.limits:
-        limits = (f"{{ share = {_time(s)}, window = {_time(w)} }}" for s, w in task.limits)
+        limits = (
+            f"{{ share = {_time(share)}, window = {_time(span)}"
+            + (f", late = {_time(late)} }}" if late else " }")
+            for share, span, late in task.limits
+        )
         lines.append(f"limits = [{', '.join(limits)}]")
     return lines
 

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a run shows about facts on jobs: common releases, and interrupts that jobs request."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.project.robot import Robot
+from ravenbrick.schedule.offsets import Request
+from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts
+from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.schedule import jobs_of
+
+__all__ = ["TOLERANCE_CYCLES", "FactCount", "request_counts", "together_counts"]
+
+Cycles = NDArray[np.int64]
+CLOCK_HZ = float(MASTER_CLOCK.hertz)
+TOLERANCE_CYCLES = 48
+
+
+@dataclass(frozen=True)
+class FactCount:
+    """A fact, what it declares, what was seen, and where that was too much, in words."""
+
+    fact: str
+    place: str
+    declared: int
+    seen: int
+    excess: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return {**vars(self), "holds": not self.excess}
+
+
+def _thread(recording: Recording, task: str) -> int:
+    return [thread.name.lower() for thread in recording.threads].index(task.lower())
+
+
+def _releases(recording: Recording, task: str) -> Cycles:
+    """Nominal releases of a cyclic task, without the one of its start."""
+    jobs = jobs_of(recording, _thread(recording, task))
+    return np.array([job.release_cycles for job in jobs[1:]], np.int64)
+
+
+def together_counts(robot: Robot, facts: Facts, recording: Recording) -> list[FactCount]:
+    """How far releases of the tasks with a common release are from whole periods after the last of
+    their first ones."""
+    releases = {name: _releases(recording, name) for name in sorted(facts.together)}
+    common = max((int(at[0]) for at in releases.values() if at.size), default=0)
+    found = []
+    for name, at in releases.items():
+        task = robot.task(name) or next(t for t in robot.tasks if t.name.lower() == name)
+        period = float(MASTER_CLOCK.hertz * (task.period_us or 0) / 1_000_000)
+        later = at[at >= common]
+        periods = (later - common) / period
+        away = np.ceil(np.abs(periods - np.round(periods)) * period)
+        worst = int(away.argmax()) if away.size else 0
+        seen = int(away[worst]) if away.size else 0
+        excess = ""
+        if seen > TOLERANCE_CYCLES:
+            when = f"at {later[worst] / CLOCK_HZ:.6f} s"
+            excess = f"{name} is released {seen} cycles away from whole periods after it {when}"
+        fact = f"{facts.name}: [[common_release]]"
+        found.append(FactCount(fact, name, TOLERANCE_CYCLES, seen, excess))
+    return found
+
+
+def request_counts(
+    requests: Sequence[Request], facts: Facts, recording: Recording, since: int
+) -> list[FactCount]:
+    """How long after jobs that request them interrupts come."""
+    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    found = []
+    for request in requests:
+        source = SOURCE_NUMBERS.get(request.source)
+        stated = next((fact for fact in facts.requests if fact.source == source), None)
+        if stated is None:
+            continue
+        at = entered["at_cycles"][entered["subject"] == source].astype(np.int64)
+        at = at[at >= since]
+        jobs = [
+            (job.release_cycles, recording.stop.at_cycles + 1 if end is None else end)
+            for task in request.tasks
+            for job in jobs_of(recording, _thread(recording, task))
+            for end in [job.completion_cycles]
+        ]
+        begins, ends = np.array(sorted(jobs), np.int64).reshape(-1, 2).T
+        before = np.searchsorted(begins, at, side="right") - 1
+        over = np.append(np.maximum.accumulate(ends), 0)[before]
+        late = at - over
+        worst = int(late.argmax()) if late.size else 0
+        seen = max(0, math.ceil(late[worst] * 1_000_000 / CLOCK_HZ)) if late.size else 0
+        excess = ""
+        if seen > stated.lasts_us:
+            names, when = ", ".join(request.tasks), f"at {at[worst] / CLOCK_HZ:.6f} s"
+            excess = f"declared {stated.lasts_us} us, seen {seen} us after a job of {names} {when}"
+        fact = f'{stated.file}: [[request]] source = "{request.source}"'
+        found.append(FactCount(fact, request.source, stated.lasts_us, seen, excess))
+    return found

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Bounds from known phases, kinds of jobs and requests, beside the exact simulator: never below."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from verification.support.timing.random_task_sets import (
+    random_releases,
+    random_task_set,
+    with_phases,
+    with_sections,
+)
+
+from ravenbrick.schedule.demand import Source
+from ravenbrick.schedule.model import NO_OVERHEADS, CriticalSection, Task, TaskSet
+from ravenbrick.schedule.offsets import (
+    JobKind,
+    Known,
+    Request,
+    phased_response_time_bound,
+    phased_response_time_bounds,
+)
+from ravenbrick.schedule.quantity import Time
+from ravenbrick.schedule.response_time import response_time_bound, response_time_bounds
+from ravenbrick.schedule.simulation import simulate
+
+SEEDS = range(60)
+
+
+def plain_responses(task_set: TaskSet) -> Known:
+    return Known({found.task.name: found.bound for found in response_time_bounds(task_set)})
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_run_exceeds_a_bound_without_blocking_by_jobs_that_are_over(seed: int) -> None:
+    """With sections, a common release or random phases, and one task without a phase."""
+    task_set = with_phases(with_sections(random_task_set(seed), seed), seed)
+    tasks = [replace(task, phase=0) for task in task_set] if seed % 2 else list(task_set)
+    free = seed % (len(tasks) + 1)
+    if free < len(tasks):
+        tasks[free] = replace(tasks[free], phase=None, release="sporadic")
+    task_set = TaskSet(tuple(tasks))
+    bounds = {found.task.name: found.bound for found in phased_response_time_bounds(task_set)}
+    for pattern in range(4):
+        run = simulate(task_set, 400, releases=random_releases(10 * seed + pattern))
+        for name, bound in bounds.items():
+            assert bound is not None and (run.response_time_max(name) or 0) <= bound
+
+
+def test_a_less_urgent_job_that_is_over_blocks_nobody() -> None:
+    """The slow task ends before each release of the fast one but those that it shares."""
+    section = (CriticalSection("shared", 2),)
+    fast = Task("fast", 10, 2, 2, phase=0, sections=(replace(section[0], duration=1),))
+    slow = Task("slow", 20, 3, 1, phase=0, sections=section)
+    together = TaskSet((fast, slow))
+    assert [found.bound for found in phased_response_time_bounds(together)] == [2, 5]
+    late = TaskSet((fast, replace(slow, phase=9)))
+    assert [found.bound for found in phased_response_time_bounds(late)] == [4, 5]
+
+
+def alternating(seed: int) -> tuple[TaskSet, TaskSet, Known]:
+    """A link that starts interrupts, one each third cycle, in every other job, which is the shorter
+    one, and a task whose jobs make a device work after their end: the simulator's tasks, the
+    analysis', and what it knows."""
+    rng = random.Random(seed)
+    long, short, burst = rng.randint(3, 7), rng.randint(1, 3), rng.randint(4, 6)
+    low = Task("low", 40, rng.randint(1, 6), 1, phase=0)
+    middle = Task("middle", rng.choice((20, 40)), rng.randint(1, 5), 2, phase=0)
+    link = Task("link", 20, long, 3, phase=0)
+    limits = ((Fraction(1, burst), 3, 3),)
+    interrupts = Task("interrupts", 20, burst, 4, release="interrupt", limits=limits)
+    device = Task("device", 40, 1, 4, release="interrupt")
+    analysed = TaskSet((device, interrupts, link, middle, low))
+    kinds = {"link": (JobKind(long, (("interrupts", Fraction(0)),)), JobKind(short))}
+    known = replace(
+        plain_responses(analysed), requests=(Request("device", ("low",), 5),), kinds=kinds
+    )
+    end = known.responses["low"]
+    assert end is not None
+    begin = 20 + rng.randint(0, 2)
+    each = [
+        Task(f"interrupt {n}", 40, 1, 4, phase=begin + 3 * n, deadline=40) for n in range(burst)
+    ]
+    simulated = TaskSet(
+        (
+            *each,
+            Task("device", 40, 1, 4, phase=end + rng.randint(0, 5)),
+            Task("long", 40, long, 3, phase=0),
+            Task("short", 40, short, 3, phase=20),
+            middle,
+            low,
+        )
+    )
+    return simulated, analysed, known
+
+
+def compared(seed: int, without_interrupts: bool = False) -> list[tuple[Time, Time, Time]]:
+    """Longest response, bound, and bound without kinds and requests, of the two tasks below."""
+    simulated, analysed, known = alternating(seed)
+    if without_interrupts:
+        first, second = known.kinds["link"]
+        known = replace(known, kinds={"link": (first, replace(second, most=first.most))})
+    run, rows = simulate(simulated, 400), []
+    for name in ("middle", "low"):
+        task = analysed.task(name)
+        found = phased_response_time_bound(analysed, task, NO_OVERHEADS, known).bound
+        loose = response_time_bound(analysed, task).bound
+        assert found is not None and loose is not None
+        rows.append((run.response_time_max(name) or 0, found, loose))
+    return rows
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_run_exceeds_a_bound_with_kinds_of_jobs_and_requests(seed: int) -> None:
+    assert all(seen <= bound <= loose for seen, bound, loose in compared(seed))
+
+
+def test_kinds_of_jobs_and_requests_make_most_bounds_closer() -> None:
+    rows = [row for seed in SEEDS for row in compared(seed)]
+    assert sum(bound < loose for _, bound, loose in rows) > len(rows) // 2
+
+
+def test_interrupts_that_a_kind_leaves_out_show_as_a_response_above_the_bound() -> None:
+    rows = [row for seed in SEEDS for row in compared(seed, without_interrupts=True)]
+    assert any(seen > bound for seen, bound, _ in rows)
+
+
+def test_periodic_jobs_with_lateness_are_as_many_as_their_model_says() -> None:
+    """Periodic with jitter (Richter 2005): two at once, then one each period."""
+    burst = Task("burst", 1000, 100, limits=((Fraction(1, 10), 20, 20),))
+    source = Source(burst, burst.period, 0, burst.wcet, 0)
+    counts = {window: source.work(window)[0] * 10 for window in (1, 20, 21, 40, 41, 199)}
+    assert counts == {1: 2, 20: 2, 21: 3, 40: 3, 41: 4, 199: 10}

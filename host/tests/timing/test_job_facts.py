@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Facts about when jobs and interrupts come, counted in a run of the vehicle: those that are stated
+hold, and wrong ones are told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK
+from verification.support.projects import VEHICLE
+
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.image.elf import ElfImage, read_image
+from ravenbrick.project.robot import Robot, read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.workspace import Workspace
+from ravenbrick.timing.analysis import Analysis, analyse
+from ravenbrick.timing.bounds import ExecutionTimeError
+from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts, read_facts
+from ravenbrick.timing.initial_state import elaborated
+from ravenbrick.timing.observation.fact_counts import fact_counts, latest
+from ravenbrick.timing.observation.job_facts import FactCount
+from ravenbrick.timing.observation.observed import check_job_kinds
+from ravenbrick.trace.recording import Recording
+
+pytestmark = [NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK]
+
+
+@cache
+def run() -> tuple[Robot, Facts, ElfImage, Analysis, Recording]:
+    """The vehicle's analysis and a second of its drive."""
+    path = Workspace.of(VEHICLE).image("ram", "vehicle")
+    if not path.is_file():
+        pytest.skip("the vehicle is not built; 'ravenbrick build examples/vehicle' builds it")
+    robot, image = read_robot(VEHICLE), read_image(path)
+    facts = read_facts(robot).of_image(image)
+    scenario = read_scenario(scenario_path(VEHICLE, "step"), robot)
+    short = replace(scenario, duration_ms=2_000)
+    analysis = analyse(robot, image, elaborated(robot, scenario, image), facts)
+    return robot, facts, image, analysis, VirtualTarget().run(robot, short, image)
+
+
+def wrong_counts(facts: Facts, robot: Robot | None = None) -> list[FactCount]:
+    """Facts that the run contradicts."""
+    own, _, image, analysis, recording = run()
+    counts = fact_counts(robot or own, facts, image, (), recording, analysis.requests)
+    return [count for count in counts if count.excess]
+
+
+def test_a_run_contradicts_no_stated_fact_about_jobs() -> None:
+    robot, facts, _, analysis, recording = run()
+    assert facts.together and analysis.requests and analysis.kinds
+    assert wrong_counts(facts) == []
+    check_job_kinds(robot, analysis, recording)
+
+
+def test_a_release_away_from_the_common_one_is_told() -> None:
+    robot, facts, _, _, _ = run()
+    tasks = tuple(
+        replace(task, period_us=300_000) if task.name == "display_task" else task
+        for task in robot.tasks
+    )
+    (found,) = wrong_counts(facts, replace(robot, tasks=tasks))
+    assert "[[common_release]]" in found.fact and found.excess.startswith("display_task")
+
+
+def test_interrupts_after_the_job_that_requests_them_is_over_are_told() -> None:
+    facts = run()[1]
+    short = tuple(replace(request, lasts_us=100) for request in facts.requests)
+    (found,) = wrong_counts(replace(facts, requests=short))
+    assert "[[request]]" in found.fact and "after a job of display_task" in found.excess
+
+
+def test_interrupts_that_come_too_densely_are_told() -> None:
+    facts = run()[1]
+    slow = tuple(
+        replace(load, window_us=60) if load.late_us and load.window_us == 31 else load
+        for load in facts.interrupts
+    )
+    (found,) = wrong_counts(replace(facts, interrupts=slow))
+    assert "declared 1 each 60 us late by 31 us, seen late by" in found.excess
+
+
+def test_a_job_of_no_kind_is_told() -> None:
+    robot, _, _, analysis, recording = run()
+    few = ((SOURCE_NUMBERS["TWI"], 3),)
+    kinds = tuple((replace(kind, most=few), cycles) for kind, cycles in analysis.kinds)
+    with pytest.raises(ExecutionTimeError, match="of none of the kinds 'reset', 'exchange'"):
+        check_job_kinds(robot, replace(analysis, kinds=kinds), recording)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_lateness_is_the_least_with_which_no_window_has_too_many(seed: int) -> None:
+    """Compared with all windows between two instants."""
+    rng = np.random.default_rng(seed)
+    at_most, period = int(rng.integers(1, 4)), 20.0
+    at = np.sort(rng.integers(0, 500, 60))
+    late, _ = latest(at, at_most, period)
+
+    def holds(lateness: float) -> bool:
+        # A window that holds both instants is longer than their distance.
+        return all(
+            j - i + 1 <= at_most * (np.floor((at[j] - at[i] + lateness) / period) + 1)
+            for i in range(at.size)
+            for j in range(i, at.size)
+        )
+
+    assert holds(late) and (late == 0 or not holds(late - 1))
