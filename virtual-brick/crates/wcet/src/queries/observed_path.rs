@@ -34,11 +34,14 @@ pub fn observed_path(image: &Image, map: &MemoryMap, steps: &[(u32, u64)]) -> Pa
     };
     let mut before = 0;
     for (address, cycles) in steps {
-        follower.arrive(before, *address);
+        // A veneer between the states is part of its caller: what it leads to is called there.
+        if !follower.is_in_veneer(*address) {
+            follower.arrive(before, *address);
+            before = *address;
+        }
         if let Some(here) = follower.open.last_mut() {
             here.tree.add_instruction(*address, 1, *cycles);
         }
-        before = *address;
     }
     while follower.open.len() > 1 {
         follower.leave();
@@ -53,14 +56,16 @@ fn follows(next: u32, address: u32) -> bool {
 }
 
 impl Follower<'_> {
-    /// The entry of the function around an address; none for what is part of its caller, and for
-    /// code without a name, such as the end of an interrupt.
+    /// The entry of the function around an address; none for code without a name, such as the end
+    /// of an interrupt.
     fn function_at(&self, address: u32) -> Option<u32> {
-        if is_helper(self.image, address) {
-            return None;
-        }
         let (_, offset) = self.image.place(address).symbol?;
         Some(address - offset)
+    }
+
+    fn is_in_veneer(&self, address: u32) -> bool {
+        let entry = self.function_at(address);
+        entry.is_some_and(|entry| is_helper(self.image, entry))
     }
 
     fn is_thumb(&self, address: u32) -> bool {
