@@ -29,6 +29,7 @@ NOT_SERVICES = {
     "ravenbrick-clock.adb": "reads the clock again",
     "ravenbrick-delays-events.adb": "the alarm's handler",
     "ravenbrick-execution_times.adb": "reads an account",
+    "ravenbrick-supervision.adb": "ends the program",
     "ravenbrick-threads.adb": "end of tasks",
 }
 PACKAGES = {
