@@ -110,11 +110,10 @@ describe("steering by hand", () => {
     await page.selectOption('[aria-label="Sensor at port 4"]', "ultrasonic");
     await page.waitForSelector('[data-input="distance.4"]');
     await page.click("#run");
-    await page.check('[data-input="fault.twi_stuck"]');
     await page.uncheck('[data-input="sensor.1.plugged"]');
-    await page.fill('[data-input="battery.voltage"]', "6.58");
+    await page.fill('[data-input="battery.voltage"]', "7.08");
     await waitUntil(page, 2);
-    expect(await page.textContent("#battery-voltage")).toBe("6.58 V");
+    expect(await page.textContent("#battery-voltage")).toBe("7.08 V");
     await page.hover('[aria-label^="Orange"]');
     await page.mouse.down();
     expect(await page.getAttribute('[aria-label^="Orange"]', "aria-pressed")).toBe("true");
@@ -122,6 +121,10 @@ describe("steering by hand", () => {
     await page.mouse.up();
     await page.click("#reset");
     await waitForReset(page);
+    await page.click("#run");
+    await waitUntil(page, 1);
+    await page.check('[data-input="fault.twi_stuck"]');
+    await waitForEnd(page, "link to motors lost");
   });
 });
 
