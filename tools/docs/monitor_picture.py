@@ -117,35 +117,46 @@ async def look(page: str, debugger: int, share: float) -> bytes:
     return await browser.picture()
 
 
+class Programs(ExitStack):
+    """Programs that end with the block."""
+
+    def start(
+        self, command: list[str], stdout: int = subprocess.DEVNULL, stderr: int = subprocess.DEVNULL
+    ) -> subprocess.Popen[str]:
+        """A program; its output is dropped but for the pipes."""
+        process = subprocess.Popen(command, stdout=stdout, stderr=stderr, text=True)
+        self.callback(process.wait)
+        self.callback(process.terminate)
+        return process
+
+    def start_chromium(self) -> int:
+        """The port of the developer tools of a headless browser with an empty page."""
+        chromium = shutil.which("chromium")
+        if chromium is None:
+            raise SystemExit("chromium is not installed: apt install chromium")
+        profile = self.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
+        debugger = free_port()
+        options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+        places = [f"--user-data-dir={profile}", f"--remote-debugging-port={debugger}"]
+        self.start([chromium, *options, *places, "about:blank"])
+        return debugger
+
+
 def monitor_picture(project: str) -> tuple[bytes, dict[str, Any]]:
     """The picture, and what the monitor says at its end."""
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        raise SystemExit("chromium is not installed: apt install chromium")
-    air, page, debugger = free_port(), free_port(), free_port()
-    with ExitStack() as stack:
-        profile = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
-
-        def start(command: list[str], errors: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True)
-            stack.callback(process.wait)
-            stack.callback(process.terminate)
-            return process
-
+    air, page = free_port(), free_port()
+    with Programs() as programs:
+        debugger = programs.start_chromium()
         live = ["live", str(ROOT / "examples" / project), "step"]
-        live += ["--bluetooth", f"tcp:{air}", "--json"]
-        start([*RAVENBRICK, *live])
+        programs.start([*RAVENBRICK, *live, "--bluetooth", f"tcp:{air}", "--json"])
         told_to = ["--page", f"{page}", "--seconds", f"{SECONDS}", "--json"]
-        monitor = start([*RAVENBRICK, "monitor", f"tcp:{air}", *told_to], subprocess.PIPE)
+        monitor = programs.start(
+            [*RAVENBRICK, "monitor", f"tcp:{air}", *told_to],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
         assert monitor.stderr is not None
         address = page_address(monitor.stderr)
-        start(
-            [
-                *(chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"),
-                *(f"--user-data-dir={profile}", f"--window-size={WIDTH},{HEIGHT}"),
-                *(f"--remote-debugging-port={debugger}", "about:blank"),
-            ]
-        )
         picture = asyncio.run(look(address, debugger, SET_POINTS[project]))
         told, _ = monitor.communicate(timeout=SECONDS + PATIENCE_S)
     return picture, json.loads(told)

@@ -9,16 +9,13 @@ picture as PNG when the vehicle has driven for a while. Needs what `ravenbrick v
 from __future__ import annotations
 
 import asyncio
-import shutil
 import subprocess
 import sys
-import tempfile
-from contextlib import ExitStack
 from pathlib import Path
 
 from tornado.websocket import websocket_connect
 
-from tools.docs.monitor_picture import RAVENBRICK, Browser, first_page, free_port, page_address
+from tools.docs.monitor_picture import RAVENBRICK, Browser, Programs, first_page, page_address
 
 ROOT = Path(__file__).resolve().parents[2]
 WIDTH, HEIGHT = 1280, 900
@@ -57,26 +54,12 @@ async def driven(page: str, debugger: int) -> bytes:
 
 def main(file: str) -> int:
     """Write the picture."""
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        raise SystemExit("chromium is not installed: apt install chromium")
-    debugger = free_port()
-    with ExitStack() as stack:
-        profile = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
-
-        def start(command: list[str], output: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
-            process = subprocess.Popen(command, stdout=output, text=True)
-            stack.callback(process.wait)
-            stack.callback(process.terminate)
-            return process
-
+    with Programs() as programs:
+        debugger = programs.start_chromium()
         view = ["view", str(ROOT / "examples" / "paper"), "drive", "--no-browser", "--port", "0"]
-        server = start([*RAVENBRICK, *view], subprocess.PIPE)
+        server = programs.start([*RAVENBRICK, *view], stdout=subprocess.PIPE)
         assert server.stdout is not None
         page = page_address(server.stdout)
-        options = ("--no-sandbox", "--disable-gpu", "--hide-scrollbars", "about:blank")
-        places = (f"--user-data-dir={profile}", f"--remote-debugging-port={debugger}")
-        start([chromium, "--headless=new", *places, *options])
         Path(file).write_bytes(asyncio.run(driven(page, debugger)))
     return 0
 

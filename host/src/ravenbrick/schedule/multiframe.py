@@ -82,15 +82,19 @@ def multiframe_utilization_bound(ratio: float, count: int) -> float:
     return float(ratio * count * math.expm1(math.log1p(1 / ratio) / count))
 
 
+def _rows(task: Task, length: int) -> Iterator[list[Frame]]:
+    """The frames of this many jobs in a row, from each first frame."""
+    for first in range(len(task.frames)):
+        yield [task.frame(first + k) for k in range(length)]
+
+
 def least_span(task: Task, jobs: int) -> Time:
     """Least time from an arrival to the one `jobs` later."""
     if not task.frames:
         return jobs * task.period
     whole, rest = divmod(jobs, len(task.frames))
-    spans = []
-    for first in range(len(task.frames)):
-        spans.append(sum(task.frame(first + k).separation for k in range(rest)))
-    return exact(whole * task.cycle + min(spans))
+    shortest = min(sum(frame.separation for frame in row) for row in _rows(task, rest))
+    return exact(whole * task.cycle + shortest)
 
 
 def most_execution(task: Task, jobs: int) -> Time:
@@ -98,7 +102,5 @@ def most_execution(task: Task, jobs: int) -> Time:
     if not task.frames:
         return jobs * task.wcet
     whole, rest = divmod(jobs, len(task.frames))
-    sums = []
-    for first in range(len(task.frames)):
-        sums.append(sum(task.frame(first + k).wcet for k in range(rest)))
-    return exact(whole * sum(frame.wcet for frame in task.frames) + max(sums))
+    longest = max(sum(frame.wcet for frame in row) for row in _rows(task, rest))
+    return exact(whole * sum(frame.wcet for frame in task.frames) + longest)

@@ -63,8 +63,8 @@ def _edge_bound(analysis: Analysis, chain: Chain, sample: int | None) -> int | N
 
 
 def _jobs(recording: Recording, task: str) -> list[Job]:
-    names = [thread.name.lower() for thread in recording.threads]
-    return [j for j in jobs_of(recording, names.index(task.lower()))[1:] if j.completion_cycles]
+    jobs = jobs_of(recording, recording.thread_index(task))[1:]
+    return [job for job in jobs if job.completion_cycles]
 
 
 def _observed(recording: Recording, chain: Chain) -> list[tuple[int, int, int]]:

@@ -132,6 +132,10 @@ class Recording:
     transfers: Mapping[str, NDArray[np.int64]] | None = None
     profiles: tuple[bytes, ...] = ()
 
+    def thread_index(self, name: str) -> int:
+        """Place of the thread with this name in whatever letter case; raises `ValueError`."""
+        return [thread.name.lower() for thread in self.threads].index(name.lower())
+
     def of_kind(self, *kinds: EventKind) -> NDArray[np.void]:
         """The events of these kinds, in order."""
         return self.events[np.isin(self.events["kind"], [int(kind) for kind in kinds])]

@@ -47,7 +47,7 @@ def check_release(robot: Robot, recording: Recording, name: str) -> None:
     task = robot.tasks[index]
     if task.release != "cyclic" or task.period_us is None:
         return
-    thread = [one.name.lower() for one in recording.threads].index(name.lower())
+    thread = recording.thread_index(name)
     period = _observed_period_us(recording, thread)
     if period is not None and abs(period - task.period_us) > PERIOD_TOLERANCE_US:
         raise _differs(robot, index, "period_us", task.period_us, round(period, 3))
@@ -74,7 +74,7 @@ def check_shortest_interval(
     instant before the last release does not wait, so it is none.
     """
     index = [task.name for task in robot.tasks].index(name)
-    thread = [one.name.lower() for one in recording.threads].index(name.lower())
+    thread = recording.thread_index(name)
     period_us = robot.tasks[index].period_us
     releases = np.array([job.release_cycles for job in jobs_of(recording, thread)], np.int64)
     releases = releases[releases == np.maximum.accumulate(releases)]

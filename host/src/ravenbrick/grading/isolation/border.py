@@ -8,7 +8,7 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -50,25 +50,25 @@ class IsolationError(ToolMissingError):
 class Bounds:
     """Limits of one call: processor time and memory of each process, files, number of processes.
 
-    All memory is at most `processes` times `memory_mb`, and `scratch_mb` of files.
+    All memory is at most `processes` times `memory_mb`, and `scratch_mb` of files. Without a limit
+    of processes, those of the user are not counted.
     """
 
     seconds: int
     memory_mb: int
     file_mb: int
-    processes: int = 24
+    processes: int | None = 24
     scratch_mb: int = 256
 
     def command(self) -> list[str]:
         """The program that sets the limits and then becomes the command behind it."""
-        return [
-            "prlimit",
+        limits = [
             f"--cpu={self.seconds}:{self.seconds + 5}",
             f"--as={self.memory_mb * MEGABYTE}",
             f"--fsize={self.file_mb * MEGABYTE}",
             "--core=0",
-            f"--nproc={self.processes}",
         ]
+        return ["prlimit", *limits, *([f"--nproc={self.processes}"] if self.processes else [])]
 
 
 class Isolation(ABC):
@@ -110,7 +110,7 @@ class Trust(Isolation):
         readable: Sequence[Path],
         hidden: Sequence[Path],
     ) -> Iterator[tuple[list[str], Path]]:
-        limits = [word for word in bounds.command() if not word.startswith("--nproc")]
+        limits = replace(bounds, processes=None).command()
         with TemporaryDirectory(prefix="ravenbrick-grade-") as folder:
             yield ["env", "-C", folder, *limits, *command], Path(folder)
 

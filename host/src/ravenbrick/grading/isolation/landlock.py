@@ -14,6 +14,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -63,7 +64,10 @@ class Landlock(Isolation):
             words = [sys.executable, "-I", "-S", str(CONFINEMENT), str(filter_file()), str(folder)]
             words += [str(path) for path in sorted(paths) if path.exists()]
             words += ["--list", *sorted({str(path.parent) for path in paths if _is_package(path)})]
-            yield [*words, "--", *_limits(bounds), *other_user(_reading()), *command], folder
+            yield (
+                [*words, "--", *_on_top(bounds).command(), *other_user(_reading()), *command],
+                folder,
+            )
 
     def overflows(self, session: int, folder: Path, bounds: Bounds) -> bool:
         """Counts also the files that were deleted and are still open."""
@@ -72,15 +76,11 @@ class Landlock(Isolation):
         return used * BLOCK > bounds.scratch_mb * MEGABYTE
 
 
-def _limits(bounds: Bounds) -> list[str]:
+def _on_top(bounds: Bounds) -> Bounds:
     """For an ordinary user, all of whose processes count, the limit is on top of these."""
-    if os.geteuid() == 0:
-        return bounds.command()
-    now = sum(1 for _ in _processes(None))
-    option = f"--nproc={bounds.processes}"
-    return [
-        f"--nproc={now + bounds.processes}" if word == option else word for word in bounds.command()
-    ]
+    if os.geteuid() == 0 or bounds.processes is None:
+        return bounds
+    return replace(bounds, processes=bounds.processes + sum(1 for _ in _processes(None)))
 
 
 def _reading() -> str:

@@ -205,9 +205,8 @@ def _after_releases(
     run: _Run, load: InterruptLoad, fact: str, at: Cycles, recording: Recording
 ) -> FactCount:
     """Windows from the releases of one task on, as far as its jobs last."""
-    names = [thread.name.lower() for thread in recording.threads]
     window = MASTER_CLOCK.cycles_of_us(load.window_us)
-    thread, most, excess = names.index(str(load.task).lower()), 0, ""
+    thread, most, excess = recording.thread_index(str(load.task)), 0, ""
     for number, job in enumerate(jobs_of(recording, thread), 1):
         if number == 1 or job.completion_cycles is None or job.release_cycles < run.since:
             continue
@@ -228,10 +227,9 @@ def _suspensions(run: _Run, facts: Facts, recording: Recording) -> list[FactCoun
     a delay, any other one by something else.
     """
     found = []
-    names = [thread.name.lower() for thread in recording.threads]
     states = recording.of_kind(EventKind.THREAD_STATE)
     for fact in facts.suspensions:
-        thread = names.index(fact.task.lower())
+        thread = recording.thread_index(fact.task)
         mine = states[states["subject"] == thread]
         state = dict(zip(mine["at_cycles"].tolist(), mine["value"].tolist(), strict=True))
         waited, longest, where = 0, 0, ""

@@ -41,13 +41,9 @@ class FactCount:
         return {**vars(self), "holds": not self.excess}
 
 
-def _thread(recording: Recording, task: str) -> int:
-    return [thread.name.lower() for thread in recording.threads].index(task.lower())
-
-
 def _releases(recording: Recording, task: str) -> Cycles:
     """Nominal releases of a cyclic task, without the one of its start."""
-    jobs = jobs_of(recording, _thread(recording, task))
+    jobs = jobs_of(recording, recording.thread_index(task))
     return np.array([job.release_cycles for job in jobs[1:]], np.int64)
 
 
@@ -58,8 +54,8 @@ def together_counts(robot: Robot, facts: Facts, recording: Recording) -> list[Fa
     common = max((int(at[0]) for at in releases.values() if at.size), default=0)
     found = []
     for name, at in releases.items():
-        task = robot.task(name) or next(t for t in robot.tasks if t.name.lower() == name)
-        period = float(MASTER_CLOCK.hertz * (task.period_us or 0) / 1_000_000)
+        task = robot.task(name)
+        period = float(MASTER_CLOCK.hertz * ((task and task.period_us) or 0) / 1_000_000)
         later = at[at >= common]
         periods = (later - common) / period
         away = np.ceil(np.abs(periods - np.round(periods)) * period)
@@ -90,7 +86,7 @@ def request_counts(
         jobs = [
             (job.release_cycles, recording.stop.at_cycles + 1 if end is None else end)
             for task in request.tasks
-            for job in jobs_of(recording, _thread(recording, task))
+            for job in jobs_of(recording, recording.thread_index(task))
             for end in [job.completion_cycles]
         ]
         begins, ends = np.array(sorted(jobs), np.int64).reshape(-1, 2).T

@@ -74,8 +74,7 @@ def _begin_cycles(robot: Robot, recording: Recording, task: str) -> int:
 
 def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np.bool_]:
     """Which completed jobs are released from an instant on, the first job left out."""
-    names = [thread.name.lower() for thread in recording.threads]
-    jobs = jobs_of(recording, names.index(task.lower()))
+    jobs = jobs_of(recording, recording.thread_index(task))
     done = [job for job in jobs if job.completion_cycles is not None]
     releases = np.array([job.release_cycles for job in done], np.int64)
     return (releases >= since_cycles) & (np.arange(releases.size) > 0)
@@ -83,7 +82,7 @@ def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np
 
 def _completed(recording: Recording, task: str) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
     """Thread of a task, releases and completions of its completed jobs."""
-    thread = [thread.name for thread in recording.threads].index(task)
+    thread = recording.thread_index(task)
     done = [
         (job.release_cycles, job.completion_cycles)
         for job in jobs_of(recording, thread)
@@ -148,10 +147,9 @@ def longest_jobs(
 ) -> dict[str, LongestJob]:
     """The job of each task whose `execution_cycles` are `observe`'s, by the task's name."""
     since = cyclic_begin_cycles(robot, recording)
-    names = [thread.name for thread in recording.threads]
     result = {}
     for found in task_dynamics(robot, recording):
-        task, thread = robot.task(found.name), names.index(found.name)
+        task, thread = robot.task(found.name), recording.thread_index(found.name)
         chosen = np.flatnonzero(_operating(recording, found.name, since))
         if task is None or not chosen.size:
             continue
@@ -166,9 +164,8 @@ def longest_jobs(
 
 def worst_job(robot: Robot, recording: Recording, task: str) -> Job | None:
     """The job with the longest response time after the start of all tasks."""
-    names = [thread.name.lower() for thread in recording.threads]
     since = _begin_cycles(robot, recording, task)
-    jobs = jobs_of(recording, names.index(task.lower()))[1:]
+    jobs = jobs_of(recording, recording.thread_index(task))[1:]
     done = [
         job for job in jobs if job.response_time_cycles is not None and job.release_cycles >= since
     ]
