@@ -146,10 +146,10 @@ def longest_jobs(
     robot: Robot, recording: Recording, transfer_cycles: int = 1
 ) -> dict[str, LongestJob]:
     """The job of each task whose `execution_cycles` are `observe`'s, by the task's name."""
-    since = cyclic_begin_cycles(robot, recording)
     result = {}
     for found in task_dynamics(robot, recording):
         task, thread = robot.task(found.name), recording.thread_index(found.name)
+        since = _begin_cycles(robot, recording, found.name)
         chosen = np.flatnonzero(_operating(recording, found.name, since))
         if task is None or not chosen.size:
             continue
