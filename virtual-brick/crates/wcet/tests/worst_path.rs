@@ -111,6 +111,40 @@ fn a_function_with_one_path_executes_each_line_as_often_as_its_worst_path_says()
     }
 }
 
+/// A function with its calls, then those that it calls, deeper ones with their depth.
+fn called(function: &PathReport, depth: usize, found: &mut Vec<(usize, String, u64)>) {
+    found.push((depth, function.symbol.clone(), function.calls));
+    for call in function.lines.iter().flat_map(|line| &line.calls) {
+        called(call, depth + 1, found);
+    }
+}
+
+#[test]
+fn what_a_veneer_leads_to_is_called_by_the_function_before_it() {
+    for level in ["-O0", "-O1", "-O2", "-Os"] {
+        let Some(elf) = build("interworking", &[program("interworking.c")], &[level]) else {
+            return;
+        };
+        for symbol in ["arm_to_thumb", "thumb_to_arm"] {
+            let steps = Machine::new(&elf).steps_of(symbol, [0; 4]);
+            let request = Request {
+                runs: vec![steps],
+                ..Request::default()
+            };
+            let answered = request.answer(&elf, &MemoryMap::without_wait_states());
+            let mut found = Vec::new();
+            called(&answered.unwrap().runs[0], 0, &mut found);
+            let other = if symbol == "arm_to_thumb" {
+                "thumb_weigh"
+            } else {
+                "arm_weigh"
+            };
+            let expected = [(0, symbol.to_owned(), 1), (1, other.to_owned(), 5)];
+            assert_eq!(found, expected, "{level} {symbol}");
+        }
+    }
+}
+
 /// Symbol, calls, and line with executions of each function, from the outermost on.
 fn executions(function: &PathReport) -> Vec<String> {
     let mut found = vec![format!("{} {}", function.symbol, function.calls)];
