@@ -29,7 +29,7 @@ write_pages(HERE / "reference" / "generated", HERE / "pictures" / "generated")
 
 project = "Ravenbrick"
 copyright = "2026 Ravenbrick contributors"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "tools.docs.site.directive"]
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build"]
 html_theme = "furo"

@@ -12,6 +12,7 @@ from markdown_it import MarkdownIt
 from weasyprint import HTML
 
 from tools.docs.lessons import find
+from tools.docs.site.bricks import printed
 
 STYLE = """
 @page { size: A4; margin: 22mm 20mm; @bottom-center { content: counter(page); font-size: 9pt } }
@@ -29,7 +30,7 @@ table { border-collapse: collapse } td, th { border: 0.4pt solid #999; padding: 
 def sheets_html() -> str:
     """All sheets in order; links between pages become text."""
     markdown = MarkdownIt("commonmark").enable("table")
-    body = "\n".join(markdown.render(sheet.read_text("utf-8")) for sheet in find([]))
+    body = "\n".join(markdown.render(printed(sheet.read_text("utf-8"))) for sheet in find([]))
     body = re.sub(r'<a href="(?!https?:)[^"]*">(.*?)</a>', r"\1", body)
     return f'<html lang="en"><head><title>Lab sheets</title><style>{STYLE}</style></head>{body}'
 

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The bricks that pages of the documentation ask for: project, scenario and the steps before."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ravenbrick.project.templates import TEMPLATES
+from tools.docs.lessons import FENCE, ROOT, steps
+
+__all__ = ["PAGE_FOLDER", "SHOWN_FOLDER", "Shown", "open_locally", "printed", "shown_in"]
+
+# In the site; the page looks for its bricks in the folder beside its own.
+PAGE_FOLDER = "_static/brick"
+SHOWN_FOLDER = "_static/bricks"
+EXAMPLES = ROOT / "examples"
+NEW = re.compile(r"ravenbrick new (\S+) --template (\S+)$")
+# Commands of a sheet that make or change files; the others build, run or judge.
+KEPT = re.compile(r"(ravenbrick new|sed|cp|mv|rm|mkdir|python3 \S+\.py)\b")
+DIRECTIVE = re.compile(r"^```\{brick\} (\S+) (\S+)\n((?:(?!```).*\n)*)```$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A brick of the site; `steps` are those of a sheet that lead to it, "" for an example."""
+
+    name: str
+    project: str
+    scenario: str
+    example: str
+    template: str | None
+    steps: str = ""
+
+
+def _template_of(example: str) -> str | None:
+    return next((key for key, known in TEMPLATES.items() if known.example == example), None)
+
+
+def _changing_steps(text: str) -> str:
+    """A sheet's text with only those commands that make or change files."""
+
+    def kept(match: re.Match[str]) -> str:
+        language, word, _value, content = match.groups()
+        if language == "console":
+            lines = [line for line in content.splitlines() if KEPT.match(line)]
+            return "\n".join(["```console", *lines, "```"]) if lines else ""
+        return "" if word == "seen" else match.group(0)
+
+    return FENCE.sub(kept, text)
+
+
+def _changes(text: str, project: str) -> bool:
+    for step in steps(text):
+        if step.kind == "console":
+            if any(not NEW.match(line) for line in step.content.splitlines()):
+                return True
+        elif step.argument.startswith(f"{project}/"):
+            return True
+    return False
+
+
+def _checked(shown: Shown) -> Shown:
+    folder = EXAMPLES / shown.example
+    if not (folder / "robot.toml").is_file():
+        raise ValueError(
+            f"there is no example '{shown.example}', and no step above with "
+            f"'ravenbrick new {shown.project}'"
+        )
+    scenario = folder / "scenarios" / f"{shown.scenario}.toml"
+    if not scenario.is_file() and f"/scenarios/{shown.scenario}.toml" not in shown.steps:
+        raise ValueError(f"'{shown.project}' has no scenario '{shown.scenario}'")
+    return shown
+
+
+def shown_in(file: str, line: int, project: str, scenario: str) -> Shown:
+    """The brick of a directive; raises `ValueError` where there is no such project or scenario."""
+    above = "\n".join(Path(file).read_text("utf-8").splitlines()[: line - 1]) + "\n"
+    made = {}
+    for step in steps(above):
+        for command in step.content.splitlines() if step.kind == "console" else ():
+            if match := NEW.match(command):
+                made[match.group(1)] = match.group(2)
+    if project not in made:
+        name = f"{project.replace('/', '-')}-{scenario}"
+        return _checked(Shown(name, project, scenario, project, _template_of(project)))
+    template = made[project]
+    example = TEMPLATES[template].example
+    changing = _changing_steps(above)
+    if not _changes(changing, project):
+        return _checked(Shown(f"{example}-{scenario}", project, scenario, example, template))
+    name = f"{project}-{scenario}"
+    return _checked(Shown(name, project, scenario, example, template, changing))
+
+
+def open_locally(shown: Shown) -> list[str]:
+    """The commands that continue outside the browser."""
+    if shown.template is None:
+        return [f"ravenbrick view examples/{shown.project} {shown.scenario}"]
+    made = f"ravenbrick new {shown.project} --template {shown.template}"
+    return [made, f"ravenbrick view {shown.project} {shown.scenario}"]
+
+
+def printed(text: str) -> str:
+    """A page's text for paper: each brick becomes its caption and the commands that show it."""
+
+    def line(match: re.Match[str]) -> str:
+        project, scenario, content = match.groups()
+        caption = " ".join(part for part in content.splitlines() if not part.startswith(":"))
+        return (
+            f"{caption} *(On the site it runs here; or: `ravenbrick view {project} {scenario}`.)*"
+        )
+
+    return DIRECTIVE.sub(line, text)

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The Sphinx directive `brick`: a running brick in a page of the site.
+
+    ```{brick} lab06 share
+    Three tasks share a resource.
+    ```
+
+The first word is a folder of examples/, or the project that the steps above the directive create; the
+second one its scenario. The caption is shown below. `:folded:` shows the brick on request only.
+"""
+
+from __future__ import annotations
+
+import html
+from pathlib import PurePosixPath
+from typing import Any
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.util.docutils import SphinxDirective
+
+from tools.docs.site.bricks import PAGE_FOLDER, Shown, shown_in
+
+__all__ = ["setup"]
+
+FRAME = """<figure class="brick">
+<iframe src="{embedded}" title="{title}" loading="lazy" allow="clipboard-write"></iframe>
+<figcaption>{caption}<a href="{page}">Open the full page</a></figcaption>
+</figure>"""
+FOLDED = '<details class="brick"><summary>Run it here: {title}</summary>{frame}</details>'
+
+
+def _frame(shown: Shown, page: str, caption: str, options: str = "") -> str:
+    title = html.escape(f"Virtual brick: {shown.project}, scenario {shown.scenario}")
+    address = f"{page}?brick={shown.name}"
+    return FRAME.format(
+        embedded=html.escape(f"{address}&embed{options}"),
+        page=html.escape(address),
+        title=title,
+        caption=f"{html.escape(caption)} " if caption else "",
+    )
+
+
+class BrickDirective(SphinxDirective):
+    """A frame with the page of `ravenbrick view`, small, for one project and scenario."""
+
+    required_arguments = 2
+    option_spec = {"folded": directives.flag, "run": directives.flag}  # noqa: RUF012
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        """The frame; an unknown project or scenario is an error at this line."""
+        project, scenario = self.arguments
+        source, line = self.get_source_info()
+        try:
+            shown = shown_in(source, line, project, scenario)
+        except ValueError as error:
+            raise self.error(str(error)) from None
+        up = "../" * len(PurePosixPath(self.env.docname).parent.parts)
+        run = "&run" if "run" in self.options else ""
+        frame = _frame(shown, f"{up}{PAGE_FOLDER}/index.html", " ".join(self.content), run)
+        if "folded" in self.options:
+            title = html.escape(f"{shown.project}, {shown.scenario}")
+            frame = FOLDED.format(title=title, frame=frame)
+        return [nodes.raw("", frame, format="html")]
+
+
+def setup(app: Any) -> dict[str, bool]:
+    """Called by Sphinx."""
+    app.add_directive("brick", BrickDirective)
+    return {"parallel_read_safe": True}
