@@ -106,6 +106,13 @@ docs: setup ## Build the documentation site and the lab sheets as PDF in docs/_b
 	@$(PYTHON) -m tools.docs.sheets_pdf docs/_build/lab-sheets.pdf
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
 
+.PHONY: teaching
+teaching: docs ## Build the lecturer's site, with slides, in docs/_build/teaching
+	@$(PYTHON) -m sphinx -q -W --keep-going -t teaching -b html docs docs/_build/teaching
+	@$(PYTHON) -m tools.docs.slides docs/_build/teaching/slides
+	@$(PYTHON) -m tools.docs.site_links docs/_build/teaching
+	@echo "docs/_build/teaching/index.html"
+
 .PHONY: dist
 dist: complete ## Build one wheel that works without this tree: build/dist/ravenbrick-….whl
 	@$(PYTHON) -m tools.dist

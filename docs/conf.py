@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The documentation site: `make docs`. Pages below reference/generated/ are written here."""
+"""The documentation site: `make docs`. Pages below reference/generated/ are written here.
+
+With the tag `teaching` it is the lecturer's, which `make teaching` builds.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +17,13 @@ from sphinx.util import logging
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
+from tools.docs.figures import write_figures  # noqa: E402
+from tools.docs.lessons import captioned  # noqa: E402
 from tools.docs.notebook import notebook_page  # noqa: E402
 from tools.docs.reference_pages import write_pages  # noqa: E402
 
 write_pages(HERE / "reference" / "generated", HERE / "pictures" / "generated")
+write_figures()
 (HERE / "guides" / "paper-design.md").write_text(
     notebook_page(
         HERE / "notebooks" / "paper-design.ipynb",
@@ -29,12 +35,14 @@ write_pages(HERE / "reference" / "generated", HERE / "pictures" / "generated")
 
 project = "Ravenbrick"
 copyright = "2026 Ravenbrick contributors"
-extensions = ["myst_parser", "tools.docs.site.directive"]
+extensions = ["myst_parser", "tools.docs.formulas", "tools.docs.site.directive"]
 source_suffix = {".md": "markdown"}
-exclude_patterns = ["_build"]
+FOR_LECTURERS = tags.has("teaching")  # noqa: F821 (Sphinx defines it)
+exclude_patterns = ["_build"] if FOR_LECTURERS else ["_build", "teaching"]
 html_theme = "furo"
-html_title = "Ravenbrick"
-myst_enable_extensions = ["colon_fence"]
+html_title = "Ravenbrick for lecturers" if FOR_LECTURERS else "Ravenbrick"
+html_math_renderer = "drawn"
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 highlight_language = "none"
 nitpicky = True
@@ -57,6 +65,20 @@ def name_files_of_the_tree(app: Any, docname: str, source: list[str]) -> None:
     source[0] = OUTWARDS.sub(named, source[0])
 
 
+def show_lessons(app: Any, docname: str, source: list[str]) -> None:
+    """File names above the fences of sheets; for lecturers also their pages and slides."""
+    folder, _, name = docname.rpartition("/")
+    if folder in ("lessons", "teaching"):
+        source[0] = captioned(source[0], "```{code-block} {language}\n:caption: {file}")
+    if folder == "teaching":
+        link = f'## Slides\n\n<p><a href="../slides/{name}.html">Slides to show and print</a></p>\n'
+        source[0] = source[0].replace("## Slides\n", link)
+    if docname == "index" and FOR_LECTURERS:
+        source[0] += "\n```{toctree}\n:maxdepth: 1\n:caption: For the lecturer\n:glob:\n"
+        source[0] += "teaching/*\n```\n"
+
+
 def setup(app: Any) -> None:
     """Called by Sphinx."""
     app.connect("source-read", name_files_of_the_tree)
+    app.connect("source-read", show_lessons)

@@ -4,8 +4,9 @@
 
 In a sheet, a fence `console` holds commands, one a line, which are run in a folder of the sheet's
 own; `console exit=8` expects the last one to end with 8. `LANGUAGE file=PATH` writes its content to
-the file. `text seen` after commands quotes lines that their output must contain, blanks apart.
-Afterwards the sheet's part of solutions.md is executed in the same folder.
+the file; `edit file=PATH` replaces lines of it, written as in a diff. `text seen` after commands
+quotes lines that their output must contain, blanks apart. Afterwards the part "Solution" of the
+lecturer's page of the same name is executed in the same folder.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 SHEETS = ROOT / "docs" / "lessons"
-SOLUTIONS = SHEETS / "solutions.md"
+TEACHING = ROOT / "docs" / "teaching"
 FENCE = re.compile(r"^```(\w+)(?: (\w+)(?:=(\S+))?)?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -32,7 +33,7 @@ class SheetError(Exception):
 
 @dataclass(frozen=True)
 class Step:
-    """A fence with what it asks for: `console`, `file` or `seen`."""
+    """A fence with what it asks for: `console`, `file`, `edit` or `seen`."""
 
     line: int
     kind: str
@@ -48,9 +49,40 @@ def steps(text: str) -> Iterator[Step]:
         if language == "console":
             yield Step(line, "console", value or "0", content)
         elif word == "file":
-            yield Step(line, "file", value, content)
+            yield Step(line, "edit" if language == "edit" else "file", value, content)
         elif (language, word) == ("text", "seen"):
             yield Step(line, "seen", "", content)
+
+
+def edited(text: str, change: str) -> str:
+    """The text after a fence `edit`: lines with `-` go, with `+` come, others are context.
+
+    Places are separated by a line `...`. Raises `SheetError` for old lines that are not there
+    exactly once.
+    """
+    for place in re.split(r"^\.\.\.\n", change, flags=re.MULTILINE):
+        rows = [(line[:1] or " ", line[1:] + "\n") for line in place.splitlines()]
+        old = "".join(line for sign, line in rows if sign != "+")
+        new = "".join(line for sign, line in rows if sign != "-")
+        count = len(re.findall(rf"^{re.escape(old)}", text, re.MULTILINE)) if old else 0
+        if count != 1:
+            raise SheetError(f"these lines are there {count} times, not once:\n{old}")
+        begin = ("\n" + text).index("\n" + old)
+        text = text[:begin] + new + text[begin + len(old) :]
+    return text
+
+
+def captioned(text: str, caption: str) -> str:
+    """A sheet as it is read: fences that write or change a file say which.
+
+    `caption` is how a fence with a caption begins; {language} and {file} stand for themselves.
+    """
+
+    def opening(match: re.Match[str]) -> str:
+        language = match[1].replace("edit", "diff")
+        return caption.replace("{language}", language).replace("{file}", match[2])
+
+    return re.sub(r"^```(\w+) file=(\S+)$", opening, text, flags=re.MULTILINE)
 
 
 def _plain(text: str) -> str:
@@ -87,13 +119,24 @@ def run_sheet(sheet: Path, folder: Path) -> str:
     return run_text(sheet.read_text("utf-8"), sheet.name, folder)
 
 
+def part(text: str, heading: str) -> str:
+    """The part of a page below a heading of the second level, the lines before it left empty."""
+    found = re.search(rf"^## {re.escape(heading)}\n.*?(?=^## |\Z)", text, re.M | re.S)
+    return "" if found is None else "\n" * text.count("\n", 0, found.start()) + found.group(0)
+
+
+def teaching_page(sheet: Path) -> Path:
+    """The lecturer's page of a sheet."""
+    return TEACHING / sheet.name
+
+
 def solution_of(sheet: Path) -> str:
-    """The sheet's part of solutions.md, with the lines before it left empty."""
-    text = SOLUTIONS.read_text("utf-8")
-    found = re.search(rf"^## {int(sheet.name[:2])}\. .*?(?=^## |\Z)", text, re.M | re.S)
-    if found is None:
-        raise SheetError(f"{SOLUTIONS.name} has no part for {sheet.name}")
-    return "\n" * text.count("\n", 0, found.start()) + found.group(0)
+    """The steps of the lecturer's page that solve the sheet. Raises `SheetError`."""
+    page = teaching_page(sheet)
+    solution = part(page.read_text("utf-8"), "Solution") if page.is_file() else ""
+    if not solution:
+        raise SheetError(f"{page.relative_to(ROOT)} has no part 'Solution'")
+    return solution
 
 
 def rubrics_of(sheet: Path) -> list[Path]:
@@ -103,7 +146,7 @@ def rubrics_of(sheet: Path) -> list[Path]:
 
 def run_solution(sheet: Path, folder: Path) -> str:
     """Execute the solution where the sheet was executed before. Raises `SheetError`."""
-    return run_text(solution_of(sheet), SOLUTIONS.name, folder)
+    return run_text(solution_of(sheet), f"teaching/{sheet.name}", folder)
 
 
 def run_text(text: str, name: str, folder: Path) -> str:
@@ -115,6 +158,10 @@ def run_text(text: str, name: str, folder: Path) -> str:
                 path = folder / step.argument
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(step.content, encoding="utf-8")
+            elif step.kind == "edit":
+                path = folder / step.argument
+                text_now = path.read_text("utf-8") if path.is_file() else ""
+                path.write_text(edited(text_now, step.content), encoding="utf-8")
             elif step.kind == "console":
                 output = _execute(step, folder)
                 transcript += output

@@ -39,7 +39,7 @@ COUNT, SLICE, WORKERS = 300, 20, 2
 HOSTILE_EVERY = 10
 MEASURED = 40
 HOSTILE = [attack for pair in zip(FILES, COMPILER, strict=False) for attack in pair]
-PLACE = Place(Path("/etc/passwd"), RUBRIC, ROOT / "docs" / "lessons" / "solutions.md")
+PLACE = Place(Path("/etc/passwd"), RUBRIC, ROOT / "docs" / "teaching" / "01-tasks.md")
 NO_DASK = "the package distributed is not installed: pip install -r tools/requirements/cluster.txt"
 
 

@@ -39,12 +39,12 @@ from verification.support.paths import ROOT
 from verification.support.submissions import RUBRIC, write_submission
 
 PAGE = ROOT / "docs" / "reference" / "hostile-submissions.md"
-SOLUTIONS = ROOT / "docs" / "lessons" / "solutions.md"
+SOLUTIONS = ROOT / "docs" / "teaching" / "01-tasks.md"
 WORKERS = 2
 SECONDS = 10
 SAID_LENGTH = 110
 # Sentences that stand only in files of the lecturer.
-PRIVATE = (SECRET, "root:x:0", "Solutions, for the lecturer", "settles as designed")
+PRIVATE = (SECRET, "root:x:0", ": for the lecturer", "settles as designed")
 LIMITS = f"\n[limits]\ndesign_seconds = {SECONDS}\nbuild_seconds = {SECONDS}\n" \
     "run_seconds = 60\nmemory_mb = 1024\nfile_mb = 64\n"  # fmt: skip
 ANSWER = '\n[[checks]]\nname = "an answer"\npoints = 1\nanswer = "presses between 1 and 3"\n'

@@ -12,12 +12,12 @@ from verification.support.paths import ROOT
 
 BLANK = ROOT / "examples" / "blank"
 RUBRIC = ROOT / "docs" / "lessons" / "rubrics" / "lab-01.toml"
-SOLUTIONS = ROOT / "docs" / "lessons" / "solutions.md"
+SOLUTION = ROOT / "docs" / "teaching" / "01-tasks.md"
 
 
 def _solved(sources: dict[str, str]) -> dict[str, str]:
-    """The first lab's solution: the template with the changes of the solutions' page."""
-    text = SOLUTIONS.read_text()
+    """The first lab's solution: the template with the changes of the lecturer's page."""
+    text = SOLUTION.read_text()
     changes = re.search(r"^for old, new in (\(\n.*?^\)):$", text, re.MULTILINE | re.DOTALL)
     assert changes is not None
     tasks = sources["tasks.adb"]

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Figures of the lab sheets: each public function of `sheet_NN.py` gives an SVG.
+
+`write_figures` writes them, and skips a sheet whose module and inputs are as they were. Curves
+come from the design code, from the schedule's analysis and from runs on the virtual brick.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import inspect
+import io
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.report.chart import COLOURS, SERIES
+from ravenbrick.report.plots.style import legend, new_figure
+from ravenbrick.trace.recording import Recording
+
+__all__ = ["COLOURS", "SERIES", "legend", "new_figure", "picture", "project", "run"]
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
+PICTURES = ROOT / "docs" / "pictures" / "generated"
+# Of every figure: the package, the programs, the emulator, and this module.
+COMMON: tuple[str, ...] = ("host/src/ravenbrick", "catalogue", "runtime", "drivers/src", "examples")
+COMMON += ("virtual-brick/bindings/python", "tools/docs/figures/__init__.py")
+READ = {".py", ".ads", ".adb", ".S", ".gpr", ".toml", ".json", ".so", ".h", ".c", ".png"}
+Edits = Mapping[str, str | Sequence[tuple[str, str]]]
+
+
+def picture(figure: Any) -> str:
+    """A figure of matplotlib as SVG with a white ground, the same text each time."""
+    import matplotlib
+
+    buffer = io.StringIO()
+    with matplotlib.rc_context({"svg.hashsalt": "ravenbrick"}):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return buffer.getvalue()
+
+
+def _files(place: Path) -> Iterator[Path]:
+    if place.is_file():
+        yield place
+    for path in sorted(place.rglob("*")):
+        if path.suffix in READ and path.is_file() and not {"build", "out"} & set(path.parts):
+            yield path
+
+
+@cache
+def _common() -> str:
+    digest = hashlib.sha256()
+    for place in COMMON:
+        for file in _files(ROOT / place):
+            digest.update(str(file.relative_to(ROOT)).encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+def _key(*parts: object) -> str:
+    return hashlib.sha256(repr((_common(), *parts)).encode()).hexdigest()
+
+
+def _call(*command: str, folder: Path, ends: tuple[int, ...] = (0,)) -> str:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("MAKE")}
+    environment |= {"PATH": path, "RAVENBRICK_HOME": str(ROOT)}
+    done = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    if done.returncode not in ends:
+        said = (done.stdout + done.stderr)[-2000:]
+        raise RuntimeError(f"'{' '.join(command)}' ended with {done.returncode}:\n{said}")
+    return done.stdout
+
+
+def project(template: str, edits: Edits | None = None) -> Path:
+    """A project of `ravenbrick new` with changed files, designed and built.
+
+    `edits`: for a file below the project its new text, or pairs of a text and its replacement.
+    Raises `ValueError` when a text is not in the file.
+    """
+    changes = edits or {}
+    folder = ROOT / "build" / "figures" / _key(template, sorted(changes.items()))[:16] / "robot"
+    if folder.is_dir():
+        return folder
+    made = folder.parent.with_name(f"{folder.parent.name}-{os.getpid()}")
+    made.mkdir(parents=True)
+    _call("ravenbrick", "new", "robot", "--template", template, folder=made)
+    for name, change in changes.items():
+        file = made / "robot" / name
+        text = change if isinstance(change, str) else file.read_text("utf-8")
+        for old, new in () if isinstance(change, str) else change:
+            if old not in text:
+                raise ValueError(f"{name} of the template '{template}' has no '{old}'")
+            text = text.replace(old, new)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    _call("make", "-C", "robot", folder=made)
+    try:
+        made.rename(folder.parent)
+    except OSError:  # another process was first
+        shutil.rmtree(made)
+    return folder
+
+
+def run(template: str, scenario: str, edits: Edits | None = None) -> Recording:
+    """A run of such a project on the virtual brick; criteria may fail, and programs may end."""
+    folder = project(template, edits)
+    record = folder / "out" / "robot" / "recordings" / f"{scenario}.npz"
+    if not record.is_file():
+        _call("ravenbrick", "run", "robot", scenario, folder=folder.parent, ends=(0, 7, 8))
+    return Recording.load(record)
+
+
+def _figures(module: Any) -> dict[str, Callable[[], str]]:
+    found = inspect.getmembers(module, inspect.isfunction)
+    own = [(n, f) for n, f in found if f.__module__ == module.__name__ and n[0] != "_"]
+    return {name.replace("_", "-"): function for name, function in own}
+
+
+def write_sheet(number: str, folder: Path) -> None:
+    """Write one sheet's figures, unless they are there for the same inputs."""
+    source = HERE / f"sheet_{number}.py"
+    key, mark = _key(source.read_text("utf-8")), folder / f".sheet-{number}"
+    if mark.is_file() and mark.read_text("utf-8") == key:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob(f"sheet-{number}-*.svg"):
+        old.unlink()
+    module = importlib.import_module(f"tools.docs.figures.sheet_{number}")
+    for name, function in _figures(module).items():
+        (folder / f"sheet-{number}-{name}.svg").write_text(function(), encoding="utf-8")
+    mark.write_text(key, encoding="utf-8")
+
+
+def write_figures(folder: Path = PICTURES, wanted: Sequence[str] = ()) -> None:
+    """Write the figures of these sheets, of all without numbers."""
+    numbers = [re.sub(r"\D", "", path.stem) for path in sorted(HERE.glob("sheet_*.py"))]
+    chosen = [number for number in numbers if not wanted or number in wanted]
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        for done in [pool.submit(write_sheet, number, folder) for number in chosen]:
+            done.result()
