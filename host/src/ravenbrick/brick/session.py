@@ -7,10 +7,12 @@ docs/reference/run-files.md describes the fields.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from ravenbrick.brick.configuration import brick_configuration
+from ravenbrick.brick.tunables import Tunable
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
@@ -23,6 +25,7 @@ def session_of(
     scenario: Scenario,
     named: bool = True,
     bounds_cycles: Mapping[str, int] | None = None,
+    tunables: Sequence[Tunable] = (),
 ) -> dict[str, Any]:
     """The session that the page loads; `named` false hides a scenario that was made up.
 
@@ -49,4 +52,30 @@ def session_of(
             {"at_cycles": timed.at_cycles, "name": timed.name, "value": timed.value}
             for timed in scenario.timed_inputs()
         ],
+        "duration_ms": scenario.duration_ms if named else None,
+        "checks": _checks(robot, scenario),
+        "questions": [asdict(question) for question in scenario.questions],
+        "tunables": [_tunable(tunable) for tunable in tunables],
     }
+
+
+def _checks(robot: Robot, scenario: Scenario) -> dict[str, Any]:
+    """The pass criteria, as crate `measures` judges them."""
+    step, straight = scenario.step, scenario.straight
+    return {
+        "setpoints": [
+            {"port": s.port, "symbol": s.symbol, "factor": s.factor} for s in robot.setpoints
+        ],
+        "step": step and asdict(step),
+        "straight": straight and asdict(straight),
+        "criteria": [
+            {"measure": c.measure, "minimum": c.minimum, "maximum": c.maximum}
+            for c in scenario.criteria
+        ],
+        "expectations": [expectation.text for expectation in scenario.expectations],
+    }
+
+
+def _tunable(tunable: Tunable) -> dict[str, Any]:
+    lowest, highest = tunable.limits
+    return asdict(tunable) | {"lowest": lowest, "highest": highest}

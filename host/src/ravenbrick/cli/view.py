@@ -17,18 +17,20 @@ import typer
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.brick.session import session_of
+from ravenbrick.brick.tunables import read_tunables
 from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.build import ElfOption, ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
-from ravenbrick.errors import ToolMissingError, UsageError, shown_path
+from ravenbrick.errors import DesignError, ToolMissingError, UsageError, shown_path
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.run_time import run_time_home
 from ravenbrick.image.source_texts import source_texts
 from ravenbrick.local_server import access_token, is_local
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
-from ravenbrick.timing.results.bounds_file import own_bounds, read_bounds
+from ravenbrick.timing.results.bounds_file import own_bounds, own_worst_paths, read_bounds
+from ravenbrick.trace.design import Response, read_design
 
 __all__ = ["page_server", "view_command"]
 
@@ -37,7 +39,7 @@ LOOPBACK = "127.0.0.1"
 TYPES = {".js": "text/javascript", ".wasm": "application/wasm", ".elf": "application/elf"}
 OTHER = "application/octet-stream"
 SESSION, IMAGE, BOUNDS = "session.json", "image.elf", "timing.json"
-SOURCES = "sources.json"
+SOURCES, DESIGN, WORST_PATHS = "sources.json", "design.json", "worst_paths.json"
 # The page needs its own files, its worker, and permission to compile the brick.
 POLICY = (
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
@@ -130,6 +132,25 @@ def _sources(image: ElfImage, workspace: Workspace) -> bytes:
     return json.dumps(source_texts(image, (workspace.project, *own))).encode()
 
 
+def _response(response: Response) -> dict[str, list[float]]:
+    return {
+        "times_s": [round(float(time), 6) for time in response.times],
+        "values": [round(float(value), 6) for value in response.values],
+    }
+
+
+def _design(workspace: Workspace) -> bytes:
+    """JSON of the designed step responses (per unit of set-point) and the controller's diagram;
+    an empty object where design.py left none of them."""
+    try:
+        design = read_design(workspace.design_file)
+    except DesignError:
+        return b"{}"
+    responses = {"continuous": design.continuous, "sampled": design.sampled}
+    drawn = {name: _response(response) for name, response in responses.items()}
+    return json.dumps({"responses": drawn, "diagram": design.diagram}).encode()
+
+
 @command("ravenbrick view examples/vehicle drive")
 def view_command(
     directory: ProjectArgument,
@@ -161,12 +182,24 @@ def view_command(
         proven = read_bounds(bounds, loaded)
     else:
         proven = own_bounds(workspace.results / BOUNDS, loaded)
-    session = session_of(robot, chosen, named=scenario is not None, bounds_cycles=proven)
+    generated = read_tunables(workspace.project / "generated")
+    # Another program has other variables: those of the project that it has are recorded.
+    tunables = [t for t in generated if t.path.partition(".")[0] in loaded.symbols]
+    named = scenario is not None
+    session = session_of(robot, chosen, named, bounds_cycles=proven, tunables=tunables)
     if elf is not None:
-        # Another program has other variables: those of the project that it has are recorded.
         session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
     own = {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
-    served = _page() | own | {SOURCES: _sources(loaded, workspace)}
+    paths = own_worst_paths(workspace.results / BOUNDS, loaded)
+    served = (
+        _page()
+        | own
+        | {
+            SOURCES: _sources(loaded, workspace),
+            DESIGN: _design(workspace),
+            WORST_PATHS: json.dumps(paths).encode(),
+        }
+    )
     if out is not None:
         written = _write(served, out)
         reporter.print(f"{out}: the page; put it on any static web server")

@@ -16,6 +16,7 @@ from ravenbrick.errors import ScenarioError
 from ravenbrick.project.criteria import Expectation
 from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
 from ravenbrick.project.named_files import named_file
+from ravenbrick.project.questions import Question, read_questions
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.stimuli import Channels, InputCheck, TimedInput, read_stimulus
 from ravenbrick.schemas.located_toml import KeyPath, LocatedToml, dotted, read_toml
@@ -119,6 +120,7 @@ class Scenario:
     expectations: tuple[Expectation, ...]
     peer: Peer | None = None
     monitor: MonitorWindow | None = None
+    questions: tuple[Question, ...] = ()
 
     def timed_inputs(self) -> tuple[TimedInput, ...]:
         """All inputs of the run in the order of time; the file's own first at one instant."""
@@ -185,6 +187,8 @@ _INPUTS: tuple[tuple[str, Callable[..., str | None]], ...] = (
     (r"button\.(\w+)", _button_input),
     (r"motor\.(\w+)\.(hand_angle|load_torque)", _motor_input),
     (r"battery\.(voltage)", lambda _robot, _name: None),
+    # The image knows its variables.
+    (r"variable\.([\w.]+)(?::\w+)?", lambda _robot, _path: None),
 )
 
 
@@ -205,7 +209,7 @@ def _input_problem(robot: Robot, name: str) -> str | None:
     known = ", ".join([*of_sensors, "button.<name>", "motor.<port>.hand_angle"])
     return (
         f"unknown input '{name}'; known are {known.replace('{port}', '<port>')}, "
-        "motor.<port>.load_torque, body.held, body.push and battery.voltage"
+        "motor.<port>.load_torque, body.held, body.push, battery.voltage and variable.<path>"
     )
 
 
@@ -413,6 +417,7 @@ def read_scenario(path: Path, robot: Robot) -> Scenario:
         expectations=read_expectations(document),
         peer=_peer(document),
         monitor=_monitor(document),
+        questions=read_questions(document),
     )
     _check_reachable(scenario)
     return scenario

@@ -51,14 +51,19 @@ impl VirtualBrick {
         }
     }
 
-    /// Step by `instruction`, `line` or `job`; a job of the thread with this index, or of any
+    /// Step by `instruction`, `line`, `controller` (a line of generated C) or `job`; a job of the thread with this index, or of any
     /// when it is negative. The answer is as of `run_until`.
     pub fn step(&mut self, by: &str, thread: i32) -> Result<String, JsError> {
         let step = match by {
             "instruction" => Step::Instruction,
             "line" => Step::Line,
+            "controller" => Step::Controller,
             "job" => Step::Job(u32::try_from(thread).ok()),
-            _ => return Err(JsError::new("a step is one of instruction, line, job")),
+            _ => {
+                return Err(JsError::new(
+                    "a step is one of instruction, line, controller, job",
+                ))
+            }
         };
         let limit = self.brick.cycles().saturating_add(STEP_CYCLES_MAX);
         let mut stepper = Stepper::new(&self.brick, step);
@@ -147,6 +152,23 @@ impl VirtualBrick {
         last.collect::<serde_json::Value>().to_string()
     }
 
+    /// Samples of a signal from a position on: instant in cycles and value of each; none when there
+    /// is no such signal.
+    pub fn samples(&self, name: &str, first: usize) -> Vec<f64> {
+        let Some(signal) = self.brick.trace().signals().get(name) else {
+            return Vec::new();
+        };
+        let pairs = signal.at_cycles.iter().zip(signal.values).skip(first);
+        pairs
+            .flat_map(|(&cycles, &value)| [cycles as f64, value])
+            .collect()
+    }
+
+    /// The number that a variable of the program has now; throws when there is none.
+    pub fn variable(&self, path: &str) -> Result<f64, JsError> {
+        Ok(self.brick.read_scalar(path, None)?.as_float())
+    }
+
     /// Names of signals, pins excepted, and of global objects in memory: `{signals, symbols}` as
     /// JSON.
     pub fn channels(&self) -> String {
@@ -195,6 +217,19 @@ impl VirtualBrick {
             "raised": raised.map(|(file, line, _)| json!({"file": file, "line": line})),
         })
         .to_string()
+    }
+
+    /// Source places of the calls that lead to the next instruction, innermost first: array of
+    /// `{file, line}` as JSON.
+    pub fn calls(&self) -> String {
+        let places = self.brick.call_places().into_iter();
+        let places = places.map(|(file, line)| json!({"file": file, "line": line}));
+        places.collect::<serde_json::Value>().to_string()
+    }
+
+    /// SHA-256 of an image, as hexadecimal digits.
+    pub fn image_digest(elf: &[u8]) -> String {
+        trace::Digest::of_bytes(elf).to_string()
     }
 
     /// Why the program's threads cannot be observed.

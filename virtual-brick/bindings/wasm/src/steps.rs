@@ -12,6 +12,8 @@ pub enum Step {
     Instruction,
     /// Until the processor reaches another source line.
     Line,
+    /// Until the processor reaches another line of generated C.
+    Controller,
     /// Until a job ends: of this thread, or of any.
     Job(Option<u32>),
 }
@@ -26,7 +28,7 @@ pub struct Stepper {
 impl Stepper {
     pub fn new(brick: &VirtualBrick, step: Step) -> Self {
         let start_line = match &step {
-            Step::Line => line(brick).map(|at| (at.file.to_owned(), at.line)),
+            Step::Line | Step::Controller => line(brick).map(|at| (at.file.to_owned(), at.line)),
             _ => None,
         };
         Self {
@@ -34,6 +36,12 @@ impl Stepper {
             start_line,
             events_seen: brick.trace().events().len(),
         }
+    }
+
+    /// The source line of the next instruction, when it is another than at the start.
+    fn other_line<'a>(&self, brick: &'a VirtualBrick) -> Option<Line<'a>> {
+        let start = self.start_line.as_ref().map(|(f, l)| (f.as_str(), *l));
+        line(brick).filter(|at| start != Some((at.file, at.line)))
     }
 
     fn job_ended(&mut self, brick: &VirtualBrick, thread: Option<u32>) -> bool {
@@ -51,6 +59,11 @@ fn line(brick: &VirtualBrick) -> Option<Line<'_>> {
     brick.image().lines().at(address)
 }
 
+/// Whether a source is C that a design generated.
+fn is_generated(file: &str) -> bool {
+    file.ends_with(".c") && file.split('/').rev().nth(1) == Some("generated")
+}
+
 impl StepObserver for Stepper {
     const SEES_ACCESSES: bool = false;
 
@@ -63,9 +76,10 @@ impl StepObserver for Stepper {
     fn after_step(&mut self, brick: &VirtualBrick, _step: virtual_brick::CpuStep) -> bool {
         match self.step {
             Step::Instruction => true,
-            Step::Line => line(brick).is_some_and(|at| {
-                self.start_line.as_ref().map(|(f, l)| (f.as_str(), *l)) != Some((at.file, at.line))
-            }),
+            Step::Line => self.other_line(brick).is_some(),
+            Step::Controller => self
+                .other_line(brick)
+                .is_some_and(|at| is_generated(at.file)),
             Step::Job(thread) => self.job_ended(brick, thread),
         }
     }

@@ -93,6 +93,20 @@ impl ScalarKind {
             _ => raw as i64,
         }
     }
+
+    /// The bytes (little endian) of a number; none when this kind cannot hold it. A binary32
+    /// holds the nearest number.
+    #[must_use]
+    pub fn to_bytes(self, value: f64) -> Option<Vec<u8>> {
+        let bytes = match self {
+            Self::F32 => (value as f32).to_le_bytes().to_vec(),
+            Self::F64 => value.to_le_bytes().to_vec(),
+            _ => (value as i128).to_le_bytes()[..self.size() as usize].to_vec(),
+        };
+        let held = self.to_f64(&bytes);
+        let exact = held == value || self == Self::F32;
+        (held.is_finite() && exact).then_some(bytes)
+    }
 }
 
 impl fmt::Display for ScalarKind {
@@ -126,4 +140,39 @@ fn word(bytes: &[u8], size: usize) -> u64 {
         *to = *from;
     }
     u64::from_le_bytes(raw)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_becomes_the_bytes_that_are_read_as_it() {
+        for (kind, value) in [
+            (ScalarKind::I8, -128.0),
+            (ScalarKind::U16, 65_535.0),
+            (ScalarKind::I64, -1e15),
+            (ScalarKind::F32, 0.25),
+            (ScalarKind::F64, 0.1),
+        ] {
+            let bytes = kind.to_bytes(value).unwrap();
+            assert_eq!(
+                (bytes.len() as u32, kind.to_f64(&bytes)),
+                (kind.size(), value)
+            );
+        }
+    }
+
+    #[test]
+    fn a_number_that_does_not_fit_has_no_bytes() {
+        for (kind, value) in [
+            (ScalarKind::I8, 128.0),
+            (ScalarKind::U8, -1.0),
+            (ScalarKind::U32, 0.5),
+            (ScalarKind::F32, 1e39),
+            (ScalarKind::F64, f64::NAN),
+        ] {
+            assert_eq!(kind.to_bytes(value), None, "{kind} {value}");
+        }
+    }
 }

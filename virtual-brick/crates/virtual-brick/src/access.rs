@@ -61,6 +61,20 @@ impl VirtualBrick {
         &mut self.cpu
     }
 
+    /// Source files and lines of the calls that lead to the next instruction, innermost first;
+    /// calls without a source line are left out.
+    #[must_use]
+    pub fn call_places(&self) -> Vec<(String, u32)> {
+        let mut registers = [0; 16];
+        for (index, register) in (0..15).zip(&mut registers) {
+            *register = self.cpu.register(index);
+        }
+        registers[15] = self.cpu.next_instruction_address();
+        let calls = self.calls_from(registers).into_iter();
+        let lines = calls.filter_map(|call| call.line);
+        lines.map(|(file, line, _)| (file, line)).collect()
+    }
+
     /// Address of the running thread's control block, 0 while none runs; none when threads
     /// cannot be observed.
     #[must_use]

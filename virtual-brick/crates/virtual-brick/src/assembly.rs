@@ -5,11 +5,11 @@
 use at91sam7s::board::ChipEvent;
 use at91sam7s::{Chip, ChipConfiguration};
 use image::Image;
-use nxt::{BoardEvent, BoardEventKind, BoardFault, InputError, NxtBoard, PowerOffReason};
+use nxt::{BoardEvent, BoardEventKind, BoardFault, NxtBoard, PowerOffReason};
 use trace::{Event, EventKind};
 
 use crate::configuration::{Configuration, ConfigurationError};
-use crate::inputs::Input;
+use crate::inputs::{Input, InputError};
 use crate::placement::{self, Placement, PlacementError};
 
 /// The chip on its board.
@@ -133,8 +133,17 @@ const fn power_off(reason: PowerOffReason) -> (i64, &'static str) {
 
 /// The name and value were checked when the input was scheduled.
 pub(crate) fn apply_input(chip: &mut Machine, input: &Input) -> Result<(), InputError> {
+    if let Some((address, bytes)) = &input.written {
+        return chip
+            .load(*address, bytes)
+            .map_err(|error| InputError::Variable {
+                name: input.name.clone(),
+                problem: error.to_string(),
+            });
+    }
     let now = chip.now();
-    chip.board_mut().set_input(now, &input.name, input.value)?;
+    let set = chip.board_mut().set_input(now, &input.name, input.value);
+    set.map_err(InputError::Refused)?;
     chip.follow_supply();
     Ok(())
 }

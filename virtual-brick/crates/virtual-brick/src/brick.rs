@@ -220,18 +220,24 @@ impl VirtualBrick {
                 now_cycles,
             });
         }
-        self.chip
-            .board()
-            .check_input(name, value)
-            .map_err(InputError::Refused)?;
-        self.inputs.add(
-            at_cycles,
-            Input {
-                name: name.to_owned(),
-                value,
-            },
-        );
+        let input = Input::new(&self.image, name, value)?;
+        match &input.written {
+            Some((address, bytes)) => self.check_writable(name, *address, bytes.len())?,
+            None => {
+                let checked = self.chip.board().check_input(name, value);
+                checked.map_err(InputError::Refused)?;
+            }
+        }
+        self.inputs.add(at_cycles, input);
         Ok(())
+    }
+
+    fn check_writable(&self, name: &str, address: u32, size: usize) -> Result<(), InputError> {
+        let refused = |error: MemoryError| InputError::Variable {
+            name: name.to_owned(),
+            problem: error.to_string(),
+        };
+        self.chip.peek(address, size).map(drop).map_err(refused)
     }
 
     /// Sample a global object into the signal `probe.<path>` from the next sample on.

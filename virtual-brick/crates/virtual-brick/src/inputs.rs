@@ -1,9 +1,17 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 //! Inputs wait for their instant; equal instants keep the order of scheduling.
+//!
+//! An input named `variable.<path>` or `variable.<path>:<kind>` is a variable of the program,
+//! written from outside: a gain or a set-point that somebody changes while the robot runs.
 
 use std::collections::BTreeMap;
 use std::fmt;
+
+use image::{Image, ScalarKind};
+
+/// What the names of inputs begin with that write a variable.
+const VARIABLE: &str = "variable.";
 
 /// A change of an input from outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +20,40 @@ pub struct Input {
     pub name: String,
     /// New value, in the unit of the input.
     pub value: f64,
+    /// For a variable: where it lies, and its new bytes.
+    pub(crate) written: Option<(u32, Vec<u8>)>,
+}
+
+impl Input {
+    /// An input; one of a variable is looked up in the image.
+    pub(crate) fn new(image: &Image, name: &str, value: f64) -> Result<Self, InputError> {
+        let written = match name.strip_prefix(VARIABLE) {
+            Some(path) => Some(variable(image, path, value).map_err(|problem| {
+                let name = name.to_owned();
+                InputError::Variable { name, problem }
+            })?),
+            None => None,
+        };
+        let name = name.to_owned();
+        Ok(Self {
+            name,
+            value,
+            written,
+        })
+    }
+}
+
+fn variable(image: &Image, path: &str, value: f64) -> Result<(u32, Vec<u8>), String> {
+    let (path, kind) = match path.split_once(':') {
+        Some((path, kind)) => (path, Some(kind.parse::<ScalarKind>()?)),
+        None => (path, None),
+    };
+    let found = image.variable(path).map_err(|error| error.to_string())?;
+    let kind = kind.or(found.kind);
+    let kind = kind.ok_or("its type is unknown; name it, as in variable.gain:f32")?;
+    let bytes = kind.to_bytes(value);
+    let bytes = bytes.ok_or_else(|| format!("{value} is no number of type {kind}"))?;
+    Ok((found.address, bytes))
 }
 
 /// An input that was refused.
@@ -19,6 +61,13 @@ pub struct Input {
 pub enum InputError {
     /// The brick has no such input, or the input does not take this value.
     Refused(nxt::InputError),
+    /// The program has no such variable in memory, or it cannot hold this value.
+    Variable {
+        /// Name given.
+        name: String,
+        /// What is wrong.
+        problem: String,
+    },
     /// The instant has passed.
     InPast {
         /// Name given.
@@ -34,6 +83,7 @@ impl fmt::Display for InputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Refused(error) => error.fmt(f),
+            Self::Variable { name, problem } => write!(f, "input {name}: {problem}"),
             Self::InPast {
                 name,
                 at_cycles,
@@ -92,6 +142,7 @@ mod tests {
         Input {
             name: "touch.1".to_owned(),
             value,
+            written: None,
         }
     }
 

@@ -4,13 +4,17 @@
 
 use crate::support::arm::{Program, ALWAYS};
 use crate::support::{image, vehicle};
-use virtual_brick::{ScalarKind, StopReason, VirtualBrick};
+use virtual_brick::{Configuration, Engine, ScalarKind, StopReason, VirtualBrick};
 
 const COUNTER: u32 = 0x0020_8000;
 const END: u64 = 500_000;
 
 /// Counts the interval timer's periods of 1,000 cycles, with the processor stopped in between.
 fn counting() -> VirtualBrick {
+    counting_on(Engine::default())
+}
+
+fn counting_on(engine: Engine) -> VirtualBrick {
     let mut program = Program::new();
     program
         .poke(0xFFFF_F080 + 4, 0)
@@ -28,7 +32,11 @@ fn counting() -> VirtualBrick {
         .poke(0xFFFF_F128, 2)
         .branch(ALWAYS, again);
     let elf = image(&program).object("counter", COUNTER, 4).build();
-    let mut brick = VirtualBrick::new(&vehicle(), &elf).unwrap();
+    let configuration = Configuration {
+        engine,
+        ..vehicle()
+    };
+    let mut brick = VirtualBrick::new(&configuration, &elf).unwrap();
     brick.add_probe("counter", Some(ScalarKind::U32)).unwrap();
     brick
 }
@@ -41,6 +49,47 @@ fn with_inputs() -> VirtualBrick {
         .unwrap();
     brick.schedule_input(300_000, "touch.1", 0.0).unwrap();
     brick
+}
+
+/// The counter is set to 5,000 by hand at an instant, by inputs alone.
+fn with_counter_written(engine: Engine) -> VirtualBrick {
+    let mut brick = counting_on(engine);
+    brick
+        .schedule_input(200_000, "variable.counter:u32", 5_000.0)
+        .unwrap();
+    brick
+}
+
+#[test]
+fn a_variable_is_an_input_that_every_engine_replays() {
+    let mut seen = Vec::new();
+    for engine in [Engine::Reference, Engine::Blocks] {
+        let mut brick = with_counter_written(engine);
+        brick.run_until(199_000);
+        assert!(counter(&brick) < 200);
+        brick.run_until(200_100);
+        assert_eq!(counter(&brick), 5_000);
+        brick.run_until(END);
+        seen.push(brick.trace().digest());
+    }
+    assert_eq!(seen[0], seen[1]);
+    let mut untouched = counting();
+    untouched.run_until(END);
+    assert_ne!(seen[0], untouched.trace().digest());
+}
+
+#[test]
+fn a_variable_that_cannot_be_written_is_refused_at_once() {
+    let mut brick = counting();
+    for (name, value, expected) in [
+        ("variable.gain:f32", 1.0, "gain"),
+        ("variable.counter", 1.0, "its type is unknown"),
+        ("variable.counter:u9", 1.0, "unknown kind"),
+        ("variable.counter:u32", -1.0, "-1 is no number of type u32"),
+    ] {
+        let refused = brick.schedule_input(10, name, value).unwrap_err();
+        assert!(refused.to_string().contains(expected), "{refused}");
+    }
 }
 
 fn counter(brick: &VirtualBrick) -> i64 {

@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 import json
+from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 from ravenbrick.errors import ProjectFileError, UsageError
 from ravenbrick.image.elf import ElfImage
 
-__all__ = ["own_bounds", "read_bounds"]
+__all__ = ["own_bounds", "own_worst_paths", "read_bounds"]
 
 ADVICE = "let 'ravenbrick analyse PROJECT' write it again"
 
@@ -50,3 +52,27 @@ def own_bounds(path: Path, image: ElfImage) -> dict[str, int]:
         return read_bounds(path, image)
     except UsageError:
         return {}
+
+
+def own_worst_paths(path: Path, image: ElfImage) -> dict[str, list[dict[str, Any]]]:
+    """Lines of each task's worst path, the most expensive first: their place, how often they are
+    executed, their cycles, and the cycles that a job of the run needed for them.
+
+    Empty where there is no file of `ravenbrick analyse` for this image.
+    """
+    if not own_bounds(path, image):
+        return {}
+    paths = json.loads(path.read_text(encoding="utf-8")).get("worst_paths", {})
+    return {task: _lines(executed) for task, executed in paths.items()}
+
+
+def _lines(executed: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Sums over all calls that execute a line."""
+    sums: defaultdict[str, list[int]] = defaultdict(lambda: [0, 0, 0])
+    for part in executed:
+        line = sums[part["place"]]
+        for index, field in enumerate(("worst_times", "worst_cycles", "run_cycles")):
+            line[index] += part[field]
+    names = ("place", "times", "cycles", "run_cycles")
+    found = [dict(zip(names, (place, *sum_), strict=True)) for place, sum_ in sums.items()]
+    return sorted(found, key=lambda line: (-line["cycles"], line["place"]))
