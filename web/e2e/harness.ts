@@ -6,6 +6,7 @@ import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
+import axe from "axe-core";
 import {
   chromium,
   type Browser,
@@ -155,6 +156,17 @@ export const test = base.extend<Fixtures>({
 export async function build(project: string): Promise<string> {
   await ravenbrick("build", project);
   return project;
+}
+
+/** What axe finds wrong: rule and elements. */
+export async function violations(page: Page): Promise<string[]> {
+  await page.evaluate(axe.source);
+  const found = await page.evaluate(async () => {
+    const { axe: judge } = globalThis as unknown as { axe: typeof axe };
+    const { violations } = await judge.run(document);
+    return violations.map(({ id, nodes }) => [id, ...nodes.map((node) => node.html)].join(" | "));
+  });
+  return found;
 }
 
 /** Wait until an element contains these words. */

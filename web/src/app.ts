@@ -7,6 +7,9 @@ import { Keyboard, type KeyActions } from "./keys";
 import type { Command, Frame, Ready, Report, StepBy } from "./protocol";
 import { decodeLink, decodeRun, encodeLink, encodeRun, type StoredRun } from "./run_file";
 import { PLAIN_SESSION, stimulusCsv, type Session } from "./session";
+import { decodeShared, encodeShared, runOf, type Identity, type SharedRun } from "./share_link";
+import { questionOfAddress } from "./study/prediction";
+import { Study, type Companions } from "./study/study";
 import { Face } from "./view/face";
 import { Floor } from "./view/floor";
 import { ManualInputs } from "./view/manual_inputs";
@@ -14,7 +17,8 @@ import { Motors } from "./view/motors";
 import { Ports } from "./view/ports";
 import { Scope } from "./view/scope";
 import { Sound } from "./view/sound";
-import { Source, type Sources } from "./view/source";
+import type { Sources } from "./view/listing";
+import { Source } from "./view/source";
 import { Surroundings } from "./view/surroundings";
 import { Timeline } from "./view/timeline";
 import type { Actions, View } from "./view/view";
@@ -23,6 +27,8 @@ import type { Actions, View } from "./view/view";
 export interface Link {
   send(command: Command): void;
 }
+
+const NO_COMPANIONS: Companions = { sources: {}, design: {}, paths: {} };
 
 export class App implements Actions, ToolbarActions, KeyActions {
   readonly toolbar: Toolbar;
@@ -33,13 +39,23 @@ export class App implements Actions, ToolbarActions, KeyActions {
   private readonly motors = new Motors(this);
   private readonly manual = new ManualInputs(this);
   private readonly sound = new Sound();
+  private readonly study = new Study(this, {
+    again: (inputs) => this.send({ kind: "reset", inputs }),
+    measure: (signals) => this.link.send({ kind: "measure", signals }),
+    stepController: () => this.step("controller"),
+  });
   private readonly views: View[];
   private readonly columns: [HTMLElement, HTMLElement];
   private session: Session = PLAIN_SESSION;
   private elf: Uint8Array | null = null;
   /** The image beside the page, which its sources belong to. */
   private served: Uint8Array | null = null;
-  private sources: Sources = {};
+  private companions: Companions = NO_COMPANIONS;
+  /** The project beside the page, and its digests once it is loaded. */
+  private servedSession: Session | null = null;
+  private identity: Identity | null = null;
+  /** A run of the project beside the page that is replayed when that is loaded. */
+  private shared: SharedRun | null = null;
   private lastFrame: Frame | null = null;
   private factor = 1;
   private saveFormat: "file" | "link" | "inputs" = "file";
@@ -53,12 +69,13 @@ export class App implements Actions, ToolbarActions, KeyActions {
     const drive = [new Face(this), this.manual, this.floor];
     const instruments = [this.scopeView, this.source, this.timeline];
     const hardware = [this.motors, new Ports(this), new Surroundings(this)];
-    this.views = [...drive, ...instruments, ...hardware];
+    this.views = [...drive, ...instruments, ...this.study.views, ...hardware];
     const column = (name: string, views: View[]) =>
       el("div", { class: `column ${name}` }, ...views.map((view) => view.element));
     this.columns = [column("drive", drive), column("hardware", hardware)];
     const [first, last] = this.columns;
-    const main = el("main", {}, first, column("instruments", instruments), last);
+    const middle = [column("instruments", instruments), this.study.element];
+    const main = el("main", {}, first, ...middle, last);
     this.page.replaceChildren(this.toolbar.element, main);
     addEventListener("resize", () => this.redraw(), options);
     new Keyboard(this, options);
@@ -69,6 +86,7 @@ export class App implements Actions, ToolbarActions, KeyActions {
     try {
       const stored = await decodeLink(fragment);
       if (stored) return this.replay(stored);
+      this.shared = await decodeShared(fragment);
     } catch (error) {
       return this.toolbar.showError(`This link: ${(error as Error).message}`);
     }
@@ -81,17 +99,48 @@ export class App implements Actions, ToolbarActions, KeyActions {
       return this.toolbar.showError("There is a session.json but no image.elf beside it.");
     }
     this.served = new Uint8Array(await image.arrayBuffer());
-    this.load((await session.json()) as Session, this.served);
-    const sources = await fetched("./sources.json").catch(() => null);
-    this.sources = sources?.ok ? ((await sources.json()) as Sources) : {};
+    const own = (await session.json()) as Session;
+    const questions = [...questionOfAddress(location.search), ...(own.questions ?? [])];
+    this.servedSession = { ...own, questions };
+    this.load(this.servedSession, this.served);
+    const read = async <Content>(name: string, other: Content): Promise<Content> => {
+      const answer = await fetched(`./${name}`).catch(() => null);
+      return answer?.ok ? ((await answer.json()) as Content) : other;
+    };
+    this.companions = {
+      sources: await read<Sources>("sources.json", {}),
+      design: await read("design.json", {}),
+      paths: await read("worst_paths.json", {}),
+    };
     this.updateSources();
   }
 
   /** An image from elsewhere has other lines. */
   private updateSources(): void {
+    const companions = this.runsServed() ? this.companions : NO_COMPANIONS;
+    this.source.provide(companions.sources);
+    this.study.provide(companions);
+  }
+
+  /** Whether the image is the one beside the page. */
+  private runsServed(): boolean {
     const [elf, served] = [this.elf, this.served];
-    const same = elf?.length === served?.length && elf?.every((byte, at) => byte === served?.[at]);
-    this.source.provide(same ? this.sources : {});
+    if (!elf || elf.length !== served?.length) return false;
+    return elf.every((byte, at) => byte === served[at]);
+  }
+
+  /** The project beside the page is loaded: replay the run of the link, if it is one of it. */
+  private identify({ image, environment }: Ready): void {
+    if (this.identity || !this.servedSession || !this.served) return;
+    this.identity = { image, environment };
+    const { shared } = this;
+    if (!shared) return;
+    try {
+      const run = runOf(shared, this.identity, this.servedSession);
+      this.replay({ run, elf: this.served });
+    } catch (error) {
+      this.toolbar.showError(`This link ${(error as Error).message}`);
+    }
   }
 
   /** Send what somebody did: an error of what was done before is over. */
@@ -122,6 +171,8 @@ export class App implements Actions, ToolbarActions, KeyActions {
         return void requestAnimationFrame(() => this.link.send({ kind: "shown" }));
       case "saved":
         return void this.saved(report);
+      case "measured":
+        return this.study.measured(report);
       case "replayed":
         if (report.expected === report.found) {
           return this.toolbar.showStatus(`The same run again: trace digest ${report.found}`);
@@ -148,11 +199,13 @@ export class App implements Actions, ToolbarActions, KeyActions {
     if (this.floor.element.hidden) drive.append(this.motors.element);
     else hardware.prepend(this.motors.element);
     this.updateSources();
+    this.identify(ready);
   }
 
   private frame(frame: Frame): void {
     this.lastFrame = frame;
     for (const view of this.views) view.frame(frame);
+    this.study.follow(frame);
     this.toolbar.setThreads(this.timeline.names);
     this.toolbar.frame(frame);
     this.sound.frame(frame, this.factor);
@@ -218,10 +271,15 @@ export class App implements Actions, ToolbarActions, KeyActions {
     } else if (this.saveFormat === "inputs") {
       download(`${name}.csv`, "text/csv", stimulusCsv(run.inputs));
     } else {
-      const link = location.href.split("#")[0] + (await encodeLink({ run, elf }));
+      const [identity, served] = [this.identity, this.servedSession];
+      const short = identity && served && this.runsServed();
+      const fragment = await (short
+        ? encodeShared(run, identity, served)
+        : encodeLink({ run, elf }));
+      const link = location.href.split("#")[0] + fragment;
       history.replaceState(null, "", link);
       await navigator.clipboard?.writeText(link).catch(() => undefined);
-      const kilobytes = (link.length / 1024).toFixed(0);
+      const kilobytes = (link.length / 1024).toFixed(1);
       this.toolbar.showStatus(
         `The address of this page is the link now (${kilobytes} KB), also copied.`,
       );

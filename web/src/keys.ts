@@ -34,7 +34,8 @@ const OWN_KEYS: [string, string[]][] = [
   ["button, summary, select", [" ", "Enter"]],
 ];
 
-const TEXT_FIELDS = "input:not([type]), input[type='text'], textarea, [contenteditable]";
+const TEXT_FIELDS =
+  "input:not([type]), input[type='text'], input[type='number'], textarea, [contenteditable]";
 
 /** The list of keys, folded. */
 export function keyHelp(): HTMLElement {

@@ -5,6 +5,7 @@ import { App } from "./app";
 import type { Command, Report } from "./protocol";
 import "./style/base.css";
 import "./style/views.css";
+import "./style/study.css";
 import "./style/layout.css";
 
 const page = document.getElementById("page");

@@ -72,6 +72,24 @@ export function decodeRun(text: string): StoredRun {
   return { run: run as unknown as Run, elf: fromBase64(elf as string) };
 }
 
+/** Text as letters that an address may have. */
+export async function pack(text: string): Promise<string> {
+  const bytes = new TextEncoder().encode(text);
+  const packed = await through(bytes, new CompressionStream("deflate-raw"));
+  return toBase64(packed).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+}
+
+/** The text of such letters; throws `RunFileError`. */
+export async function unpack(letters: string): Promise<string> {
+  const packed = fromBase64(letters.replaceAll("-", "+").replaceAll("_", "/"));
+  try {
+    const text = await through(packed, new DecompressionStream("deflate-raw"));
+    return new TextDecoder().decode(text);
+  } catch {
+    throw new RunFileError("the link is damaged or cut off; ask for the file instead");
+  }
+}
+
 async function through(bytes: Uint8Array, stream: GenericTransform): Promise<Uint8Array> {
   const body = new Blob([bytes as BlobPart]).stream().pipeThrough(stream as ReadableWritablePair);
   return new Uint8Array(await new Response(body).arrayBuffer());
@@ -82,27 +100,18 @@ interface GenericTransform {
   writable: WritableStream;
 }
 
-/** The run as the fragment of a link; without debug information, which does not change it. */
+/**
+ * The run as the fragment of a link; without debug information, which does not change it unless
+ * inputs name variables.
+ */
 export async function encodeLink({ run, elf }: StoredRun): Promise<string> {
-  const text = encodeRun({ run, elf: withoutDebugInformation(elf) });
-  const packed = await through(
-    new TextEncoder().encode(text),
-    new CompressionStream("deflate-raw"),
-  );
-  const letters = toBase64(packed).replaceAll("+", "-").replaceAll("/", "_");
-  return LINK_MARK + letters.replaceAll("=", "");
+  const named = run.inputs.some(({ name }) => name.startsWith("variable."));
+  const image = named ? elf : withoutDebugInformation(elf);
+  return LINK_MARK + (await pack(encodeRun({ run, elf: image })));
 }
 
 /** The run of a link's fragment; null when the fragment is of another kind. */
 export async function decodeLink(fragment: string): Promise<StoredRun | null> {
   if (!fragment.startsWith(LINK_MARK)) return null;
-  const letters = fragment.slice(LINK_MARK.length).replaceAll("-", "+").replaceAll("_", "/");
-  const packed = fromBase64(letters);
-  let text: Uint8Array;
-  try {
-    text = await through(packed, new DecompressionStream("deflate-raw"));
-  } catch {
-    throw new RunFileError("the link is damaged or cut off; ask for the file instead");
-  }
-  return decodeRun(new TextDecoder().decode(text));
+  return decodeRun(await unpack(fragment.slice(LINK_MARK.length)));
 }

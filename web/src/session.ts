@@ -41,6 +41,46 @@ export interface Probe {
   kind?: string;
 }
 
+/** A variable of the program that may be changed during a run. */
+export interface Tunable {
+  path: string;
+  unit: string;
+  description: string;
+  value: number;
+  whole: boolean;
+  lowest: number;
+  highest: number;
+}
+
+/** Bounds on a measure; null where there is none. */
+export interface Criterion {
+  measure: string;
+  minimum?: number | null;
+  maximum?: number | null;
+}
+
+/** The pass criteria of the scenario, and what they need. */
+export interface Checks {
+  setpoints: { port: string; symbol: string; factor: number }[];
+  step: { from_ms: number; until_ms: number; motors: string[] } | null;
+  straight: { from_ms: number; distance: number } | null;
+  criteria: Criterion[];
+  expectations: string[];
+}
+
+/** A question before the run: its answer is a measure, or a signal drawn over time. */
+export type Question =
+  | { text: string; measure: string }
+  | {
+      text: string;
+      signal: string;
+      from_ms: number;
+      until_ms: number;
+      lowest: number;
+      highest: number;
+      unit: string;
+    };
+
 /** An input at a cycle of the run. */
 export interface TimedInput {
   at_cycles: number;
@@ -56,6 +96,11 @@ export interface Session {
   probes: Probe[];
   tasks: Task[];
   inputs: TimedInput[];
+  /** Of the scenario: its end, where it is judged. */
+  duration_ms?: number | null;
+  checks?: Checks;
+  questions?: Question[];
+  tunables?: Tunable[];
 }
 
 /** A run that replays exactly: the session, the inputs that were applied, and how far. */

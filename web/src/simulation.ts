@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /** One brick and its run, steered by commands; knows neither the worker nor the page. */
 import { CLOCK_HZ, cyclesOfMs, msAtOrAfter } from "./clock";
-import type { Core, CoreClass } from "./core";
-import type { Frame, InputDescription, Place, Ready, Stop, Thread } from "./protocol";
+import { judgeOf, type Core, type CoreClass } from "./core";
+import { withoutDebugInformation } from "./elf";
+import { logPins, measure } from "./measuring";
+import type { Frame, InputDescription, Measured, Place, Ready, Stop } from "./protocol";
+import type { SourceLine, Thread } from "./protocol";
 import type { Run, Session, TimedInput } from "./session";
 
 /** The wall clock is looked at after this many virtual milliseconds. */
@@ -12,6 +15,11 @@ const RATE_WINDOW_MS = 500;
 const SCOPE_PERIOD_MS = 1;
 /** Before anybody sets them; the same inputs have no effect in a stimulus file. */
 const INITIAL_VALUES: Record<string, number> = { touch: 0, button: 0, motor: 0 };
+
+/** What a run depends on besides program and inputs. */
+function environmentOf({ configuration, probes }: Session): Uint8Array {
+  return new TextEncoder().encode(JSON.stringify([configuration, probes]));
+}
 
 export class Simulation {
   private core!: Core;
@@ -28,6 +36,8 @@ export class Simulation {
   private lag = 0;
   private rate = { wall: 0, cycles: 0, value: 0 };
   private replay: Run | null = null;
+  /** Of the scenario's end: later it is judged no more. */
+  private judged: Measured | null = null;
   running = false;
   /** Virtual seconds per second; infinite for as fast as possible. */
   factor = 1;
@@ -37,6 +47,7 @@ export class Simulation {
   /** Begin a run; throws the core's sentence when the image or configuration is refused. */
   load(session: Session, elf: Uint8Array, replay: Run | null = null): Ready {
     const core = new this.coreClass(JSON.stringify(session.configuration), elf);
+    logPins(core, this.coreClass, session);
     for (const probe of session.probes) core.add_probe(probe.symbol, probe.kind ?? "");
     for (const input of session.inputs) {
       core.schedule_input(input.at_cycles, input.name, input.value);
@@ -46,7 +57,7 @@ export class Simulation {
     [this.session, this.elf, this.replay] = [session, elf, replay];
     this.scheduled = [...session.inputs].sort((a, b) => a.at_cycles - b.at_cycles);
     this.applied = [];
-    [this.stop, this.lcd, this.running] = [null, null, false];
+    [this.stop, this.lcd, this.running, this.judged] = [null, null, false, null];
     [this.eventsSeen, this.soundSeen, this.lag] = [0, 0, 0];
     this.restoreScope();
     return {
@@ -55,12 +66,33 @@ export class Simulation {
       inputs: JSON.parse(core.inputs()) as InputDescription[],
       channels: JSON.parse(core.channels()) as Ready["channels"],
       unobserved: core.threads_unobserved() ?? null,
+      image: this.coreClass.sha256(withoutDebugInformation(elf)),
+      environment: this.coreClass.sha256(environmentOf(session)),
+      judges: judgeOf(core) !== null,
     };
   }
 
-  /** The same run from its beginning, without what was set by hand. */
-  reset(): Ready {
-    return this.load(this.session, this.elf, this.replay);
+  /** The same run from its beginning, without what was set by hand but with these inputs. */
+  reset(inputs: TimedInput[] = []): Ready {
+    const ready = this.load(this.session, this.elf, inputs.length > 0 ? null : this.replay);
+    for (const input of inputs) this.core.schedule_input(input.at_cycles, input.name, input.value);
+    this.scheduled = [...this.scheduled, ...inputs].sort((a, b) => a.at_cycles - b.at_cycles);
+    return ready;
+  }
+
+  /** Judge the run, at the latest as it was at the scenario's end. */
+  measure(signals: string[]): Measured {
+    const measured = this.judged ?? {
+      ...measure(this.core, this.session),
+      final: this.ended,
+    };
+    const samples = signals.map((name) => [name, this.core.samples(name, 0)]);
+    return { ...measured, signals: Object.fromEntries(samples) };
+  }
+
+  /** The scenario is over: what comes later is not judged. */
+  private judge(): void {
+    this.judged = { ...measure(this.core, this.session), final: true };
   }
 
   get ended(): boolean {
@@ -74,6 +106,11 @@ export class Simulation {
   /** A replayed run ends where it was saved. */
   get replayEnded(): boolean {
     return this.replay !== null && this.cycles >= this.replay.until_cycles;
+  }
+
+  /** The end of the scenario; 0 without one. */
+  private get overCycles(): number {
+    return cyclesOfMs(this.session.duration_ms ?? 0);
   }
 
   digest(): string {
@@ -96,13 +133,22 @@ export class Simulation {
 
   step(by: string, thread: number): void {
     this.running = false;
-    if (!this.ended) this.stop = JSON.parse(this.core.step(by, thread)) as Stop;
+    if (this.ended) return;
+    const before = this.cycles;
+    this.stop = JSON.parse(this.core.step(by, thread)) as Stop;
+    if (before < this.overCycles && this.overCycles <= this.cycles) this.judge();
   }
 
   /** Run to a cycle. */
   runTo(cycles: number): void {
     const end = this.replay ? Math.min(cycles, this.replay.until_cycles) : cycles;
     if (this.ended || end <= this.cycles) return;
+    const over_cycles = this.overCycles;
+    if (this.cycles < over_cycles && over_cycles <= end) {
+      this.stop = JSON.parse(this.core.run_until(over_cycles)) as Stop;
+      this.judge();
+      if (this.ended) return;
+    }
     this.stop = JSON.parse(this.core.run_until(end)) as Stop;
   }
 
@@ -150,6 +196,8 @@ export class Simulation {
       sound: this.newSound(),
       threads: JSON.parse(this.core.threads()) as Thread[],
       place: this.running ? null : (JSON.parse(this.core.place()) as Place),
+      calls: this.running ? [] : (JSON.parse(this.core.calls()) as SourceLine[]),
+      variables: this.variables(),
       inputs: this.pastInputs(),
     };
   }
@@ -167,6 +215,19 @@ export class Simulation {
   private pastInputs(): TimedInput[] {
     const due = this.scheduled.filter((input) => input.at_cycles <= this.cycles);
     return [...due, ...this.applied].sort((a, b) => a.at_cycles - b.at_cycles);
+  }
+
+  /** Tunable variables that the image has. */
+  private variables(): Record<string, number> {
+    const found: Record<string, number> = {};
+    for (const { path } of this.session.tunables ?? []) {
+      try {
+        found[path] = this.core.variable(path);
+      } catch {
+        // Another image: the page does not offer what is not there.
+      }
+    }
+    return found;
   }
 
   private changedPicture(): Uint8Array | null {

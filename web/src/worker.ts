@@ -51,7 +51,7 @@ function apply(command: Command): void {
       break;
     case "reset":
       compared = false;
-      send(simulation.reset());
+      send(simulation.reset(command.inputs));
       break;
     case "run":
       simulation.running = !simulation.ended && !simulation.replayEnded;
@@ -71,6 +71,9 @@ function apply(command: Command): void {
       break;
     case "scope":
       simulation.chooseScope(command.channels, command.period_ms);
+      break;
+    case "measure":
+      send(simulation.measure(command.signals));
       break;
     case "save":
       send({ kind: "saved", ...simulation.save() });

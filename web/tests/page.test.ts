@@ -52,7 +52,8 @@ describe("the source", () => {
   };
   const file = "/a/b/vehicle.adb";
   const place = { pc: 8, function: "main", offset: 0, file, line: 3, raised: null };
-  const fetched = (address: string) => Promise.resolve({ ok: true, ...answers[address] });
+  const fetched = (address: string) =>
+    Promise.resolve({ ok: address in answers, ...answers[address] });
   const text = () => get("#source-text").textContent;
   const here = () => document.querySelector("#source-text [aria-current]")?.textContent;
 

@@ -51,6 +51,9 @@ export const READY: Ready = {
     symbols: [{ name: "vehicle_control_left", size: 4 }],
   },
   unobserved: null,
+  image: "1".repeat(64),
+  environment: "2".repeat(64),
+  judges: true,
 };
 
 export const FRAME: Frame = {
@@ -69,6 +72,8 @@ export const FRAME: Frame = {
     ...{ pc: 0x202000, function: "adainit", offset: 4 },
     ...{ file: "/a/b/vehicle.adb", line: 12, raised: null },
   },
+  calls: [],
+  variables: {},
   inputs: [],
 };
 

@@ -1,36 +1,23 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** The source text around the place where the program is paused. */
-import { el, panel } from "../dom";
+import { panel } from "../dom";
 import type { Frame, Place } from "../protocol";
+import { Listing, type Sources } from "./listing";
 import type { View } from "./view";
-
-/** Text of each source file by its path in the image's debug information. */
-export type Sources = Record<string, string>;
-
-const nameOf = (path: string) => path.split("/").pop() ?? path;
 
 export class Source implements View {
   readonly element: HTMLElement;
-  private sources: Sources = {};
   private place: Place | null = null;
-  /** The file whose lines are there. */
-  private shown: string | null = null;
-  private readonly where = el("output", { id: "source-place" });
-  private readonly text = el("pre", {
-    id: "source-text",
-    role: "region",
-    tabindex: 0,
-    "aria-label": "Source text",
-  });
+  private readonly listing = new Listing("source", "Source text");
 
   constructor() {
-    this.element = panel("source", "Source", [this.where], this.text);
+    this.element = panel("source", "Source", [this.listing.where], this.listing.text);
   }
 
   /** Sources of the image that is loaded; none for an image from elsewhere. */
   provide(sources: Sources): void {
-    this.sources = sources;
+    this.listing.provide(sources, null);
     this.show();
   }
 
@@ -48,26 +35,8 @@ export class Source implements View {
 
   private show(): void {
     const { file, line } = this.place?.raised ?? this.place ?? { file: null, line: null };
-    const text = file === null ? undefined : this.sources[file];
-    this.where.value = file === null ? "" : `${nameOf(file)}:${line}`;
-    if (text === undefined || file === null || line === null) {
-      this.shown = null;
-      this.text.replaceChildren(this.reason(file));
-      return;
-    }
-    if (file !== this.shown) this.fill(file, text);
-    this.text.querySelector("[aria-current]")?.removeAttribute("aria-current");
-    const here = this.text.children[line - 1];
-    if (!(here instanceof HTMLElement)) return;
-    here.setAttribute("aria-current", "true");
-    this.text.scrollTop = here.offsetTop - (this.text.clientHeight - here.offsetHeight) / 2;
-  }
-
-  private fill(file: string, text: string): void {
-    const lines = text.trimEnd().split("\n");
-    this.text.style.setProperty("--digits", `${String(lines.length).length}ch`);
-    this.text.replaceChildren(...lines.map((line) => el("span", { class: "line" }, `${line}\n`)));
-    this.shown = file;
+    const place = file === null || line === null ? null : { file, line };
+    if (!this.listing.show(place)) this.listing.explain(this.reason(file));
   }
 
   private reason(file: string | null): string {

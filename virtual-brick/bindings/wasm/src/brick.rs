@@ -227,9 +227,9 @@ impl VirtualBrick {
         places.collect::<serde_json::Value>().to_string()
     }
 
-    /// SHA-256 of an image, as hexadecimal digits.
-    pub fn image_digest(elf: &[u8]) -> String {
-        trace::Digest::of_bytes(elf).to_string()
+    /// SHA-256 of bytes, as hexadecimal digits.
+    pub fn sha256(bytes: &[u8]) -> String {
+        trace::Digest::of_bytes(bytes).to_string()
     }
 
     /// Why the program's threads cannot be observed.
