@@ -61,7 +61,8 @@ export class Code implements View {
       { type: "button", id: "step-c", title: "To another line of the generated C", click: step },
       "Next line of the controller",
     );
-    const titles = ["Line", "Times", "Cycles", "Run"].map((text) => el("th", { scope: "col" }, text));
+    const names = ["Line", "Times", "Cycles", "Run"];
+    const titles = names.map((text) => el("th", { scope: "col" }, text));
     const table = el("table", {}, el("thead", {}, el("tr", {}, ...titles)), this.path);
     const lines = el(
       "div",

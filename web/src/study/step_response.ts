@@ -113,7 +113,9 @@ export class StepResponse implements View {
 function sentence({ setpoint, settling_time, overshoot }: StepFigures): string {
   const parts = [
     setpoint === null ? "" : `Set-point ${(setpoint * DEGREES).toFixed(0)} °/s`,
-    settling_time === null ? "not settled" : `settled after ${(settling_time * 1000).toFixed(1)} ms`,
+    settling_time === null
+      ? "not settled"
+      : `settled after ${(settling_time * 1000).toFixed(1)} ms`,
     overshoot === null ? "" : `overshoot ${(overshoot * 100).toFixed(2)} %`,
   ];
   return `${parts.filter(Boolean).join(", ")}.`;

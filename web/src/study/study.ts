@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-/** The panels of a lab: gains, step response, checks, predictions, and the code beside its model. */
+/** The panels of a lab: gains, step response, checks, predictions, code beside its model. */
 import { el } from "../dom";
 import type { Frame, Measured } from "../protocol";
 import type { TimedInput } from "../session";

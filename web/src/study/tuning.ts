@@ -107,7 +107,7 @@ export class Tuning implements View {
     });
     const output = el("output", { "aria-label": `${nameOf(tunable)} in the program` }, "–");
     this.shown.set(path, output);
-    const name = el("span", { title: description }, el("b", {}, nameOf(tunable)), ` ${description}`);
+    const name = el("span", {}, el("b", {}, nameOf(tunable)), ` ${description}`);
     return el("div", { class: "tunable" }, name, range, number, output);
   }
 }

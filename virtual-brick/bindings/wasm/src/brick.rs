@@ -51,8 +51,8 @@ impl VirtualBrick {
         }
     }
 
-    /// Step by `instruction`, `line`, `controller` (a line of generated C) or `job`; a job of the thread with this index, or of any
-    /// when it is negative. The answer is as of `run_until`.
+    /// Step by `instruction`, `line`, `controller` (a line of generated C) or `job`: a job of the
+    /// thread with this index, or of any when it is negative. The answer is as of `run_until`.
     pub fn step(&mut self, by: &str, thread: i32) -> Result<String, JsError> {
         let step = match by {
             "instruction" => Step::Instruction,
