@@ -19,10 +19,11 @@ from verification.support.web import open_page
 
 from ravenbrick.brick import run as virtual
 from ravenbrick.brick.session import session_of
+from ravenbrick.brick.tunables import read_tunables
 from ravenbrick.cli import view
 from ravenbrick.cli.app import app
 from ravenbrick.cli.view import page_server
-from ravenbrick.errors import ExitCode
+from ravenbrick.errors import ExitCode, ProjectFileError
 from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
@@ -52,6 +53,49 @@ def run_file(project: Path, file: Path, **changes: Any) -> Path:
     run |= {"format": "ravenbrick run", "version": 1, "until_ms": 20_000, "digest": "0"}
     file.write_text(json.dumps(run | changes))
     return file
+
+
+HEADER = """typedef struct {
+  real32_T Kp; /* proportional gain, V/V; referenced by '<Root>/Proportional' */
+  int16_T Ki; /* integral gain, 2^-12 V/V; referenced by '<Root>/Integral_Gain' */
+} Parameters_pi;
+"""
+CODE = """Parameters_pi pi_P = {
+  -0.5F, /* Kp: proportional gain, V/V; '<Root>/Proportional' */
+  132 /* Ki: integral gain, 2^-12 V/V; '<Root>/Integral_Gain' */
+};
+"""
+
+
+def test_tunable_parameters_are_read_from_the_generated_c(tmp_path: Path) -> None:
+    (tmp_path / "pi.h").write_text(HEADER)
+    (tmp_path / "pi.c").write_text(CODE)
+    (tmp_path / "other.h").write_text("typedef int other;")
+    gain, integral = read_tunables(tmp_path)
+    assert (gain.path, gain.unit, gain.description) == ("pi_P.Kp", "V/V", "proportional gain")
+    assert (gain.value, gain.limits, gain.whole) == (-0.5, (-2.0, 0.0), False)
+    assert (integral.unit, integral.value, integral.whole) == ("2^-12 V/V", 132.0, True)
+    assert read_tunables(tmp_path / "none") == ()
+
+
+@pytest.mark.parametrize(
+    ("question", "problem"),
+    [
+        ('measure = "settling_time"\nsignal = "motor.B.angle"', "signal"),
+        ('signal = "motor.B.angle"', "from_ms"),
+        (
+            'signal = "s"\nfrom_ms = 5\nuntil_ms = 5\nlowest = 0\nhighest = 1',
+            "expected more than from_ms = 5",
+        ),
+    ],
+)
+def test_a_question_that_cannot_be_answered_is_refused(
+    project: Path, question: str, problem: str
+) -> None:
+    path = scenario_path(project, "drive")
+    path.write_text(f'{path.read_text()}\n[[questions]]\ntext = "How far?"\n{question}\n')
+    with pytest.raises(ProjectFileError, match=problem):
+        read_scenario(path, read_robot(project))
 
 
 @pytest.mark.parametrize("content", [None, b"PK"])
