@@ -56,6 +56,8 @@ export interface Session {
   probes: Probe[];
   tasks: Task[];
   inputs: TimedInput[];
+  /** How to have the same project outside the browser: its template, or else its folder. */
+  locally?: { template: string | null; folder: string; changed: boolean };
 }
 
 /** A run that replays exactly: the session, the inputs that were applied, and how far. */

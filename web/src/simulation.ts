@@ -28,6 +28,7 @@ export class Simulation {
   private lag = 0;
   private rate = { wall: 0, cycles: 0, value: 0 };
   private replay: Run | null = null;
+  private replayLeft = false;
   running = false;
   /** Virtual seconds per second; infinite for as fast as possible. */
   factor = 1;
@@ -46,7 +47,7 @@ export class Simulation {
     [this.session, this.elf, this.replay] = [session, elf, replay];
     this.scheduled = [...session.inputs].sort((a, b) => a.at_cycles - b.at_cycles);
     this.applied = [];
-    [this.stop, this.lcd, this.running] = [null, null, false];
+    [this.stop, this.lcd, this.running, this.replayLeft] = [null, null, false, false];
     [this.eventsSeen, this.soundSeen, this.lag] = [0, 0, 0];
     this.restoreScope();
     return {
@@ -71,9 +72,18 @@ export class Simulation {
     return this.core.cycles();
   }
 
+  /** The run that is replayed, until somebody takes part in it or goes on after its end. */
+  private get followed(): Run | null {
+    return this.replayLeft || this.applied.length > 0 ? null : this.replay;
+  }
+
   /** A replayed run ends where it was saved. */
   get replayEnded(): boolean {
-    return this.replay !== null && this.cycles >= this.replay.until_cycles;
+    return this.followed !== null && this.cycles >= this.followed.until_cycles;
+  }
+
+  leaveReplay(): void {
+    this.replayLeft = true;
   }
 
   digest(): string {
@@ -101,7 +111,7 @@ export class Simulation {
 
   /** Run to a cycle. */
   runTo(cycles: number): void {
-    const end = this.replay ? Math.min(cycles, this.replay.until_cycles) : cycles;
+    const end = this.followed ? Math.min(cycles, this.followed.until_cycles) : cycles;
     if (this.ended || end <= this.cycles) return;
     this.stop = JSON.parse(this.core.run_until(end)) as Stop;
   }

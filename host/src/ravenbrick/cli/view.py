@@ -26,11 +26,12 @@ from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.run_time import run_time_home
 from ravenbrick.image.source_texts import source_texts
 from ravenbrick.local_server import access_token, is_local
+from ravenbrick.packed_files import with_scripts
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
 from ravenbrick.timing.results.bounds_file import own_bounds, read_bounds
 
-__all__ = ["page_server", "view_command"]
+__all__ = ["SESSION", "page_files", "page_server", "project_files", "view_command"]
 
 PAGE = Path(__file__).resolve().parents[1] / "page.zip"
 LOOPBACK = "127.0.0.1"
@@ -45,7 +46,7 @@ POLICY = (
 )
 
 
-def _page() -> dict[str, bytes]:
+def page_files() -> dict[str, bytes]:
     """The files of the page by their names; `make page` packs them."""
     try:
         with ZipFile(PAGE) as archive:
@@ -119,9 +120,17 @@ def page_server(served: dict[str, bytes], port: int, token: str = "") -> Threadi
 def _write(served: dict[str, bytes], folder: Path) -> dict[str, Any]:
     if folder.exists() and any(folder.iterdir()):
         raise UsageError(f"--out {folder}: is not empty; name a new folder")
-    for name, content in served.items():
+    for name, content in with_scripts(served).items():
         atomic_write(folder / name, content)
     return {"folder": str(folder), "bytes": sum(map(len, served.values()))}
+
+
+def project_files(
+    workspace: Workspace, session: dict[str, Any], image: ElfImage
+) -> dict[str, bytes]:
+    """The files beside the page: a session with its image and the sources of that."""
+    own = {SESSION: json.dumps(session).encode(), IMAGE: image.content}
+    return own | {SOURCES: _sources(image, workspace)}
 
 
 def _sources(image: ElfImage, workspace: Workspace) -> bytes:
@@ -165,11 +174,10 @@ def view_command(
     if elf is not None:
         # Another program has other variables: those of the project that it has are recorded.
         session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
-    own = {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
-    served = _page() | own | {SOURCES: _sources(loaded, workspace)}
+    served = page_files() | project_files(workspace, session, loaded)
     if out is not None:
         written = _write(served, out)
-        reporter.print(f"{out}: the page; put it on any static web server")
+        reporter.print(f"{out}: the page; put it on any web server, or open its index.html")
         return written
     token = access_token()
     with page_server(served, port, token) as server:
