@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-/** Files beside the page: from its server; opened from the disk, from the script `files.js` there. */
+/** Files beside the page: from its server, or from the script `files.js` on the disk. */
 import { el } from "./dom";
 
-/** Content of files by name: gzip, then base64. A browser reads scripts from the disk, but no data. */
+/** Files by name: gzip, then base64. From the disk a browser reads nothing but scripts. */
 type Packed = Record<string, string>;
 
 declare global {

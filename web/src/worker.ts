@@ -108,7 +108,7 @@ function tick(): void {
   setTimeout(tick, Math.max(0, TICK_MS - (performance.now() - now)));
 }
 
-/** The core's bytes, which a page from the disk sends first; otherwise they are beside the worker. */
+/** The core's bytes, sent first by a page from the disk; otherwise they are beside the worker. */
 function handedOver(): Promise<ArrayBuffer | undefined> {
   if (self.location.protocol !== "blob:") return Promise.resolve(undefined);
   return new Promise((found) => {

@@ -57,7 +57,7 @@ class BrickDirective(SphinxDirective):
         """The frame; an unknown project or scenario is an error at this line."""
         try:
             # Other hooks insert lines, so the place in the file is known by its number only.
-            number = self.env.current_document.get(COUNT, 0)
+            number = int(self.env.current_document.get(COUNT) or 0)
             shown = shown_on(self.env.doc2path(self.env.docname))[number]
         except ValueError as error:
             raise self.error(str(error)) from None
