@@ -102,6 +102,7 @@ bench: complete ## Benchmarks with peers; writes verification/benchmarks/results
 docs: setup ## Build the documentation site and the lab sheets as PDF in docs/_build
 	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements/docs.txt
 	@$(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
+	@$(PYTHON) -m tools.docs.site.build docs/_build/html
 	@$(PYTHON) -m tools.docs.site_links docs/_build/html
 	@$(PYTHON) -m tools.docs.sheets_pdf docs/_build/lab-sheets.pdf
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
@@ -109,6 +110,7 @@ docs: setup ## Build the documentation site and the lab sheets as PDF in docs/_b
 .PHONY: teaching
 teaching: docs ## Build the lecturer's site, with slides, in docs/_build/teaching
 	@$(PYTHON) -m sphinx -q -W --keep-going -t teaching -b html docs docs/_build/teaching
+	@cp -r docs/_build/html/_static/brick docs/_build/html/_static/bricks docs/_build/teaching/_static/
 	@$(PYTHON) -m tools.docs.slides docs/_build/teaching/slides
 	@$(PYTHON) -m tools.docs.site_links docs/_build/teaching
 	@echo "docs/_build/teaching/index.html"

@@ -3,16 +3,26 @@
 // What is built lies in build/page, beside what else is built: nothing of it is committed.
 import { defineConfig } from "vite";
 
+/** A browser runs no modules from the disk: the page is made of classic scripts. */
+const classicScripts = {
+  name: "classic-scripts",
+  enforce: "post" as const,
+  transformIndexHtml: (html: string) =>
+    html.replace('type="module" crossorigin', "defer").replace(" crossorigin", ""),
+};
+
 export default defineConfig({
   base: "./",
+  plugins: [classicScripts],
   build: {
     outDir: "../build/page",
     emptyOutDir: true,
     target: "es2022",
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    rollupOptions: { output: { format: "iife" } },
   },
-  worker: { format: "es" },
+  worker: { format: "iife" },
   // A test may take long on a machine with other work; one that hangs fails all the same.
   test: { include: ["tests/**/*.test.ts"], testTimeout: 120_000 },
 } as Parameters<typeof defineConfig>[0]);

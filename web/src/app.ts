@@ -6,12 +6,13 @@ import { el } from "./dom";
 import { Keyboard, type KeyActions } from "./keys";
 import type { Command, Frame, Ready, Report, StepBy } from "./protocol";
 import { decodeLink, decodeRun, encodeLink, encodeRun, type StoredRun } from "./run_file";
-import { PLAIN_SESSION, stimulusCsv, type Session } from "./session";
+import { PLAIN_SESSION, stimulusCsv, type Run, type Session } from "./session";
 import { decodeShared, encodeShared, runOf, type Identity, type SharedRun } from "./share_link";
 import { questionOfAddress } from "./study/prediction";
 import { Study, type Companions } from "./study/study";
 import { Face } from "./view/face";
 import { Floor } from "./view/floor";
+import { Locally, runFileName } from "./view/locally";
 import { ManualInputs } from "./view/manual_inputs";
 import { Motors } from "./view/motors";
 import { Ports } from "./view/ports";
@@ -63,13 +64,14 @@ export class App implements Actions, ToolbarActions, KeyActions {
   constructor(
     private readonly page: HTMLElement,
     private readonly link: Link,
-    options: { signal?: AbortSignal } = {},
+    options: { signal?: AbortSignal; name?: string } = {},
   ) {
-    this.toolbar = new Toolbar(this, this.sound.element);
+    const locally = new Locally(options.name ?? "", () => this.save("file"));
+    this.toolbar = new Toolbar(this, this.sound.element, locally.element);
     const drive = [new Face(this), this.manual, this.floor];
     const instruments = [this.scopeView, this.source, this.timeline];
     const hardware = [this.motors, new Ports(this), new Surroundings(this)];
-    this.views = [...drive, ...instruments, ...this.study.views, ...hardware];
+    this.views = [...drive, ...instruments, ...this.study.views, ...hardware, locally];
     const column = (name: string, views: View[]) =>
       el("div", { class: `column ${name}` }, ...views.map((view) => view.element));
     this.columns = [column("drive", drive), column("hardware", hardware)];
@@ -82,7 +84,11 @@ export class App implements Actions, ToolbarActions, KeyActions {
   }
 
   /** Load what belongs to the page's address: the link's run, else the project beside the page. */
-  async begin(fragment: string, fetched: typeof fetch): Promise<void> {
+  async begin(
+    fragment: string,
+    fetched: (address: string) => Promise<Response>,
+    folder = "./",
+  ): Promise<void> {
     try {
       const stored = await decodeLink(fragment);
       if (stored) return this.replay(stored);
@@ -90,21 +96,23 @@ export class App implements Actions, ToolbarActions, KeyActions {
     } catch (error) {
       return this.toolbar.showError(`This link: ${(error as Error).message}`);
     }
-    const session = await fetched("./session.json").catch(() => null);
+    const session = await fetched(`${folder}session.json`).catch(() => null);
     if (!session?.ok) {
       return this.toolbar.showStatus("Open a program (.elf) or a saved run (.json) to begin.");
     }
-    const image = await fetched("./image.elf");
+    const image = await fetched(`${folder}image.elf`);
     if (!image.ok) {
       return this.toolbar.showError("There is a session.json but no image.elf beside it.");
     }
     this.served = new Uint8Array(await image.arrayBuffer());
-    const own = (await session.json()) as Session;
+    const own = (await session.json()) as Session | Run;
     const questions = [...questionOfAddress(location.search), ...(own.questions ?? [])];
-    this.servedSession = { ...own, questions };
-    this.load(this.servedSession, this.served);
+    const described = { ...own, questions };
+    this.servedSession = described;
+    if ("digest" in described) this.loadRun({ run: described, elf: this.served });
+    else this.load(described, this.served);
     const read = async <Content>(name: string, other: Content): Promise<Content> => {
-      const answer = await fetched(`./${name}`).catch(() => null);
+      const answer = await fetched(`${folder}${name}`).catch(() => null);
       return answer?.ok ? ((await answer.json()) as Content) : other;
     };
     this.companions = {
@@ -154,9 +162,14 @@ export class App implements Actions, ToolbarActions, KeyActions {
     this.send({ kind: "load", session, elf });
   }
 
-  replay({ run, elf }: StoredRun): void {
+  /** Load a run that was made before; its digest is compared at its end. */
+  private loadRun({ run, elf }: StoredRun): void {
     this.elf = elf;
     this.send({ kind: "replay", run, elf });
+  }
+
+  replay(stored: StoredRun): void {
+    this.loadRun(stored);
     this.speed(Infinity);
     this.toolbar.setSpeed(Infinity);
     this.send({ kind: "run" });
@@ -265,11 +278,11 @@ export class App implements Actions, ToolbarActions, KeyActions {
   }
 
   private async saved({ run, elf }: StoredRun): Promise<void> {
-    const name = `${run.project}${run.scenario ? `-${run.scenario}` : ""}`;
+    const name = runFileName(run.project, run.scenario);
     if (this.saveFormat === "file") {
-      download(`${name}.run.json`, "application/json", encodeRun({ run, elf }));
+      download(name, "application/json", encodeRun({ run, elf }));
     } else if (this.saveFormat === "inputs") {
-      download(`${name}.csv`, "text/csv", stimulusCsv(run.inputs));
+      download(name.replace(/\.run\.json$/, ".csv"), "text/csv", stimulusCsv(run.inputs));
     } else {
       const [identity, served] = [this.identity, this.servedSession];
       const short = identity && served && this.runsServed();

@@ -43,7 +43,8 @@ export class Toolbar {
 
   constructor(
     private readonly actions: ToolbarActions,
-    extra: HTMLElement,
+    sound: HTMLElement,
+    locally: HTMLElement,
   ) {
     const button = (label: string, title: string, act: () => void, id: string) =>
       el("button", { type: "button", title, id, click: act }, label);
@@ -69,9 +70,9 @@ export class Toolbar {
         "div",
         { class: "row", role: "toolbar", "aria-label": "Run" },
         el("h1", {}, "Ravenbrick"),
-        group(this.runButton, reset, this.speeds, more),
+        group(this.runButton, reset, this.speeds, more, locally),
         el("div", { class: "more row" }, group("Step:", ...steps, this.thread), this.files(button)),
-        el("div", { class: "more row" }, extra, keyHelp()),
+        el("div", { class: "more row" }, sound, keyHelp()),
       ),
       el(
         "div",

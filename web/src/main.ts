@@ -1,38 +1,52 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** Start: worker, page, service worker. */
+import coreAddress from "../generated/virtual_brick_bg.wasm?url";
 import { App } from "./app";
+import { fetchFile, startWorker } from "./files";
+import { placeOf } from "./place";
 import type { Command, Report } from "./protocol";
 import "./style/base.css";
 import "./style/views.css";
 import "./style/study.css";
 import "./style/layout.css";
+import "./style/embedded.css";
+import workerAddress from "./worker?worker&url";
 
 const page = document.getElementById("page");
 if (!page) throw new Error("index.html has no element #page");
 
-const worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+const place = placeOf(location);
+document.documentElement.classList.toggle("embedded", place.embedded);
+let worker: Worker | null = null;
 const waiting: Command[] = [];
-let started = false;
-const app = new App(page, {
-  send: (command) => (started ? worker.postMessage(command) : void waiting.push(command)),
-});
+const send = (command: Command) =>
+  worker ? worker.postMessage(command) : void waiting.push(command);
+const app = new App(page, { send }, { name: place.name });
 
-worker.addEventListener("message", ({ data }: MessageEvent<Report>) => {
-  if (data.kind === "started") {
-    started = true;
-    for (const command of waiting.splice(0)) worker.postMessage(command);
-  }
-  app.receive(data);
-});
-worker.addEventListener("error", (event) => {
-  app.toolbar.showError(
-    `The brick cannot run in this browser: ${event.message || "no WebAssembly"}`,
-  );
-});
+async function startBrick(): Promise<void> {
+  const started = await startWorker(workerAddress, coreAddress);
+  started.addEventListener("message", ({ data }: MessageEvent<Report>) => {
+    if (data.kind === "started") {
+      worker = started;
+      for (const command of waiting.splice(0)) worker.postMessage(command);
+    }
+    app.receive(data);
+  });
+  started.addEventListener("error", (event) => {
+    app.toolbar.showError(
+      `The brick cannot run in this browser: ${event.message || "no WebAssembly"}`,
+    );
+  });
+}
 
-await app.begin(location.hash, (address) => fetch(address));
-if ("serviceWorker" in navigator && isSecureContext) {
+startBrick().catch((error: Error) => {
+  app.toolbar.showError(`The brick cannot be loaded: ${error.message}`);
+});
+void app.begin(location.hash, fetchFile, place.folder).then(() => {
+  if (place.runs && !matchMedia("(prefers-reduced-motion: reduce)").matches) app.toggle();
+  // The site that the page is a part of has its own service worker.
+  if (place.shared || !("serviceWorker" in navigator) || !isSecureContext) return;
   // Without one (a private window, a file) the page works as long as its server does.
   navigator.serviceWorker.register("./offline.js").catch(() => undefined);
-}
+});

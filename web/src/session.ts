@@ -101,6 +101,8 @@ export interface Session {
   checks?: Checks;
   questions?: Question[];
   tunables?: Tunable[];
+  /** How to have the same project outside the browser: its template, or else its folder. */
+  locally?: { template: string | null; folder: string; changed: boolean };
 }
 
 /** A run that replays exactly: the session, the inputs that were applied, and how far. */

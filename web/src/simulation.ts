@@ -38,6 +38,7 @@ export class Simulation {
   private replay: Run | null = null;
   /** Of the scenario's end: later it is judged no more. */
   private judged: Measured | null = null;
+  private replayLeft = false;
   running = false;
   /** Virtual seconds per second; infinite for as fast as possible. */
   factor = 1;
@@ -57,7 +58,8 @@ export class Simulation {
     [this.session, this.elf, this.replay] = [session, elf, replay];
     this.scheduled = [...session.inputs].sort((a, b) => a.at_cycles - b.at_cycles);
     this.applied = [];
-    [this.stop, this.lcd, this.running, this.judged] = [null, null, false, null];
+    [this.stop, this.lcd, this.judged] = [null, null, null];
+    [this.running, this.replayLeft] = [false, false];
     [this.eventsSeen, this.soundSeen, this.lag] = [0, 0, 0];
     this.restoreScope();
     return {
@@ -103,9 +105,18 @@ export class Simulation {
     return this.core.cycles();
   }
 
+  /** The run that is replayed, until somebody takes part in it or goes on after its end. */
+  private get followed(): Run | null {
+    return this.replayLeft || this.applied.length > 0 ? null : this.replay;
+  }
+
   /** A replayed run ends where it was saved. */
   get replayEnded(): boolean {
-    return this.replay !== null && this.cycles >= this.replay.until_cycles;
+    return this.followed !== null && this.cycles >= this.followed.until_cycles;
+  }
+
+  leaveReplay(): void {
+    this.replayLeft = true;
   }
 
   /** The end of the scenario; 0 without one. */
@@ -141,7 +152,7 @@ export class Simulation {
 
   /** Run to a cycle. */
   runTo(cycles: number): void {
-    const end = this.replay ? Math.min(cycles, this.replay.until_cycles) : cycles;
+    const end = this.followed ? Math.min(cycles, this.followed.until_cycles) : cycles;
     if (this.ended || end <= this.cycles) return;
     const over_cycles = this.overCycles;
     if (this.cycles < over_cycles && over_cycles <= end) {

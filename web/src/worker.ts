@@ -54,7 +54,9 @@ function apply(command: Command): void {
       send(simulation.reset(command.inputs));
       break;
     case "run":
-      simulation.running = !simulation.ended && !simulation.replayEnded;
+      // Whoever goes on after the end of a replayed run leaves it.
+      if (compared) simulation.leaveReplay();
+      simulation.running = !simulation.ended;
       lastTick = performance.now();
       break;
     case "pause":
@@ -81,8 +83,7 @@ function apply(command: Command): void {
   }
 }
 
-self.addEventListener("message", (message: MessageEvent<Command>) => {
-  const command = message.data;
+function execute(command: Command): void {
   if (command.kind === "shown") {
     frameSentAt = null;
     return;
@@ -96,7 +97,7 @@ self.addEventListener("message", (message: MessageEvent<Command>) => {
     const text = error instanceof Error ? error.message : String(error);
     send({ kind: "failure", of: command.kind, message: text });
   }
-});
+}
 
 function tick(): void {
   const now = performance.now();
@@ -110,6 +111,25 @@ function tick(): void {
   setTimeout(tick, Math.max(0, TICK_MS - (performance.now() - now)));
 }
 
-await initialise();
-send({ kind: "started" });
-tick();
+/** The core's bytes, sent first by a page from the disk; otherwise they are beside the worker. */
+function handedOver(): Promise<ArrayBuffer | undefined> {
+  if (self.location.protocol !== "blob:") return Promise.resolve(undefined);
+  return new Promise((found) => {
+    const first = ({ data }: MessageEvent<ArrayBuffer>) => found(data);
+    self.addEventListener("message", first, { once: true });
+  });
+}
+
+async function begin(): Promise<void> {
+  const core = await handedOver();
+  await initialise(core && { module_or_path: core });
+  self.addEventListener("message", (message: MessageEvent<Command>) => execute(message.data));
+  send({ kind: "started" });
+  tick();
+}
+
+begin().catch((error: Error) => {
+  setTimeout(() => {
+    throw error;
+  });
+});

@@ -9,8 +9,12 @@ const [worker, runFile, elfFile] = process.argv.slice(2);
 const run = JSON.parse(readFileSync(runFile, "utf-8"));
 const headers = { "Content-Type": "application/wasm" };
 globalThis.fetch = async (url) => new Response(readFileSync(url), { headers });
+let begin;
+const started = new Promise((done) => (begin = done));
 globalThis.self = Object.assign(new EventTarget(), {
+  location: pathToFileURL(worker),
   postMessage(report) {
+    if (report.kind === "started") begin();
     if (report.kind === "failure") throw new Error(report.message);
     if (report.kind !== "replayed") return;
     console.log(report.found);
@@ -19,6 +23,7 @@ globalThis.self = Object.assign(new EventTarget(), {
 });
 const send = (data) => self.dispatchEvent(Object.assign(new Event("message"), { data }));
 await import(pathToFileURL(worker));
+await started;
 send({ kind: "replay", run, elf: new Uint8Array(readFileSync(elfFile)) });
 send({ kind: "speed", factor: Infinity });
 send({ kind: "run" });

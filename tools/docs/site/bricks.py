@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ravenbrick.project.templates import TEMPLATES
+
 from tools.docs.lessons import FENCE, ROOT, steps
 
-__all__ = ["PAGE_FOLDER", "SHOWN_FOLDER", "Shown", "open_locally", "printed", "shown_in"]
+__all__ = ["EXAMPLES", "PAGE_FOLDER", "SHOWN_FOLDER", "Shown", "printed", "shown_on"]
 
 # In the site; the page looks for its bricks in the folder beside its own.
 PAGE_FOLDER = "_static/brick"
@@ -19,7 +20,8 @@ SHOWN_FOLDER = "_static/bricks"
 EXAMPLES = ROOT / "examples"
 NEW = re.compile(r"ravenbrick new (\S+) --template (\S+)$")
 # Commands of a sheet that make or change files; the others build, run or judge.
-KEPT = re.compile(r"(ravenbrick new|sed|cp|mv|rm|mkdir|python3 \S+\.py)\b")
+KEPT = re.compile(r"(ravenbrick new|sed|cp|mv|rm|mkdir)\b")
+SCRIPT = re.compile(r"python3 (\S+\.py)$")
 DIRECTIVE = re.compile(r"^```\{brick\} (\S+) (\S+)\n((?:(?!```).*\n)*)```$", re.MULTILINE)
 
 
@@ -40,12 +42,20 @@ def _template_of(example: str) -> str | None:
 
 
 def _changing_steps(text: str) -> str:
-    """A sheet's text with only those commands that make or change files."""
+    """A sheet's text with only those commands that make or change files.
+
+    A script of the sheet is one of these if it writes text; others read what a run left.
+    """
+    writers = {step.argument for step in steps(text) if "write_text(" in step.content}
+
+    def is_kept(command: str) -> bool:
+        script = SCRIPT.match(command)
+        return script.group(1) in writers if script else KEPT.match(command) is not None
 
     def kept(match: re.Match[str]) -> str:
         language, word, _value, content = match.groups()
         if language == "console":
-            lines = [line for line in content.splitlines() if KEPT.match(line)]
+            lines = [line for line in content.splitlines() if is_kept(line)]
             return "\n".join(["```console", *lines, "```"]) if lines else ""
         return "" if word == "seen" else match.group(0)
 
@@ -75,9 +85,8 @@ def _checked(shown: Shown) -> Shown:
     return shown
 
 
-def shown_in(file: str, line: int, project: str, scenario: str) -> Shown:
-    """The brick of a directive; raises `ValueError` where there is no such project or scenario."""
-    above = "\n".join(Path(file).read_text("utf-8").splitlines()[: line - 1]) + "\n"
+def _shown(above: str, project: str, scenario: str) -> Shown:
+    """The brick of a directive below this text of a sheet."""
     made = {}
     for step in steps(above):
         for command in step.content.splitlines() if step.kind == "console" else ():
@@ -95,12 +104,21 @@ def shown_in(file: str, line: int, project: str, scenario: str) -> Shown:
     return _checked(Shown(name, project, scenario, example, template, changing))
 
 
-def open_locally(shown: Shown) -> list[str]:
-    """The commands that continue outside the browser."""
-    if shown.template is None:
-        return [f"ravenbrick view examples/{shown.project} {shown.scenario}"]
-    made = f"ravenbrick new {shown.project} --template {shown.template}"
-    return [made, f"ravenbrick view {shown.project} {shown.scenario}"]
+def shown_on(page: Path) -> list[Shown]:
+    """The bricks of a page in order; raises `ValueError` where a project or scenario is unknown."""
+    text = page.read_text("utf-8")
+    found: dict[str, Shown] = {}
+    bricks = []
+    for match in DIRECTIVE.finditer(text):
+        place = f"{page.name}:{text.count(chr(10), 0, match.start()) + 1}"
+        try:
+            shown = _shown(text[: match.start()], match[1], match[2])
+        except ValueError as error:
+            raise ValueError(f"{place}: {error}") from None
+        if found.setdefault(shown.name, shown).steps != shown.steps:
+            raise ValueError(f"{place}: above is another '{shown.name}'; leave one of them out")
+        bricks.append(shown)
+    return bricks
 
 
 def printed(text: str) -> str:

@@ -6,8 +6,9 @@
     Three tasks share a resource.
     ```
 
-The first word is a folder of examples/, or the project that the steps above the directive create; the
-second one its scenario. The caption is shown below. `:folded:` shows the brick on request only.
+The first word is a folder of examples/, or the project that the steps above it create; the second
+one is its scenario. The content is the caption. `:run:` runs it at once, `:folded:` shows it on
+request only.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.util.docutils import SphinxDirective
 
-from tools.docs.site.bricks import PAGE_FOLDER, Shown, shown_in
+from tools.docs.site.bricks import PAGE_FOLDER, Shown, shown_on
 
 __all__ = ["setup"]
 
+COUNT = "bricks"
 FRAME = """<figure class="brick">
 <iframe src="{embedded}" title="{title}" loading="lazy" allow="clipboard-write"></iframe>
 <figcaption>{caption}<a href="{page}">Open the full page</a></figcaption>
@@ -34,6 +36,8 @@ FOLDED = '<details class="brick"><summary>Run it here: {title}</summary>{frame}<
 def _frame(shown: Shown, page: str, caption: str, options: str = "") -> str:
     title = html.escape(f"Virtual brick: {shown.project}, scenario {shown.scenario}")
     address = f"{page}?brick={shown.name}"
+    if shown.project != shown.example:
+        address += f"&as={shown.project}"
     return FRAME.format(
         embedded=html.escape(f"{address}&embed{options}"),
         page=html.escape(address),
@@ -51,12 +55,13 @@ class BrickDirective(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The frame; an unknown project or scenario is an error at this line."""
-        project, scenario = self.arguments
-        source, line = self.get_source_info()
         try:
-            shown = shown_in(source, line, project, scenario)
+            # Other hooks insert lines, so the place in the file is known by its number only.
+            number = int(self.env.current_document.get(COUNT) or 0)
+            shown = shown_on(self.env.doc2path(self.env.docname))[number]
         except ValueError as error:
             raise self.error(str(error)) from None
+        self.env.current_document[COUNT] = number + 1
         up = "../" * len(PurePosixPath(self.env.docname).parent.parts)
         run = "&run" if "run" in self.options else ""
         frame = _frame(shown, f"{up}{PAGE_FOLDER}/index.html", " ".join(self.content), run)

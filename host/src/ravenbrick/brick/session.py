@@ -7,17 +7,19 @@ docs/reference/run-files.md describes the fields.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from ravenbrick.brick.configuration import brick_configuration
-from ravenbrick.brick.tunables import Tunable
+from ravenbrick.brick.tunables import read_tunables
 from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
 
-__all__ = ["session_of"]
+__all__ = ["session_of", "tunables_of"]
 
 
 def session_of(
@@ -25,7 +27,6 @@ def session_of(
     scenario: Scenario,
     named: bool = True,
     bounds_cycles: Mapping[str, int] | None = None,
-    tunables: Sequence[Tunable] = (),
 ) -> dict[str, Any]:
     """The session that the page loads; `named` false hides a scenario that was made up.
 
@@ -55,7 +56,6 @@ def session_of(
         "duration_ms": scenario.duration_ms if named else None,
         "checks": _checks(robot, scenario),
         "questions": [asdict(question) for question in scenario.questions],
-        "tunables": [_tunable(tunable) for tunable in tunables],
     }
 
 
@@ -76,6 +76,10 @@ def _checks(robot: Robot, scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def _tunable(tunable: Tunable) -> dict[str, Any]:
-    lowest, highest = tunable.limits
-    return asdict(tunable) | {"lowest": lowest, "highest": highest}
+def tunables_of(generated: Path, image: ElfImage) -> list[dict[str, Any]]:
+    """The tunable parameters that an image has, for the session."""
+    return [
+        asdict(tunable) | dict(zip(("lowest", "highest"), tunable.limits, strict=True))
+        for tunable in read_tunables(generated)
+        if tunable.path.partition(".")[0] in image.symbols
+    ]

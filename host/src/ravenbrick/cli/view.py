@@ -16,8 +16,7 @@ from zipfile import BadZipFile, ZipFile
 import typer
 
 from ravenbrick.atomic_write import atomic_write
-from ravenbrick.brick.session import session_of
-from ravenbrick.brick.tunables import read_tunables
+from ravenbrick.brick.session import session_of, tunables_of
 from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.build import ElfOption, ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
@@ -27,12 +26,13 @@ from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.run_time import run_time_home
 from ravenbrick.image.source_texts import source_texts
 from ravenbrick.local_server import access_token, is_local
+from ravenbrick.packed_files import with_scripts
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
 from ravenbrick.timing.results.bounds_file import own_bounds, own_worst_paths, read_bounds
 from ravenbrick.trace.design import Response, read_design
 
-__all__ = ["page_server", "view_command"]
+__all__ = ["SESSION", "page_files", "page_server", "project_files", "view_command"]
 
 PAGE = Path(__file__).resolve().parents[1] / "page.zip"
 LOOPBACK = "127.0.0.1"
@@ -47,7 +47,7 @@ POLICY = (
 )
 
 
-def _page() -> dict[str, bytes]:
+def page_files() -> dict[str, bytes]:
     """The files of the page by their names; `make page` packs them."""
     try:
         with ZipFile(PAGE) as archive:
@@ -121,9 +121,25 @@ def page_server(served: dict[str, bytes], port: int, token: str = "") -> Threadi
 def _write(served: dict[str, bytes], folder: Path) -> dict[str, Any]:
     if folder.exists() and any(folder.iterdir()):
         raise UsageError(f"--out {folder}: is not empty; name a new folder")
-    for name, content in served.items():
+    for name, content in with_scripts(served).items():
         atomic_write(folder / name, content)
     return {"folder": str(folder), "bytes": sum(map(len, served.values()))}
+
+
+def project_files(
+    workspace: Workspace, session: dict[str, Any], image: ElfImage
+) -> dict[str, bytes]:
+    """The files beside the page: a session with its image, and what belongs to that: tunable
+    parameters, sources, design and worst paths."""
+    tunables = tunables_of(workspace.project / "generated", image)
+    paths = own_worst_paths(workspace.results / BOUNDS, image)
+    return {
+        SESSION: json.dumps(session | {"tunables": tunables}).encode(),
+        IMAGE: image.content,
+        SOURCES: _sources(image, workspace),
+        DESIGN: _design(workspace),
+        WORST_PATHS: json.dumps(paths).encode(),
+    }
 
 
 def _sources(image: ElfImage, workspace: Workspace) -> bytes:
@@ -182,27 +198,14 @@ def view_command(
         proven = read_bounds(bounds, loaded)
     else:
         proven = own_bounds(workspace.results / BOUNDS, loaded)
-    generated = read_tunables(workspace.project / "generated")
-    # Another program has other variables: those of the project that it has are recorded.
-    tunables = [t for t in generated if t.path.partition(".")[0] in loaded.symbols]
-    named = scenario is not None
-    session = session_of(robot, chosen, named, bounds_cycles=proven, tunables=tunables)
+    session = session_of(robot, chosen, named=scenario is not None, bounds_cycles=proven)
     if elf is not None:
+        # Another program has other variables: those of the project that it has are recorded.
         session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
-    own = {SESSION: json.dumps(session).encode(), IMAGE: loaded.content}
-    paths = own_worst_paths(workspace.results / BOUNDS, loaded)
-    served = (
-        _page()
-        | own
-        | {
-            SOURCES: _sources(loaded, workspace),
-            DESIGN: _design(workspace),
-            WORST_PATHS: json.dumps(paths).encode(),
-        }
-    )
+    served = page_files() | project_files(workspace, session, loaded)
     if out is not None:
         written = _write(served, out)
-        reporter.print(f"{out}: the page; put it on any static web server")
+        reporter.print(f"{out}: the page; put it on any web server, or open its index.html")
         return written
     token = access_token()
     with page_server(served, port, token) as server:

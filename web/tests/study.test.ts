@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+// @vitest-environment jsdom
+import { describe, expect, it } from "vitest";
+import { cyclesOfMs } from "../src/clock";
+import type { Measured } from "../src/protocol";
+import type { Run, Session } from "../src/session";
+import { decodeShared, encodeShared, runOf } from "../src/share_link";
+import { ticks } from "../src/study/chart";
+import { blockAt } from "../src/study/code";
+import { meanDifference, valueAt } from "../src/study/sketch";
+import { WRITTEN_MS } from "../src/study/tuning";
+import { app, FRAME, get, inputs, READY, sent } from "./page";
+
+const TUNABLE = {
+  path: "functional_P.Kp",
+  unit: "V/V",
+  description: "proportional gain",
+  ...{ value: 0.3, whole: false, lowest: 0, highest: 1.2 },
+};
+const SESSION: Session = {
+  ...READY.session,
+  duration_ms: 1000,
+  checks: {
+    ...{ setpoints: [], step: null, straight: null, expectations: ["deadlines met"] },
+    criteria: [{ measure: "overshoot", maximum: 0.02 }],
+  },
+  questions: [{ text: "How much overshoot?", measure: "overshoot" }],
+  tunables: [TUNABLE],
+};
+const MEASURED: Measured = {
+  ...{ kind: "measured", cycles: 10, final: true, steps: {}, signals: {} },
+  verdicts: [
+    { measure: "overshoot", value: 0.05, met: false, label: "overshoot ≤ 0.02", shown: "0.05" },
+    { measure: "overshoot", value: 0.05 },
+    { expectation: "deadlines met", problem: "the run has no jobs" },
+  ],
+};
+const set = (field: HTMLInputElement, value: string, event: string) => {
+  field.value = value;
+  field.dispatchEvent(new Event(event, { bubbles: true }));
+};
+
+describe("gains", () => {
+  it("are written at once, and again at the beginning of another run", () => {
+    app.receive({ ...READY, session: SESSION });
+    app.receive({ ...FRAME, variables: { "functional_P.Kp": 0.3 } });
+    expect(get("#tuning output").textContent).toBe("0.3 V/V");
+    set(get('#tuning input[type="number"]'), "0.7", "change");
+    expect(inputs()).toEqual([["variable.functional_P.Kp", 0.7]]);
+    get("#tuning-again").click();
+    const input = { name: "variable.functional_P.Kp", value: 0.7 };
+    const reset = { kind: "reset", inputs: [{ at_cycles: cyclesOfMs(WRITTEN_MS), ...input }] };
+    expect(sent.at(-1)).toEqual(reset);
+  });
+
+  it("are not offered for a program without any", () => {
+    expect(get("#tuning").hidden).toBe(true);
+  });
+});
+
+describe("checks", () => {
+  it("say which criterion is met, and that one cannot be judged yet", () => {
+    app.receive({ ...READY, session: SESSION });
+    app.receive(MEASURED);
+    const entries = [...document.querySelectorAll("#check-list li")].map((li) => li.textContent);
+    expect(entries[0]).toContain("overshoot ≤ 0.02: not met (0.05)");
+    expect(entries[1]).toContain("deadlines met: not yet (the run has no jobs)");
+    expect(get("#checks-state").textContent).toBe("not all met");
+  });
+
+  it("are not shown by a brick that cannot judge", () => {
+    app.receive({ ...READY, session: SESSION, judges: false });
+    expect(get("#checks").hidden && get("#prediction").hidden).toBe(true);
+  });
+});
+
+describe("a prediction", () => {
+  it("is fixed before the measured answer is shown over it", () => {
+    app.receive({ ...READY, session: SESSION });
+    app.receive(MEASURED);
+    expect(get("#prediction .answer").textContent).toBe("");
+    get<HTMLInputElement>("#prediction input").value = "3";
+    get<HTMLFormElement>("#prediction form").requestSubmit();
+    expect(get("#prediction .answer").textContent).toContain("Measured: 5.000 %");
+    expect(get("#prediction .answer").textContent).toContain("Difference: 2.00 %");
+  });
+
+  it("as a sketch is compared where both curves are", () => {
+    const line: [number, number][] = [
+      [0, 0],
+      [1, 2],
+    ];
+    expect([valueAt(line, -1), valueAt(line, 0.25), valueAt(line, 2)]).toEqual([0, 0.5, 2]);
+    expect(meanDifference([[0, 1]], line, 0, 1)).toBeCloseTo(0.5, 1);
+  });
+});
+
+describe("the code", () => {
+  it("knows the block of a line, and none outside of the statements", () => {
+    const text = ["void f(void)", "{", "  /* Sum: '<Root>/Error' */", "  e = u;", "}"].join("\n");
+    expect([blockAt(text, 4), blockAt(text, 1)]).toEqual(["Error", null]);
+  });
+
+  it("has round numbers on the axes of its plots", () => {
+    expect(ticks({ lowest: 0, highest: 0.8, unit: "s" })).toEqual([0, 0.2, 0.4, 0.6, 0.8]);
+  });
+});
+
+describe("a short link", () => {
+  const identity = { image: "a".repeat(64), environment: "b".repeat(64) };
+  const run: Run = {
+    ...SESSION,
+    inputs: [{ at_cycles: 7, name: "variable.functional_P.Kp", value: 0.7 }],
+    ...{ until_ms: 20, until_cycles: cyclesOfMs(20), digest: "00ff" },
+  };
+
+  it("gives back the run of the program beside the page", async () => {
+    const link = await encodeShared(run, identity, SESSION);
+    const shared = await decodeShared(link);
+    expect(shared && runOf(shared, identity, SESSION)).toEqual(run);
+  });
+
+  it("is refused by another program or environment, and when it is cut off", async () => {
+    const link = await encodeShared(run, identity, SESSION);
+    const shared = await decodeShared(link);
+    if (!shared) throw new Error("no link");
+    const other = { ...identity, image: "c".repeat(64) };
+    expect(() => runOf(shared, other, SESSION)).toThrow(/another program: vehicle/);
+    const elsewhere = { ...identity, environment: "d".repeat(64) };
+    expect(() => runOf(shared, elsewhere, SESSION)).toThrow(/another environment/);
+    await expect(decodeShared(link.slice(0, 40))).rejects.toThrow(/cut off/);
+    expect(await decodeShared("#run=x")).toBe(null);
+  });
+});
