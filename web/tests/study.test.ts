@@ -4,8 +4,7 @@
 import { describe, expect, it } from "vitest";
 import { cyclesOfMs } from "../src/clock";
 import type { Measured } from "../src/protocol";
-import type { Run, Session } from "../src/session";
-import { decodeShared, encodeShared, runOf } from "../src/share_link";
+import type { Session } from "../src/session";
 import { ticks } from "../src/study/chart";
 import { blockAt } from "../src/study/code";
 import { meanDifference, valueAt } from "../src/study/sketch";
@@ -104,32 +103,5 @@ describe("the code", () => {
 
   it("has round numbers on the axes of its plots", () => {
     expect(ticks({ lowest: 0, highest: 0.8, unit: "s" })).toEqual([0, 0.2, 0.4, 0.6, 0.8]);
-  });
-});
-
-describe("a short link", () => {
-  const identity = { image: "a".repeat(64), environment: "b".repeat(64) };
-  const run: Run = {
-    ...SESSION,
-    inputs: [{ at_cycles: 7, name: "variable.functional_P.Kp", value: 0.7 }],
-    ...{ until_ms: 20, until_cycles: cyclesOfMs(20), digest: "00ff" },
-  };
-
-  it("gives back the run of the program beside the page", async () => {
-    const link = await encodeShared(run, identity, SESSION);
-    const shared = await decodeShared(link);
-    expect(shared && runOf(shared, identity, SESSION)).toEqual(run);
-  });
-
-  it("is refused by another program or environment, and when it is cut off", async () => {
-    const link = await encodeShared(run, identity, SESSION);
-    const shared = await decodeShared(link);
-    if (!shared) throw new Error("no link");
-    const other = { ...identity, image: "c".repeat(64) };
-    expect(() => runOf(shared, other, SESSION)).toThrow(/another program: vehicle/);
-    const elsewhere = { ...identity, environment: "d".repeat(64) };
-    expect(() => runOf(shared, elsewhere, SESSION)).toThrow(/another environment/);
-    await expect(decodeShared(link.slice(0, 40))).rejects.toThrow(/cut off/);
-    expect(await decodeShared("#run=x")).toBe(null);
   });
 });
