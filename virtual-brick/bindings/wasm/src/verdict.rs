@@ -17,9 +17,9 @@ type Levels = (String, Vec<u64>, Vec<f64>);
 impl VirtualBrick {
     /// Record the levels of pins (0 to 31) from now on, for sentences about them.
     pub fn log_pins(&mut self, pins: Vec<u32>) {
-        let chosen = pins.iter().filter(|&&pin| pin < 32);
-        self.brick
-            .log_pins(chosen.fold(0, |mask, pin| mask | 1 << pin));
+        self.pins = pins.into_iter().filter(|&pin| pin < 32).collect();
+        let mask = self.pins.iter().fold(0, |mask, pin| mask | 1 << pin);
+        self.brick.log_pins(mask);
     }
 
     /// Measures of the run so far, and a verdict on each criterion and sentence of the plan; both
