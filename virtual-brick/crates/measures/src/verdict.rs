@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Judging expectations: the value that a run gave, and whether it is what was expected.
 
-use serde::ser::SerializeStruct;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::general::general;
 use crate::measures::{Criterion, Measures};
@@ -25,54 +24,30 @@ pub enum Value {
 }
 
 /// The value that decided, when it was seen (s), and the judgement.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// For people: `label` says what was expected, `shown` the value, `sentence` both.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)]
 pub struct Verdict {
-    /// What was expected.
-    pub label: String,
-    /// What was found.
+    pub expectation: String,
     pub value: Value,
-    /// Unit of the value; empty for a text.
     pub unit: String,
-    /// When it was found.
     pub at: Option<f64>,
-    /// Whether that is what was expected.
     pub met: bool,
+    pub label: String,
+    pub shown: String,
+    pub sentence: String,
 }
 
-impl Verdict {
-    /// The value for people.
-    #[must_use]
-    pub fn shown(&self) -> String {
-        match &self.value {
-            Value::Number(number) => {
-                let shown = format!("{} {}", general(*number, 4), self.unit);
-                shown.trim_end().to_owned()
-            }
-            Value::Text(text) => text.clone(),
-            Value::Nothing => "none".to_owned(),
+/// The value for people.
+fn shown(value: &Value, unit: &str) -> String {
+    match value {
+        Value::Number(number) => {
+            let shown = format!("{} {unit}", general(*number, 4));
+            shown.trim_end().to_owned()
         }
-    }
-
-    /// What was expected and found.
-    #[must_use]
-    pub fn sentence(&self) -> String {
-        let when = self.at.map_or(String::new(), |at| format!(" at {at:.6} s"));
-        format!("expected {}, found {}{when}", self.label, self.shown())
-    }
-}
-
-impl Serialize for Verdict {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("Verdict", 8)?;
-        fields.serialize_field("expectation", &self.label)?;
-        fields.serialize_field("value", &self.value)?;
-        fields.serialize_field("unit", &self.unit)?;
-        fields.serialize_field("at", &self.at)?;
-        fields.serialize_field("met", &self.met)?;
-        fields.serialize_field("label", &self.label)?;
-        fields.serialize_field("shown", &self.shown())?;
-        fields.serialize_field("sentence", &self.sentence())?;
-        fields.end()
+        Value::Text(text) => text.clone(),
+        Value::Nothing => "none".to_owned(),
     }
 }
 
@@ -146,12 +121,18 @@ pub fn judge(
         Expected::PoweredOff => judge_power(run, window),
         Expected::Fault { wanted, saying } => judge_fault(run, *wanted, saying),
     };
+    let label = &expectation.text;
+    let shown = shown(&value, unit);
+    let when = at.map_or(String::new(), |at| format!(" at {at:.6} s"));
     Ok(Verdict {
-        label: expectation.text.clone(),
-        value,
+        sentence: format!("expected {label}, found {shown}{when}"),
+        expectation: label.clone(),
+        label: label.clone(),
         unit: unit.to_owned(),
+        value,
         at,
         met,
+        shown,
     })
 }
 
