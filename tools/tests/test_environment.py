@@ -101,7 +101,7 @@ def test_the_command_works_by_a_symbolic_link_elsewhere(tree: Path) -> None:
 
 
 def test_a_worker_process_that_reads_the_command_again_does_not_run_it(tree: Path) -> None:
-    """The processes of `ravenbrick sweep` are spawned, so each reads the program under another name."""
+    """The processes of `ravenbrick sweep` are spawned and read the program by another name."""
     program = tree / ".venv" / "bin" / "ravenbrick"
     code = f"import runpy; runpy.run_path({str(program)!r}, run_name='__mp_main__')"
     python = tree / ".venv" / "bin" / "python"
