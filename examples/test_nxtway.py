@@ -44,7 +44,7 @@ def played(image: ElfImage, scenario: Scenario) -> tuple[Recording, dict[str, bo
     """The run, and which criteria it meets."""
     robot = read_robot(BALANCER)
     recording = VirtualTarget().run(robot, scenario, image)
-    results = evaluate_criteria(scenario, recording, measure_run(robot, scenario, recording))
+    results = evaluate_criteria(scenario, measure_run(robot, scenario, recording))
     return recording, {result.label: result.met for result in results}
 
 

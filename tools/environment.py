@@ -36,7 +36,12 @@ HEAD = """#!/bin/sh
 """
 # How the module venv names the folder in bin/activate, and what a shell takes for any name.
 SPELLINGS = (f'VIRTUAL_ENV="{VENV}"\n', f"VIRTUAL_ENV={shlex.quote(str(VENV))}\n")
-MAIN = "import sys\nfrom ravenbrick.cli import main\nsys.exit(main())\n"
+# Guarded, because a worker process of `ravenbrick sweep` reads the program again.
+MAIN = """import sys
+from ravenbrick.cli import main
+if __name__ == "__main__":
+    sys.exit(main())
+"""
 
 
 def plain(name: str) -> str:

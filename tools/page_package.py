@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BUILT = ROOT / "build" / "page"
 PACKED = ROOT / "host" / "src" / "ravenbrick" / "page.zip"
 MANIFEST = PACKED.with_suffix(".json")
-CRATES = ("arm7tdmi", "at91sam7s", "image", "nxt", "plant", "trace", "virtual-brick")
+CRATES = ("arm7tdmi", "at91sam7s", "image", "measures", "nxt", "plant", "trace", "virtual-brick")
 SOURCES = (
     "tools/page",
     "catalogue/*.json",

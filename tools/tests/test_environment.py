@@ -100,6 +100,14 @@ def test_the_command_works_by_a_symbolic_link_elsewhere(tree: Path) -> None:
     assert subprocess.run([link], capture_output=True, text=True).stdout == "the command\n"
 
 
+def test_a_worker_process_that_reads_the_command_again_does_not_run_it(tree: Path) -> None:
+    """The processes of `ravenbrick sweep` are spawned and read the program by another name."""
+    program = tree / ".venv" / "bin" / "ravenbrick"
+    code = f"import runpy; runpy.run_path({str(program)!r}, run_name='__mp_main__')"
+    python = tree / ".venv" / "bin" / "python"
+    assert subprocess.run([python, "-c", code], capture_output=True, text=True).stdout == ""
+
+
 def test_programs_that_pip_installed_do_not_name_the_folder(tree: Path) -> None:
     """Whichever of its two ways it has named it."""
     bin_folder = tree / ".venv" / "bin"

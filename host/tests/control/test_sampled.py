@@ -122,6 +122,14 @@ def test_the_design_with_the_estimator_in_the_loop_meets_the_specification(
     assert found.overshoot == 0.0
 
 
+@pytest.mark.parametrize("settling_time", [0.08, 0.0725])
+def test_a_design_near_the_fastest_response_is_found(settling_time: float) -> None:
+    """A little more gain leaves the band again, so the gains that meet the time are close."""
+    pi = pi_with_estimator(LOOP, LoopSpecification(settling_time, 0.02, SAMPLE_TIME, 8, 0.0023))
+    found = SampledLoop(LOOP, pi.controller(), 8, 0.0023).step_metrics()
+    assert found.settling_time == pytest.approx(settling_time, abs=1e-6)
+
+
 def test_a_specification_that_cannot_be_met_is_refused() -> None:
     """A window of 400 ms cannot settle in 80 ms."""
     with pytest.raises(DesignError, match=r"overshoot|no gain|to settle"):

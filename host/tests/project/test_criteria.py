@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,17 +13,15 @@ from verification.support.recordings import preempted
 
 from ravenbrick.catalogue import sensor_kinds
 from ravenbrick.errors import ProjectFileError, ScenarioError, UsageError
-from ravenbrick.project.criteria import SignalBound
-from ravenbrick.project.criteria_file import read_expectations_of
-from ravenbrick.project.criteria_text import (
+from ravenbrick.project.criteria import (
     ExpectationSyntaxError,
     expected_pins,
     parse_expectation,
 )
+from ravenbrick.project.criteria_file import read_expectations_of
 from ravenbrick.project.robot import Task
-from ravenbrick.trace.measures import RunMeasures
 from ravenbrick.trace.recording import Recording, Screen, Signal, Stop
-from ravenbrick.trace.schedule import measure_task, utilization
+from ravenbrick.trace.schedule import task_plan
 from ravenbrick.trace.verdict import Verdict, judge
 
 MADE = preempted()
@@ -31,23 +30,17 @@ PIN_17 = Signal(np.array([0, 40_000, 100_000], np.uint64), np.array([0.0, 1.0, 0
 RECORDING = replace(MADE, signals={**MADE.signals, "pin.17": PIN_17})
 
 
-def measured(recording: Recording, deadline_us: int = 1000) -> RunMeasures:
-    """The measures that expectations need."""
-    task = Task("urgent", "", "cyclic", 2000, deadline_us, 5, 1024)
-    return RunMeasures(
-        tasks=tuple(measure_task(recording, i, task if i == 1 else None) for i in (1, 0)),
-        shares=(0.0, 0.0),
-        utilization=utilization(recording),
-        steps={},
-        path=None,
-        powered_off=recording.stop.reason == "power_off",
-        end_cycles=recording.stop.at_cycles,
-    )
+class Measured:
+    """Measures of a recording with a deadline of its urgent task."""
+
+    def __init__(self, recording: Recording, deadline_us: int = 1000) -> None:
+        task = Task("urgent", "", "cyclic", 2000, deadline_us, 5, 1024)
+        self.native = recording.native.measure(json.dumps({"tasks": task_plan([task])}))
 
 
 def verdict(text: str, recording: Recording = RECORDING, deadline_us: int = 1000) -> Verdict:
     """Judge one sentence."""
-    return judge(parse_expectation(text, "here"), recording, measured(recording, deadline_us))
+    return judge(parse_expectation(text, "here"), Measured(recording, deadline_us))
 
 
 # Speeds: 0 at 0 ms, then 8.2, 8.9, 8.5 and 1/3 rad/s at each ms; off after 4.16 ms.
@@ -123,9 +116,9 @@ def test_a_bound_on_a_sensor_s_input_may_have_its_unit() -> None:
         for one in kind.inputs:
             sentence = f"{one.name.replace('{port}', '2')} at most 10 {one.unit}".strip()
             assert parse_expectation(sentence, "here").text == sentence
-    found = parse_expectation("distance.1 at least 10 cm", "here")
-    assert isinstance(found, SignalBound)
-    assert found.minimum == pytest.approx(0.1)
+    near = Signal(np.array([0, 40_000], np.uint64), np.array([0.11, 0.09]))
+    found = verdict("distance.1 at least 10 cm", replace(MADE, signals={"distance.1": near}))
+    assert not found.met and found.value == pytest.approx(9.0)
 
 
 def test_a_missed_deadline_is_counted() -> None:

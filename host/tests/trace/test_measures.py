@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from verification.support.recordings import preempted
 
-from ravenbrick.project.criteria_text import parse_expectation
+from ravenbrick.project.criteria import parse_expectation
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import (
     Criterion,
@@ -21,10 +21,8 @@ from ravenbrick.project.scenario import (
     scenario_path,
 )
 from ravenbrick.project.stimuli import TimedInput
-from ravenbrick.trace.measures import CriterionResult, RunMeasures, StepRecord, measure_run
-from ravenbrick.trace.motion import StepMeasures
+from ravenbrick.trace.measures import evaluate_criteria, measure_run
 from ravenbrick.trace.recording import Recording, Screen, Signal
-from ravenbrick.trace.schedule import utilization
 from ravenbrick.trace.verdict import Verdict, judge
 
 MS = 48_055
@@ -77,64 +75,44 @@ def test_a_hand_that_holds_still_does_not_end_the_straight(
     assert measures.value("lateral_deviation") == pytest.approx(0.2)
 
 
-def stepped(**overshoot: float) -> RunMeasures:
-    """Measures with one step for each motor."""
-    nothing = np.zeros(2)
-    records = {}
-    for motor, value in overshoot.items():
-        step = StepMeasures(
-            setpoint=0.0,
-            final_value=value,
-            settling_time=0.1,
-            overshoot=abs(value),
-            rise_time=None,
-            steady_state_error=0.0,
-        )
-        records[motor] = StepRecord(motor, nothing, nothing, nothing, nothing, nothing, step)
-    shares = utilization(preempted())
-    return RunMeasures((), (), shares, records, None, False, preempted().stop.at_cycles)
-
-
-def test_of_several_motors_the_one_farthest_from_zero_counts() -> None:
-    """With its sign; a measure that one motor did not reach was not reached."""
-    assert stepped(B=3.0, C=-5.0).value("final_value") == -5.0
-    assert stepped(B=3.0, C=-2.0).value("final_value") == 3.0
-    assert stepped(B=3.0, C=-2.0).value("rise_time") is None
-    assert stepped().value("overshoot") is None
-
-
 @pytest.mark.parametrize(
     ("minimum", "maximum", "label"),
     [
-        (1.0, None, "overshoot at least 1"),
-        (None, 2.5, "overshoot at most 2.5"),
-        (1.0, 2.5, "overshoot at least 1 and at most 2.5"),
+        (10.0, None, "distance at least 10"),
+        (None, 2.5, "distance at most 2.5"),
+        (10.0, 12.5, "distance at least 10 and at most 12.5"),
     ],
 )
 def test_a_criterion_says_its_bounds(
-    minimum: float | None, maximum: float | None, label: str
+    robot: Robot, scenario: Scenario, minimum: float | None, maximum: float | None, label: str
 ) -> None:
     """In the label of the report and in the sentence about a miss."""
-    result = CriterionResult(Criterion("overshoot", minimum, maximum, 0), 3.0, False, "here:1")
-    assert result.label == label
-    assert result.sentence.startswith(f"here:1: overshoot is 3, expected {label[10:]}; ")
+    bounded = replace(scenario, criteria=(Criterion("distance", minimum, maximum, 0),))
+    recording = driven([(0.0, 0.0, 0.0), (1.5, 0.0, 0.0), (3.0, 0.0, 0.0)])
+    (result,) = evaluate_criteria(bounded, measure_run(robot, bounded, recording))
+    assert not result.met and result.label == label
+    assert f": distance is 3, expected {label[9:]}; look at" in result.sentence
 
 
-def shown(text: str) -> Verdict:
+def shown(robot: Robot, scenario: Scenario, text: str) -> Verdict:
     """A sentence about a display with two lines at 1 ms and another picture at 3 ms."""
     screens = (Screen(MS, ("speed  12", "ready")), Screen(3 * MS, ("speed  15", "")))
     made = replace(preempted(), screens=screens)
-    return judge(parse_expectation(text, "here"), made, stepped())
+    return judge(
+        parse_expectation(text, "here"), measure_run(robot, replace(scenario, straight=None), made)
+    )
 
 
-def test_what_the_display_shows_is_the_line_with_the_text_and_its_instant() -> None:
+def test_what_the_display_shows_is_the_line_with_the_text_and_its_instant(
+    robot: Robot, scenario: Scenario
+) -> None:
     """Blanks count as one; the line is found wherever it stands, and so is what was there last."""
-    found = shown('lcd shows "speed 15"')
+    found = shown(robot, scenario, 'lcd shows "speed 15"')
     assert (found.met, found.value) == (True, "speed 15")
     assert found.at == pytest.approx(0.003, abs=1e-6)
-    assert shown('lcd shows "12"').value == "speed 12"
-    never = shown('lcd never shows "ready"')
+    assert shown(robot, scenario, 'lcd shows "12"').value == "speed 12"
+    never = shown(robot, scenario, 'lcd never shows "ready"')
     assert (never.met, never.value) == (False, "ready")
-    missed = shown('lcd shows "stopped"')
+    missed = shown(robot, scenario, 'lcd shows "stopped"')
     assert (missed.met, missed.value) == (False, "speed 15")
-    assert shown('lcd never shows "stopped"').met
+    assert shown(robot, scenario, 'lcd never shows "stopped"').met

@@ -16,7 +16,7 @@ from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.brick.stimulus_callback import BrickState, Callback
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import read_image
-from ravenbrick.project.criteria_text import parse_expectation
+from ravenbrick.project.criteria import parse_expectation
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, input_check, read_scenario, scenario_path
 from ravenbrick.project.stimuli import Channels, read_stimulus
@@ -119,7 +119,7 @@ def test_the_lcd_of_the_drive_can_be_graded(
         "deadlines met",
         "no fault",
     ):
-        verdict = judge(parse_expectation(text, "here"), driven, measures)
+        verdict = judge(parse_expectation(text, "here"), measures)
         assert verdict.met, verdict.sentence
 
 

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import itertools
+import json
 import random
 from collections import Counter
+from collections.abc import Collection
 from fractions import Fraction
 
 import numpy as np
@@ -19,11 +21,13 @@ from ravenbrick.trace.schedule import (
     IDLE_OWNER,
     INTERRUPT_OWNER,
     KERNEL_OWNER,
+    TaskMeasures,
+    Utilization,
     jobs_of,
-    measure_task,
+    measure_tasks,
     segments,
     stretches,
-    utilization,
+    task_plan,
 )
 
 K = EventKind
@@ -43,6 +47,22 @@ def recording(events: list[Event], end: int, threads: int = 2) -> Recording:
         pictures=(),
         digest="",
     )
+
+
+def measure_task(run: Recording, thread: int, task: Task | None) -> TaskMeasures:
+    """Of one thread, with a task set of one task or of none."""
+    name = run.threads[thread].name
+    found = measure_tasks(run, () if task is None else (task,))
+    return next(measures for measures in found if measures.name == name)
+
+
+def utilization(run: Recording, background: Collection[str] = ()) -> Utilization:
+    """Shares of a run with these background threads."""
+    tasks = [Task(t.name, "", "cyclic", 100, 100, 1, 1024) for t in run.threads]
+    plan = {"tasks": task_plan(task for task in tasks if task.name not in background)}
+    answer = json.loads(run.native.measure(json.dumps(plan)).answer("{}"))
+    shares = answer["measures"]["utilization"]
+    return Utilization(**{**shares, "threads": tuple(shares["threads"])})
 
 
 def task(deadline_us: int) -> Task:

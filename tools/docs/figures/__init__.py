@@ -32,6 +32,8 @@ __all__ = ["COLOURS", "SERIES", "legend", "new_figure", "picture", "project", "r
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 PICTURES = ROOT / "docs" / "pictures" / "generated"
+# Outside the tree, where a project has its own folders for what is built and recorded.
+KEPT = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ravenbrick" / "figures"
 # Of every figure: the package, the programs, the emulator, and this module.
 COMMON: tuple[str, ...] = ("host/src/ravenbrick", "catalogue", "runtime", "drivers/src", "examples")
 COMMON += ("virtual-brick/bindings/python", "tools/docs/figures/__init__.py")
@@ -90,7 +92,7 @@ def project(template: str, edits: Edits | None = None) -> Path:
     Raises `ValueError` when a text is not in the file.
     """
     changes = edits or {}
-    folder = ROOT / "build" / "figures" / _key(template, sorted(changes.items()))[:16] / "robot"
+    folder = KEPT / _key(template, sorted(changes.items()))[:16] / "robot"
     if folder.is_dir():
         return folder
     made = folder.parent.with_name(f"{folder.parent.name}-{os.getpid()}")

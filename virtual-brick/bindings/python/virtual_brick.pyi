@@ -10,13 +10,20 @@ same on every machine, and how a run is cut into calls of `run_until` makes no d
 from collections.abc import Callable, Sequence
 from typing import Literal, final
 
+import numpy as np
+from numpy.typing import NDArray
+
 __all__ = [
     "JIT",
+    "SETTLING_BAND",
     "SOURCES",
+    "SPEED_WINDOW",
     "AddressError",
     "ConfigurationError",
     "ImageError",
     "InputError",
+    "Measured",
+    "RecordedRun",
     "Snapshot",
     "Stop",
     "Thread",
@@ -31,6 +38,10 @@ __version__: str
 SOURCES: str
 # Hot blocks become JIT code: built with `make native`.
 JIT: bool
+# Length (s) of the line whose slope is a speed, and the share of the final value within which a
+# response has settled.
+SPEED_WINDOW: float
+SETTLING_BAND: float
 
 AirKind = Literal["in_range", "out_of_range", "page", "accept", "refuse", "data", "close"]
 UsbKind = Literal["reset", "control", "out", "in"]
@@ -341,3 +352,71 @@ def timing_parameters() -> str:
 
     Each has its name, meaning, source, allowed values and the values of the three profiles.
     """
+
+@final
+class RecordedRun:
+    """What a recording holds, ready to be measured; immutable."""
+
+    def __init__(
+        self,
+        clock_hz: tuple[int, int],
+        stop: tuple[str, int, str],
+        events: bytes,
+        signals: list[tuple[str, NDArray[np.uint64], NDArray[np.float64]]],
+        threads: list[tuple[str, int]],
+        screens: list[tuple[int, list[str]]],
+        inputs: list[tuple[int, str, float]],
+    ) -> None:
+        """Stop: reason, cycle, message. Events as of `VirtualBrick.events`. Signals: name, arrays
+        of cycles (u64) and values (f64). Threads: name, base priority. Screens: cycle, lines.
+        Inputs: cycle, name, value.
+        """
+    def measure(self, plan_json: str) -> Measured:
+        """Measure by a plan, the JSON of `Plan` in the crate `measures`.
+
+        Releases the interpreter lock. Raises ValueError for another form, or where a signal that
+        the plan needs was not recorded.
+        """
+    def jobs(self) -> list[list[tuple[int, int | None, int | None]]]:
+        """By thread: cycles of release, start and completion of each job."""
+    def stretches(self) -> list[bytes]:
+        """Begins, ends, owners and interrupt sources of the run cut at its events: i64 each.
+
+        An owner is a thread, -1 idle, -2 the run-time or -3 a handler.
+        """
+
+@final
+class Measured:
+    """The measures of a run; immutable."""
+
+    def answer(self, plan_json: str) -> str:
+        """The measures, and a verdict on each of the plan's criteria and sentences, as JSON.
+
+        `virtual-brick/README.md` has the keys. Raises ValueError for what is no plan.
+        """
+    def value(self, measure: str) -> float | None:
+        """A measure by its name in criteria; None when the run did not reach it."""
+    def step(self, motor: str) -> list[bytes] | None:
+        """Columns (f64) of a motor's step: s after it, fitted and true speed (rad/s); then s and
+        rad/s of the plain difference of counts. None where there was no step.
+        """
+
+def expectation(sentence: str) -> str:
+    """What a sentence expects, as a JSON object; raises ValueError where it is none.
+
+    Keys: `text`, `last_named` (s), `pin`, `judges_faults`, `judges_tasks`, `task`.
+    """
+
+def fitted_speed(
+    times: NDArray[np.float64],
+    counts: NDArray[np.float64],
+    radians_per_count: float,
+    window: float,
+) -> bytes:
+    """Angular velocity (f64, rad/s) at `times` (f64, s, evenly spaced) from counts (f64).
+
+    It is the slope of a line through the encoder's edges, of `window` s. Raises ValueError.
+    """
+
+def signal_unit(name: str) -> str:
+    """Unit of a signal or input; empty for a ratio, a switch or a variable of the program."""

@@ -31,7 +31,7 @@ from ravenbrick.errors import (
 from ravenbrick.image.build import build_image
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.installation import advice_for_python, brick_module
-from ravenbrick.project.criteria_text import expected_pins
+from ravenbrick.project.criteria import expected_pins
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.stimuli import TimedInput

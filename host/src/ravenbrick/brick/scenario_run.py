@@ -22,7 +22,7 @@ from ravenbrick.brick.sound_file import save_sound
 from ravenbrick.brick.stimulus_callback import Callback
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
-from ravenbrick.project.criteria_text import PIN, expected_pins
+from ravenbrick.project.criteria import PIN, expected_pins
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.project.stimuli import TimedInput

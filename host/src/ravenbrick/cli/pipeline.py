@@ -116,7 +116,7 @@ def read_run(robot: Robot, scenario: Scenario, recording: Recording) -> Run:
     check_survival(scenario, recording)
     check_task_set(robot, recording)
     measures = measure_run(robot, scenario, recording)
-    criteria = evaluate_criteria(scenario, recording, measures)
+    criteria = evaluate_criteria(scenario, measures)
     return Run(robot, scenario, recording, measures, criteria)
 
 

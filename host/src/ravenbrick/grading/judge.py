@@ -23,8 +23,7 @@ from ravenbrick.grading.draws import Pulses, hidden_seeds
 from ravenbrick.grading.rubric import Check, Rubric, check_row
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.memory import memory_report
-from ravenbrick.project.criteria import DeadlinesMet, Expectation, ResponseBound
-from ravenbrick.project.criteria_text import parse_expectation
+from ravenbrick.project.criteria import Expectation, parse_expectation
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.measures import RunMeasures, check_survival, evaluate_criteria, measure_run
@@ -74,7 +73,7 @@ class _Runs:
 
 def _judged_tasks(robot: Robot, expected: Sequence[Expectation]) -> list[Task]:
     """Tasks whose deadlines or response times are judged."""
-    judged = [e.task for e in expected if isinstance(e, DeadlinesMet | ResponseBound)]
+    judged = [e.task for e in expected if e.judges_tasks]
     names = {task and task.lower() for task in judged}
     return [task for task in robot.tasks if None in names or task.name.lower() in names]
 
@@ -106,11 +105,11 @@ def _judge_run(rubric: Rubric, runs: _Runs, check: Check, seed: int | None) -> t
     judged = _judged_tasks(rubric.robot, scenario.expectations)
     _check_releases(rubric.robot, judged, recording)
     if check.kind == "criteria":
-        results = evaluate_criteria(scenario, recording, measures)
+        results = evaluate_criteria(scenario, measures)
         missed = [result.label for result in results if not result.met]
         return not missed, "; ".join(missed) or "all met"
     if check.kind == "expect":
-        verdict = judge(scenario.expectations[0], recording, measures)
+        verdict = judge(scenario.expectations[0], measures)
         return verdict.met, verdict.shown
     shares = [t.stack_used_bytes / t.stack_bytes for t in recording.threads if t.stack_bytes]
     return max(shares) <= check.value, f"{100 * max(shares):.0f} % of a stack"

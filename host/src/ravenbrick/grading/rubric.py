@@ -13,7 +13,7 @@ from typing import Any
 from ravenbrick import __version__
 from ravenbrick.grading.answers import parse_wanted
 from ravenbrick.grading.draws import Pulses
-from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
+from ravenbrick.project.criteria import ExpectationSyntaxError, parse_expectation
 from ravenbrick.project.named_files import is_file, named_file
 from ravenbrick.project.robot import Robot, read_robot, tasks_of
 from ravenbrick.project.scenario import read_scenario

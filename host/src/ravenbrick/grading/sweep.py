@@ -73,7 +73,7 @@ def run_variant(variant: Variant) -> Result:
         recording = VirtualTarget().run(robot, scenario, read_image(Path(variant.image)))
         check_survival(scenario, recording)
         measures = measure_run(robot, scenario, recording)
-        rows = [r.as_json() for r in evaluate_criteria(scenario, recording, measures)]
+        rows = [r.as_json() for r in evaluate_criteria(scenario, measures)]
     except RavenbrickError as error:
         return {**result, "met": False, "problem": error.sentence, "criteria": []}
     return {**result, "met": all(row["met"] for row in rows), "criteria": rows}

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ravenbrick.errors import ProjectFileError, UsageError
-from ravenbrick.project.criteria import Expectation
-from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
+from ravenbrick.project.criteria import Expectation, ExpectationSyntaxError, parse_expectation
 from ravenbrick.schemas.located_toml import KeyPath, read_toml
 
 __all__ = ["read_expectations_of"]

@@ -13,8 +13,7 @@ from typing import Any
 from ravenbrick.catalogue import SensorInput, SensorKind, sensor_input, sensor_kinds
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ScenarioError
-from ravenbrick.project.criteria import Expectation
-from ravenbrick.project.criteria_text import ExpectationSyntaxError, parse_expectation
+from ravenbrick.project.criteria import Expectation, ExpectationSyntaxError, parse_expectation
 from ravenbrick.project.named_files import named_file
 from ravenbrick.project.questions import Question, read_questions
 from ravenbrick.project.robot import Robot
@@ -281,9 +280,9 @@ def check_stimuli(scenario: Scenario) -> None:
 def check_expectations(scenario: Scenario) -> None:
     """Raise `ScenarioError` for the first expectation about what comes after the duration."""
     for expectation in scenario.expectations:
-        if expectation.window.last_named > scenario.duration_ms / 1000:
+        if expectation.last_named > scenario.duration_ms / 1000:
             raise ScenarioError(
-                f"{expectation.place}: '{expectation.text}': {expectation.window.last_named:g} s "
+                f"{expectation.place}: '{expectation.text}': {expectation.last_named:g} s "
                 f"is beyond the duration of {scenario.duration_ms} ms; move it forward or "
                 "lengthen duration_ms"
             )

@@ -15,7 +15,7 @@ from ravenbrick.report.plots.step_response import step_drawing
 from ravenbrick.report.plots.style import data_uri
 from ravenbrick.report.run_section import compared, run_section
 from ravenbrick.trace.design import Response
-from ravenbrick.trace.motion import SPEED_FILTER, StepMeasures
+from ravenbrick.trace.motion import StepMeasures, speed_filter
 from ravenbrick.trace.summary import Evidence, summary
 
 __all__ = ["write_report"]
@@ -85,7 +85,7 @@ def _step(evidence: Evidence, figures: Figures) -> dict[str, Any] | None:
             responses.append((name, step.measures))
     drawing = step_drawing(design, record)
     return {
-        "filter": SPEED_FILTER,
+        "filter": speed_filter(),
         "figure": figures.add("step-response", drawing, "Step of the speed set-point"),
         "rows": [
             (name, milliseconds(found.settling_time), percent(found.overshoot))

@@ -20,7 +20,13 @@ from numpy.typing import NDArray
 from ravenbrick.project.robot import Robot
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, Recording
-from ravenbrick.trace.schedule import INTERRUPT_OWNER, by_priority, jobs_of, measure_task, stretches
+from ravenbrick.trace.schedule import (
+    INTERRUPT_OWNER,
+    by_priority,
+    jobs_of,
+    measure_tasks,
+    stretches,
+)
 
 __all__ = [
     "HandlerDynamics",
@@ -132,7 +138,8 @@ def task_dynamics(robot: Robot, recording: Recording) -> tuple[TaskDynamics, ...
     shares = _Shares(recording)
     threads = recording.threads
     found = []
-    for index in by_priority(recording):
+    tasks = measure_tasks(recording, robot.tasks)
+    for index, measured in zip(by_priority(recording), tasks, strict=True):
         done = [
             (job.release_cycles, job.start_cycles, job.completion_cycles)
             for job in jobs_of(recording, index)
@@ -145,7 +152,6 @@ def task_dynamics(robot: Robot, recording: Recording) -> tuple[TaskDynamics, ...
         others = [i for i in range(len(threads)) if i != index]
         higher = [i for i in others if threads[i].base_priority >= priority]
         lower = [i for i in others if threads[i].base_priority < priority]
-        measured = measure_task(recording, index, robot.task(threads[index].name))
         found.append(
             TaskDynamics(
                 name=threads[index].name,

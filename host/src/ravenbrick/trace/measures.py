@@ -4,36 +4,23 @@
 
 from __future__ import annotations
 
-import math
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ravenbrick.errors import CriteriaError, RunFaultError, ScenarioError
+from ravenbrick.errors import CriteriaError, RunFaultError, ScenarioError, UsageError
 from ravenbrick.project.robot import Robot
-from ravenbrick.project.scenario import Criterion, Scenario
-from ravenbrick.trace.motion import (
-    PathMeasures,
-    StepMeasures,
-    count_difference_speed,
-    fitted_speed,
-    path_measures,
-    step_measures,
-)
-from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import (
-    TaskMeasures,
-    Utilization,
-    by_priority,
-    measure_task,
-    utilization,
-)
-from ravenbrick.trace.verdict import ALIVE, Verdict, expects_fault, judge
+from ravenbrick.project.scenario import Scenario
+from ravenbrick.trace.motion import PathMeasures, StepMeasures
+from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.schedule import TaskMeasures, Utilization, task_plan
+from ravenbrick.trace.verdict import ALIVE, CriterionResult, Verdict, expects_fault, judge
 
 __all__ = [
-    "CriterionResult",
     "RunMeasures",
     "StepRecord",
     "check_survival",
@@ -44,9 +31,6 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
-# The encoder's signal is in counts of 1 degree at the output shaft.
-RADIANS_PER_COUNT = math.pi / 180
-DRIVEN_DUTY = 0xFF
 
 
 @dataclass(frozen=True)
@@ -64,7 +48,10 @@ class StepRecord:
 
 @dataclass(frozen=True)
 class RunMeasures:
-    """All measures of one run; `tasks` from high to low priority, `shares` of the processor."""
+    """All measures of one run; `tasks` from high to low priority, `shares` of the processor.
+
+    `native` is the `Measured` of the compiled module, which judges criteria.
+    """
 
     tasks: tuple[TaskMeasures, ...]
     shares: tuple[float, ...]
@@ -73,53 +60,12 @@ class RunMeasures:
     path: PathMeasures | None
     powered_off: bool
     end_cycles: int
+    native: Any
 
     def value(self, measure: str) -> float | None:
         """A measure by its name in a scenario's criteria; None when the run did not reach it."""
-        if measure == "cpu_utilization":
-            return self.utilization.busy
-        if measure == "deadline_misses":
-            return float(sum(task.deadline_misses for task in self.tasks))
-        if measure == "powered_off":
-            return float(self.powered_off)
-        if measure == "lateral_deviation":
-            return self.path.lateral_deviation if self.path else None
-        if measure == "distance":
-            return self.path.distance if self.path else None
-        found = [getattr(step.measures, measure) for step in self.steps.values()]
-        if not found or any(value is None for value in found):
-            return None
-        return float(max(found, key=abs))
-
-
-@dataclass(frozen=True)
-class CriterionResult:
-    """A criterion with the value that the run gave."""
-
-    criterion: Criterion
-    value: float
-    met: bool
-    place: str
-
-    @property
-    def label(self) -> str:
-        """What was measured, and what was expected."""
-        return f"{self.criterion.measure} {_expected(self.criterion)}"
-
-    @property
-    def shown(self) -> str:
-        """The value for people."""
-        return f"{self.value:.4g}"
-
-    @property
-    def sentence(self) -> str:
-        """What is wrong, with file and line."""
-        return f"{self.place}: {_sentence(self.criterion, self.value)}"
-
-    def as_json(self) -> dict[str, object]:
-        """With plain types."""
-        bounds = {"minimum": self.criterion.minimum, "maximum": self.criterion.maximum}
-        return {"measure": self.criterion.measure, "value": self.value, **bounds, "met": self.met}
+        found: float | None = self.native.value(measure)
+        return found
 
 
 def setpoint_speed(robot: Robot, recording: Recording, motor: str) -> tuple[Floats, Floats] | None:
@@ -131,95 +77,44 @@ def setpoint_speed(robot: Robot, recording: Recording, motor: str) -> tuple[Floa
     return None
 
 
-def _step_begin(
-    recording: Recording, setpoint: tuple[Floats, Floats] | None, scenario: Scenario, motor: str
-) -> tuple[float, float] | None:
-    """Instant (s) and height (rad/s) of the step: the set-point's change, or the first command."""
-    assert scenario.step is not None
-    begin, end = scenario.step.from_ms / 1000, scenario.step.until_ms / 1000
-    if setpoint is not None:
-        times, values = setpoint
-        changed = np.flatnonzero((times >= begin) & (times < end) & (np.abs(values) > 1e-9))
-        return (float(times[changed[0]]), float(values[changed[0]])) if changed.size else None
-    commands = recording.of_kind(EventKind.MOTOR_COMMAND)
-    for at, _kind, subject, value in commands.tolist():
-        instant = recording.clock.seconds(at)
-        if "ABC"[subject] == motor and value & DRIVEN_DUTY and begin <= instant < end:
-            return instant, 0.0
-    return None
+def _plan(robot: Robot, scenario: Scenario) -> dict[str, Any]:
+    """What the compiled module must know of the project to measure a run."""
+    return {
+        "tasks": task_plan(robot.tasks),
+        "setpoints": [
+            {"port": setpoint.port, "symbol": setpoint.symbol, "factor": setpoint.factor}
+            for setpoint in robot.setpoints
+        ],
+        "step": scenario.step and asdict(scenario.step),
+        "straight": scenario.straight and asdict(scenario.straight),
+    }
 
 
-def _step_record(
-    robot: Robot, scenario: Scenario, recording: Recording, motor: str
-) -> StepRecord | None:
-    assert scenario.step is not None
-    begin = _step_begin(recording, setpoint_speed(robot, recording, motor), scenario, motor)
-    if begin is None:
-        return None
-    times, counts = recording.signal(f"motor.{motor}.encoder")
-    _, true = recording.signal(f"motor.{motor}.angular_velocity")
-    window = (times >= begin[0]) & (times <= scenario.step.until_ms / 1000)
-    if np.count_nonzero(window) < 100:
-        return None
-    after = times[window] - begin[0]
-    fitted = fitted_speed(times, counts, RADIANS_PER_COUNT)[window]
-    instants, difference = count_difference_speed(after, counts[window], RADIANS_PER_COUNT, 0.004)
-    return StepRecord(
-        motor=motor,
-        times=after,
-        fitted=fitted,
-        true=true[window],
-        difference_times=instants,
-        difference=difference,
-        measures=step_measures(after, fitted, begin[1]),
-    )
-
-
-def _steps(robot: Robot, scenario: Scenario, recording: Recording) -> dict[str, StepRecord]:
-    if scenario.step is None:
-        return {}
-    records = (_step_record(robot, scenario, recording, m) for m in scenario.step.motors)
-    return {record.motor: record for record in records if record is not None}
-
-
-def _path(scenario: Scenario, recording: Recording) -> PathMeasures | None:
-    if scenario.straight is None or "body.x" not in recording.signals:
-        return None
-    times, x = recording.signal("body.x")
-    _, y = recording.signal("body.y")
-    _, heading = recording.signal("body.heading")
-    begin, end = scenario.straight.from_ms / 1000, _first_steering(recording)
-    window = (times >= begin) & (times <= end)
-    if not np.any(window):
-        return PathMeasures(None, 0.0)
-    straight = path_measures(
-        x[window], y[window], float(heading[window][0]), scenario.straight.distance
-    )
-    whole = float(np.sum(np.hypot(np.diff(x), np.diff(y))))
-    return PathMeasures(straight.lateral_deviation, whole)
-
-
-def _first_steering(recording: Recording) -> float:
-    """When a hand first turns a motor, or the end of the run; s."""
-    steered = (i.at_cycles for i in recording.inputs if i.name.endswith(".hand_angle") and i.value)
-    return recording.clock.seconds(min(steered, default=recording.stop.at_cycles))
+def _step_record(motor: str, columns: Sequence[bytes], measures: StepMeasures) -> StepRecord:
+    times, fitted, true, instants, difference = (np.frombuffer(c, "<f8") for c in columns)
+    return StepRecord(motor, times, fitted, true, instants, difference, measures)
 
 
 def measure_run(robot: Robot, scenario: Scenario, recording: Recording) -> RunMeasures:
-    """Measure a run."""
-    timed = {task.name for task in robot.tasks if task.release != "background"}
-    shares = utilization(recording, {thread.name for thread in recording.threads} - timed)
+    """Measure a run; raises `UsageError` when a signal that it needs was not recorded."""
+    try:
+        native = recording.native.measure(json.dumps(_plan(robot, scenario)))
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    found = json.loads(native.answer("{}"))["measures"]
+    shares = found["utilization"]
     return RunMeasures(
-        tasks=tuple(
-            measure_task(recording, index, robot.task(recording.threads[index].name))
-            for index in by_priority(recording)
-        ),
-        shares=tuple(shares.threads[index] for index in by_priority(recording)),
-        utilization=shares,
-        steps=_steps(robot, scenario, recording),
-        path=_path(scenario, recording),
-        powered_off=recording.stop.reason == "power_off",
-        end_cycles=recording.stop.at_cycles,
+        tasks=tuple(TaskMeasures(**task) for task in found["tasks"]),
+        shares=tuple(found["shares"]),
+        utilization=Utilization(**{**shares, "threads": tuple(shares["threads"])}),
+        steps={
+            motor: _step_record(motor, native.step(motor), StepMeasures(**step))
+            for motor, step in found["steps"].items()
+        },
+        path=found["path"] and PathMeasures(**found["path"]),
+        powered_off=found["powered_off"],
+        end_cycles=found["end_cycles"],
+        native=native,
     )
 
 
@@ -265,27 +160,33 @@ def check_survival(scenario: Scenario, recording: Recording) -> None:
             )
 
 
-def evaluate_criteria(
-    scenario: Scenario, recording: Recording, measures: RunMeasures
-) -> list[CriterionResult | Verdict]:
+def evaluate_criteria(scenario: Scenario, measures: RunMeasures) -> list[CriterionResult | Verdict]:
     """Each criterion with its value, then each expectation with its verdict.
 
     Raises `ScenarioError` for one the run never reached.
     """
+    bounds = [
+        {"measure": c.measure, "minimum": c.minimum, "maximum": c.maximum}
+        for c in scenario.criteria
+    ]
+    rows = json.loads(measures.native.answer(json.dumps({"criteria": bounds})))["criteria"]
     results: list[CriterionResult | Verdict] = []
-    for criterion in scenario.criteria:
-        value = measures.value(criterion.measure)
-        if value is None:
-            raise scenario.unreachable(
-                ("criteria", criterion.index, "measure"),
-                f"'{criterion.measure}' was never reached in the run; check the inputs, "
-                "or lengthen the run",
-            )
+    for criterion, row in zip(scenario.criteria, rows, strict=True):
+        if "problem" in row:
+            raise scenario.unreachable(("criteria", criterion.index, "measure"), row["problem"])
         line = scenario.document.line_of(("criteria", criterion.index))
-        place = f"{scenario.document.path}:{line}"
-        results.append(CriterionResult(criterion, value, _met(criterion, value), place))
-    results += [judge(e, recording, measures) for e in scenario.expectations]
-    return results
+        results.append(
+            CriterionResult(
+                criterion=criterion,
+                value=row["value"],
+                met=row["met"],
+                place=f"{scenario.document.path}:{line}",
+                label=row["label"],
+                shown=row["shown"],
+                problem=row["sentence"],
+            )
+        )
+    return [*results, *(judge(e, measures) for e in scenario.expectations)]
 
 
 def require_criteria(results: Sequence[CriterionResult | Verdict]) -> None:
@@ -295,24 +196,3 @@ def require_criteria(results: Sequence[CriterionResult | Verdict]) -> None:
         error = CriteriaError(failed[0], detail="\n".join(failed[1:]))
         error.data = {"criteria": [result.as_json() for result in results]}
         raise error
-
-
-def _met(criterion: Criterion, value: float) -> bool:
-    above = criterion.minimum is None or value >= criterion.minimum
-    return above and (criterion.maximum is None or value <= criterion.maximum)
-
-
-def _sentence(criterion: Criterion, value: float) -> str:
-    return (
-        f"{criterion.measure} is {value:.4g}, expected {_expected(criterion)}; look at the report, "
-        "then change the controller or the criterion"
-    )
-
-
-def _expected(criterion: Criterion) -> str:
-    bounds = []
-    if criterion.minimum is not None:
-        bounds.append(f"at least {criterion.minimum:g}")
-    if criterion.maximum is not None:
-        bounds.append(f"at most {criterion.maximum:g}")
-    return " and ".join(bounds)

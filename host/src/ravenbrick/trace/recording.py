@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.clock import Clock
 from ravenbrick.errors import UsageError, shown_path
+from ravenbrick.installation import brick_module
 from ravenbrick.project.stimuli import TimedInput
 
 __all__ = [
@@ -131,6 +133,21 @@ class Recording:
     flow_counts: tuple[dict[str, Any], ...] = ()
     transfers: Mapping[str, NDArray[np.int64]] | None = None
     profiles: tuple[bytes, ...] = ()
+
+    @cached_property
+    def native(self) -> Any:
+        """The `RecordedRun` of the compiled module, which measures and judges."""
+        hertz, stop = self.clock.hertz, self.stop
+        signals = self.signals.items()
+        return brick_module().RecordedRun(
+            (hertz.numerator, hertz.denominator),
+            (stop.reason, stop.at_cycles, stop.message),
+            self.events.tobytes(),
+            [(name, signal.cycles, signal.values) for name, signal in signals],
+            [(thread.name, thread.base_priority) for thread in self.threads],
+            [(screen.at_cycles, list(screen.text)) for screen in self.screens],
+            [(timed.at_cycles, timed.name, timed.value) for timed in self.inputs],
+        )
 
     def thread_index(self, name: str) -> int:
         """Place of the thread with this name in whatever letter case; raises `ValueError`."""

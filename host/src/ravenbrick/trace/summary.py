@@ -23,10 +23,10 @@ from ravenbrick.trace.dynamics import (
     handler_dynamics,
     task_dynamics,
 )
-from ravenbrick.trace.measures import CriterionResult, RunMeasures, StepRecord
-from ravenbrick.trace.motion import SPEED_FILTER
+from ravenbrick.trace.measures import RunMeasures, StepRecord
+from ravenbrick.trace.motion import speed_filter
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.verdict import Verdict
+from ravenbrick.trace.verdict import CriterionResult, Verdict
 
 __all__ = ["ROLES", "Evidence", "Run", "run_summary", "summary"]
 
@@ -191,7 +191,7 @@ def summary(evidence: Evidence) -> dict[str, Any]:
         "cpu_utilization": main.measures.utilization.busy,
         "tasks": _tasks(main),
         "dynamics": dynamics_summary(main.task_dynamics, main.handler_dynamics),
-        "speed_filter": SPEED_FILTER,
+        "speed_filter": speed_filter(),
         "clock_hz": [hertz.numerator, hertz.denominator],
         "design": dict(evidence.design.figures) if evidence.design else None,
         "memory": evidence.memory.as_json() if evidence.memory else None,

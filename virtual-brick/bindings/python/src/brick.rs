@@ -15,7 +15,7 @@ use virtual_brick_facade::{
 use crate::debugging::Service;
 use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
 use crate::transports::{self, Completion, Message};
-use crate::values::{Stop, Thread};
+use crate::values::{packed, Stop, Thread};
 
 /// Python's signals (Ctrl-C) are polled this often: a tenth of a virtual second.
 const SIGNAL_CHECK_CYCLES: u64 = 4_805_486;
@@ -481,18 +481,4 @@ fn refused(error: BrickError) -> PyErr {
 fn scalar_kind(kind: Option<&str>) -> PyResult<Option<ScalarKind>> {
     kind.map(|kind| kind.parse().map_err(raise::<ImageError>))
         .transpose()
-}
-
-/// Numbers one after the other.
-fn packed<'py, T: Copy>(
-    py: Python<'py>,
-    numbers: &[T],
-    bytes_of: fn(T) -> [u8; 8],
-) -> PyResult<Bound<'py, PyBytes>> {
-    PyBytes::new_with(py, 8 * numbers.len(), |bytes| {
-        for (bytes, &number) in bytes.chunks_exact_mut(8).zip(numbers) {
-            bytes.copy_from_slice(&bytes_of(number));
-        }
-        Ok(())
-    })
 }

@@ -6,6 +6,7 @@ mod brick;
 mod chip_memory_map;
 mod debugging;
 mod errors;
+mod recorded_run;
 mod timing;
 mod transports;
 mod values;
@@ -33,6 +34,8 @@ mod virtual_brick {
     #[pymodule_export]
     use crate::errors::{AddressError, ConfigurationError, ImageError, InputError};
     #[pymodule_export]
+    use crate::recorded_run::{expectation, fitted_speed, signal_unit, Measured, RecordedRun};
+    #[pymodule_export]
     use crate::timing::{bound_execution_times, timing_parameters};
     #[pymodule_export]
     use crate::values::{Stop, Thread};
@@ -42,6 +45,10 @@ mod virtual_brick {
         Some(digest) => digest,
         None => "",
     };
+    #[pymodule_export]
+    const SPEED_WINDOW: f64 = measures::WINDOW;
+    #[pymodule_export]
+    const SETTLING_BAND: f64 = measures::SETTLING_BAND;
     #[pymodule_export]
     const JIT: bool = cfg!(feature = "jit");
 

@@ -3,6 +3,7 @@
 //! Plain values handed to Python.
 
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 /// Why a run ended, when, and a sentence.
 #[pyclass(module = "virtual_brick", frozen, get_all, eq)]
@@ -82,4 +83,18 @@ impl From<virtual_brick_facade::Thread> for Thread {
             state: thread.state,
         }
     }
+}
+
+/// Numbers one after the other.
+pub(crate) fn packed<'py, T: Copy>(
+    py: Python<'py>,
+    numbers: &[T],
+    bytes_of: fn(T) -> [u8; 8],
+) -> PyResult<Bound<'py, PyBytes>> {
+    PyBytes::new_with(py, 8 * numbers.len(), |bytes| {
+        for (bytes, &number) in bytes.chunks_exact_mut(8).zip(numbers) {
+            bytes.copy_from_slice(&bytes_of(number));
+        }
+        Ok(())
+    })
 }

@@ -9,6 +9,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::JsError;
 
 use crate::scope::Scope;
+use crate::screens::Displays;
 use crate::steps::{Step, Stepper};
 
 /// A step gives up after a virtual second: nothing more is executed, or no job ends.
@@ -17,7 +18,9 @@ const STEP_CYCLES_MAX: u64 = CLOCK_HZ.0 / CLOCK_HZ.1;
 /// A brick with a program, its surroundings and the record of its run.
 #[wasm_bindgen]
 pub struct VirtualBrick {
-    brick: virtual_brick::VirtualBrick,
+    pub(crate) brick: virtual_brick::VirtualBrick,
+    pub(crate) displays: Displays,
+    pub(crate) pins: Vec<u32>,
     scope: Scope,
 }
 
@@ -29,6 +32,8 @@ impl VirtualBrick {
         let configuration = Configuration::from_json(configuration_json)?;
         Ok(Self {
             brick: virtual_brick::VirtualBrick::new(&configuration, elf)?,
+            displays: Displays::default(),
+            pins: Vec::new(),
             scope: Scope::default(),
         })
     }
@@ -43,8 +48,12 @@ impl VirtualBrick {
         let limit = cycles as u64;
         loop {
             self.scope.sample(&self.brick);
-            let slice = limit.min(self.scope.next_cycles());
-            let stop = self.brick.run_until(slice);
+            let slice = self
+                .scope
+                .next_cycles()
+                .min(Displays::next_cycles(&self.brick));
+            let stop = self.brick.run_until(slice.min(limit));
+            self.displays.look(&self.brick);
             if self.brick.ended().is_some() || self.brick.cycles() >= limit {
                 return stop_json(&stop);
             }
@@ -69,6 +78,7 @@ impl VirtualBrick {
         let mut stepper = Stepper::new(&self.brick, step);
         let stop = self.brick.run_observed(limit, &mut stepper);
         self.scope.sample(&self.brick);
+        self.displays.look(&self.brick);
         Ok(stop.map_or_else(|| self.reached(), |stop| stop_json(&stop)))
     }
 

@@ -7,6 +7,8 @@
 
 mod brick;
 mod scope;
+mod screens;
 mod steps;
+mod verdict;
 
 pub use brick::VirtualBrick;

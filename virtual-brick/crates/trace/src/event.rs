@@ -133,7 +133,7 @@ fn at_cycles(packed: &[u8; PACKED_EVENT_LENGTH]) -> u64 {
 }
 
 #[inline]
-fn part<const N: usize>(packed: &[u8; PACKED_EVENT_LENGTH], first: usize) -> [u8; N] {
+fn part<const N: usize>(packed: &[u8], first: usize) -> [u8; N] {
     std::array::from_fn(|index| packed[first + index])
 }
 
@@ -177,6 +177,17 @@ impl Events {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
+    }
+
+    /// The events of a packed record; bytes after the last whole one are left out.
+    #[must_use]
+    pub fn from_packed(packed: &[u8]) -> Self {
+        Self {
+            all: packed
+                .chunks_exact(PACKED_EVENT_LENGTH)
+                .map(|bytes| part(bytes, 0))
+                .collect(),
+        }
     }
 
     /// The events from the first to the last.

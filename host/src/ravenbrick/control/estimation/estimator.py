@@ -17,7 +17,7 @@ from ravenbrick.model.lazy import optimize
 __all__ = ["LoopSpecification", "pi_with_estimator"]
 
 _LEAST_SHARE = 0.2
-_STEPS = 16
+_SCANS = (16, 256)
 
 
 @dataclass(frozen=True)
@@ -73,16 +73,21 @@ def pi_with_estimator(
 
 
 def _first_root(excess: Callable[[float], float], wanted: float) -> float:
-    """The smallest share of the gain that meets the time: from slow to fast."""
-    ratio = (1.05 / _LEAST_SHARE) ** (1 / _STEPS)
-    left = _LEAST_SHARE
-    if excess(left) <= 0:
+    """The smallest share of the gain that meets the time: from slow to fast.
+
+    Near the fastest response the time is met between two close gains only, as the overshoot soon
+    leaves the band; a second, finer scan finds them.
+    """
+    if excess(_LEAST_SHARE) <= 0:
         raise DesignError(f"the loop settles faster than {wanted} s even with a very low gain")
-    for _ in range(_STEPS):
-        right = left * ratio
-        if excess(right) <= 0:
-            share = float(optimize.brentq(excess, left, right, xtol=1e-12))
-            if math.isclose(excess(share), 0.0, abs_tol=1e-6):
-                return share
-        left = right
+    for steps in _SCANS:
+        ratio = (1.05 / _LEAST_SHARE) ** (1 / steps)
+        left = _LEAST_SHARE
+        for _ in range(steps):
+            right = left * ratio
+            if excess(right) <= 0:
+                share = float(optimize.brentq(excess, left, right, xtol=1e-12))
+                if math.isclose(excess(share), 0.0, abs_tol=1e-6):
+                    return share
+            left = right
     raise DesignError(f"no gain lets the loop settle in exactly {wanted} s; allow more time")

@@ -8,10 +8,10 @@ import math
 
 import numpy as np
 
+from ravenbrick.installation import brick_module
 from ravenbrick.report.chart import COLOURS, SERIES, Drawing, Panel
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import StepRecord
-from ravenbrick.trace.motion import SETTLING_BAND, WINDOW
 
 __all__ = ["step_drawing"]
 
@@ -19,26 +19,27 @@ WIDTH, HEIGHT, LEFT, TOP = 930, 400, 62, 62
 SHOWN = 0.8
 
 
-def _band(panel: Panel, height: float) -> None:
+def _band(panel: Panel, height: float, share: float) -> None:
     """The tolerance that a settled response stays in."""
-    top, bottom = (float(panel.at_y(height * (1 + s * SETTLING_BAND))) for s in (1, -1))
+    top, bottom = (float(panel.at_y(height * (1 + s * share))) for s in (1, -1))
     panel.drawing.rectangles([(panel.left, top, panel.width, bottom - top)], "#d5d8dc")
     panel.horizontal(height, COLOURS["setpoint"], 1.2, "2 3")
 
 
 def step_drawing(design: Design | None, record: StepRecord) -> Drawing:
     """Response of one motor's speed to a step of the set-point, in degrees/s over s."""
+    brick = brick_module()
     height = math.degrees(record.measures.setpoint or record.measures.final_value)
     drawing = Drawing(WIDTH, HEIGHT, f"Step response of motor {record.motor}")
     low, high = sorted((-0.08 * height, 1.45 * height)) if height else (-1.0, 1.0)
     place = (LEFT, TOP, WIDTH - LEFT - 14, HEIGHT - TOP - 40)
     panel = Panel(drawing, *place, (0.0, min(SHOWN, float(record.times[-1]))), (low, high))
-    _band(panel, height)
+    _band(panel, height, brick.SETTLING_BAND)
     panel.x_axis("time after the step (s)")
     panel.y_axis()
     drawing.text(LEFT, 16, f"speed of motor {record.motor} (°/s)", bold=True)
-    brick = f"on the brick (slope fit, {1000 * WINDOW:.0f} ms)"
-    entries = [("difference of counts over 4 ms", COLOURS["raw"], ""), (brick, SERIES[0], "")]
+    fitted = f"on the brick (slope fit, {1000 * brick.SPEED_WINDOW:.0f} ms)"
+    entries = [("difference of counts over 4 ms", COLOURS["raw"], ""), (fitted, SERIES[0], "")]
     shown = record.difference_times <= panel.x[1]
     panel.line(
         record.difference_times[shown], np.degrees(record.difference[shown]), COLOURS["raw"], 0.8,
@@ -46,7 +47,7 @@ def step_drawing(design: Design | None, record: StepRecord) -> Drawing:
     )  # fmt: skip
     within = record.times <= panel.x[1]
     panel.line(record.times[within], np.degrees(record.fitted[within]), SERIES[0], 3)
-    lines = [(f"set-point ±{100 * SETTLING_BAND:.0f} %", COLOURS["setpoint"], "2 3")]
+    lines = [(f"set-point ±{100 * brick.SETTLING_BAND:.0f} %", COLOURS["setpoint"], "2 3")]
     if design is not None:
         for label, response, colour, dash in (
             ("continuous design", design.continuous, COLOURS["design"], "6 3"),

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.clock import Clock
+from ravenbrick.installation import brick_module
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording, Screen
 from ravenbrick.trace.schedule import (
@@ -26,7 +27,6 @@ from ravenbrick.trace.schedule import (
     all_jobs,
     segments,
 )
-from ravenbrick.units import signal_unit
 
 __all__ = ["Lane", "Series", "Timeline", "nanoseconds", "timeline_of"]
 
@@ -135,13 +135,19 @@ def _inputs(recording: Recording) -> list[Series]:
         mine = [timed for timed in recording.inputs if timed.name == name]
         cycles = np.array([timed.at_cycles for timed in mine], np.int64)
         values = np.array([timed.value for timed in mine], np.float64)
-        found.append(Series(name, "input", signal_unit(name), cycles, values))
+        found.append(Series(name, "input", brick_module().signal_unit(name), cycles, values))
     return found
 
 
 def _signals(recording: Recording) -> list[Series]:
     return [
-        Series(name, "signal", signal_unit(name), signal.cycles.astype(np.int64), signal.values)
+        Series(
+            name,
+            "signal",
+            brick_module().signal_unit(name),
+            signal.cycles.astype(np.int64),
+            signal.values,
+        )
         for name, signal in sorted(recording.signals.items())
     ]
 
