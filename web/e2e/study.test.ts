@@ -104,4 +104,17 @@ describe("the panels of a lab", () => {
     expect(await violations(page)).toEqual([]);
     await page.locator("#code").screenshot({ path: "../out/page/11-code.png" });
   });
+
+  test("the checks are judged in the tab as ravenbrick run judges them", async ({ open, view }) => {
+    const { page } = await open(await view(await build(VEHICLE), "step"));
+    await page.fill("#prediction input", "0.3");
+    await page.click("#prediction button");
+    await runTo(page, 4.1);
+    await waitForText(page, "#checks-state", "all met");
+    expect(await page.locator("#check-list .met").count()).toBe(3);
+    expect(await page.textContent("#step-figures")).toContain("settled after 39");
+    expect(await page.textContent("#prediction .answer")).toMatch(/Measured: 0\.39\d* s/);
+    expect(await violations(page)).toEqual([]);
+    await screenshot(page, "12-judged");
+  });
 });
