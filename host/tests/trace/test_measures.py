@@ -80,6 +80,7 @@ def test_a_hand_that_holds_still_does_not_end_the_straight(
     [
         (10.0, None, "distance at least 10"),
         (None, 2.5, "distance at most 2.5"),
+        (float("inf"), None, "distance at least inf"),
         (10.0, 12.5, "distance at least 10 and at most 12.5"),
     ],
 )

@@ -160,13 +160,18 @@ def check_survival(scenario: Scenario, recording: Recording) -> None:
             )
 
 
+def _number(bound: float | None) -> str | None:
+    """As text, because TOML has numbers that JSON lacks."""
+    return None if bound is None else repr(float(bound))
+
+
 def evaluate_criteria(scenario: Scenario, measures: RunMeasures) -> list[CriterionResult | Verdict]:
     """Each criterion with its value, then each expectation with its verdict.
 
     Raises `ScenarioError` for one the run never reached.
     """
     bounds = [
-        {"measure": c.measure, "minimum": c.minimum, "maximum": c.maximum}
+        {"measure": c.measure, "minimum": _number(c.minimum), "maximum": _number(c.maximum)}
         for c in scenario.criteria
     ]
     rows = json.loads(measures.native.answer(json.dumps({"criteria": bounds})))["criteria"]

@@ -26,9 +26,10 @@ pub(crate) fn exact<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D
     written.get().parse().map_err(serde::de::Error::custom)
 }
 
+/// As `exact`, or none; also in quotes, for what JSON has no number for, such as `"inf"`.
 fn exact_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let written = <&RawValue>::deserialize(deserializer)?.get();
-    let number = (written != "null").then(|| written.parse());
+    let number = (written != "null").then(|| written.trim_matches('"').parse());
     number.transpose().map_err(serde::de::Error::custom)
 }
 

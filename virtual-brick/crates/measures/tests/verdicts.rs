@@ -157,6 +157,9 @@ fn bounds_are_exact_to_the_last_bit() {
         Some(bound.to_bits())
     );
     assert_eq!(plan.criteria[0].maximum, None);
+    let endless = r#"{"criteria": [{"measure": "distance", "maximum": "inf"}]}"#;
+    let endless = Plan::from_json(endless).unwrap();
+    assert_eq!(endless.criteria[0].maximum, Some(f64::INFINITY));
 }
 
 #[test]
