@@ -76,13 +76,14 @@ def captioned(text: str, caption: str) -> str:
     """A sheet as it is read: fences that write or change a file say which.
 
     `caption` is how a fence with a caption begins; {language} and {file} stand for themselves.
+    The empty line before the fence goes, so a caption of one line leaves the numbers of lines.
     """
 
     def opening(match: re.Match[str]) -> str:
         language = match[1].replace("edit", "diff")
         return caption.replace("{language}", language).replace("{file}", match[2])
 
-    return re.sub(r"^```(\w+) file=(\S+)$", opening, text, flags=re.MULTILINE)
+    return re.sub(r"(?:^\n)?^```(\w+) file=(\S+)$", opening, text, flags=re.MULTILINE)
 
 
 def _plain(text: str) -> str:

@@ -33,7 +33,7 @@ table { border-collapse: collapse } td, th { border: 0.4pt solid #999; padding: 
 
 def sheets_html() -> str:
     """All sheets in order; links between pages become text."""
-    caption = "`{file}`\n\n```{language}"
+    caption = "\n`{file}`\n\n```{language}"
     texts = [captioned(printed(sheet.read_text("utf-8")), caption) for sheet in find([])]
     body = "\n".join(markdown().render(text) for text in texts)
     body = re.sub(r'<a href="(?!https?:)[^"]*">(.*?)</a>', r"\1", body)

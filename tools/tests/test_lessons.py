@@ -164,8 +164,8 @@ def test_an_edit_replaces_lines_that_are_there_once() -> None:
 
 def test_the_reader_sees_the_file_of_a_fence() -> None:
     """An edit is shown as a difference."""
-    shown = captioned("```edit file=a/b.py\n-x\n```\n", "{file}\n```{language}")
-    assert shown == "a/b.py\n```diff\n-x\n```\n"
+    shown = captioned("A\n\n```edit file=a/b.py\n-x\n```\n", "```{language}\n{file}")
+    assert shown == "A\n```diff\na/b.py\n-x\n```\n"
 
 
 WRONG = [
