@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from ravenbrick.project.robot import read_robot
 from ravenbrick.schedule import TaskSet, rate_monotonic, simulate
 from ravenbrick.schedule.gantt import gantt_figure
 from ravenbrick.schedule.model import Task
+from ravenbrick.schedule.simulation import Scheduler
 from ravenbrick.schedule.task_models.servers import Kind, Server
 from ravenbrick.schedule.task_models.system import System
 from ravenbrick.trace.dynamics import task_dynamics
@@ -33,12 +35,12 @@ def _files() -> dict[str, str]:
 
 def gantt() -> str:
     """The first task set under both schedulers, over one hyperperiod."""
-    of = (("control", 4, "1.6"), ("line", 6, 3), ("telemetry", 12, 1))
+    of = (("control", 4, Fraction(8, 5)), ("line", 6, 3), ("telemetry", 12, 1))
     tasks = TaskSet(tuple(Task(name, period, wcet, 1, period) for name, period, wcet in of))
     return picture(gantt_figure(rate_monotonic(tasks), "ms", 12))
 
 
-def _command_bound(kind: Kind, capacity: float) -> float | None:
+def _command_bound(kind: Kind, capacity: Fraction) -> float | None:
     """Bound of the command's response time in ms; None when a deadline can be missed."""
     command = Task("command", 60, 4, 1, 60, release="sporadic")
     server = Server("requests", kind, 8, capacity, 1, (command,))
@@ -59,9 +61,9 @@ def servers() -> str:
     figure, (axes,) = new_figure(7.0, 3.4)
     kinds: tuple[Kind, ...] = ("polling", "deferrable", "sporadic")
     for kind, colour, dash in zip(kinds, SERIES, ("-", "--", ":"), strict=False):
-        budgets = [n / 16 for n in range(16, 65)]
+        budgets = [Fraction(n, 16) for n in range(16, 65)]
         bounds = [_command_bound(kind, budget) for budget in budgets]
-        shown = [(c, r) for c, r in zip(budgets, bounds, strict=True) if r is not None]
+        shown = [(float(c), r) for c, r in zip(budgets, bounds, strict=True) if r is not None]
         axes.step(
             *zip(*shown, strict=True), dash, color=colour, label=kind, linewidth=2, where="post"
         )
@@ -74,15 +76,12 @@ def domino() -> str:
     """Missed deadlines of each task over the control task's execution time."""
     figure, axes = new_figure(7.0, 4.6, rows=2)
     times = [n / 4 for n in range(24, 53)]
-    for axis, scheduler, title in zip(
-        axes,
-        ("fixed_priority", "earliest_deadline"),
-        ("fixed priorities", "earliest deadline first"),
-        strict=True,
-    ):
+    schedulers: tuple[Scheduler, ...] = ("fixed_priority", "earliest_deadline")
+    titles = ("fixed priorities", "earliest deadline first")
+    for axis, scheduler, title in zip(axes, schedulers, titles, strict=True):
         shares = []
         for control in times:
-            task_set = TaskSet.of((control, 20), (9, 30), (15, 60))
+            task_set = TaskSet.of((Fraction(control), 20), (9, 30), (15, 60))
             done = simulate(task_set, 6000, scheduler=scheduler)
             missed = [job.task.name for job in done.deadline_misses]
             shares.append(
@@ -141,9 +140,12 @@ def guard() -> str:
         seconds = [recording.clock.seconds(int(c)) for c in found.response_time_cycles]
         each = 0.020 if transformed else 0.060
         axes.semilogy(
-            0.1 + each * np.arange(1, len(seconds)), 1000 * np.array(seconds)[1:], ".-", color=colour,
+            0.1 + each * np.arange(1, len(seconds)),
+            1000 * np.array(seconds)[1:],
+            ".-",
+            color=colour,
             label=name,
-        )  # fmt: skip
+        )
     axes.axvline(1.0, color="black", linestyle=":", linewidth=1)
     axes.set(xlabel="release of the job (s)", ylabel="response time (ms)")
     legend(axes, "upper left")
