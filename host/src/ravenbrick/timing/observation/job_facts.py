@@ -16,8 +16,9 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.schedule.offsets import Request
 from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts
+from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import jobs_of
+from ravenbrick.trace.schedule import all_jobs, jobs_of
 
 __all__ = ["TOLERANCE_CYCLES", "FactCount", "request_counts", "together_counts"]
 
@@ -70,11 +71,25 @@ def together_counts(robot: Robot, facts: Facts, recording: Recording) -> list[Fa
     return found
 
 
+def _spans(recording: Recording, task: str) -> list[tuple[int, int]]:
+    """Release and completion of each job of a task; a job under way lasts beyond the run."""
+    if task not in (thread.name for thread in recording.threads):
+        return []
+    later = recording.stop.at_cycles + 1
+    return [
+        (job.release_cycles, later if job.completion_cycles is None else job.completion_cycles)
+        for job in jobs_of(recording, recording.thread_index(task))
+    ]
+
+
 def request_counts(
     requests: Sequence[Request], facts: Facts, recording: Recording, since: int
 ) -> list[FactCount]:
-    """How long after jobs that request them interrupts come."""
+    """How long after jobs that request them interrupts come, or after the elaboration: until all
+    tasks have started, it requests them as a job would."""
     entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    started = max((jobs[0].release_cycles for jobs in all_jobs(recording) if jobs), default=0)
+    elaboration = [span for span in _spans(recording, ENVIRONMENT) if span[0] < started]
     found = []
     for request in requests:
         source = SOURCE_NUMBERS.get(request.source)
@@ -83,12 +98,9 @@ def request_counts(
             continue
         at = entered["at_cycles"][entered["subject"] == source].astype(np.int64)
         at = at[at >= since]
-        jobs = [
-            (job.release_cycles, recording.stop.at_cycles + 1 if end is None else end)
-            for task in request.tasks
-            for job in jobs_of(recording, recording.thread_index(task))
-            for end in [job.completion_cycles]
-        ]
+        jobs = [*elaboration]
+        for task in request.tasks:
+            jobs += _spans(recording, task)
         begins, ends = np.array(sorted(jobs), np.int64).reshape(-1, 2).T
         before = np.searchsorted(begins, at, side="right") - 1
         over = np.append(np.maximum.accumulate(ends), 0)[before]

@@ -5,11 +5,12 @@
 use crate::error::Error;
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
-use crate::graph::control_flow::Target;
+use crate::graph::control_flow::{Block, ControlTransfer, Target};
 use crate::graph::loop_forest::successors;
 use crate::inputs::annotations::Fact;
 use crate::inputs::image::Entry;
 use crate::loops::flow_facts::header_executions;
+use arm7tdmi::instruction::Operation;
 use image::{FlowPoint, Within};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -160,13 +161,26 @@ fn loop_point(
     })
 }
 
+/// Is this the end of a block whose targets are not in the instruction, and which does not return?
+fn is_indirect(block: &Block) -> bool {
+    let direct = block.instructions.last().is_some_and(|(_, instruction)| {
+        matches!(
+            instruction.operation,
+            Operation::Branch { .. } | Operation::LongBranchSuffix { .. }
+        )
+    });
+    let moves = !matches!(block.transfer, None | Some(ControlTransfer::Return));
+    moves && !direct
+}
+
 /// Targets of this function's indirect branches.
 fn branch_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFact> {
-    let ends = summary
+    let indirect = summary
         .flow
         .blocks
         .iter()
-        .filter_map(|block| block.instructions.last());
+        .filter(|block| is_indirect(block));
+    let ends = indirect.filter_map(|block| block.instructions.last());
     let stated = ends.filter_map(|(address, _)| {
         let fact = program.facts.used_call_fact(*address)?;
         let targets = program.facts.call_targets(*address)?;
