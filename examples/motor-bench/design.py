@@ -19,7 +19,7 @@ from ravenbrick.control import (
     pi_by_lambda,
     pi_with_estimator,
 )
-from ravenbrick.model import NXT_MOTOR, SpeedLoop
+from ravenbrick.model import MotorParameters, SpeedLoop
 from ravenbrick.project.robot import read_robot
 
 PROJECT = Path(__file__).resolve().parent
@@ -35,7 +35,8 @@ SETTLING_TIME = 0.4
 
 def design() -> Design:
     """A PI controller of the speed with estimator and delay in the loop."""
-    loop = SpeedLoop.of_motor(NXT_MOTOR, DEGREES_PER_VOLT)
+    motor = MotorParameters.of_values(ROBOT.motor_values("B"), "robot.toml")
+    loop = SpeedLoop.of_motor(motor, DEGREES_PER_VOLT)
     wanted = LoopSpecification(
         settling_time=SETTLING_TIME,
         overshoot=0.005,

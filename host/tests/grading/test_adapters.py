@@ -13,7 +13,15 @@ from typing import Any
 import jsonschema
 import pytest
 
-from ravenbrick.grading.adapters import github_actions, gradescope, nbgrader, readable
+from ravenbrick.grading.adapters import (
+    ADAPTERS,
+    canvas,
+    github_actions,
+    gradescope,
+    moodle,
+    nbgrader,
+    readable,
+)
 
 # A name with everything that has a meaning in one of the formats.
 NASTY = 'speed: slow, 50% | "fast"\r\n::error::x'
@@ -146,3 +154,26 @@ def test_the_text_is_one_row_a_check() -> None:
     assert len(rows) == 3
     assert all(len(re.findall(r"(?<!\\)\|", row)) == 4 for row in rows)
     assert "7 rad/s" not in rows[2]
+
+
+def test_moodle_gets_an_id_a_grade_and_its_feedback_in_each_line() -> None:
+    """MoodleDocs, "Grade import": grade and feedback of an item are imported together."""
+    (row,) = csv.DictReader(io.StringIO(moodle([RESULT])))
+    assert row["ID number"] == RESULT["submission"] and row["lab-01"] == "2.5"
+    assert "secret: 0 of 3" in row["lab-01 (feedback)"] and "7 rad/s" not in str(row)
+
+
+def test_canvas_gets_the_columns_of_an_export_and_the_points_possible() -> None:
+    """Student and ID come first, SIS Login ID fourth, Section before the grade."""
+    head, possible, student = csv.reader(io.StringIO(canvas([RESULT])))
+    assert head == ["Student", "ID", "SIS User ID", "SIS Login ID", "Section", "lab-01"]
+    assert possible[0].strip() == "Points Possible" and possible[5] == "6"
+    assert student[3] == RESULT["submission"] and student[5] == "2.5"
+
+
+@pytest.mark.parametrize("form", ["moodle", "canvas", "nbgrader"])
+@pytest.mark.parametrize("name", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(A1)", "\t=1"])
+def test_no_cell_of_a_grade_book_is_a_formula(form: str, name: str) -> None:
+    """A spreadsheet executes what begins with = + - @; such text is marked as text."""
+    for row in csv.reader(io.StringIO(ADAPTERS[form]([{**RESULT, "submission": name}]))):
+        assert not any(cell.startswith(("=", "+", "-", "@", "\t", "\r")) for cell in row)

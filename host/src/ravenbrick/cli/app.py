@@ -40,6 +40,7 @@ COMMANDS = {
     "analyse": "Bound execution and response times from the binary and compare them with a run.",
     "bind": "Copy the C of an Embedded Coder model and write its Ada binding.",
     "build": "Compile, bind and link the image, and report its memory use.",
+    "class": "Make an assignment of their own for each student of a class, from a secret key.",
     "compare-brick": "Compare the self-test of a brick with the virtual brick, row by row.",
     "debug": "Debug the program with GDB, forwards and backwards in time.",
     "demo": "Design, generate, build, run every scenario, measure, and write the report.",
@@ -65,7 +66,12 @@ COMMANDS = {
     "wcet": "Bound the execution time of a function of an ELF file.",
 }
 # Commands whose module has another name.
-ELSEWHERE = {"compare-brick": "compare_brick", "import": "import_model", "home": "new"}
+ELSEWHERE = {
+    "class": "class_folders",
+    "compare-brick": "compare_brick",
+    "import": "import_model",
+    "home": "new",
+}
 OPTIONS: dict[str, Any] = {"rich_markup_mode": None}  # without rich, which loads slowly
 
 

@@ -20,6 +20,7 @@ from ravenbrick.grading.campaign import run_campaign
 from ravenbrick.grading.isolation import TRUST
 from ravenbrick.grading.rubric import read_rubric
 from ravenbrick.grading.submission import find_submissions
+from ravenbrick.grading.variants import read_key
 
 __all__ = ["grade_command"]
 
@@ -30,6 +31,8 @@ class Form(StrEnum):
     TEXT = "text"
     GRADESCOPE = "gradescope"
     NBGRADER = "nbgrader"
+    MOODLE = "moodle"
+    CANVAS = "canvas"
     GITHUB = "github"
 
 
@@ -64,6 +67,10 @@ def grade_command(
             help="Text that hidden seeds are drawn from (default: one for each --output)."
         ),
     ] = None,
+    class_key: Annotated[
+        Path | None,
+        typer.Option(help="Class key: each submission is graded by the numbers of its student."),
+    ] = None,
     form: Annotated[Form, typer.Option("--format", help="Format of the report.")] = Form.TEXT,
     report: Annotated[
         Path | None, typer.Option(help="File for the report (default: print it).")
@@ -82,6 +89,7 @@ def grade_command(
         results = run_campaign(
             chosen, found, output, workers, dask, run_design,
             TRUST if trust else None, secret, step.progress,
+            class_key=read_key(class_key) if class_key else None,
         )  # fmt: skip
         mean = sum(result["points"] for result in results) / len(results)
         step.note = f"{mean:.4g} of {chosen.points:g} points on average"

@@ -7,9 +7,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-__all__ = ["ADAPTERS", "github_actions", "gradescope", "nbgrader", "readable"]
+__all__ = ["ADAPTERS", "canvas", "github_actions", "gradescope", "moodle", "nbgrader", "readable"]
 
 Result = dict[str, Any]
 
@@ -27,6 +28,9 @@ NBGRADER = (
     "score",
     "max_score",
 )
+# Columns of a Canvas grade book before the assignments, in its order.
+CANVAS = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def _told(row: Result) -> str:
@@ -70,24 +74,87 @@ def gradescope(results: list[Result]) -> str:
     return json.dumps({**report, "tests": tests}, indent=1) + "\n"
 
 
-def nbgrader(results: list[Result]) -> str:
-    """CSV as nbgrader exports its grade book; what a grader does not know is empty."""
+def _cell_text(text: str) -> str:
+    """Text that no spreadsheet takes for a formula (OWASP, "CSV Injection")."""
+    return f"'{text}" if text.startswith(FORMULA) else text
+
+
+def _table(heads: Sequence[str], rows: Iterable[Mapping[str, str]]) -> str:
+    """CSV by RFC 4180, but lines end as on Unix; what a row does not have is empty."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, NBGRADER, restval="", lineterminator="\n")
+    writer = csv.DictWriter(text, heads, restval="", lineterminator="\n")
     writer.writeheader()
-    for result in results:
-        points = f"{result['points']:g}"
-        writer.writerow(
+    writer.writerows({name: _cell_text(value) for name, value in row.items()} for row in rows)
+    return text.getvalue()
+
+
+def nbgrader(results: list[Result]) -> str:
+    """CSV as nbgrader exports its grade book; what a grader does not know is empty.
+
+    nbgrader documentation, "Export plugin": the columns are those of its CsvExportPlugin.
+    """
+    return _table(
+        NBGRADER,
+        (
             {
                 "assignment": result["rubric"],
                 "student_id": result["submission"],
-                "raw_score": points,
+                "raw_score": f"{result['points']:g}",
                 "late_submission_penalty": "0",
-                "score": points,
+                "score": f"{result['points']:g}",
                 "max_score": f"{result['of']:g}",
             }
-        )
-    return text.getvalue()
+            for result in results
+        ),
+    )
+
+
+def moodle(results: list[Result]) -> str:
+    """CSV for "Grades > Import > CSV file" of Moodle.
+
+    MoodleDocs 4.5, "Grade import": a head, one line for each user, one column that identifies the
+    user and is mapped to "ID number", "Username" or "Email address", columns of grades; grade and
+    feedback of an item are imported together, since an import without one of them deletes it.
+    """
+    if not results:
+        return ""
+    grade = results[0]["rubric"]
+    feedback = f"{grade} (feedback)"
+    return _table(
+        ("ID number", grade, feedback),
+        (
+            {
+                "ID number": result["submission"],
+                grade: f"{result['points']:g}",
+                feedback: "; ".join(
+                    f"{row['name']}: {row['points']:g} of {row['of']:g}" for row in result["checks"]
+                ),
+            }
+            for result in results
+        ),
+    )
+
+
+def canvas(results: list[Result]) -> str:
+    """CSV for "Grades > Import" of Canvas.
+
+    Canvas Instructor Guide, "How do I import grades in the Gradebook?": the columns of an export up
+    to Section, then the assignments; a row "Points Possible" comes before the students. Canvas
+    finds a student by ID, SIS User ID, SIS Login ID or name, the first that is given.
+    """
+    if not results:
+        return ""
+    grade = results[0]["rubric"]
+    possible = {"Student": "    Points Possible", grade: f"{results[0]['of']:g}"}
+    students = (
+        {
+            "Student": result["submission"],
+            "SIS Login ID": result["submission"],
+            grade: f"{result['points']:g}",
+        }
+        for result in results
+    )
+    return _table((*CANVAS, grade), (possible, *students))
 
 
 def github_actions(results: list[Result]) -> str:
@@ -113,5 +180,7 @@ ADAPTERS = {
     "text": readable,
     "gradescope": gradescope,
     "nbgrader": nbgrader,
+    "moodle": moodle,
+    "canvas": canvas,
     "github": github_actions,
 }

@@ -29,6 +29,7 @@ from ravenbrick.image.build import gprbuild_switches
 from ravenbrick.image.build_errors import errors_in
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.run_time import run_time_library
+from ravenbrick.project.robot import ROBOT_FILE
 from ravenbrick.project.workspace import PACKAGE, tree
 
 __all__ = ["ELF", "build_image", "design_files", "prepare_base", "python_parts"]
@@ -216,7 +217,8 @@ def design_files(
     if DESIGN not in files:
         return dict(files)
     project, _complete = _laid_out(rubric, files)
-    whole = _Project({**project.files, DESIGN: (files[DESIGN], 0)})
+    own = {ROBOT_FILE: (rubric.robot_text, 0.0)} if rubric.robot_text is not None else {}
+    whole = _Project({**project.files, **own, DESIGN: (files[DESIGN], 0)})
     limits = rubric.limits
     outcome = run_isolated(
         isolation,

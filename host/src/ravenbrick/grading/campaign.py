@@ -50,7 +50,8 @@ def _keep(results: Path, submission: Submission, digest: str, result: Result) ->
 
 def _stamp(job: Job, submission: Submission) -> str:
     """Changes with the rubric, with how it is graded and with any file of the submission."""
-    how = (job.rubric_digest, job.isolation, job.secret, job.design, list(states(submission)))
+    given = (job.rubric_digest, job.isolation, job.secret, job.design, job.class_key)
+    how = (*given, list(states(submission)))
     return hashlib.sha256(repr(how).encode("utf-8", "replace")).hexdigest()
 
 
@@ -124,12 +125,18 @@ def run_campaign(
     border: str | None = None,
     secret: str | None = None,
     progress: Callable[[float], None] = lambda share: None,
+    class_key: bytes | None = None,
 ) -> list[Result]:
     """Results in the order of the submissions; `folder` keeps them and the images.
 
-    Hidden seeds are drawn from `secret`, by default one that `folder` keeps. Raises
-    `IsolationError` where submissions cannot be isolated, by default by what is found.
+    Hidden seeds are drawn from `secret`, by default one that `folder` keeps. With `class_key` each
+    submission is graded by the variant of its name. Raises `IsolationError` where submissions
+    cannot be isolated, by default by what is found.
     """
+    if class_key is not None and rubric.individual is None:
+        raise UsageError(
+            f"the rubric '{rubric.name}' has no table [individual]; grade without the class key"
+        )
     isolation = isolation_named(border) if border else find_isolation()
     folder = folder.resolve()
     with locked(folder, "that grades into this folder"):
@@ -147,6 +154,7 @@ def run_campaign(
                 isolation=isolation.name,
                 secret=drawn_from,
                 design=design,
+                class_key=class_key.hex() if class_key else "",
             )
             for s in submissions
         }

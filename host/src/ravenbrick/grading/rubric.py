@@ -11,11 +11,21 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick import __version__
+from ravenbrick.errors import UsageError
 from ravenbrick.grading.answers import parse_wanted
 from ravenbrick.grading.draws import Pulses
+from ravenbrick.grading.robot_text import own_robot_text
+from ravenbrick.grading.variants import (
+    Individual,
+    Variant,
+    drawn_variant,
+    filled,
+    individual_of,
+    middle_variant,
+)
 from ravenbrick.project.criteria import ExpectationSyntaxError, parse_expectation
 from ravenbrick.project.named_files import is_file, named_file
-from ravenbrick.project.robot import Robot, read_robot, tasks_of
+from ravenbrick.project.robot import ROBOT_FILE, Robot, read_robot, tasks_of
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.workspace import tree
 from ravenbrick.schemas.located_toml import LocatedToml, read_toml
@@ -44,7 +54,10 @@ class Limits:
 
 @dataclass(frozen=True)
 class Check:
-    """One line of the rubric; `kind` is one of KINDS, `value` what it asks for."""
+    """One line of the rubric; `kind` is one of KINDS, `value` what it asks for.
+
+    `own` is asked for instead where each student has a variant; braces hold expressions.
+    """
 
     name: str
     points: float
@@ -56,6 +69,7 @@ class Check:
     pulses: Pulses | None
     hidden: bool
     place: str
+    own: str = ""
 
 
 @dataclass(frozen=True)
@@ -72,6 +86,27 @@ class Rubric:
     checks: tuple[Check, ...]
     robot: Robot
     digest: str
+    individual: Individual | None = None
+    robot_text: bytes | None = None
+
+    def variant(self, key: bytes, student: str) -> Variant:
+        """The student's robot and numbers; raises `UsageError` where all have the same."""
+        if self.individual is None:
+            raise UsageError(f"the rubric '{self.name}' has no table [individual]")
+        return drawn_variant(self.robot, self.individual, key, self.name, student)
+
+    def of(self, variant: Variant) -> Rubric:
+        """This rubric with the variant's robot, its robot.toml and its numbers."""
+        checks = (
+            replace(check, value=filled(check.own, variant.facts)) if check.own else check
+            for check in self.checks
+        )
+        text = (self.project / ROBOT_FILE).read_text("utf-8")
+        if self.individual is not None and not self.individual.hidden:
+            text = own_robot_text(text, self.robot, variant.robot)
+        return replace(
+            self, robot=variant.robot, checks=tuple(checks), robot_text=text.encode("utf-8")
+        )
 
     @property
     def needs_image(self) -> bool:
@@ -156,6 +191,10 @@ def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: R
             )
         except ExpectationSyntaxError as error:
             raise document.error(("checks", index, "expect"), str(error)) from None
+    if "own" in table and (kind not in ("expect", "answer") or pulses):
+        raise document.error(
+            ("checks", index, "own"), "needs 'answer', or 'expect' without 'pulses'"
+        )
     if kind == "answer":
         try:
             parse_wanted(table["answer"])
@@ -173,7 +212,39 @@ def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: R
         pulses=pulses,
         hidden=table.get("hidden", False),
         place=place,
+        own=table.get("own", ""),
     )
+
+
+def _individual(
+    document: LocatedToml, robot: Robot, checks: tuple[Check, ...]
+) -> Individual | None:
+    """The table [individual]; every `own` is tried with the project's robot."""
+    table = document.values.get("individual")
+    if table is None:
+        return None
+    try:
+        individual = individual_of(table)
+    except ValueError as error:
+        raise document.error(("individual", "numbers"), str(error)) from None
+    for index, port in enumerate(individual.motors):
+        if port not in robot.motor_ports:
+            raise document.error(
+                ("individual", "motors", index), f"nothing is plugged into motor port {port}"
+            )
+    for place, name in enumerate(individual.records):
+        if not is_file(document.path.parent / name):
+            raise document.error(("individual", "records", place), f"there is no file '{name}'")
+    facts = middle_variant(robot, individual).facts
+    for index, check in enumerate(checks):
+        try:
+            if check.own and check.kind == "answer":
+                parse_wanted(filled(check.own, facts))
+            elif check.own:
+                parse_expectation(filled(check.own, facts), check.place)
+        except (ValueError, ExpectationSyntaxError) as error:
+            raise document.error(("checks", index, "own"), str(error)) from None
+    return individual
 
 
 def read_rubric(path: Path) -> Rubric:
@@ -192,6 +263,7 @@ def read_rubric(path: Path) -> Rubric:
     used = {path, *_files(project), *(c.scenario for c in checks if c.scenario)}
     names = "".join(sorted(digest_of([file], file.parent) for file in used))
     return Rubric(
+        individual=_individual(document, robot, checks),
         path=path,
         name=values["name"],
         description=values.get("description", ""),

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import random
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -19,6 +18,7 @@ from ravenbrick.atomic_write import atomic_write
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import RavenbrickError
 from ravenbrick.grading.campaign import on_cluster
+from ravenbrick.grading.variants import drawn_motor
 from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario
@@ -27,8 +27,6 @@ from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure
 __all__ = ["Variant", "draw", "run_sweep"]
 
 Result = dict[str, Any]
-
-_RIGID = ("backlash",)
 
 
 @dataclass(frozen=True)
@@ -48,19 +46,8 @@ def draw(robot: Robot, scenario: Scenario, number: int) -> dict[str, dict[str, f
 
     A function of the scenario's seed and the number alone.
     """
-    found: dict[str, dict[str, float]] = {}
-    for port, plugged in sorted(robot.motor_ports.items()):
-        found[port] = {}
-        for name, quantity in sorted(robot.motors[plugged.motor].items()):
-            if name in _RIGID or quantity.tolerance == 0:
-                continue
-            dice = random.Random(f"{scenario.seed} {number} {port} {name}")
-            low = max(quantity.value - quantity.tolerance, 0.0)
-            found[port][name] = dice.uniform(low, quantity.value + quantity.tolerance)
-        static = found[port].get("static_friction")
-        if static is not None and "coulomb_friction" in found[port]:
-            found[port]["static_friction"] = max(static, found[port]["coulomb_friction"])
-    return found
+    seed = f"{scenario.seed} {number}"
+    return {port: drawn_motor(robot, port, seed) for port in sorted(robot.motor_ports)}
 
 
 def run_variant(variant: Variant) -> Result:

@@ -40,6 +40,7 @@ class Job:
     isolation: str
     secret: str
     design: bool = False
+    class_key: str = ""
 
 
 @functools.lru_cache(maxsize=4)
@@ -75,6 +76,8 @@ def failed_result(job: Job, rubric: Rubric, defect: str) -> dict[str, Any]:
 
 def _graded(job: Job, rubric: Rubric) -> dict[str, Any]:
     isolation = isolation_named(job.isolation)
+    if job.class_key:
+        rubric = rubric.of(rubric.variant(bytes.fromhex(job.class_key), job.submission))
     submission = Submission(job.submission, Path(job.path))
     try:
         files = read_files(submission, rubric.folders, rubric.needs_image)
@@ -84,7 +87,7 @@ def _graded(job: Job, rubric: Rubric) -> dict[str, Any]:
     if not job.design:
         files.pop(DESIGN, None)
     digests = {name: hashlib.sha256(text).hexdigest() for name, text in sorted(files.items())}
-    key = hashlib.sha256(json.dumps([rubric.digest, repr(answers), digests]).encode()).hexdigest()
+    key = hashlib.sha256(json.dumps([_asked(rubric), repr(answers), digests]).encode()).hexdigest()
     rows, defect = _failed(rubric, ""), ""
     if rubric.needs_image:
         try:
@@ -98,6 +101,13 @@ def _graded(job: Job, rubric: Rubric) -> dict[str, Any]:
         for check, row in zip(rubric.checks, rows, strict=True)
     ]
     return _result(job, rubric, key, rows, defect)
+
+
+def _asked(rubric: Rubric) -> list[Any]:
+    """What the result depends on besides the submission."""
+    if rubric.robot_text is None:
+        return [rubric.digest]
+    return [rubric.digest, rubric.robot_text.decode(), [repr(c.value) for c in rubric.checks]]
 
 
 def _answer_row(check: Check, answers: Answers) -> dict[str, Any]:

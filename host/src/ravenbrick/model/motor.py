@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from ravenbrick.catalogue import part_source, part_values
@@ -32,9 +33,13 @@ class MotorParameters:
     @classmethod
     def of_catalogue(cls, name: str) -> MotorParameters:
         """The motor of this name in the catalogue, without its dry friction and backlash."""
-        values = part_values("motors", name)
+        return cls.of_values(part_values("motors", name), part_source("motors", name))
+
+    @classmethod
+    def of_values(cls, values: Mapping[str, float], source: str) -> MotorParameters:
+        """The motor with these constants by name, without its dry friction and backlash."""
         known = {field.name: values[field.name] for field in fields(cls) if field.name in values}
-        return cls(**known, source=part_source("motors", name))
+        return cls(**known, source=source)
 
     def __post_init__(self) -> None:
         for field in fields(self):

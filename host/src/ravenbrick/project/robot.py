@@ -186,6 +186,11 @@ class Robot:
             raise self.document.error(("tasks",), problem)
         return found.period_us // 1000
 
+    def motor_values(self, port: str) -> dict[str, float]:
+        """Constants of the motor on a port, by name in SI units."""
+        motor = self.motors[self.motor_ports[port].motor]
+        return {name: quantity.value for name, quantity in motor.items()}
+
     def degrees_per_volt(self) -> float:
         """Speed that a volt of the set-points stands for, (deg/s)/V; raises `ProjectFileError`."""
         for setpoint in self.setpoints:

@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A class of 300: each student's own answers pass, and a neighbour's do not.
+
+`python -m verification.course.class_variants [COUNT]` writes docs/reference/class-variants.md. The
+answers of sheet 3 are estimated from the recordings that a student gets, with
+`ravenbrick identify`'s method; those of the other sheets are what the steps of the sheet give.
+Every hand-in is judged by the truth of every other student: COUNT * (COUNT - 1) pairs.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from ravenbrick.control.estimation.identification import fit_motor
+from ravenbrick.grading.answers import Answers, parse_wanted
+from ravenbrick.grading.rubric import Rubric, read_rubric
+from ravenbrick.grading.student_folder import own_recording, recorded_scenarios
+from ravenbrick.grading.variants import Variant, filled
+from ravenbrick.image.build import build_image
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.workspace import Workspace
+from ravenbrick.trace.motor_data import signal_data
+
+from verification.commands import Counts
+from verification.support.paths import ROOT
+
+PAGE = ROOT / "docs" / "reference" / "class-variants.md"
+RUBRICS = ROOT / "docs" / "lessons" / "rubrics"
+COUNT, WORKERS = 300, 2
+KEY = sha256(b"the class of the measurement").digest()
+MOST = 0.01
+SIGNALS = ("motor.B.voltage", "motor.B.encoder")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Of a sheet: how many students pass with their own answers, and pairs with another's."""
+
+    sheet: str
+    students: int
+    own: int
+    copied: int
+    points: float
+    """Mean share of the points for own numbers that a copied hand-in gets."""
+
+    @property
+    def pairs(self) -> int:
+        """Of a student and another's hand-in."""
+        return self.students * (self.students - 1)
+
+    @property
+    def share(self) -> float:
+        """Of copied hand-ins that pass."""
+        return self.copied / self.pairs
+
+
+@cache
+def _rubric(sheet: str) -> Rubric:
+    return read_rubric(RUBRICS / f"{sheet}.toml")
+
+
+@cache
+def _image(project: Path) -> ElfImage:
+    return build_image(Workspace.of(project), read_robot(project), "ram").image
+
+
+def _identified(variant: Variant) -> dict[str, float]:
+    scenario, project = next(iter(recorded_scenarios(_rubric("lab-03")).items()))
+    recording = own_recording(variant, scenario, _image(project))
+    found = {p.name: p.value for p in fit_motor(signal_data(recording, *SIGNALS)).parameters}
+    return {
+        "gain_rad_s_v": round(found["gain"], 3),
+        "time_constant_ms": round(1000 * found["time_constant"], 2),
+        "friction_v": round(found["friction_voltage"], 4),
+    }
+
+
+def _designed(variant: Variant) -> dict[str, float]:
+    return {"proportional_gain": float(f"{variant.facts['proportional_gain']:.4g}")}
+
+
+def _timed(variant: Variant) -> dict[str, float]:
+    """Whole milliseconds, as the program of sheet 6 shows them."""
+    n = variant.numbers
+    return {
+        "own_ms": n["high_ms"],
+        "low_ms": n["low_ms"] - 10,
+        "middle_ms": int(0.99 * n["middle_ms"]),
+    }
+
+
+SHEETS: Mapping[str, Callable[[Variant], dict[str, float]]] = {
+    "lab-03": _identified,
+    "lab-04": _designed,
+    "lab-06": _timed,
+}
+
+
+def _student(job: tuple[str, int]) -> tuple[list[Any], dict[str, float]]:
+    """Wanted answers with their points, and the answers of an honest student."""
+    sheet, number = job
+    rubric = _rubric(sheet)
+    variant = rubric.variant(KEY, f"student-{number:03}")
+    checks = [check for check in rubric.checks if check.own and check.kind == "answer"]
+    wanted = [(parse_wanted(filled(c.own, variant.facts)), c.points) for c in checks]
+    return wanted, SHEETS[sheet](variant)
+
+
+def measure(sheet: str, count: int) -> Measured:
+    """Judge each hand-in by the truth of each student."""
+    jobs = [(sheet, number) for number in range(count)]
+    with ProcessPoolExecutor(WORKERS) as pool:
+        class_ = list(pool.map(_student, jobs, chunksize=5))
+    own = copied = 0
+    points = 0.0
+    for place, (wanted, _) in enumerate(class_):
+        whole = sum(weight for _, weight in wanted)
+        for other, (_, answers) in enumerate(class_):
+            got = sum(w for bound, w in wanted if bound.judge(Answers(dict(answers)))[0])
+            if place == other:
+                own += got == whole
+            else:
+                copied += got == whole
+                points += got / whole
+    return Measured(sheet, count, own, copied, points / (count * (count - 1)))
+
+
+def page(rows: list[Measured]) -> str:
+    """The reference page."""
+    lines = [
+        "# Copied hand-ins in a class with own numbers",
+        "",
+        "Generated by `python -m verification.course.class_variants`; do not edit. Each student of",
+        f"a class of {rows[0].students} has a [variant](../guides/class.md) of each sheet. Each",
+        "hand-in is judged by the numbers of its author and by those of every other student.",
+        "*Passes* means that all answers with own numbers hold. *Points* is the mean share of the",
+        "points for own numbers that a copied hand-in still gets.",
+        "",
+        "| Sheet | Own hand-ins pass | Copied hand-ins pass | Share | Points of a copy |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    lines += [
+        f"| {m.sheet} | {m.own} of {m.students} | {m.copied} of {m.pairs} | {m.share:.3%} "
+        f"| {m.points:.1%} |"
+        for m in rows
+    ]
+    return "\n".join([*lines, ""])
+
+
+def main(count: int = COUNT) -> list[Measured]:
+    """Measure all sheets; write the page for the whole class."""
+    rows = [measure(sheet, count) for sheet in SHEETS]
+    if count == COUNT:
+        PAGE.write_text(page(rows), encoding="utf-8")
+    return rows
+
+
+def suite() -> Counts:
+    """Sheets where every own hand-in passes, and under 1 % of the copied ones."""
+    rows = main()
+    good = [m for m in rows if m.own == m.students and m.share < MOST]
+    return Counts(len(rows), len(good), [], [m.sheet for m in rows if m not in good])
+
+
+if __name__ == "__main__":
+    found = main(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT)
+    print(json.dumps([vars(m) | {"share": m.share} for m in found], indent=1))
