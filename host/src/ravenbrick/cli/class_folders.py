@@ -59,9 +59,9 @@ def class_command(
     student: Annotated[
         list[str] | None, typer.Option(help="Id of a single student; repeatable.")
     ] = None,
-    class_key: Annotated[
-        Path, typer.Option(help="Class key, the lecturer's secret.")
-    ] = Path("class.key"),
+    class_key: Annotated[Path, typer.Option(help="Class key, the lecturer's secret.")] = Path(
+        "class.key"
+    ),
     fresh: Annotated[bool, typer.Option("--new-key", help="New class key, written first.")] = False,
     truths: Annotated[
         Path | None, typer.Option(help="File for the true values of all students (CSV).")

@@ -21,7 +21,8 @@ def _quantity(quantity: Quantity) -> str:
 
 def _with_fields(text: str, table: str, fields: Mapping[str, str]) -> str:
     """The text with these fields in [table], in place of what it says about them."""
-    lines, inside, left = [], False, dict(fields)
+    lines: list[str] = []
+    inside, left = False, dict(fields)
     for line in [*text.splitlines(), "[end]"]:
         if line.startswith("["):
             if inside:
