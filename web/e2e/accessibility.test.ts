@@ -1,21 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** The page as axe-core judges it (WCAG 2.2 A and AA, and axe's good practice), and by keyboard. */
-import axe from "axe-core";
-import type { Page } from "playwright-core";
 import { describe, expect } from "vitest";
-import { waitUntil, virtualTime, test } from "./harness";
-
-/** What axe finds wrong: rule and elements. */
-async function violations(page: Page): Promise<string[]> {
-  await page.evaluate(axe.source);
-  const found = await page.evaluate(async () => {
-    const { axe: judge } = globalThis as unknown as { axe: typeof axe };
-    const { violations } = await judge.run(document);
-    return violations.map(({ id, nodes }) => [id, ...nodes.map((node) => node.html)].join(" | "));
-  });
-  return found;
-}
+import { violations, waitUntil, virtualTime, test } from "./harness";
 
 describe("accessibility", () => {
   for (const colorScheme of ["light", "dark"] as const) {
