@@ -14,7 +14,7 @@ from pathlib import Path
 
 from PIL import Image
 
-__all__ = ["main"]
+__all__ = ["MADE", "ROOT", "main", "pack_picture"]
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE = ROOT / "out" / "page"
@@ -33,7 +33,8 @@ PICTURES = (
 )
 
 
-def _pack(source: Path, target: Path, height: int) -> int:
+def pack_picture(source: Path, target: Path, height: int) -> int:
+    """Pack a picture to few colours, cut to a height (0: whole); its size in bytes."""
     picture = Image.open(source).convert("RGB")
     picture = picture.crop((0, 0, picture.width, min(height or picture.height, picture.height)))
     if picture.width > WIDTH:
@@ -54,7 +55,7 @@ def main(arguments: list[str]) -> int:
         if done.returncode != 0:
             return done.returncode
     for made, name, height in PICTURES:
-        size = _pack(MADE / f"{made}.png", KEPT / f"{name}.png", height)
+        size = pack_picture(MADE / f"{made}.png", KEPT / f"{name}.png", height)
         print(f"docs/pictures/page/{name}.png: {size} bytes")
     return 0
 

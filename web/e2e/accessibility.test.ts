@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /** The page as axe-core judges it (WCAG 2.2 A and AA, and axe's good practice), and by keyboard. */
 import { describe, expect } from "vitest";
-import { waitUntil, virtualTime, violations, test } from "./harness";
+import { violations, waitUntil, virtualTime, test } from "./harness";
 
 describe("accessibility", () => {
   for (const colorScheme of ["light", "dark"] as const) {

@@ -12,6 +12,7 @@ import {
   type Browser,
   type BrowserContext,
   type BrowserContextOptions,
+  type ConsoleMessage,
   type Page,
 } from "playwright-core";
 import { expect, test as base } from "vitest";
@@ -29,9 +30,9 @@ export async function ravenbrick(...words: string[]): Promise<Record<string, unk
   return JSON.parse(done.stdout) as Record<string, unknown>;
 }
 
-/** A server for a project, and its address. */
+/** A server of `ravenbrick view` or `studio` for a project, and its address. */
 async function serve(...words: string[]): Promise<{ address: string; end: () => void }> {
-  const server = spawn(COMMAND, ["view", ...words, "--port", "0", "--no-browser"], {
+  const server = spawn(COMMAND, [...words, "--port", "0", "--no-browser"], {
     cwd: ROOT,
     env: { ...process.env, PYTHONUNBUFFERED: "1", COLUMNS: "200" },
   });
@@ -45,7 +46,8 @@ async function serve(...words: string[]): Promise<{ address: string; end: () => 
     server.stdout.on("data", listen);
     server.stderr.on("data", listen);
     setTimeout(() => failed(new Error(`no address within a minute: ${said}`)), 60_000).unref();
-    server.on("exit", (code) => failed(new Error(`ravenbrick view ended with ${code}: ${said}`)));
+    const over = (code: number | null) => `ravenbrick ${words[0]} ended with ${code}: ${said}`;
+    server.on("exit", (code) => failed(new Error(over(code))));
   });
   return { address, end: () => server.kill("SIGINT") };
 }
@@ -78,7 +80,10 @@ async function openPage(browser: Browser, options: BrowserContextOptions): Promi
   const errors: string[] = [];
   context.on("request", (request) => requests.push(request.url()));
   context.on("weberror", (failure) => errors.push(failure.error().message));
-  context.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+  // A conflict of versions is an answer of the studio, which Chromium reports as an error.
+  const isError = (message: ConsoleMessage) =>
+    message.type() === "error" && !message.text().includes("409 (Conflict)");
+  context.on("console", (message) => isError(message) && errors.push(message.text()));
   return { page: await context.newPage(), context, requests, errors };
 }
 
@@ -94,6 +99,8 @@ interface Fixtures {
   browser: Browser;
   /** Serve a project until all tests are done; the same words give the same server. */
   view: (...words: string[]) => Promise<string>;
+  /** The same for `ravenbrick studio`. */
+  studio: (project: string) => Promise<string>;
   /** What `ravenbrick analyse` found for the vehicle. */
   bounds: AnalysedTask[];
   /** Address of the vehicle with the scenario `drive`, and with none. */
@@ -118,11 +125,22 @@ export const test = base.extend<Fixtures>({
     async ({}, use) => {
       const servers = new Map<string, ReturnType<typeof serve>>();
       await use(async (...words) => {
-        const server = servers.get(words.join()) ?? serve(...words);
+        const server = servers.get(words.join()) ?? serve("view", ...words);
         servers.set(words.join(), server);
         return (await server).address;
       });
       for (const server of servers.values()) (await server).end();
+    },
+    forAllTests,
+  ],
+  studio: [
+    async ({}, use) => {
+      const servers: Awaited<ReturnType<typeof serve>>[] = [];
+      await use(async (project) => {
+        servers.push(await serve("studio", project));
+        return servers.at(-1)!.address;
+      });
+      for (const server of servers) server.end();
     },
     forAllTests,
   ],
@@ -179,6 +197,17 @@ export const waitForReset = (page: Page) => waitForText(page, "#time", /^0\.0000
 
 /** Wait until the program has ended in this way. */
 export const waitForEnd = (page: Page, how: string) => waitForText(page, "#program", how);
+
+/** What axe-core finds wrong (WCAG 2.2 A and AA, and axe's good practice): rule and elements. */
+export async function violations(page: Page): Promise<string[]> {
+  await page.evaluate(axe.source);
+  const found = await page.evaluate(async () => {
+    const { axe: judge } = globalThis as unknown as { axe: typeof axe };
+    const { violations } = await judge.run(document);
+    return violations.map(({ id, nodes }) => [id, ...nodes.map((node) => node.html)].join(" | "));
+  });
+  return found;
+}
 
 /** A picture of the page for a person to look at. */
 export async function screenshot(page: Page, name: string, fullPage = true): Promise<void> {

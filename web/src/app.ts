@@ -59,6 +59,9 @@ export class App implements Actions, ToolbarActions, KeyActions {
   private shared: SharedRun | null = null;
   private lastFrame: Frame | null = null;
   private factor = 1;
+  /** Whom to tell when a new image runs: known when it is asked for, told after its first frame. */
+  private renewed: (() => void) | null = null;
+  private moving: (() => void) | null = null;
   private saveFormat: "file" | "link" | "inputs" = "file";
 
   constructor(
@@ -121,6 +124,21 @@ export class App implements Actions, ToolbarActions, KeyActions {
       paths: await read("worst_paths.json", {}),
     };
     this.updateSources();
+  }
+
+  /**
+   * Load the image that is beside the page now, and run it unless the one before was paused;
+   * `moving` is called when it runs.
+   */
+  async renew(
+    fetched: (address: string) => Promise<Response>,
+    moving: () => void,
+  ): Promise<void> {
+    const last = this.lastFrame;
+    const paused = last && !last.running && last.stop?.reason === "reached";
+    this.renewed = moving;
+    await this.begin("", fetched);
+    if (!paused) this.send({ kind: "run" });
   }
 
   /** An image from elsewhere has other lines. */
@@ -203,6 +221,7 @@ export class App implements Actions, ToolbarActions, KeyActions {
   private ready(ready: Ready): void {
     this.session = ready.session;
     this.lastFrame = null;
+    [this.moving, this.renewed] = [this.renewed, null];
     const { project, scenario } = ready.session;
     document.title = `${project} – Ravenbrick`;
     this.toolbar.showStatus(scenario ? `${project}, scenario ${scenario}` : project);
@@ -217,6 +236,10 @@ export class App implements Actions, ToolbarActions, KeyActions {
 
   private frame(frame: Frame): void {
     this.lastFrame = frame;
+    if (frame.cycles > 0 && this.moving) {
+      this.moving();
+      this.moving = null;
+    }
     for (const view of this.views) view.frame(frame);
     this.study.follow(frame);
     this.toolbar.setThreads(this.timeline.names);

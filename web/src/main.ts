@@ -43,7 +43,14 @@ async function startBrick(): Promise<void> {
 startBrick().catch((error: Error) => {
   app.toolbar.showError(`The brick cannot be loaded: ${error.message}`);
 });
-void app.begin(location.hash, fetchFile, place.folder).then(() => {
+const begun = app.begin(location.hash, fetchFile, place.folder);
+// The studio around this page says when there is a new image; it hears when that runs.
+addEventListener("message", async ({ origin, source, data }) => {
+  if (origin !== location.origin || source !== parent || data !== "new image") return;
+  await begun;
+  await app.renew(fetchFile, () => parent.postMessage("moving", location.origin));
+});
+void begun.then(() => {
   if (place.runs && !matchMedia("(prefers-reduced-motion: reduce)").matches) app.toggle();
   // The site that the page is a part of has its own service worker.
   if (place.shared || !("serviceWorker" in navigator) || !isSecureContext) return;

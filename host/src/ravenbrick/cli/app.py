@@ -60,6 +60,7 @@ COMMANDS = {
     "run": "Run a scenario on the virtual brick, record it, and check its pass criteria.",
     "schedule": "Bound the response times of a task set from a file.",
     "simulate": "Simulate a Simulink model over time, continuous plant and sampled controller.",
+    "studio": "Edit, build and run a project in the browser, with the tools of this machine.",
     "sweep": "Run a scenario with random motors within robot.toml's tolerances; check every run.",
     "upload": "Build the image and load it over USB into a brick in its boot monitor.",
     "view": "Show and operate the virtual brick in a browser tab, where the program runs.",

@@ -7,11 +7,9 @@ from __future__ import annotations
 import json
 import webbrowser
 from functools import partial
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from mimetypes import guess_type
+from http.server import ThreadingHTTPServer
 from pathlib import Path
 from typing import Annotated, Any
-from zipfile import BadZipFile, ZipFile
 
 import typer
 
@@ -21,86 +19,46 @@ from ravenbrick.cli.app import JsonOption, ProjectArgument, command
 from ravenbrick.cli.build import ElfOption, ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
-from ravenbrick.errors import DesignError, ToolMissingError, UsageError, shown_path
+from ravenbrick.errors import DesignError, UsageError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.run_time import run_time_home
 from ravenbrick.image.source_texts import source_texts
-from ravenbrick.local_server import access_token, is_local
+from ravenbrick.local_server import LOOPBACK, PageHandler, access_token, listen, packed_files
 from ravenbrick.packed_files import with_scripts
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
 from ravenbrick.timing.results.bounds_file import own_bounds, own_worst_paths, read_bounds
 from ravenbrick.trace.design import Response, read_design
 
-__all__ = ["SESSION", "page_files", "page_server", "project_files", "view_command"]
+__all__ = [
+    "BOUNDS",
+    "SESSION",
+    "page_files",
+    "page_server",
+    "project_files",
+    "view_command",
+]
 
 PAGE = Path(__file__).resolve().parents[1] / "page.zip"
-LOOPBACK = "127.0.0.1"
-TYPES = {".js": "text/javascript", ".wasm": "application/wasm", ".elf": "application/elf"}
-OTHER = "application/octet-stream"
 SESSION, IMAGE, BOUNDS = "session.json", "image.elf", "timing.json"
 SOURCES, DESIGN, WORST_PATHS = "sources.json", "design.json", "worst_paths.json"
-# The page needs its own files, its worker, and permission to compile the brick.
-POLICY = (
-    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data: blob:; connect-src 'self'; worker-src 'self'; frame-ancestors 'none'"
-)
 
 
 def page_files() -> dict[str, bytes]:
     """The files of the page by their names; `make page` packs them."""
-    try:
-        with ZipFile(PAGE) as archive:
-            return {name: archive.read(name) for name in archive.namelist()}
-    except (OSError, BadZipFile) as error:
-        raise ToolMissingError(
-            f"{shown_path(PAGE)}: the page is missing or damaged ({error}); restore the file with "
-            "'git checkout', or build the page with 'make page'"
-        ) from None
+    return packed_files(PAGE)
 
 
-class _Handler(BaseHTTPRequestHandler):
+class _Handler(PageHandler):
     """Files of the page, and the project's session and image beside them."""
 
-    def __init__(
-        self, *arguments: Any, served: dict[str, bytes], token: str, **options: Any
-    ) -> None:
-        self._served, self._token = served, token
+    def __init__(self, *arguments: Any, served: dict[str, bytes], **options: Any) -> None:
+        self._served = served
         super().__init__(*arguments, **options)
 
-    def end_headers(self) -> None:
-        """Nothing from elsewhere, nothing stale."""
-        self.send_header("Content-Security-Policy", POLICY)
-        self.send_header("X-Content-Type-Options", "nosniff")
-        self.send_header("Cache-Control", "no-cache")
-        super().end_headers()
-
-    def do_HEAD(self) -> bytes | None:
-        """Head of the answer; the content that follows it, if there is such a file."""
-        if not is_local(self.headers.get("Host", "")):
-            self.send_error(421, "this server answers to the names of this machine only")
-            return None
-        whole = self.path.partition("?")[0].lstrip("/")
-        name = whole.removeprefix(self._token).lstrip("/") or "index.html"
-        content = self._served.get(name) if whole.startswith(self._token) else None
-        if content is None:
-            self.send_error(404)
-            return None
-        self.send_response(200)
-        suffix = Path(name).suffix
-        self.send_header("Content-Type", TYPES.get(suffix) or guess_type(name)[0] or OTHER)
-        self.send_header("Content-Length", str(len(content)))
-        self.end_headers()
-        return content
-
-    def do_GET(self) -> None:
-        """Head and content."""
-        content = self.do_HEAD()
-        if content is not None:
-            self.wfile.write(content)
-
-    def log_message(self, *_arguments: Any) -> None:
-        """Requests are not news."""
+    def content_of(self, name: str) -> bytes | None:
+        """See the base class."""
+        return self._served.get(name)
 
 
 def page_server(served: dict[str, bytes], port: int, token: str = "") -> ThreadingHTTPServer:
@@ -108,14 +66,7 @@ def page_server(served: dict[str, bytes], port: int, token: str = "") -> Threadi
 
     Raises `UsageError`.
     """
-    handler = partial(_Handler, served=served, token=token)
-    try:
-        return ThreadingHTTPServer((LOOPBACK, port), handler)
-    except OSError as error:
-        raise UsageError(
-            f"the server cannot use port {port} ({error.strerror or error}); name a free one with "
-            "'--port', or 0 to take any"
-        ) from None
+    return listen(partial(_Handler, served=served, token=token), port)
 
 
 def _write(served: dict[str, bytes], folder: Path) -> dict[str, Any]:

@@ -109,4 +109,6 @@ def build_failure(
         )
     more = [f"and {len(errors) - 1 - DETAIL_LINES} further errors"]
     further = errors[1:] if len(errors) <= 1 + DETAIL_LINES else errors[1 : 1 + DETAIL_LINES] + more
-    return BuildError(errors[0], detail="\n".join([*further, whole]))
+    error = BuildError(errors[0], detail="\n".join([*further, whole]))
+    error.data = {"errors": errors}
+    return error
