@@ -198,17 +198,6 @@ export const waitForReset = (page: Page) => waitForText(page, "#time", /^0\.0000
 /** Wait until the program has ended in this way. */
 export const waitForEnd = (page: Page, how: string) => waitForText(page, "#program", how);
 
-/** What axe-core finds wrong (WCAG 2.2 A and AA, and axe's good practice): rule and elements. */
-export async function violations(page: Page): Promise<string[]> {
-  await page.evaluate(axe.source);
-  const found = await page.evaluate(async () => {
-    const { axe: judge } = globalThis as unknown as { axe: typeof axe };
-    const { violations } = await judge.run(document);
-    return violations.map(({ id, nodes }) => [id, ...nodes.map((node) => node.html)].join(" | "));
-  });
-  return found;
-}
-
 /** A picture of the page for a person to look at. */
 export async function screenshot(page: Page, name: string, fullPage = true): Promise<void> {
   await page.evaluate(() => scrollTo(0, 0));

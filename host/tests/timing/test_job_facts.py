@@ -23,7 +23,7 @@ from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
-from ravenbrick.timing.observation.job_facts import FactCount
+from ravenbrick.timing.observation.job_facts import FactCount, request_counts
 from ravenbrick.timing.observation.observed import check_job_kinds
 from ravenbrick.trace.recording import Recording
 
@@ -73,6 +73,12 @@ def test_interrupts_after_the_job_that_requests_them_is_over_are_told() -> None:
     short = tuple(replace(request, lasts_us=100) for request in facts.requests)
     (found,) = wrong_counts(replace(facts, requests=short))
     assert "[[request]]" in found.fact and "after a job of display_task" in found.excess
+
+
+def test_interrupts_that_the_elaboration_requests_are_no_excess() -> None:
+    _, facts, _, analysis, recording = run()
+    counts = request_counts(analysis.requests, facts, recording, since=0)
+    assert counts and [count.excess for count in counts if count.excess] == []
 
 
 def test_interrupts_that_come_too_densely_are_told() -> None:

@@ -138,9 +138,9 @@ def moodle(results: list[Result]) -> str:
 def canvas(results: list[Result]) -> str:
     """CSV for "Grades > Import" of Canvas.
 
-    Canvas Instructor Guide, "How do I import grades in the Gradebook?": the columns of an export up
-    to Section, then the assignments; a row "Points Possible" comes before the students. Canvas
-    finds a student by ID, SIS User ID, SIS Login ID or name, the first that is given.
+    The importer of Canvas (`lib/gradebook_importer.rb` of its source) reads the columns of an
+    export up to Section, then the assignments; a row "Points Possible" comes before the students.
+    Canvas finds a student by ID, SIS User ID, SIS Login ID or name, the first that is given.
     """
     if not results:
         return ""
