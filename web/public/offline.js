@@ -32,7 +32,8 @@ async function answer(request) {
     return response;
   } catch (error) {
     const page = request.url.replace(/\/$/, "/index.html");
-    const kept = await cache.match(page, { ignoreSearch: true });
+    const match = (address) => cache.match(address, { ignoreSearch: true });
+    const kept = (await match(request)) ?? (await match(page));
     if (kept) return kept;
     throw error;
   }

@@ -18,6 +18,7 @@ from ravenbrick.cli.pipeline import project_image
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.grading.rubric import Rubric, read_rubric
 from ravenbrick.grading.student_folder import (
+    check_id,
     read_class,
     recorded_scenarios,
     template_of,
@@ -41,6 +42,8 @@ def _truths(rubric: Rubric, key: bytes, students: list[str]) -> str:
 
 
 def _students(listed: Path | None, single: list[str] | None) -> list[str]:
+    for name in single or []:
+        check_id(name, "--student")
     students = [*(read_class(listed) if listed else []), *(single or [])]
     if not students:
         raise UsageError("name students: --students FILE.csv, or --student ID")

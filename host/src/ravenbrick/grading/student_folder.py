@@ -26,6 +26,7 @@ from ravenbrick.trace.recording import Recording
 
 __all__ = [
     "OWN_FILE",
+    "check_id",
     "own_recording",
     "read_class",
     "recorded_scenarios",
@@ -38,6 +39,15 @@ RECORDS = "records"
 # Signals that a brick itself can measure; the others would give the constants away.
 _MEASURABLE = re.compile(r"motor\.\w\.(encoder|duty|voltage)|battery\.voltage|probe\..*|sensor\..*")
 _ID = re.compile(r"[^\W_][\w.@+-]*\Z")
+
+
+def check_id(name: str, where: str) -> None:
+    """Raise `UsageError`, which begins with the place, for an id that is no plain folder name."""
+    if not _ID.fullmatch(name):
+        raise UsageError(
+            f"{where}: '{name}': expected an id of letters, digits and . @ + - _, beginning with a "
+            "letter or digit"
+        )
 
 
 def read_class(path: Path) -> list[str]:
@@ -54,11 +64,7 @@ def read_class(path: Path) -> list[str]:
         if not any(cell.strip() for cell in row):
             continue
         name = row[column].strip() if len(row) > column else ""
-        if not _ID.match(name):
-            raise UsageError(
-                f"{shown_path(path)}:{line}: '{name}': expected an id of letters, digits and . @ + "
-                "- _, beginning with a letter or digit"
-            )
+        check_id(name, f"{shown_path(path)}:{line}")
         if student_id(name) in found:
             raise UsageError(
                 f"{shown_path(path)}:{line}: '{name}' is also in line {found[student_id(name)]}"
