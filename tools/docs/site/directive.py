@@ -14,6 +14,7 @@ request only.
 from __future__ import annotations
 
 import html
+import re
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -26,6 +27,7 @@ from tools.docs.site.bricks import PAGE_FOLDER, Shown, shown_on
 __all__ = ["setup"]
 
 COUNT = "bricks"
+CODE = re.compile("`([^`]+)`")
 FRAME = """<figure class="brick">
 <iframe src="{embedded}" title="{title}" loading="lazy" allow="clipboard-write"></iframe>
 <figcaption>{caption}<a href="{page}">Open the full page</a></figcaption>
@@ -42,7 +44,7 @@ def _frame(shown: Shown, page: str, caption: str, options: str = "") -> str:
         embedded=html.escape(f"{address}&embed{options}"),
         page=html.escape(address),
         title=title,
-        caption=f"{html.escape(caption)} " if caption else "",
+        caption=CODE.sub(r"<code>\1</code>", f"{html.escape(caption)} ") if caption else "",
     )
 
 
