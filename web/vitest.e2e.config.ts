@@ -6,6 +6,7 @@ export default defineConfig({
   test: {
     include: ["e2e/**/*.test.ts"],
     environment: "node",
+    hookTimeout: 900_000,
     testTimeout: 900_000,
     fileParallelism: false,
     // One process, in which all files share browser and servers (e2e/harness.ts).
