@@ -50,3 +50,21 @@ def test_a_link_stays_a_link_and_a_device_is_written_to(tmp_path: Path) -> None:
     assert link.is_symlink() and (tmp_path / "file").read_text() == "new"
     with pytest.raises(OSError, match=r"/dev/full"):
         atomic_write(Path("/dev/full"), "new")
+
+
+def test_a_file_with_a_mode_has_no_other_while_it_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    modes = []
+    write = Path.write_bytes
+
+    def watched(path: Path, data: bytes) -> int:
+        written = write(path, data)
+        modes.append(path.stat().st_mode & 0o777)
+        return written
+
+    monkeypatch.setattr(Path, "write_bytes", watched)
+    atomic_write(tmp_path / "key", "secret", mode=0o600)
+    assert [*modes, (tmp_path / "key").stat().st_mode & 0o777] == [0o600, 0o600]
+    atomic_write(tmp_path / "key", "secret", mode=0o640)
+    assert (tmp_path / "key").stat().st_mode & 0o777 == 0o640

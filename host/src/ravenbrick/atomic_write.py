@@ -11,11 +11,12 @@ from pathlib import Path
 __all__ = ["atomic_write"]
 
 
-def atomic_write(path: Path, content: bytes | str) -> None:
+def atomic_write(path: Path, content: bytes | str, mode: int | None = None) -> None:
     """Write a file, text as UTF-8, into a folder that is made where it is missing.
 
-    What was there before stays until the new content is on the disk. Raises `OSError`, which names
-    the file.
+    What was there before stays until the new content is on the disk. With a `mode`, only the
+    owner can read the file before it has that mode; without, it is that of a new file. Raises
+    `OSError`, which names the file.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     target = path.resolve()
@@ -25,7 +26,11 @@ def atomic_write(path: Path, content: bytes | str) -> None:
         if target.exists() and not target.is_file():
             target.write_bytes(data)
             return
+        if mode is not None:
+            unfinished.touch(0o600)
         unfinished.write_bytes(data)
+        if mode is not None:
+            unfinished.chmod(mode)
         unfinished.replace(target)
     except OSError as error:
         with suppress(OSError):

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from ravenbrick.project.templates import TEMPLATES
+from ravenbrick.project.templates import TEMPLATES, template_of
 
 from tools.docs.lessons import FENCE, ROOT, steps
 
@@ -35,10 +35,6 @@ class Shown:
     example: str
     template: str | None
     steps: str = ""
-
-
-def _template_of(example: str) -> str | None:
-    return next((key for key, known in TEMPLATES.items() if known.example == example), None)
 
 
 def _changing_steps(text: str) -> str:
@@ -94,7 +90,7 @@ def _shown(above: str, project: str, scenario: str) -> Shown:
                 made[match.group(1)] = match.group(2)
     if project not in made:
         name = f"{project.replace('/', '-')}-{scenario}"
-        return _checked(Shown(name, project, scenario, project, _template_of(project)))
+        return _checked(Shown(name, project, scenario, project, template_of(project)))
     template = made[project]
     example = TEMPLATES[template].example
     changing = _changing_steps(above)

@@ -121,9 +121,10 @@ def build_site(site: Path, bricks: Iterable[Shown]) -> None:
     shutil.rmtree(site / SHOWN_FOLDER, ignore_errors=True)
     for shown in bricks:
         _write_brick(shown, folders[shown.name], site)
-    page = {name: content for name, content in page_files().items() if name != "offline.js"}
+    page = page_files()
+    worker = page.pop("offline.js")
     _write(page, site / PAGE_FOLDER)
-    write_offline(site, page_files()["offline.js"])
+    write_offline(site, worker)
 
 
 def main(folder: str) -> int:

@@ -21,7 +21,7 @@ from ravenbrick.grading.student_folder import (
     check_id,
     read_class,
     recorded_scenarios,
-    template_of,
+    sheet_template,
     write_folder,
 )
 from ravenbrick.grading.variants import new_key, read_key, student_id
@@ -73,7 +73,7 @@ def class_command(
 ) -> dict[str, Any]:
     chosen = read_rubric(rubric)
     named = _students(students, student)
-    template = template_of(chosen)
+    template = sheet_template(chosen)
     folders = {name: output / name / chosen.name for name in named}
     there = [folder for folder in folders.values() if folder.exists()]
     if there:
@@ -94,7 +94,6 @@ def class_command(
             step.progress(done / len(named))
         step.note = f"template '{template}', in {shown_path(output)}"
     if truths:
-        atomic_write(truths, _truths(chosen, key, named))
-        truths.chmod(0o600)
+        atomic_write(truths, _truths(chosen, key, named), mode=0o600)
         reporter.print(f"true values: {shown_path(truths)}")
     return {"rubric": chosen.name, "folders": {name: str(f) for name, f in folders.items()}}

@@ -20,7 +20,7 @@ from ravenbrick.grading.variants import Variant, own_motor, student_id
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import ROBOT_FILE, read_robot
 from ravenbrick.project.scenario import read_scenario
-from ravenbrick.project.templates import TEMPLATES, create_project
+from ravenbrick.project.templates import create_project, template_of
 from ravenbrick.project.workspace import tree
 from ravenbrick.trace.recording import Recording
 
@@ -30,7 +30,7 @@ __all__ = [
     "own_recording",
     "read_class",
     "recorded_scenarios",
-    "template_of",
+    "sheet_template",
     "write_folder",
 ]
 
@@ -76,13 +76,14 @@ def read_class(path: Path) -> list[str]:
     return ids
 
 
-def template_of(rubric: Rubric) -> str:
+def sheet_template(rubric: Rubric) -> str:
     """The template of `ravenbrick new` with the rubric's project; raises `UsageError`."""
-    examples = tree() / "examples"
-    for name, template in TEMPLATES.items():
-        if (examples / template.example).resolve() == rubric.project:
-            return name
-    raise UsageError(f"'{shown_path(rubric.project)}' is not the project of a template")
+    examples = (tree() / "examples").resolve()
+    project = rubric.project
+    name = template_of(project.name) if project.parent == examples else None
+    if name is None:
+        raise UsageError(f"'{shown_path(project)}' is not the project of a template")
+    return name
 
 
 def _handed_out(recording: Recording) -> Recording:
@@ -151,7 +152,7 @@ def write_folder(
     own, individual = rubric.of(variant), rubric.individual
     assert individual is not None and own.robot_text is not None
     folder.parent.mkdir(parents=True, exist_ok=True)
-    create_project(folder, template_of(rubric))
+    create_project(folder, sheet_template(rubric))
     if not individual.hidden:
         # The template's file has the folder's name in it; the own constants go into that one.
         atomic_write(folder / ROBOT_FILE, _named(own.robot_text.decode(), folder.name))

@@ -129,8 +129,7 @@ def new_key(path: Path) -> None:
     """Draw a key for a class; the file is its owner's alone. Raises `UsageError` if it is there."""
     if path.exists():
         raise UsageError(f"{shown_path(path)} exists; a new key would change every student's robot")
-    atomic_write(path, f"{secrets.token_hex(KEY_BYTES)}\n")
-    path.chmod(0o600)
+    atomic_write(path, f"{secrets.token_hex(KEY_BYTES)}\n", mode=0o600)
 
 
 def read_key(path: Path) -> bytes:

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePath, PurePosixPath
+from stat import S_IMODE
 from typing import Any
 
 from ravenbrick.atomic_write import atomic_write
@@ -112,10 +113,7 @@ class ProjectFiles:
             if before is not None and not os.access(path, os.W_OK):
                 raise FileError(403, f"{name}: you may not write this file; change its mode")
             if before is None or before.text != text:
-                mode = path.stat().st_mode if before else None
-                atomic_write(path, data)
-                if mode is not None:
-                    path.chmod(mode)
+                atomic_write(path, data, mode=S_IMODE(path.stat().st_mode) if before else None)
         return {"path": name, "version": hashlib.sha256(data).hexdigest()}
 
     def inside(self, file: Path) -> str | None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from ravenbrick.errors import UsageError
 from ravenbrick.project.workspace import Workspace, tree
 
-__all__ = ["TEMPLATES", "Template", "create_project"]
+__all__ = ["TEMPLATES", "Template", "create_project", "template_of"]
 
 NAME = re.compile(r"[a-z][a-z0-9_-]*\Z")
 LEFT_OUT = ("Makefile", "tests", "__pycache__")
@@ -38,6 +38,11 @@ TEMPLATES = {
     "line": Template("line-follower", "lap", "line follower with a light sensor"),
     "blank": Template("blank", "press", "one motor, one touch sensor, two tasks"),
 }
+
+
+def template_of(example: str) -> str | None:
+    """The template that is made from a folder of examples/; None where there is none."""
+    return next((name for name, known in TEMPLATES.items() if known.example == example), None)
 
 
 def _ignored(_folder: str, names: list[str]) -> set[str]:
