@@ -15,6 +15,7 @@ import pytest
 from verification.support.paths import ROOT
 
 from ravenbrick.errors import ProjectFileError, UsageError
+from ravenbrick.grading.adapters import readable
 from ravenbrick.grading.campaign import run_campaign
 from ravenbrick.grading.isolation import TRUST
 from ravenbrick.grading.rubric import Rubric, read_rubric
@@ -107,6 +108,52 @@ def test_answers_are_graded_by_the_numbers_of_their_student(tmp_path: Path) -> N
     assert first["points"] == first["of"] and second["points"] == 0
     with pytest.raises(UsageError, match="no table \\[individual\\]"):
         run_campaign(rubric("lab-01"), found, tmp_path / "out", 1, border=TRUST, class_key=KEY)
+
+
+LIMITED = f"""schema_version = 1
+name = "limited"
+description = "one own number among common points"
+project = "{ROOT / "examples" / "blank"}"
+folders = ["src"]
+
+[individual]
+share_without_own_answers = 0.4
+
+[individual.numbers]
+own_ms = {{ least = 1, most = 1000, step = 1 }}
+
+[[checks]]
+name = "common"
+points = 9
+answer = "common at least 1"
+
+[[checks]]
+name = "own"
+points = 1
+answer = "own between 1 and 2"
+own = "own between {{own_ms}} and {{own_ms}}"
+"""
+
+
+def test_a_copied_hand_in_keeps_a_share_of_all_points_only(tmp_path: Path) -> None:
+    """It has nine of ten points for common work; the report says what took five of them."""
+    (tmp_path / "limited.toml").write_text(LIMITED)
+    sheet = read_rubric(tmp_path / "limited.toml")
+    number = sheet.variant(KEY, "s1").numbers["own_ms"]
+    found = []
+    for name, text in (("s1", f"common = 1\nown = {number}\n"), ("s2", "common = 0\nown = 0\n")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "answers.toml").write_text(text)
+        found.append(Submission(name, tmp_path / name))
+    (tmp_path / "s3").mkdir()
+    (tmp_path / "s3" / "answers.toml").write_text(f"common = 1\nown = {number}\n")
+    found.append(Submission("s3", tmp_path / "s3"))
+    out = tmp_path / "out"
+    author, wrong, copy = run_campaign(sheet, found, out, 2, border=TRUST, class_key=KEY)
+    assert [author["points"], wrong["points"], copy["points"]] == [10, 0, 4]
+    assert copy["checks"][-1]["points"] == -5
+    assert "'own' does not hold for the author's own numbers: at most 4 points" in readable([copy])
+    assert len(author["checks"]) == len(wrong["checks"]) == 2
 
 
 def test_a_key_is_drawn_once_and_is_its_owners_alone(tmp_path: Path) -> None:

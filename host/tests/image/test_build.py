@@ -98,6 +98,23 @@ def test_a_changed_source_is_built(
     assert calls(workspace) == 2
 
 
+def test_sources_that_are_edited_while_they_are_compiled_are_all_compiled_again(
+    workspace: Workspace, robot: Robot
+) -> None:
+    """What the compiler read is not known: no object of that build is kept."""
+    products = workspace.products / workspace.project.name
+    recipe = f"find {products} -name kept.o >> found; "
+    recipe += f"for objects in {products}/objects/*; do touch $objects/kept.o; done"
+    write_recipe(workspace.project, f"{recipe}; echo '-- later' >> src/main.adb")
+    build_image(workspace, robot, "ram")
+    write_recipe(workspace.project, recipe)
+    build_image(workspace, robot, "ram")
+    assert not (workspace.project / "found").read_text()
+    edited(workspace.project / "src" / "main.adb")
+    build_image(workspace, robot, "ram")
+    assert "kept.o" in (workspace.project / "found").read_text()
+
+
 def test_a_source_that_was_only_touched_is_not_built(workspace: Workspace, robot: Robot) -> None:
     """Contents count, not times."""
     build_image(workspace, robot, "ram")

@@ -19,7 +19,7 @@ from ravenbrick.codegen import diagram_page
 from ravenbrick.errors import DesignError, UsageError, shown_path
 from ravenbrick.model import Diagram, diagram_svg, diagram_text, load_diagram
 
-__all__ = ["DRAWN", "diagram_command", "write_drawn"]
+__all__ = ["DRAWN", "diagram_command", "diagram_of", "write_drawn"]
 
 DRAWN: dict[str, Callable[[Diagram], str]] = {
     ".svg": diagram_svg, ".html": diagram_page, ".toml": diagram_text,
@@ -55,7 +55,7 @@ def diagram_command(
             raise UsageError(f"--out {path}: expected a file that ends with {', '.join(DRAWN)}")
     reporter = Reporter(json_output)
     with reporter.step("read the diagram") as step:
-        diagram = _read(source, sample_time, subsystem)
+        diagram = diagram_of(source, sample_time, subsystem)
         step.note = f"{len(diagram.flat().blocks)} blocks"
     for path in out:
         write_drawn(diagram, path)
@@ -73,7 +73,8 @@ def write_drawn(diagram: Diagram, path: Path) -> None:
     atomic_write(path, DRAWN[path.suffix](diagram))
 
 
-def _read(source: str, sample_time: float, subsystem: str) -> Diagram:
+def diagram_of(source: str, sample_time: float = 0.01, subsystem: str = "") -> Diagram:
+    """The diagram in a text file, a Simulink model, or a Python file (`FILE.py:NAME`)."""
     name, _, attribute = source.partition(":")
     path = Path(name)
     if not path.is_file():

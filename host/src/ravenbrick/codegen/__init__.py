@@ -9,6 +9,7 @@ from ravenbrick.codegen.ada_binding import AdaBinding, ada_binding
 from ravenbrick.codegen.ada_generator import generate_ada
 from ravenbrick.codegen.c_header import ModelHeader, read_header
 from ravenbrick.codegen.coder_model import CoderModel, read_binding, read_coder_model
+from ravenbrick.codegen.control_task import control_task
 from ravenbrick.codegen.diagram_page import diagram_page
 from ravenbrick.codegen.frama_c import FramaCResult, check_with_frama_c, frama_c_goals
 from ravenbrick.codegen.gappa import check_with_gappa, gappa_script
@@ -33,6 +34,7 @@ __all__ = [
     "check_program",
     "check_with_frama_c",
     "check_with_gappa",
+    "control_task",
     "diagram_page",
     "frama_c_goals",
     "gappa_script",

@@ -84,7 +84,8 @@ class Individual:
     """What differs from student to student; `design` maps constants of design.py to expressions.
 
     `hidden`: the motors' constants are the ones to be found, so the student's robot.toml has the
-    catalogue's and the student gets recordings of the scenarios `records`.
+    catalogue's and the student gets recordings of the scenarios `records`. A submission with a
+    wrong answer about own numbers keeps at most `share_without_own_answers` of the points.
     """
 
     motors: tuple[str, ...] = ()
@@ -94,6 +95,7 @@ class Individual:
     records: tuple[str, ...] = ()
     numbers: tuple[OwnNumber, ...] = ()
     design: Mapping[str, str] = field(default_factory=dict)
+    share_without_own_answers: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,7 @@ def individual_of(table: Mapping[str, Any]) -> Individual:
         records=tuple(table.get("records", ())),
         numbers=numbers,
         design=dict(table.get("design", {})),
+        share_without_own_answers=float(table.get("share_without_own_answers", 1.0)),
     )
 
 

@@ -100,7 +100,25 @@ def _graded(job: Job, rubric: Rubric) -> dict[str, Any]:
         _answer_row(check, answers) if check.kind == "answer" else row
         for check, row in zip(rubric.checks, rows, strict=True)
     ]
+    if job.class_key:
+        rows += _limited(rubric, rows)
     return _result(job, rubric, key, rows, defect)
+
+
+def _limited(rubric: Rubric, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """A row that takes points away where an answer with own numbers does not hold."""
+    assert rubric.individual is not None
+    most = round(rubric.individual.share_without_own_answers * rubric.points, 4)
+    points = sum(row["points"] for row in rows)
+    missed = [
+        check.name for check, row in zip(rubric.checks, rows, strict=True)
+        if check.own and check.kind == "answer" and row["points"] < row["of"]
+    ]  # fmt: skip
+    if not missed or points <= most:
+        return []
+    found = f"'{missed[0]}' does not hold for the author's own numbers: at most {most:g} points"
+    row = {"name": "own numbers", "points": round(most - points, 4), "of": 0, "hidden": False}
+    return [{**row, "found": found}]
 
 
 def _asked(rubric: Rubric) -> list[Any]:

@@ -56,6 +56,7 @@ __all__ = [
 PROJECT_FILE = "robot.gpr"
 BUSY = "in this project"
 LINKER = "arm-none-eabi-gcc"
+COMPILED_WITH = "compiled-with.json"
 # Choices that no object depends on.
 LINKED_ONLY = ("name", "HEAP", "SUPERVISION")
 _READ = re.compile(r'^(?:\s*adding source dir= |Parsing )"(.*)"$', re.MULTILINE)
@@ -192,7 +193,7 @@ def _same_objects(folder: Path, choices: dict[str, Any]) -> Iterator[None]:
 
     They are removed when others compiled them, or when whoever did was killed.
     """
-    record, text = folder / "compiled-with.json", json.dumps(choices, sort_keys=True)
+    record, text = folder / COMPILED_WITH, json.dumps(choices, sort_keys=True)
     if not record.is_file() or record.read_text("utf-8") != text:
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)
@@ -224,16 +225,25 @@ def _nothing_left_after_failure(elf: Path) -> Iterator[None]:
         raise
 
 
-def _await_next_second(files: Iterable[str]) -> None:
-    """Wait until the second is over in which a source was written last.
+def _date_back(folders: Iterable[Path], files: Iterable[str]) -> None:
+    """Have gprbuild notice the next edit, which may come in the second of a compilation.
 
-    gprbuild compares times in seconds: a source that changed again in the second of its
-    compilation would be taken for the one that was compiled.
+    It compares times in seconds: products are not newer than what was written last; while that
+    second lasts, they are older, and the Ada units that were written in it are forgotten, as are
+    the times of the objects in an archive.
     """
     written = max((os.stat(file).st_mtime for file in files if os.path.exists(file)), default=0.0)
-    pause = math.floor(written) + 1 - time.time()
-    if 0 < pause <= 1:
-        time.sleep(pause)
+    latest = math.floor(written)
+    stamp = time.strftime("%Y%m%d%H%M%S", time.gmtime(latest)).encode()
+    lasts = time.time() < latest + 1
+    if lasts:
+        latest -= 1
+    for entry in (entry for folder in folders for entry in os.scandir(folder)):
+        unit = entry.name.endswith(".ali") and lasts
+        if entry.name.endswith(".deps") or (unit and stamp in Path(entry.path).read_bytes()):
+            os.unlink(entry.path)
+        elif entry.stat().st_mtime >= latest + 1:
+            os.utime(entry.path, (latest, latest))
 
 
 def _build(
@@ -265,17 +275,19 @@ def _build(
         kernel_folders, kernel_files = run_time_sources(settings)
         files += [run_time / "adalib" / "libgnat.a", workspace.project / DESIGN_SCRIPT]
         manifest = BuildManifest.now(choices, folders + kernel_folders, files + kernel_files)
-        _await_next_second(manifest.files)
         command = ["gprbuild", "-k", f"-j{os.cpu_count() or 1}", *call]
         command += ["-cargs", "-v", "-cargs:Ada", "-gnatef", "-bargs", "-v", "-largs", "-v"]
         log = folder / "build.log"
-        with (
-            _same_objects(folder.parent / "objects" / settings.own_objects, compiled),
-            _same_objects(workspace.products / "drivers" / settings.objects, shared),
-        ):
+        own = folder.parent / "objects" / settings.own_objects
+        drivers = workspace.products / "drivers" / settings.objects
+        with _same_objects(own, compiled), _same_objects(drivers, shared):
             code, output = _run(command, workspace, environment, log, lock, show)
             if is_disk_full(output):
                 raise disk_full(folder)
+            _date_back((own, drivers), manifest.files)
+        if manifest.change(choices) is not None:  # edited meanwhile: all is compiled again
+            for objects in (own, drivers):
+                (objects / COMPILED_WITH).unlink()
         if code != 0:
             raise build_failure(workspace.project, kind, output, log)
         image = read_image(elf)

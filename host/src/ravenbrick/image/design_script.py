@@ -30,11 +30,13 @@ _DETAIL_LINES = 14
 
 
 def _inputs(script: Path) -> list[Path]:
-    """The script, and robot.toml and the Simulink models beside it where the script reads them."""
+    """The script, and robot.toml, models and diagrams beside it where the script reads them."""
     robot, text = script.with_name(ROBOT_FILE), script.read_text("utf-8", errors="replace")
     inputs = [script, robot] if "read_robot" in text and robot.is_file() else [script]
     if "import_simulink" in text:
         inputs += sorted(script.parent.glob("models/*.slx"))
+    if "load_diagram" in text:
+        inputs += sorted(script.parent.glob("diagrams/*.toml"))
     return inputs
 
 

@@ -94,7 +94,7 @@ class BuildManifest:
         """Write the manifest; raises `OSError`."""
         atomic_write(path, json.dumps(asdict(self)) + "\n")
 
-    def change(self, settings: dict[str, Any], file: Path) -> str | None:
+    def change(self, settings: dict[str, Any], file: Path | None = None) -> str | None:
         """What has changed, in words for the user; None for nothing.
 
         Stamps are looked at first, contents where they differ; `file` then gets the new stamps.
@@ -119,7 +119,7 @@ class BuildManifest:
                 continue
             self.add(Path(path))
             renewed = renewed or self.files[path][0][1] != 0
-        if renewed:
+        if renewed and file:
             with suppress(OSError):
                 self.write(file)
         return None

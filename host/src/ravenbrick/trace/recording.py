@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,8 @@ __all__ = [
 
 # Unpacked; an hour of the vehicle takes a tenth of it.
 LARGEST_BYTES = 2 << 30
+# Level 6 compresses a run of 20 s to a twentieth less, in three to four times as long.
+COMPRESSION_LEVEL = 1
 EVENT_TYPE = np.dtype([("at_cycles", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")])
 IDLE = 0xFFFF_FFFF
 
@@ -187,7 +189,11 @@ class Recording:
             "warnings": self.warnings,
         }
         content = io.BytesIO()
-        np.savez_compressed(content, head=np.array(json.dumps(head)), **arrays)
+        arrays["head"] = np.array(json.dumps(head))
+        with ZipFile(content, "w", ZIP_DEFLATED, compresslevel=COMPRESSION_LEVEL) as archive:
+            for name, array in arrays.items():
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                    np.lib.format.write_array(file, array, allow_pickle=False)
         atomic_write(path, content.getvalue())
 
     @classmethod

@@ -8,6 +8,7 @@ import json
 import re
 import shutil
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -15,7 +16,7 @@ from pathlib import Path
 from ravenbrick.errors import UsageError
 from ravenbrick.project.workspace import Workspace, tree
 
-__all__ = ["TEMPLATES", "Template", "create_project", "template_of"]
+__all__ = ["FROM_DIAGRAM", "TEMPLATES", "Template", "create_from", "create_project", "template_of"]
 
 NAME = re.compile(r"[a-z][a-z0-9_-]*\Z")
 LEFT_OUT = ("Makefile", "tests", "__pycache__")
@@ -38,6 +39,11 @@ TEMPLATES = {
     "line": Template("line-follower", "lap", "line follower with a light sensor"),
     "blank": Template("blank", "press", "one motor, one touch sensor, two tasks"),
 }
+
+# The example gives the files that are no sources; a folder here gives those.
+FROM_DIAGRAM = Template(
+    "blank", "start", "an empty diagram: a number drives motor B; no Ada by hand"
+)
 
 
 def template_of(example: str) -> str | None:
@@ -73,19 +79,19 @@ def _adapt(project: Path, template: Template) -> None:
         file.write_text(text, encoding="utf-8")
 
 
-def _add_own_files(project: Path, template: Template) -> None:
-    """The files of the folder `files`, whose names have `+` for `/`."""
+def _add_own_files(
+    project: Path, template: Template, folder: str, marks: Mapping[str, str]
+) -> None:
+    """The files of a folder here, whose names have `+` for `/`, with texts for marks."""
     commands = json.dumps(str(Path(sys.executable).parent), ensure_ascii=False)[1:-1]
-    replaced = {"@NAME@": project.name, "@SCENARIO@": template.scenario, "@COMMANDS@": commands}
-    for source in sorted(resources.files(__package__).joinpath("files").iterdir(), key=str):
+    own = {"NAME": project.name, "SCENARIO": template.scenario, "COMMANDS": commands, **marks}
+    for source in sorted(resources.files(__package__).joinpath(folder).iterdir(), key=str):
         text = source.read_text(encoding="utf-8")
-        for mark, value in replaced.items():
-            text = text.replace(mark, value)
-        path = project / source.name.replace("+", "/")
+        for mark, value in own.items():
+            text = text.replace(f"@{mark}@", value)
+        path = project / source.name.removesuffix(".in").replace("+", "/")
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    with (project / "README.md").open("a", encoding="utf-8") as readme:
-        readme.write(_HOW_TO.format(name=project.name, scenario=template.scenario))
 
 
 _HOW_TO = """
@@ -112,6 +118,20 @@ def create_project(directory: Path, template_name: str) -> Workspace:
         raise UsageError(
             f"there is no template '{template_name}'; choose one of {', '.join(TEMPLATES)}"
         )
+    return create_from(directory, template)
+
+
+def create_from(
+    directory: Path,
+    template: Template,
+    folder: str | None = None,
+    marks: Mapping[str, str] | None = None,
+) -> Workspace:
+    """Make a project folder of a template; raises `UsageError` and then has written nothing.
+
+    The files of the `folder` here, with the texts for their marks, take the place of the example's
+    sources and scenarios.
+    """
     project = directory.resolve()
     if not NAME.match(project.name):
         raise UsageError(
@@ -128,7 +148,13 @@ def create_project(directory: Path, template_name: str) -> Workspace:
         shutil.copy(tree() / "tools" / "project.mk", project / "Makefile")
         _rename_main(project)
         _adapt(project, template)
-        _add_own_files(project, template)
+        if folder:
+            for name in ("src", "scenarios"):
+                shutil.rmtree(project / name)
+            _add_own_files(project, template, folder, marks or {})
+        _add_own_files(project, template, "files", {})
+        with (project / "README.md").open("a", encoding="utf-8") as readme:
+            readme.write(_HOW_TO.format(name=project.name, scenario=template.scenario))
     except OSError:
         shutil.rmtree(project, ignore_errors=True)
         raise

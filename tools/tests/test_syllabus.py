@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The syllabus names sheets that exist, and its sums are right."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tools.docs.lessons import TEACHING, part
+
+SYLLABUS = (TEACHING / "syllabus.md").read_text("utf-8")
+VARIANTS = ["Real-time systems", "Control", "Real-time control"]
+
+
+def _rows(text: str) -> list[list[str]]:
+    lines = [line for line in text.splitlines() if line.startswith("| ")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_variant_has_fourteen_weeks_and_each_sheet_once(variant: str) -> None:
+    """Weeks are counted from one, and the sheets are there under their names."""
+    weeks = [row for row in _rows(part(SYLLABUS, variant)) if row[0].isdigit()]
+    assert [int(row[0]) for row in weeks] == list(range(1, 15))
+    sheets = re.findall(r"\[(\d+) ([^]]+)\]\((\S+)\)", part(SYLLABUS, variant))
+    assert len(sheets) >= 9
+    assert len({path for _, _, path in sheets}) == len(sheets)
+    for number, title, path in sheets:
+        first = (TEACHING / path).read_text("utf-8").splitlines()[0]
+        assert first == f"# {number}. {title}"
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_minutes_of_a_student_add_up(variant: str) -> None:
+    """Each row is a product, the last one the sum; there is a session for each sheet."""
+    rows = [row for row in _rows(part(SYLLABUS, variant)) if len(row) == 4][1:]
+    work = {row[0]: [int(cell) for cell in row[1:]] for row in rows if row[1].isdigit()}
+    assert all(times * each == minutes for times, each, minutes in work.values())
+    assert sum(minutes for *_, minutes in work.values()) == int(rows[-1][3])
+    project = part(SYLLABUS, variant).count("(../lessons/16-")
+    assert work["session"][0] == part(SYLLABUS, variant).count("](../lessons/") - project
+
+
+def test_shares_of_the_assessment_add_up() -> None:
+    """Each scheme has 100 per cent."""
+    rows = [row for row in _rows(part(SYLLABUS, "Assessment")) if row[1].isdigit()]
+    for column in (1, 2, 3):
+        assert sum(int(row[column]) for row in rows[:-1]) == int(rows[-1][column]) == 100
