@@ -34,6 +34,8 @@ export class Simulation {
   private soundSeen = 0;
   private scope = { channels: [] as string[], period_ms: SCOPE_PERIOD_MS };
   private lag = 0;
+  /** Where the run was to stop: an instruction that is under way there is finished. */
+  private target_cycles = 0;
   private rate = { wall: 0, cycles: 0, value: 0 };
   private replay: Run | null = null;
   /** Of the scenario's end: later it is judged no more. */
@@ -60,7 +62,7 @@ export class Simulation {
     this.applied = [];
     [this.stop, this.lcd, this.judged] = [null, null, null];
     [this.running, this.replayLeft] = [false, false];
-    [this.eventsSeen, this.soundSeen, this.lag] = [0, 0, 0];
+    [this.eventsSeen, this.soundSeen, this.lag, this.target_cycles] = [0, 0, 0, 0];
     this.restoreScope();
     return {
       kind: "ready",
@@ -133,6 +135,7 @@ export class Simulation {
     const before = this.pastInputs().findLast((input) => input.name === name)?.value;
     if (value === (before ?? INITIAL_VALUES[name.split(".")[0] ?? ""])) return;
     const at_cycles = this.core.cycles();
+    this.target_cycles = at_cycles;
     this.core.schedule_input(at_cycles, name, value);
     this.applied.push({ at_cycles, name, value });
   }
@@ -147,6 +150,7 @@ export class Simulation {
     if (this.ended) return;
     const before = this.cycles;
     this.stop = JSON.parse(this.core.step(by, thread)) as Stop;
+    this.target_cycles = this.cycles;
     if (before < this.overCycles && this.overCycles <= this.cycles) this.judge();
   }
 
@@ -154,6 +158,7 @@ export class Simulation {
   runTo(cycles: number): void {
     const end = this.followed ? Math.min(cycles, this.followed.until_cycles) : cycles;
     if (this.ended || end <= this.cycles) return;
+    this.target_cycles = end;
     const over_cycles = this.overCycles;
     if (this.cycles < over_cycles && over_cycles <= end) {
       this.stop = JSON.parse(this.core.run_until(over_cycles)) as Stop;
@@ -213,9 +218,9 @@ export class Simulation {
     };
   }
 
-  /** Run on to a whole millisecond and describe the run up to there. */
+  /** Run on to a whole millisecond and describe the run up to there; twice is the same run. */
   save(): { run: Run; elf: Uint8Array } {
-    const until_ms = msAtOrAfter(this.cycles);
+    const until_ms = msAtOrAfter(this.ended ? this.cycles : this.target_cycles);
     const until_cycles = cyclesOfMs(until_ms);
     this.runTo(until_cycles);
     const inputs = this.pastInputs();

@@ -11,12 +11,14 @@ class CountingCore {
   static sound_sample_cycles = () => 1000;
   static sha256 = (bytes: Uint8Array) => `digest of ${bytes.length}`;
   now = 0;
+  /** The cycles by which the last instruction goes past the end of a run. */
+  overrun = 0;
   scheduled: [number, string, number][] = [];
   limits: number[] = [];
   cycles = () => this.now;
   run_until(limit: number): string {
     this.limits.push(limit);
-    this.now = Math.max(this.now, limit);
+    this.now = Math.max(this.now, limit + this.overrun);
     return JSON.stringify({ reason: "reached", at_cycles: this.now, message: "" });
   }
   schedule_input(at: number, name: string, value: number): void {
@@ -117,6 +119,15 @@ describe("inputs", () => {
 });
 
 describe("a saved run", () => {
+  it("is the same when it is saved again, though its last instruction goes past the end", () => {
+    const { simulation, core } = begin();
+    core.overrun = 3;
+    simulation.runTo(cyclesOfMs(3) + 1);
+    const { run } = simulation.save();
+    expect(run.until_ms).toBe(4);
+    expect(simulation.save().run).toEqual(run);
+  });
+
   it("ends at a whole millisecond, where its replay ends too", () => {
     const { simulation } = begin();
     simulation.runTo(cyclesOfMs(3) + 1);
