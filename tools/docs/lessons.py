@@ -54,6 +54,15 @@ def steps(text: str) -> Iterator[Step]:
             yield Step(line, "seen", "", content)
 
 
+def files_of(sheet: Path) -> dict[str, str]:
+    """What a sheet writes, by path; the first of several."""
+    found: dict[str, str] = {}
+    for step in steps(sheet.read_text("utf-8")):
+        if step.kind == "file":
+            found.setdefault(step.argument, step.content)
+    return found
+
+
 def edited(text: str, change: str) -> str:
     """The text after a fence `edit`: lines with `-` go, with `+` come, others are context.
 

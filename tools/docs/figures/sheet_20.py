@@ -19,18 +19,9 @@ from ravenbrick.schedule.task_models.system import System
 from ravenbrick.trace.dynamics import task_dynamics
 
 from tools.docs.figures import SERIES, Edits, legend, new_figure, picture, project, run
-from tools.docs.lessons import SHEETS, steps
+from tools.docs.lessons import SHEETS, files_of
 
 SHEET = SHEETS / "20-overload.md"
-
-
-def _files() -> dict[str, str]:
-    """What the sheet writes, by path; the first of several."""
-    found: dict[str, str] = {}
-    for step in steps(SHEET.read_text("utf-8")):
-        if step.kind == "file":
-            found.setdefault(step.argument, step.content)
-    return found
 
 
 def gantt() -> str:
@@ -100,7 +91,7 @@ def domino() -> str:
 
 def _edits(transformed: bool) -> Edits:
     """Of the template `blank`: the sheet's program, or the one after the experiment."""
-    files = _files()
+    files = files_of(SHEET)
     bodies = files["lab20/src/tasks.adb"]
     tasks = files["lab20/src/tasks.ads"]
     if transformed:
