@@ -8,6 +8,9 @@ import type { Page } from "playwright-core";
 import { beforeAll, describe, expect } from "vitest";
 import { ravenbrick, screenshot, test, violations, waitForText } from "./harness";
 
+/** Many times as long as the first build takes. */
+const BRICK_TIMEOUT_MS = 90_000;
+
 let folder = "";
 let project = "";
 
@@ -44,8 +47,13 @@ async function find(page: Page, text: string): Promise<void> {
   await page.keyboard.press("ArrowRight");
 }
 
-/** Wait until the brick's page is loaded. */
-const waitForBrick = (page: Page) => page.frameLocator("#brick-frame").locator("#time").waitFor();
+/** Wait until the brick's page is loaded; where it does not come, the studio's page says why. */
+async function waitForBrick(page: Page): Promise<void> {
+  const brick = page.frameLocator("#brick-frame").locator("#time");
+  await brick.waitFor({ timeout: BRICK_TIMEOUT_MS }).catch(async (error: Error) => {
+    throw new Error(`${error.message}\nThe page:\n${await page.innerText("body")}`);
+  });
+}
 
 const saved = (name: string) => readFileSync(join(project, name), "utf-8");
 const shown = (page: Page) => page.textContent("#status");
@@ -71,7 +79,7 @@ describe("the studio", () => {
     await waitForBrick(page);
     await goToPane(page, "#files");
     await page.locator('[data-path="src/tasks.adb"]').press("Enter");
-    await waitForText(page, "#editor .cm-content", "Control_Task");
+    await page.locator('#editor .cm-content[aria-label="src/tasks.adb"]').waitFor();
     await find(page, "task body Control_Task is");
     await page.keyboard.press("Enter");
     await page.keyboard.type("Wrong : Integer := Unknown;");
