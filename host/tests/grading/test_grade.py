@@ -31,7 +31,7 @@ RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 
 @pytest.fixture(scope="module")
 def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """One campaign over six submissions, on two workers."""
+    """One campaign over seven submissions, on two workers."""
     folder = tmp_path_factory.mktemp("grade")
     all_of = folder / "submissions"
     write_submission(all_of / "good")
@@ -41,6 +41,10 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     linker = 'package body Tasks is\npragma Linker_Options ("-Wl,-plugin,src/evil.h");\n'
     write_submission(
         all_of / "hostile", SOURCES["tasks.adb"].replace("package body Tasks is\n", linker)
+    )
+    table = "package body Tasks is\nTable : String (1 .. 60_000) := (others => ' ') with Volatile;\n"
+    write_submission(
+        all_of / "large", SOURCES["tasks.adb"].replace("package body Tasks is\n", table)
     )
     moved = "         Before := Now;\n"
     waits = f"         delay until Next_Release + Milliseconds (5);\n{moved}"
@@ -82,6 +86,13 @@ def test_what_does_not_compile_gets_nothing_and_the_compiler_s_line(graded: dict
     assert graded["broken"]["points"] == 0
     found = graded["broken"]["checks"][0]["found"]
     assert "tasks.adb:" in found and "/tmp" not in found
+
+
+def test_an_image_that_does_not_fit_is_told_with_its_bytes(graded: dict[str, Any]) -> None:
+    """The linker says so before it repeats its long command."""
+    assert graded["large"]["points"] == 0
+    found = graded["large"]["checks"][0]["found"]
+    assert re.fullmatch(r"the ram image is \d+ bytes too large for the RAM; shorten.*", found)
 
 
 def test_options_for_the_host_s_linker_are_refused(graded: dict[str, Any]) -> None:

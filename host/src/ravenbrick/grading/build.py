@@ -26,7 +26,7 @@ from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.sandbox import Outcome, run_isolated
 from ravenbrick.grading.submission import DESIGN, SubmissionError, accepted_source
 from ravenbrick.image.build import gprbuild_switches
-from ravenbrick.image.build_errors import errors_in
+from ravenbrick.image.build_errors import errors_in, overflow_in
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.run_time import run_time_library
 from ravenbrick.project.robot import ROBOT_FILE
@@ -288,7 +288,8 @@ def _why(outcome: Outcome) -> str:
     said = re.sub(r"\S*/project/", "", outcome.output).strip()
     refused = [line for line in said.splitlines() if line.startswith(REFUSED)]
     if not refused:
-        return "\n".join(errors_in(said, Path("/nowhere"))[:LINES]) or said[-SAID:]
+        errors = errors_in(said, Path("/nowhere"))[:LINES]
+        return "\n".join(errors) or overflow_in(said, "ram") or said[-SAID:]
     unit, mark, option = refused[-1].removeprefix(REFUSED).strip().partition(":L ")
     if mark:
         return f"{Path(unit).stem}: the linker option {option} is not allowed in a submission"

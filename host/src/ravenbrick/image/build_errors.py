@@ -10,7 +10,7 @@ from pathlib import Path
 from ravenbrick.errors import BuildError, ImageFileError, shown_path
 from ravenbrick.project.workspace import BuildKind
 
-__all__ = ["build_failure", "disk_full", "errors_in", "is_disk_full"]
+__all__ = ["build_failure", "disk_full", "errors_in", "is_disk_full", "overflow_in"]
 
 # Compilers and project files: "file:line:column: [error:] sentence", never a warning or a remark.
 _AT = re.compile(
@@ -85,21 +85,26 @@ def disk_full(folder: Path) -> BuildError:
     )
 
 
+def overflow_in(output: str, kind: BuildKind) -> str:
+    """By how much an image is too large for its memory; "" where it is not."""
+    overflow = _OVERFLOW.search(output)
+    if not overflow:
+        return ""
+    memory = "flash" if kind != "ram" and overflow[1] == "CODE" else "RAM"
+    return (
+        f"the {kind} image is {overflow[2]} bytes too large for the {memory}; "
+        "shorten stacks or code"
+    )
+
+
 def build_failure(
     project: Path, kind: BuildKind, output: str, log: Path
 ) -> BuildError | ImageFileError:
     """The error for a build of a project that failed with this output, which is in the log too."""
     whole = f"whole output: {shown_path(log)}"
-    if overflow := _OVERFLOW.search(output):
-        memory = "flash" if kind != "ram" and overflow[1] == "CODE" else "RAM"
-        advice = "shorten stacks or code"
-        if kind == "ram":
-            advice += ", or build a flash image with '--image flash'"
-        return ImageFileError(
-            f"{project.name}: the {kind} image is {overflow[2]} bytes too large for the {memory}; "
-            f"{advice}",
-            detail=whole,
-        )
+    if overflow := overflow_in(output, kind):
+        advice = ", or build a flash image with '--image flash'" if kind == "ram" else ""
+        return ImageFileError(f"{project.name}: {overflow}{advice}", detail=whole)
     errors = errors_in(output, project)
     if not errors:
         lines = [line for line in output.splitlines() if line.strip()]
