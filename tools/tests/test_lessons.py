@@ -37,7 +37,6 @@ NOT_REWRITTEN = {
     "13",
     "14",
     "15",
-    "16",
 }
 PARTS = ["Goals", "Background", "Pre-lab", "Steps", "Experiment", "Results", "Discussion"]
 PARTS += ["Submission", "Going further", "On a real brick", "Sources"]
