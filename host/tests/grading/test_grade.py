@@ -42,7 +42,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     write_submission(
         all_of / "hostile", SOURCES["tasks.adb"].replace("package body Tasks is\n", linker)
     )
-    table = "package body Tasks is\nTable : String (1 .. 60_000) := (others => ' ') with Volatile;\n"
+    table = "package body Tasks is\nT : String (1 .. 60_000) := (others => ' ') with Volatile;\n"
     write_submission(
         all_of / "large", SOURCES["tasks.adb"].replace("package body Tasks is\n", table)
     )
