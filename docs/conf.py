@@ -40,6 +40,8 @@ source_suffix = {".md": "markdown"}
 FOR_LECTURERS = tags.has("teaching")  # noqa: F821 (Sphinx defines it)
 exclude_patterns = ["_build"] if FOR_LECTURERS else ["_build", "teaching"]
 html_theme = "furo"
+# The pages' sources are not a part of the site.
+html_theme_options = {"top_of_page_buttons": []}
 html_title = "Ravenbrick for lecturers" if FOR_LECTURERS else "Ravenbrick"
 html_math_renderer = "drawn"
 html_static_path = ["_static"]

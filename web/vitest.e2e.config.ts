@@ -4,7 +4,8 @@ import { defineConfig } from "vitest/config";
 
 export default defineConfig({
   test: {
-    include: ["e2e/**/*.test.ts"],
+    dir: "e2e",
+    include: ["*.test.ts"],
     environment: "node",
     hookTimeout: 900_000,
     testTimeout: 900_000,

@@ -1,5 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
+// What the theme leaves out for a keyboard and for a screen reader: boxes that scroll take the
+// focus, titles of the list of pages have a level, the two side bars have names.
+addEventListener("DOMContentLoaded", () => {
+  for (const box of document.querySelectorAll("pre, .table-wrapper, .formula")) box.tabIndex = 0;
+  for (const title of document.querySelectorAll(".caption[role=heading]")) title.ariaLevel = "2";
+  document.querySelector(".sidebar-drawer")?.setAttribute("aria-label", "Pages");
+  document.querySelector(".toc-drawer")?.setAttribute("aria-label", "On this page");
+});
+
 // The site without a network: after the first page has loaded, the service worker loads the rest.
 addEventListener("load", async () => {
   if (!("serviceWorker" in navigator) || !isSecureContext) return;

@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The documentation site: built without a warning, each link inside it followed, searchable."""
+"""The documentation site: its links, and what a browser makes of it with and without a network."""
 
 from __future__ import annotations
 
 import importlib.util
+import json
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from tools.docs.site_links import check_site
-from verification.commands import Counts
+from verification.commands import Counts, NoResultError
 from verification.support.paths import ROOT
 
 NO_SPHINX = "Sphinx is not installed: 'make docs' installs it"
@@ -31,3 +32,23 @@ def suite() -> Counts:
     count = report.followed + len(report.outside)
     passed = report.followed - len(report.broken) if whole else 0
     return Counts(count, passed, [{"count": len(report.outside), "reason": OUTSIDE}])
+
+
+def in_browser() -> Counts:
+    """The tests of `web/e2e/site` on the site that `make docs` builds."""
+    subprocess.run(["make", "--no-print-directory", "docs"], cwd=ROOT, check=True)
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "report.json"
+        command = ["npm", "run", "--silent", "site", "--", "--reporter=default"]
+        command += ["--reporter=json", f"--outputFile={report}"]
+        subprocess.run(command, cwd=ROOT / "web", stdout=sys.stderr, check=False)
+        if not report.exists():
+            raise NoResultError("npm run site: no report")
+        files = json.loads(report.read_text("utf-8"))["testResults"]
+    tests = [test for file in files for test in file["assertionResults"]]
+    failed = [test["fullName"] for test in tests if test["status"] == "failed"]
+    passed = sum(test["status"] == "passed" for test in tests)
+    left_out = len(tests) - passed - len(failed)
+    reason = "a scenario with a peer or a monitor, which the page does not have"
+    excluded = [{"count": left_out, "reason": reason}] if left_out else []
+    return Counts(len(tests), passed, excluded, failed)

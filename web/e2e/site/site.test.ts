@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+/** The site of `make docs` as a reader gets it: from a plain file server, then without one. */
+import { spawn, type ChildProcess } from "node:child_process";
+import { readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { gzipSync } from "node:zlib";
+import type { Page } from "playwright-core";
+import { beforeAll, describe, expect } from "vitest";
+import { ROOT, screenshot, test, violations, waitForText } from "../harness";
+
+const SITE = join(ROOT, "docs", "_build", "html");
+const BRICKS = join(SITE, "_static", "bricks");
+const PHONE = { width: 390, height: 844 };
+/** What may be loaded until the first robot moves, packed as web servers do. */
+const MOST_BYTES = 2_500_000;
+
+interface Served {
+  address: string;
+  end: () => void;
+}
+
+let server: ChildProcess;
+let address = "";
+
+/** Any file server does; this one comes with Python. */
+function serveSite(): Promise<Served> {
+  const command = ["-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", SITE];
+  server = spawn("python3", command, { stdio: ["ignore", "pipe", "ignore"] });
+  return new Promise((found, failed) => {
+    server.stdout!.on("data", (bytes: Buffer) => {
+      const port = /port (\d+)/.exec(bytes.toString())?.[1];
+      if (port) found({ address: `http://127.0.0.1:${port}/`, end: () => server.kill() });
+    });
+    server.on("exit", (code) => failed(new Error(`the file server ended with ${code}`)));
+  });
+}
+
+beforeAll(async () => {
+  const served = await serveSite();
+  address = served.address;
+  return served.end;
+});
+
+interface Session {
+  digest?: string;
+}
+
+const sessionOf = (name: string) =>
+  JSON.parse(readFileSync(join(BRICKS, name, "session.json"), "utf-8")) as Session;
+const bricks = readdirSync(BRICKS).sort();
+const sheets = readdirSync(join(SITE, "lessons")).filter((name) => /^\d\d-.*\.html$/.test(name));
+
+/** Run a brick's page to its end as fast as it goes. */
+async function runToEnd(page: Page): Promise<string> {
+  await page.selectOption("#speed", "Infinity");
+  await page.click("#run");
+  await waitForText(page, ".readings", /same run again|ANOTHER/);
+  return (await page.textContent("#status")) ?? "";
+}
+
+/** Bring the brick of a sheet into view and wait until its virtual time passes. */
+async function watchItMove(page: Page): Promise<void> {
+  const frame = page.locator("figure.brick iframe").first();
+  await frame.scrollIntoViewIfNeeded();
+  const brick = page.frameLocator("figure.brick iframe").first();
+  const run = brick.locator("#run");
+  await run.waitFor();
+  if ((await run.textContent()) === "Run") await run.click();
+  await brick.locator("#time", { hasText: /^0\.[0-9]*[1-9]/ }).waitFor();
+}
+
+describe("a brick of the site", () => {
+  for (const name of bricks) {
+    const { digest } = sessionOf(name);
+    test.runIf(digest)(`${name} gives the native run's digest`, async ({ open }) => {
+      const { page, requests } = await open(`${address}_static/brick/index.html?brick=${name}`);
+      expect(await runToEnd(page)).toBe(`The same run again: trace digest ${digest}`);
+      expect(requests.filter((request) => !request.startsWith(address))).toEqual([]);
+    });
+  }
+});
+
+describe("the first page", () => {
+  test("has a robot that moves, for few bytes", async ({ browser }) => {
+    const context = await browser.newContext({ serviceWorkers: "block", viewport: PHONE });
+    const page = await context.newPage();
+    const bodies: Promise<Buffer>[] = [];
+    page.on("response", (response) => {
+      if (response.ok()) bodies.push(response.body().catch(() => Buffer.alloc(0)));
+    });
+    const began = performance.now();
+    await page.goto(address);
+    await watchItMove(page);
+    const seconds = (performance.now() - began) / 1000;
+    const loaded = await Promise.all(bodies);
+    const bytes = loaded.reduce((sum, body) => sum + gzipSync(body).length, 0);
+    console.log(`first robot moves after ${seconds.toFixed(1)} s and ${bytes} packed bytes`);
+    await context.close();
+    expect(bytes).toBeGreaterThan(100_000);
+    expect(bytes).toBeLessThan(MOST_BYTES);
+  });
+});
+
+describe("a sheet", () => {
+  for (const name of sheets) {
+    for (const colorScheme of ["light", "dark"] as const) {
+      test(`${name} has no violation, ${colorScheme}`, async ({ browser }) => {
+        const context = await browser.newContext({ colorScheme, viewport: PHONE });
+        const page = await context.newPage();
+        await page.goto(`${address}lessons/${name}`);
+        expect(await violations(page)).toEqual([]);
+        await screenshot(page, `site-${name.replace(".html", "")}-${colorScheme}`, false);
+        await context.close();
+      });
+    }
+  }
+});
+
+describe("without a network", () => {
+  test("the site and its bricks are there after one visit", async ({ browser }) => {
+    const context = await browser.newContext();
+    const page = await context.newPage();
+    await page.goto(address);
+    const list = readFileSync(join(SITE, "offline.json"), "utf-8");
+    const listed = Object.keys(JSON.parse(list) as object);
+    const count = () =>
+      page.evaluate(async () => (await (await caches.open("ravenbrick")).keys()).length);
+    await expect.poll(count, { timeout: 120_000, interval: 500 }).toBeGreaterThan(listed.length);
+    server.kill();
+    for (const name of sheets) {
+      await page.goto(`${address}lessons/${name}`);
+      expect(await page.textContent("h1")).toMatch(/\d/);
+    }
+    await page.goto(`${address}_static/brick/index.html?brick=vehicle-drive`);
+    const { digest } = sessionOf("vehicle-drive");
+    expect(await runToEnd(page)).toBe(`The same run again: trace digest ${digest}`);
+    await context.close();
+  });
+});
