@@ -11,6 +11,14 @@ import { ravenbrick, screenshot, test, violations, waitForText } from "./harness
 /** Many times as long as the first build takes. */
 const BRICK_TIMEOUT_MS = 90_000;
 
+/** Each tab behind the brick's: its command, and an element of what that shows. */
+const TABS = [
+  ["design", "design", "img"],
+  ["diagram", "diagram", "iframe"],
+  ["bounds", "analyse", "iframe"],
+  ["report", "report", "iframe"],
+] as const;
+
 let folder = "";
 let project = "";
 
@@ -99,6 +107,25 @@ describe("the studio", () => {
     await page.keyboard.press("Control+s");
     await waitForText(page, "#status", /runs \d/);
     expect(await page.locator("#problems button").count()).toBe(0);
+  });
+
+  test("shows by keyboard what each command wrote", async ({ open, studio }) => {
+    const { page } = await open(await studio(project));
+    await waitForBrick(page);
+    await page.selectOption("#scenario", "step");
+    await waitForText(page, "#commands li", /view \S+ step.*done/);
+    await page.focus("#brick-tab");
+    for (const [tab, command, shown] of TABS) {
+      await page.keyboard.press("ArrowRight");
+      expect(await page.evaluate(() => document.activeElement?.id)).toBe(`${tab}-tab`);
+      await page.keyboard.press("Tab");
+      await page.keyboard.press("Enter");
+      await waitForText(page, "#commands li", new RegExp(`${command}.*done`));
+      await page.locator(`#${tab}-panel ${shown}`).first().waitFor();
+      expect(await violations(page)).toEqual([]);
+      await screenshot(page, `studio-${tab}`, false);
+      await page.focus(`#${tab}-tab`);
+    }
   });
 
   test("asks when another program changed the file", async ({ open, studio }) => {
