@@ -89,7 +89,7 @@ def test_friction_and_inertia_follow_with_what_a_meter_shows() -> None:
     assert constants["inertia"] == pytest.approx(inertia, rel=0.02)
     assert constants["viscous_friction"] == pytest.approx(viscous, rel=0.1)
     assert constants["coulomb_friction"] == pytest.approx(coulomb, rel=0.1)
-    with pytest.raises(DesignError, match="above 1 / electric_constant"):
+    with pytest.raises(DesignError, match="needs an electric_constant below"):
         found.constants({**known, "electric_constant": 0.6})
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -98,27 +99,37 @@ def identify_command(
             "is loaded, changes, or is not of this model: nothing was written"
         )
     path = output or workspace.design_file.parent / f"motor-{motor}.toml"
-    atomic_write(path, _parameter_file(found, checked, robot, motor, scenario))
+    constants, reason = _constants(found, robot, motor)
+    source = f"identified from '{scenario}'"
+    text = _parameter_file(found, checked, f"Motor {motor} of '{robot.name}'", source)
+    atomic_write(path, text + _constants_table(constants, reason, source))
     reporter.print(f"parameters: {shown_path(path)}")
+    if reason:
+        reporter.print(f"without the constants for robot.toml: {reason}")
     return {
         "motor": motor,
         "parameters": {p.name: {"value": p.value, "low": p.low, "high": p.high, "unit": p.unit}
                        for p in found.parameters},
         "fit_error_counts": found.error,
         "validation_error_counts": checked.error,
+        "constants": dict(constants) or None,
         "file": str(path),
     }  # fmt: skip
 
 
-def _parameter_file(
-    found: IdentifiedMotor, checked: Validation, robot: Robot, motor: str, scenario: str
-) -> str:
-    """TOML with the plant's parameters as robot.toml writes them, and the model's own."""
+def _constants(found: IdentifiedMotor, robot: Robot, motor: str) -> tuple[Mapping[str, float], str]:
+    """The constants that robot.toml takes; none, and a sentence why, where they do not follow."""
     parameters = robot.motors[robot.motor_ports[motor].motor]
-    known = {name: parameters[name].value for name in _KNOWN}
-    source = f"identified from '{scenario}'"
+    try:
+        return found.constants({name: parameters[name].value for name in _KNOWN}), ""
+    except DesignError as error:
+        return {}, error.sentence
+
+
+def _parameter_file(found: IdentifiedMotor, checked: Validation, of: str, source: str) -> str:
+    """TOML with the model's parameters."""
     lines = [
-        f"# Motor {motor} of '{robot.name}', written by ravenbrick identify.",
+        f"# {of}, written by ravenbrick identify.",
         f"# Error {found.error:.2f} counts, on other data {checked.error:.2f} counts.",
         "",
         "[model]",
@@ -127,10 +138,17 @@ def _parameter_file(
         half = (one.high - one.low) / 2
         entry = f'value = {one.value:.8g}, unit = "{one.unit}", tolerance = {half:.3g}'
         lines.append(f'{one.name} = {{ {entry}, source = "{source}" }}')
-    lines += ["", "# For [motors.<name>] of robot.toml; resistance and constants as given there."]
+    return "\n".join([*lines, ""])
+
+
+def _constants_table(constants: Mapping[str, float], reason: str, source: str) -> str:
+    """TOML with the plant's parameters as robot.toml writes them, or why there are none."""
+    if reason:
+        return f"\n# Without [motor] for robot.toml: {reason}.\n"
+    lines = ["", "# For [motors.<name>] of robot.toml; resistance and constants as given there."]
     lines.append("[motor]")
     units = {"viscous_friction": "N m s/rad", "inertia": "kg m^2", "coulomb_friction": "N m"}
-    for name, value in found.constants(known).items():
+    for name, value in constants.items():
         entry = f'value = {value:.8g}, unit = "{units[name]}"'
         lines.append(f'{name} = {{ {entry}, source = "{source}" }}')
     return "\n".join([*lines, ""])

@@ -110,8 +110,9 @@ class IdentifiedMotor:
         friction = (damping - torque * known["electric_constant"]) / resistance
         if friction < 0:
             raise DesignError(
-                f"the gain {found['gain']:.4g} rad/s per V is above 1 / electric_constant; "
-                "measure the constants given as known again"
+                f"a gain of {found['gain']:.4g} rad/s per V needs an electric_constant below "
+                f"{1 / found['gain']:.4g} V s/rad, and robot.toml has "
+                f"{known['electric_constant']:.4g}; measure it: voltage over speed without load"
             )
         return {
             "viscous_friction": friction,
