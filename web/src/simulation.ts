@@ -112,9 +112,10 @@ export class Simulation {
     return this.replayLeft || this.applied.length > 0 ? null : this.replay;
   }
 
-  /** A replayed run ends where it was saved. */
+  /** A replayed run ends where it was saved, or with its program. */
   get replayEnded(): boolean {
-    return this.followed !== null && this.cycles >= this.followed.until_cycles;
+    const { followed } = this;
+    return followed !== null && (this.ended || this.cycles >= followed.until_cycles);
   }
 
   leaveReplay(): void {

@@ -13,13 +13,16 @@ class CountingCore {
   now = 0;
   /** The cycles by which the last instruction goes past the end of a run. */
   overrun = 0;
+  /** Where the program ends. */
+  halts_at = Infinity;
   scheduled: [number, string, number][] = [];
   limits: number[] = [];
   cycles = () => this.now;
   run_until(limit: number): string {
     this.limits.push(limit);
-    this.now = Math.max(this.now, limit + this.overrun);
-    return JSON.stringify({ reason: "reached", at_cycles: this.now, message: "" });
+    this.now = Math.min(Math.max(this.now, limit + this.overrun), this.halts_at);
+    const reason = limit > this.halts_at ? "halted" : "reached";
+    return JSON.stringify({ reason, at_cycles: this.now, message: "" });
   }
   schedule_input(at: number, name: string, value: number): void {
     this.scheduled.push([at, name, value]);
@@ -33,11 +36,12 @@ class CountingCore {
   free = () => undefined;
 }
 
-function begin(inputs = PLAIN_SESSION.inputs) {
+function begin(inputs = PLAIN_SESSION.inputs, halts_at = Infinity) {
   const cores: CountingCore[] = [];
   class Made extends CountingCore {
     constructor() {
       super();
+      this.halts_at = halts_at;
       cores.push(this);
     }
   }
@@ -143,5 +147,18 @@ describe("a saved run", () => {
     simulation.advance(16, 1e9, steppingClock(0));
     expect(simulation.cycles).toBe(run.until_cycles);
     expect([simulation.running, simulation.replayEnded]).toEqual([false, true]);
+  });
+
+  it("ends with its program, whose last instruction is a part of it", () => {
+    const { simulation } = begin(PLAIN_SESSION.inputs, cyclesOfMs(3) + 1);
+    simulation.runTo(cyclesOfMs(9));
+    const { run, elf } = simulation.save();
+    expect(run.until_cycles).toBeGreaterThan(simulation.cycles);
+    simulation.load(run, elf, run);
+    simulation.factor = Infinity;
+    simulation.running = true;
+    simulation.advance(16, 1e9, steppingClock(0));
+    expect([simulation.ended, simulation.replayEnded]).toEqual([true, true]);
+    expect(simulation.digest()).toBe(run.digest);
   });
 });

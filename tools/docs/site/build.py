@@ -92,7 +92,8 @@ def _session(
     if scenario.peer is not None or scenario.monitor is not None:
         return session
     recording = VirtualTarget().run(robot, scenario, image)
-    end = {"until_ms": scenario.duration_ms, "until_cycles": recording.stop.at_cycles}
+    until_cycles = recording.clock.cycles_of_ms(scenario.duration_ms)
+    end = {"until_ms": scenario.duration_ms, "until_cycles": until_cycles}
     return session | end | {"digest": recording.digest}
 
 
