@@ -36,7 +36,9 @@ def suite() -> Counts:
 
 def in_browser() -> Counts:
     """The tests of `web/e2e/site` on the site that `make docs` builds."""
-    subprocess.run(["make", "--no-print-directory", "docs"], cwd=ROOT, check=True)
+    made = subprocess.run(["make", "--no-print-directory", "docs"], cwd=ROOT, stdout=sys.stderr)
+    if made.returncode != 0:
+        raise NoResultError("make docs: the site was not built")
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         command = ["npm", "run", "--silent", "site", "--", "--reporter=default"]

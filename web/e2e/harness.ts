@@ -30,9 +30,17 @@ export async function ravenbrick(...words: string[]): Promise<Record<string, unk
   return JSON.parse(done.stdout) as Record<string, unknown>;
 }
 
-/** A server of `ravenbrick view` or `studio` for a project, and its address. */
-async function serve(...words: string[]): Promise<{ address: string; end: () => void }> {
-  const server = spawn(COMMAND, [...words, "--port", "0", "--no-browser"], {
+export interface Served {
+  address: string;
+  end: () => void;
+}
+
+/** `ravenbrick view` or `studio` for a project. */
+const serve = (...words: string[]) => started(COMMAND, ...words, "--port", "0", "--no-browser");
+
+/** A server that says its address. */
+export async function started(program: string, ...words: string[]): Promise<Served> {
+  const server = spawn(program, words, {
     cwd: ROOT,
     env: { ...process.env, PYTHONUNBUFFERED: "1", COLUMNS: "200" },
   });
@@ -40,13 +48,13 @@ async function serve(...words: string[]): Promise<{ address: string; end: () => 
     let said = "";
     const listen = (bytes: Buffer) => {
       said += bytes.toString();
-      const match = /http:\/\/127\.0\.0\.1:\d+\/[\w-]+\//.exec(said);
+      const match = /http:\/\/127\.0\.0\.1:\d+\/([\w-]+\/)?(?![\w-]|$)/.exec(said);
       if (match) found(match[0]);
     };
     server.stdout.on("data", listen);
     server.stderr.on("data", listen);
     setTimeout(() => failed(new Error(`no address within a minute: ${said}`)), 60_000).unref();
-    const over = (code: number | null) => `ravenbrick ${words[0]} ended with ${code}: ${said}`;
+    const over = (code: number | null) => `${program} ${words[0]} ended with ${code}: ${said}`;
     server.on("exit", (code) => failed(new Error(over(code))));
   });
   return { address, end: () => server.kill("SIGINT") };
@@ -123,7 +131,7 @@ export const test = base.extend<Fixtures>({
   ],
   view: [
     async ({}, use) => {
-      const servers = new Map<string, ReturnType<typeof serve>>();
+      const servers = new Map<string, Promise<Served>>();
       await use(async (...words) => {
         const server = servers.get(words.join()) ?? serve("view", ...words);
         servers.set(words.join(), server);
@@ -135,7 +143,7 @@ export const test = base.extend<Fixtures>({
   ],
   studio: [
     async ({}, use) => {
-      const servers: Awaited<ReturnType<typeof serve>>[] = [];
+      const servers: Served[] = [];
       await use(async (project) => {
         servers.push(await serve("studio", project));
         return servers.at(-1)!.address;

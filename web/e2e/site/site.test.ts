@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** The site of `make docs` as a reader gets it: from a plain file server, then without one. */
-import { spawn, type ChildProcess } from "node:child_process";
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 import type { Page } from "playwright-core";
 import { beforeAll, describe, expect } from "vitest";
-import { ROOT, screenshot, test, violations, waitForText } from "../harness";
+import { ROOT, screenshot, started, test, violations, waitForText, type Served } from "../harness";
 
 const SITE = join(ROOT, "docs", "_build", "html");
 const BRICKS = join(SITE, "_static", "bricks");
@@ -15,31 +14,13 @@ const PHONE = { width: 390, height: 844 };
 /** What may be loaded until the first robot moves, packed as web servers do. */
 const MOST_BYTES = 2_500_000;
 
-interface Served {
-  address: string;
-  end: () => void;
-}
-
-let server: ChildProcess;
-let address = "";
+let server: Served;
 
 /** Any file server does; this one comes with Python. */
-function serveSite(): Promise<Served> {
-  const command = ["-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", SITE];
-  server = spawn("python3", command, { stdio: ["ignore", "pipe", "ignore"] });
-  return new Promise((found, failed) => {
-    server.stdout!.on("data", (bytes: Buffer) => {
-      const port = /port (\d+)/.exec(bytes.toString())?.[1];
-      if (port) found({ address: `http://127.0.0.1:${port}/`, end: () => server.kill() });
-    });
-    server.on("exit", (code) => failed(new Error(`the file server ended with ${code}`)));
-  });
-}
-
 beforeAll(async () => {
-  const served = await serveSite();
-  address = served.address;
-  return served.end;
+  const words = ["-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", SITE];
+  server = await started("python3", ...words);
+  return server.end;
 });
 
 interface Session {
@@ -50,6 +31,8 @@ const sessionOf = (name: string) =>
   JSON.parse(readFileSync(join(BRICKS, name, "session.json"), "utf-8")) as Session;
 const bricks = readdirSync(BRICKS).sort();
 const sheets = readdirSync(join(SITE, "lessons")).filter((name) => /^\d\d-.*\.html$/.test(name));
+
+const brickPage = (name: string) => `${server.address}_static/brick/index.html?brick=${name}`;
 
 /** Run a brick's page to its end as fast as it goes. */
 async function runToEnd(page: Page): Promise<string> {
@@ -74,9 +57,9 @@ describe("a brick of the site", () => {
   for (const name of bricks) {
     const { digest } = sessionOf(name);
     test.runIf(digest)(`${name} gives the native run's digest`, async ({ open }) => {
-      const { page, requests } = await open(`${address}_static/brick/index.html?brick=${name}`);
+      const { page, requests } = await open(brickPage(name));
       expect(await runToEnd(page)).toBe(`The same run again: trace digest ${digest}`);
-      expect(requests.filter((request) => !request.startsWith(address))).toEqual([]);
+      expect(requests.filter((request) => !request.startsWith(server.address))).toEqual([]);
     });
   }
 });
@@ -90,7 +73,7 @@ describe("the first page", () => {
       if (response.ok()) bodies.push(response.body().catch(() => Buffer.alloc(0)));
     });
     const began = performance.now();
-    await page.goto(address);
+    await page.goto(server.address);
     await watchItMove(page);
     const seconds = (performance.now() - began) / 1000;
     const loaded = await Promise.all(bodies);
@@ -108,7 +91,7 @@ describe("a sheet", () => {
       test(`${name} has no violation, ${colorScheme}`, async ({ browser }) => {
         const context = await browser.newContext({ colorScheme, viewport: PHONE });
         const page = await context.newPage();
-        await page.goto(`${address}lessons/${name}`);
+        await page.goto(`${server.address}lessons/${name}`);
         expect(await violations(page)).toEqual([]);
         await screenshot(page, `site-${name.replace(".html", "")}-${colorScheme}`, false);
         await context.close();
@@ -121,18 +104,18 @@ describe("without a network", () => {
   test("the site and its bricks are there after one visit", async ({ browser }) => {
     const context = await browser.newContext();
     const page = await context.newPage();
-    await page.goto(address);
+    await page.goto(server.address);
     const list = readFileSync(join(SITE, "offline.json"), "utf-8");
     const listed = Object.keys(JSON.parse(list) as object);
     const count = () =>
       page.evaluate(async () => (await (await caches.open("ravenbrick")).keys()).length);
     await expect.poll(count, { timeout: 120_000, interval: 500 }).toBeGreaterThan(listed.length);
-    server.kill();
+    server.end();
     for (const name of sheets) {
-      await page.goto(`${address}lessons/${name}`);
+      await page.goto(`${server.address}lessons/${name}`);
       expect(await page.textContent("h1")).toMatch(/\d/);
     }
-    await page.goto(`${address}_static/brick/index.html?brick=vehicle-drive`);
+    await page.goto(brickPage("vehicle-drive"));
     const { digest } = sessionOf("vehicle-drive");
     expect(await runToEnd(page)).toBe(`The same run again: trace digest ${digest}`);
     await context.close();
