@@ -1,9 +1,17 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
+// A box takes the focus while it is narrower than its content: then its bar is for keys, too.
+const boxes = new ResizeObserver((changed) => {
+  for (const { target } of changed) {
+    if (target.scrollWidth > target.clientWidth) target.tabIndex = 0;
+    else target.removeAttribute("tabindex");
+  }
+});
+
 // What the theme leaves out for a keyboard and for a screen reader: boxes that scroll take the
 // focus, titles of the list of pages have a level, the two side bars have names.
 addEventListener("DOMContentLoaded", () => {
-  for (const box of document.querySelectorAll("pre, .table-wrapper, .formula")) box.tabIndex = 0;
+  for (const box of document.querySelectorAll("pre, .table-wrapper, .formula")) boxes.observe(box);
   for (const title of document.querySelectorAll(".caption[role=heading]")) title.ariaLevel = "2";
   document.querySelector(".sidebar-drawer")?.setAttribute("aria-label", "Pages");
   document.querySelector(".toc-drawer")?.setAttribute("aria-label", "On this page");
