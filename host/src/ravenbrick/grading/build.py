@@ -288,8 +288,8 @@ def _why(outcome: Outcome) -> str:
     said = re.sub(r"\S*/project/", "", outcome.output).strip()
     refused = [line for line in said.splitlines() if line.startswith(REFUSED)]
     if not refused:
-        errors = errors_in(said, Path("/nowhere"))[:LINES]
-        return "\n".join(errors) or overflow_in(said, "ram") or said[-SAID:]
+        errors = "\n".join(errors_in(said, Path("/nowhere"))[:LINES])
+        return overflow_in(said, "ram") or errors or said[-SAID:]
     unit, mark, option = refused[-1].removeprefix(REFUSED).strip().partition(":L ")
     if mark:
         return f"{Path(unit).stem}: the linker option {option} is not allowed in a submission"
