@@ -112,7 +112,8 @@ class IdentifiedMotor:
             raise DesignError(
                 f"a gain of {found['gain']:.4g} rad/s per V needs an electric_constant below "
                 f"{1 / found['gain']:.4g} V s/rad, and robot.toml has "
-                f"{known['electric_constant']:.4g}; measure it: voltage over speed without load"
+                f"{known['electric_constant']:.4g}; measure it: turn the shaft, and divide the "
+                "voltage between the open wires by the speed"
             )
         return {
             "viscous_friction": friction,
