@@ -14,6 +14,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from ravenbrick.brick.links.peers import BluetoothComputer
 from ravenbrick.brick.run import VirtualTarget
@@ -60,6 +61,26 @@ PAPER = Monitored(
 )
 
 
+class Conversation:
+    """A computer that talks with the program of a virtual brick over Bluetooth."""
+
+    def __init__(self, brick: Any) -> None:
+        self._brick, self.session = brick, Session()
+        self._computer = BluetoothComputer(brick, pin="1234")
+        self._computer.connect(timeout_ms=CONNECT_MS)
+        self._computer.write(self.session.connected(self._now_s()))
+
+    def _now_s(self) -> float:
+        return MASTER_CLOCK.seconds(self._brick.cycles)
+
+    def talk(self, milliseconds: int) -> None:
+        """Let virtual time pass; both sides say what is due."""
+        for _ in range(milliseconds // TURN_MS):
+            self._computer.write(self.session.pending(self._now_s()))
+            self._brick.run_until(self._brick.cycles + MASTER_CLOCK.cycles_of_ms(TURN_MS))
+            self.session.receive(self._computer.take())
+
+
 def monitored_steps(
     image: ElfImage,
     setpoints: Sequence[float],
@@ -75,19 +96,8 @@ def monitored_steps(
     scenario = replace(read_scenario(scenario_path(example.project, "step"), robot), inputs=())
     brick = VirtualTarget().prepare(robot, scenario, image)
     brick.run_until(MASTER_CLOCK.cycles_of_ms(STARTED_MS))
-    computer, session = BluetoothComputer(brick, pin="1234"), Session()
-    computer.connect(timeout_ms=CONNECT_MS)
-
-    def now_s() -> float:
-        return MASTER_CLOCK.seconds(brick.cycles)
-
-    def talk(milliseconds: int) -> None:
-        for _ in range(milliseconds // TURN_MS):
-            computer.write(session.pending(now_s()))
-            brick.run_until(brick.cycles + MASTER_CLOCK.cycles_of_ms(TURN_MS))
-            session.receive(computer.take())
-
-    computer.write(session.connected(now_s()))
+    conversation = Conversation(brick)
+    session, talk = conversation.session, conversation.talk
     session.set_parameter(example.parameter, setpoints[0])
     talk(FIRST_MS)
     brick.schedule_input(brick.cycles, "touch.1", 1)

@@ -24,7 +24,7 @@ DETECTORS = {"supervision alone": SHEET, "monitor": teaching_page(SHEET)}
 FAULT_MS = 1_000
 
 
-def _edits(page: str) -> Edits:
+def _edits(detector: str) -> Edits:
     """Of the template `blank`: the program of the sheet, or that of the solution."""
     files = files_of(SHEET)
     robot = (project("blank") / "robot.toml").read_text("utf-8")
@@ -34,7 +34,7 @@ def _edits(page: str) -> Edits:
     return {
         "robot.toml": robot,
         "src/tasks.ads": files["lab18/src/tasks.ads"],
-        "src/tasks.adb": files_of(DETECTORS[page])["lab18/src/tasks.adb"],
+        "src/tasks.adb": files_of(DETECTORS[detector])["lab18/src/tasks.adb"],
         "scenarios/fault.toml": files["lab18/scenarios/fault.toml"],
     }
 
