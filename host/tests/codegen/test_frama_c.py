@@ -9,7 +9,7 @@ import shutil
 import pytest
 from verification.support.codegen.paper_pi import fixed_pi, plant
 
-import ravenbrick.codegen.frama_c as frama_c
+import ravenbrick.codegen.proofs.frama_c as frama_c
 from ravenbrick.codegen import check_with_frama_c, frama_c_goals, generate_fixed_c
 from ravenbrick.errors import DesignError, ToolMissingError
 from ravenbrick.model import Rounding

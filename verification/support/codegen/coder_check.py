@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from ravenbrick.brick.step_cost import FIRST_WORDS
 from ravenbrick.codegen import AdaBinding, CoderModel
-from ravenbrick.codegen.ada_interface import Interface
-from ravenbrick.codegen.c_header import KEPT_ROLES, CField
+from ravenbrick.codegen.ada.interface import Interface
+from ravenbrick.codegen.c.header import KEPT_ROLES, CField
 
 from verification.support.bricks.silent import silent_brick
 from verification.support.codegen.c_build import ARM, ada_object, run

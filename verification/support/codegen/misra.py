@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from ravenbrick.codegen import generate_c
-from ravenbrick.codegen.rtwtypes import used_types
+from ravenbrick.codegen.c.rtwtypes import used_types
 from ravenbrick.control import DiscretePi, pi_diagram
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, IntegrationMethod

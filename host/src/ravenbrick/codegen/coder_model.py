@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.codegen.ada_binding import AdaBinding, ada_binding
-from ravenbrick.codegen.c_declarations import NUMBERS
-from ravenbrick.codegen.c_header import ModelHeader, read_header
-from ravenbrick.codegen.rtwtypes import RTWTYPES
+from ravenbrick.codegen.ada.binding import AdaBinding, ada_binding
+from ravenbrick.codegen.c.declarations import NUMBERS
+from ravenbrick.codegen.c.header import ModelHeader, read_header
+from ravenbrick.codegen.c.rtwtypes import RTWTYPES
 from ravenbrick.errors import DesignError
 
 __all__ = ["CoderModel", "read_binding", "read_coder_model"]

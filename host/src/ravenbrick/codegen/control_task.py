@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ravenbrick import __version__
-from ravenbrick.codegen.ada_interface import AdaBinding, Interface
-from ravenbrick.codegen.c_header import CField, ModelHeader, read_header
+from ravenbrick.codegen.ada.interface import AdaBinding, Interface
+from ravenbrick.codegen.c.header import CField, ModelHeader, read_header
 from ravenbrick.errors import DesignError
 
 __all__ = ["INPUT_FORMS", "OUTPUT_FORMS", "TASK_PRIORITY", "TASK_STACK_BYTES", "control_task"]

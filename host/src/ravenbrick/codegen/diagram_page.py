@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from html import escape
 
-from ravenbrick.codegen.generator import generate_c
+from ravenbrick.codegen.c.generator import generate_c
 from ravenbrick.model import Diagram, diagram_svg
 
 __all__ = ["diagram_page", "lines_of_blocks"]

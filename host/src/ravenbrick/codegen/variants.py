@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ravenbrick.codegen.proof import prove
+from ravenbrick.codegen.proofs.fixed_point import prove
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram, FixedPointOptions, Rounding, to_fixed_point
 from ravenbrick.model.lazy import control

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ravenbrick.codegen.c_text import c_literal
+from ravenbrick.codegen.c.text import c_literal
 from ravenbrick.errors import DesignError
 from ravenbrick.model import DataType, Diagram, Execution
 from ravenbrick.model.number_format import FixedFormat

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from ravenbrick.codegen.c_text import ACCUMULATOR, C_KEYWORDS
+from ravenbrick.codegen.c.text import ACCUMULATOR, C_KEYWORDS
 from ravenbrick.model import (
     Block,
     Constant,

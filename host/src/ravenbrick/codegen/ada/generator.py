@@ -8,8 +8,8 @@ import hashlib
 from collections.abc import Sequence
 
 from ravenbrick import __version__
-from ravenbrick.codegen.ada_helpers import ada_helpers, needs_interfaces
-from ravenbrick.codegen.ada_text import (
+from ravenbrick.codegen.ada.helpers import ada_helpers, needs_interfaces
+from ravenbrick.codegen.ada.text import (
     AdaText,
     ada_literal,
     ada_name,
@@ -18,7 +18,7 @@ from ravenbrick.codegen.ada_text import (
     stored_format,
     wrapped,
 )
-from ravenbrick.codegen.generator import GeneratedCode
+from ravenbrick.codegen.c.generator import GeneratedCode
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir

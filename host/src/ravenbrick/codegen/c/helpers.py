@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from ravenbrick.codegen.c_text import c_literal, format_suffix
+from ravenbrick.codegen.c.text import c_literal, format_suffix
 from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import Rounding
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ravenbrick import __version__
-from ravenbrick.codegen.c_helpers import helper_functions, table_arrays
-from ravenbrick.codegen.c_text import (
+from ravenbrick.codegen.c.helpers import helper_functions, table_arrays
+from ravenbrick.codegen.c.rtwtypes import RTWTYPES, used_types
+from ravenbrick.codegen.c.text import (
     ACCUMULATOR,
     C_KEYWORDS,
     FILL_INDEX,
@@ -25,7 +26,6 @@ from ravenbrick.codegen.c_text import (
     line_index,
     type_name,
 )
-from ravenbrick.codegen.rtwtypes import RTWTYPES, used_types
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir

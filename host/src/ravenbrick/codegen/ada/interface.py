@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ravenbrick import __version__
-from ravenbrick.codegen.ada_text import ada_name
-from ravenbrick.codegen.c_header import CField, ModelHeader
+from ravenbrick.codegen.ada.text import ada_name
+from ravenbrick.codegen.c.header import CField, ModelHeader
 from ravenbrick.errors import DesignError
 
 __all__ = ["STEP", "AdaBinding", "Interface", "imported"]

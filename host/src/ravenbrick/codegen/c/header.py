@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ravenbrick.codegen.c_declarations import (
+from ravenbrick.codegen.c.declarations import (
     NUMBERS,
     Declarations,
     Leaf,

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ravenbrick.codegen.ada_adapter import Adapter
-from ravenbrick.codegen.ada_interface import RECORDS, STEP, AdaBinding, Interface, imported
-from ravenbrick.codegen.c_header import CField, read_header
+from ravenbrick.codegen.ada.adapter import Adapter
+from ravenbrick.codegen.ada.interface import RECORDS, STEP, AdaBinding, Interface, imported
+from ravenbrick.codegen.c.header import CField, read_header
 from ravenbrick.errors import DesignError
 
 __all__ = ["AdaBinding", "ada_binding"]

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ravenbrick import __version__
-from ravenbrick.codegen.frama_c import frama_c_goals
-from ravenbrick.codegen.gappa import gappa_script
-from ravenbrick.codegen.generator import GeneratedCode, generate_c
+from ravenbrick.codegen.c.generator import GeneratedCode, generate_c
+from ravenbrick.codegen.proofs.frama_c import frama_c_goals
+from ravenbrick.codegen.proofs.gappa import gappa_script
 from ravenbrick.errors import DesignError
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.number_format import FixedFormat

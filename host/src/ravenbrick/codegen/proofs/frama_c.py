@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ravenbrick.codegen.c_text import line_index
+from ravenbrick.codegen.c.text import line_index
 from ravenbrick.errors import DesignError, ToolMissingError
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.number_format import FixedFormat, Rounding

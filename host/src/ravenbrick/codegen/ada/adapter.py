@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ravenbrick import __version__
-from ravenbrick.codegen.ada_interface import RECORDS, STEP, AdaBinding, Interface, imported
-from ravenbrick.codegen.ada_text import ada_name
-from ravenbrick.codegen.c_header import KEPT_ROLES, CField, ModelHeader
+from ravenbrick.codegen.ada.interface import RECORDS, STEP, AdaBinding, Interface, imported
+from ravenbrick.codegen.ada.text import ada_name
+from ravenbrick.codegen.c.header import KEPT_ROLES, CField, ModelHeader
 from ravenbrick.errors import DesignError
 
 __all__ = ["Adapter"]

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from ravenbrick.codegen.ada_text import (
+from ravenbrick.codegen.ada.text import (
     ada_literal,
     ada_name,
     ada_type,

@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from ravenbrick.codegen.c_text import SHARED_GUARDS, block_title, c_literal, line_index
+from ravenbrick.codegen.c.text import SHARED_GUARDS, block_title, c_literal, line_index
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.linearisation import fraction_of
