@@ -11,7 +11,7 @@ import json
 
 import virtual_brick
 
-from tools.docs.lcd_picture import lcd_svg
+from tools.docs.pictures.lcd import lcd_svg
 from verification.support.bricks.driver_programs import image_of
 from verification.support.bricks.observe import Brick, bench
 from verification.support.paths import ROOT

@@ -16,7 +16,7 @@ from typing import Any
 
 import virtual_brick
 
-from tools.docs.lcd_picture import lcd_svg
+from tools.docs.pictures.lcd import lcd_svg
 from verification.support.bricks.observe import Brick, bench
 from verification.support.bricks.programs import gprbuild
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tools.docs.lcd_picture import lcd_svg
+from tools.docs.pictures.lcd import lcd_svg
 
 __all__ = ["firmware_pages", "fuzz_page", "plant_page", "witness_page"]
 

@@ -22,7 +22,7 @@ from typing import Any
 import virtual_brick
 
 from tools.docs import tables
-from tools.docs.lcd_picture import WIDTH
+from tools.docs.pictures.lcd import WIDTH
 from verification.support.paths import ROOT
 
 RESULTS = ROOT / "verification" / "firmware" / "images.json"

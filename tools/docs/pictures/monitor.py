@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The live page as a browser shows it: `python -m tools.docs.monitor_picture FILE [PROJECT]`.
+"""The live page as a browser shows it: `python -m tools.docs.pictures.monitor FILE [PROJECT]`.
 
 Runs the motor bench, or examples/paper, with its Bluetooth on a port, `ravenbrick monitor --page`
 on it, and headless Chromium on the page; drags the slider of the set-point; writes the picture as
@@ -26,7 +26,7 @@ from typing import IO, Any
 
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 # Where the lowest slider is clicked, in parts of its width: 3 V
 SET_POINTS = {"motor-bench": 0.8, "paper": 1 / 3}
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]

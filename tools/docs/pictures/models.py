@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagrams of Simulink models as they are laid out: `python -m tools.docs.model_pictures`.
+"""Diagrams of Simulink models as they are laid out: `python -m tools.docs.pictures.models`.
 
 Draws the models of examples/paper as SVG below docs/pictures; blocks of other types are refused.
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 
 __all__ = ["drawing", "main"]
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 MODELS = ROOT / "examples" / "paper" / "models"
 PICTURES = ROOT / "docs" / "pictures"
 MARGIN, NAME_HEIGHT = 30, 16

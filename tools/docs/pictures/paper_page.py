@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's vehicle on the page of the brick: `python -m tools.docs.paper_page_picture FILE`.
+"""The paper's vehicle on the page of the brick: `python -m tools.docs.pictures.paper_page FILE`.
 
 Serves examples/paper with the scenario `drive`, lets it run in headless Chromium, and writes the
 picture as PNG when the vehicle has driven for a while. Needs what `ravenbrick view` needs.
@@ -15,9 +15,9 @@ from pathlib import Path
 
 from tornado.websocket import websocket_connect
 
-from tools.docs.monitor_picture import RAVENBRICK, Browser, Programs, first_page, page_address
+from tools.docs.pictures.monitor import RAVENBRICK, Browser, Programs, first_page, page_address
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 WIDTH, HEIGHT = 1280, 900
 UNTIL_S = 10.5
 PATIENCE_S = 240

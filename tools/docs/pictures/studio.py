@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The guide's picture of the studio, from its browser test: `python -m tools.docs.studio_picture`.
+"""The guide's picture of the studio, from its browser test: `python -m tools.docs.pictures.studio`.
 
 `--keep` takes the picture that is there. Needs what `make page` needs, and Chromium.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from tools.docs.page_pictures import MADE, ROOT, pack_picture
+from tools.docs.pictures.page import MADE, ROOT, pack_picture
 
 __all__ = ["main"]
 

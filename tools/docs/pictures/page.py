@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The guide's pictures of the page, from the browser tests: `python -m tools.docs.page_pictures`.
+"""The guide's pictures of the page, from the browser tests: `python -m tools.docs.pictures.page`.
 
 The tests leave theirs in out/page; this packs them to few colours in docs/pictures/page.
 `--keep` takes the pictures that are there. Needs what `make page` needs, and Chromium.
@@ -16,7 +16,7 @@ from PIL import Image
 
 __all__ = ["MADE", "ROOT", "main", "pack_picture"]
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 MADE = ROOT / "out" / "page"
 KEPT = ROOT / "docs" / "pictures" / "page"
 COLOURS = 160
