@@ -19,7 +19,7 @@ mod verdict;
 
 pub use interpolation::{monotone_cubic, moving_slope};
 pub use measures::{
-    measure, Criterion, Measures, Plan, Setpoint, StepRecord, StepWindow, StraightDrive, Task,
+    measure, Criterion, Measures, Plan, Setpoint, StepRecord, StepWindow, StraightDrive,
 };
 pub use motion::{
     count_difference_speed, fitted_speed, path_measures, step_measures, PathMeasures, StepMeasures,
@@ -27,8 +27,8 @@ pub use motion::{
 };
 pub use run::{Clock, Input, Run, Screen, Stop, Thread};
 pub use schedule::{
-    by_priority, jobs, stretches, utilization, Job, Stretch, TaskMeasures, Utilization, IDLE_OWNER,
-    INTERRUPT_OWNER, KERNEL_OWNER,
+    by_priority, jobs, stretches, utilization, Job, Stretch, Task, TaskMeasures, Utilization,
+    IDLE_OWNER, INTERRUPT_OWNER, KERNEL_OWNER,
 };
 pub use sentence::{Bounds, Expectation, Expected, Window};
 pub use units::signal_unit;

@@ -13,7 +13,9 @@ use crate::motion::{
     StepMeasures, RADIANS_PER_COUNT, WINDOW,
 };
 use crate::run::Run;
-use crate::schedule::{by_priority, jobs, measure_task, utilization, TaskMeasures, Utilization};
+use crate::schedule::{
+    by_priority, jobs, measure_task, utilization, Task, TaskMeasures, Utilization,
+};
 
 /// Interval of the plain difference of counts in s.
 const DIFFERENCE_INTERVAL: f64 = 0.004;
@@ -31,17 +33,6 @@ fn exact_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f6
     let written = <&RawValue>::deserialize(deserializer)?.get();
     let number = (written != "null").then(|| written.trim_matches('"').parse());
     number.transpose().map_err(serde::de::Error::custom)
-}
-
-/// One task of the task set.
-#[derive(Clone, Debug, Deserialize)]
-pub struct Task {
-    /// The thread's name, in whatever letter case.
-    pub name: String,
-    /// `cyclic`, `sporadic` or `background`.
-    pub release: String,
-    /// Deadline of each job.
-    pub deadline_us: Option<u64>,
 }
 
 /// The variable with a motor's speed set-point.

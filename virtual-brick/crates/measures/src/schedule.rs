@@ -9,10 +9,9 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use trace::{EventKind, IDLE};
 
-use crate::measures::Task;
 use crate::run::{Run, Thread};
 
 /// Owner of the processor while it sleeps, or where the program's threads all wait.
@@ -22,6 +21,17 @@ pub const KERNEL_OWNER: i64 = -2;
 /// Owner of the processor in a handler.
 pub const INTERRUPT_OWNER: i64 = -3;
 const NO_SOURCE: i64 = -1;
+
+/// One task of the task set.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Task {
+    /// The thread's name, in whatever letter case.
+    pub name: String,
+    /// `cyclic`, `sporadic` or `background`.
+    pub release: String,
+    /// Deadline of each job.
+    pub deadline_us: Option<u64>,
+}
 
 /// One activation of a task; instants in cycles, none for what the run did not reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,6 +6,7 @@
 
 mod error;
 mod timing;
+mod timing_fields;
 mod timing_parameters;
 
 use at91sam7s::Errata;
