@@ -115,9 +115,18 @@ def measure(count: int = COUNT) -> list[Way]:
     return ways
 
 
-def same_results(way: Way, single: Way) -> int:
-    """How many results are those of the other way, to the last field."""
-    return sum(a == b for a, b in zip(way.results, single.results, strict=True))
+def different_results(way: Way, single: Way) -> list[str]:
+    """A line for each result that is not that of the other way, with the fields that differ."""
+    lines = []
+    for result, expected in zip(way.results, single.results, strict=True):
+        fields = [
+            f"{key} {result.get(key)!r} instead of {expected.get(key)!r}"
+            for key in sorted({*result, *expected})
+            if result.get(key) != expected.get(key)
+        ]
+        if fields:
+            lines.append(f"{way.name}: {expected['submission']}: {'; '.join(fields)}")
+    return lines
 
 
 def _spread(values: list[float]) -> str:
@@ -149,7 +158,7 @@ def page(ways: list[Way], count: int) -> str:
         rates = [60 * n / s for n, s in zip(sizes, way.seconds, strict=True)]
         ratios = [a / b for a, b in zip(single.seconds, way.seconds, strict=True)]
         used = "" if "dask" in way.options else f"{way.processor_seconds / count:.2f}"
-        same = f"{same_results(way, single)} of {count}"
+        same = f"{count - len(different_results(way, single))} of {count}"
         lines.append(f"| {way.name} | {_spread(rates)} | {_spread(ratios)} | {used} | {same} |")
     return "\n".join([*lines, ""])
 
@@ -164,7 +173,7 @@ def main(count: int = COUNT) -> dict[str, Any]:
         "points": sorted({result["points"] for result in ways[0].results}),
         "seconds": {way.name: [round(s, 2) for s in way.seconds] for way in ways},
         "processor_seconds": {way.name: round(way.processor_seconds, 1) for way in ways},
-        "same": {way.name: same_results(way, ways[0]) for way in ways[1:]},
+        "different": {way.name: different_results(way, ways[0]) for way in ways[1:]},
         "page": page(ways, count),
     }
 
@@ -172,9 +181,10 @@ def main(count: int = COUNT) -> dict[str, Any]:
 def suite() -> Counts:
     """Results of two workers and of Dask that are those of one worker."""
     answer = main()
-    count, same = answer["count"], answer["same"]
-    excluded = [] if len(same) == 2 else [{"count": count, "reason": NO_DASK}]
-    return Counts(2 * count, sum(same.values()), excluded)
+    count, different = answer["count"], answer["different"]
+    excluded = [] if len(different) == 2 else [{"count": count, "reason": NO_DASK}]
+    failures = [line for lines in different.values() for line in lines]
+    return Counts(2 * count, len(different) * count - len(failures), excluded, failures)
 
 
 def figures() -> Iterator[Figure]:
