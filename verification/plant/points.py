@@ -40,10 +40,12 @@ def measure() -> dict[str, Any]:
 
 
 def suite() -> Counts:
-    """Values with a band, those within, and those out with their reasons; keeps the data."""
+    """Values of the richer model with a band, those within, and why others are out."""
     data = measure()
-    judged = [m["passes"] for p in data["points"] for m in p["measured"] if m["passes"] is not None]
-    reasons = Counter(miss["reason"] for miss in data["missed"])
+    rich = [one for point in data["points"] for one in point["measured"] if one["rich"]]
+    judged = [one["passes"] for one in rich if one["passes"] is not None]
+    names = {one["set"] for one in rich}
+    reasons = Counter(miss["reason"] for miss in data["missed"] if miss["set"] in names)
     excluded = [{"count": n, "reason": reason} for reason, n in sorted(reasons.items())]
     return Counts(len(judged), sum(judged), excluded)
 

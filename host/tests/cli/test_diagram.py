@@ -12,8 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
-from ravenbrick.codegen.diagram_page import lines_of_blocks
+from ravenbrick.codegen.diagram_page import ada_lines_of_blocks, diagram_page, lines_of_blocks
 from ravenbrick.errors import ExitCode
+from ravenbrick.model import CustomFunction, Diagram, Inport, Outport
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 DESIGN = f"{EXAMPLES / 'vehicle' / 'design.py'}:design"
@@ -35,6 +36,8 @@ def test_a_design_becomes_picture_page_and_text(tmp_path: Path) -> None:
     assert again.read_text() == files[0].read_text()
     page = files[1].read_text()
     assert '<span data-blocks="Cut_Off">  Cut_Off = Saturated - Demand;</span>' in page
+    ada = '<span data-blocks="Cut_Off">      Cut_Off := Saturated - Demand;</span>'
+    assert ada in page.partition("<h2>Ada</h2>")[2]
     assert '<g class="block" data-blocks="Cut_Off"' in page
 
 
@@ -42,6 +45,27 @@ def test_lines_of_c_belong_to_the_block_of_the_comment_above() -> None:
     """Until the next one, or the end of the function."""
     source = "{\n  /* Gain: '<Root>/A' */\n  A = 2.0F * u;\n\n  /* Sum: '<Root>/B' */\n  B = A;\n}"
     assert lines_of_blocks(source) == ["", "A", "A", "", "B", "B", ""]
+
+
+def test_lines_of_ada_belong_to_the_block_of_the_comment_above() -> None:
+    """A component of a record, too, whose comment follows; until the end of the procedure."""
+    source = (
+        "--  Input digest: 12\n   type Work_Area is record\n      Z_DSTATE : Float;\n"
+        "      --  of Z\n   end record;\n   begin\n      --  Unit delay: Z\n"
+        "      Z := Work.Z_DSTATE;\n\n      --  Sum: Error\n      Error := U - Z;\n   end Step;"
+    )
+    blocks = ["", "", "Z", "Z", "", "", "Z", "Z", "", "Error", "Error", ""]
+    assert ada_lines_of_blocks(source) == blocks
+
+
+def test_a_page_says_why_there_is_no_ada() -> None:
+    """A function that is given in C only: the C is there all the same."""
+    diagram = Diagram("cube", 0.004)
+    cube = CustomFunction("Cube", function=lambda x: x * x * x, c="return x * x * x;")
+    diagram.connect_chain(diagram.add(Inport("In")), diagram.add(cube), diagram.add(Outport("out")))
+    c, _, ada = diagram_page(diagram).partition("<h2>Ada</h2>")
+    assert 'data-blocks="Cube"' in c
+    assert "<p>" in ada and "Cube" in ada and "data-blocks" not in ada.partition("</section>")[0]
 
 
 def test_a_simulink_model_is_drawn(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""`ravenbrick diagram`: the picture of a block diagram, its C beside it, or its text."""
+"""`ravenbrick diagram`: the picture of a block diagram, its C and Ada beside it, or its text."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def diagram_command(
     out: Annotated[
         list[Path],
         typer.Option(
-            help="Picture (.svg), page with the picture and the C (.html), or text (.toml); may be "
-            "repeated."
+            help="Picture (.svg), page with the picture, the C and the Ada (.html), or text "
+            "(.toml); may be repeated."
         ),
     ],
     sample_time: Annotated[

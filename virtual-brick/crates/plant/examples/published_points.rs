@@ -15,9 +15,10 @@ fn main() {
     let point = |point: &common::points::Point| {
         let measured: Vec<Value> = sets
             .iter()
-            .map(|(name, set)| {
-                let value = (point.measure)(set);
-                json!({"set": name, "value": value, "passes": point.passes(value)})
+            .map(|set| {
+                let value = set.value(point);
+                let passes = point.passes(value);
+                json!({"set": set.name, "rich": set.rich, "value": value, "passes": passes})
             })
             .collect();
         json!({

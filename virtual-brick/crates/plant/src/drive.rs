@@ -81,7 +81,12 @@ impl MotorDrive {
                 duty,
                 decay: Decay::Slow,
                 ..
-            } => duty * supply,
+            } if motor.driver_resistance == 0.0 => duty * supply,
+            Self::Pwm {
+                duty,
+                decay: Decay::Slow,
+                ..
+            } => duty * supply - motor.driver_resistance * current,
             _ => motor.resistance * current + motor.electric_constant * velocity,
         }
     }
@@ -139,11 +144,11 @@ impl Winding {
         }
         let voltage = voltage - libm::copysign(motor.driver_drop, direction);
         let per_step = motor.inductance / self.dt;
-        let half = motor.resistance / 2.0;
+        let half = motor.circuit_resistance() / 2.0;
         if motor.inductance == 0.0 {
             return StepCurrent {
-                offset: (voltage - emf * self.velocity / 2.0) / motor.resistance,
-                slope: emf / (2.0 * motor.resistance),
+                offset: (voltage - emf * self.velocity / 2.0) / motor.circuit_resistance(),
+                slope: emf / (2.0 * motor.circuit_resistance()),
             };
         }
         let sum = per_step + half;
@@ -160,7 +165,7 @@ impl Winding {
         let fraction = libm::fabs(duty);
         let emf = motor.electric_constant * self.velocity * sign;
         let (current, conductance) = if motor.inductance == 0.0 || emf >= self.supply {
-            let conductance = fraction / motor.resistance;
+            let conductance = fraction / motor.circuit_resistance();
             (conductance * (self.supply - emf), conductance)
         } else {
             self.freewheeling(motor, fraction, period, emf)
@@ -184,9 +189,9 @@ impl Winding {
     ) -> (f64, f64) {
         let supply = self.supply;
         let ripple = fraction * (1.0 - fraction) * period * supply / motor.inductance;
-        let continuous = ((2.0 * fraction - 1.0) * supply - emf) / motor.resistance;
+        let continuous = ((2.0 * fraction - 1.0) * supply - emf) / motor.circuit_resistance();
         if continuous >= ripple {
-            return (continuous, 1.0 / motor.resistance);
+            return (continuous, 1.0 / motor.circuit_resistance());
         }
         if emf <= (2.0 * fraction - 1.0) * supply {
             return (ripple, 0.0);

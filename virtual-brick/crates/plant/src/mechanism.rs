@@ -49,6 +49,7 @@ pub(crate) struct ImpulseResponses<const N: usize> {
 struct Step<'a, const N: usize> {
     dt: f64,
     responses: &'a ImpulseResponses<N>,
+    laws: &'a [StepCurrent; MOTORS],
     before: Vector<N>,
     free: Vector<N>,
 }
@@ -208,6 +209,7 @@ impl Mechanism {
         self.constrained::<N, C>(&Step {
             dt,
             responses,
+            laws,
             before,
             free,
         })
@@ -258,11 +260,16 @@ impl Mechanism {
             .as_ref()
             .filter(|motor| !motor.held_by_hand())?;
         let parameters = motor.parameters();
-        let bound = if libm::fabs(step.before[k]) < AT_REST {
-            parameters.breakaway_friction()
+        let before = step.before[k];
+        let velocity = if libm::fabs(before) < AT_REST {
+            0.0
         } else {
-            parameters.coulomb_friction
+            before
         };
+        let law = &step.laws[k];
+        let driving = parameters.torque_constant * (law.offset - law.slope * before);
+        let torque = libm::fmax(libm::fabs(driving), libm::fabs(motor.load_torque()));
+        let bound = parameters.friction(velocity, torque);
         (bound > 0.0).then(|| Constraint::friction(step.responses.gears[k], bound * step.dt))
     }
 

@@ -59,6 +59,13 @@ pub struct MotorParameters {
     /// Friction at rest in N m, not less than the Coulomb friction; that one when absent.
     #[serde(default)]
     pub static_friction: Option<f64>,
+    /// Stribeck velocity in rad/s: the friction at rest falls to the Coulomb friction as
+    /// exp(-velocity / this). 0: as soon as the shaft turns.
+    #[serde(default)]
+    pub stribeck_velocity: f64,
+    /// Share of the transmitted torque that the gear train adds to the friction at rest.
+    #[serde(default)]
+    pub gear_friction: f64,
     /// Total play between gear train and load in rad. The encoder is before the play.
     #[serde(default)]
     pub backlash: f64,
@@ -68,6 +75,9 @@ pub struct MotorParameters {
     /// Voltage that the bridge's switches take away while current flows, in V.
     #[serde(default)]
     pub driver_drop: f64,
+    /// Resistance of the bridge's switches in ohm.
+    #[serde(default)]
+    pub driver_resistance: f64,
     /// Resettable fuse in the motor; none when absent.
     #[serde(default)]
     pub cut_out: Option<CutOut>,
@@ -78,6 +88,32 @@ impl MotorParameters {
     #[must_use]
     pub fn breakaway_friction(&self) -> f64 {
         self.static_friction.unwrap_or(self.coulomb_friction)
+    }
+
+    /// Bound of the friction in N m at this velocity in rad/s (0 at rest) with this torque in N m
+    /// in the gear train: Stribeck's curve (Armstrong-Helouvry, Dupont and Canudas de Wit,
+    /// Automatica 30, 1994), whose excess at rest grows with the torque.
+    #[inline(always)]
+    pub(crate) fn friction(&self, velocity: f64, torque: f64) -> f64 {
+        let (at_rest, coulomb) = (self.breakaway_friction(), self.coulomb_friction);
+        if self.stribeck_velocity == 0.0 && velocity != 0.0 {
+            return coulomb;
+        }
+        if self.stribeck_velocity == 0.0 && self.gear_friction == 0.0 {
+            return at_rest;
+        }
+        let excess = at_rest - coulomb + self.gear_friction * libm::fabs(torque);
+        let share = if velocity == 0.0 {
+            1.0
+        } else {
+            libm::exp(-libm::fabs(velocity) / self.stribeck_velocity)
+        };
+        coulomb + excess * share
+    }
+
+    /// Resistance of winding and bridge in ohm.
+    pub(crate) fn circuit_resistance(&self) -> f64 {
+        self.resistance + self.driver_resistance
     }
 
     fn check(&self, path: &str) -> Result<(), ParameterError> {
@@ -103,6 +139,21 @@ impl MotorParameters {
             ("backlash", self.backlash, 0.0, 0.5, "rad"),
             ("inductance", self.inductance, 0.0, 1.0, "H"),
             ("driver_drop", self.driver_drop, 0.0, 5.0, "V"),
+            (
+                "driver_resistance",
+                self.driver_resistance,
+                0.0,
+                100.0,
+                "ohm",
+            ),
+            (
+                "stribeck_velocity",
+                self.stribeck_velocity,
+                0.0,
+                100.0,
+                "rad/s",
+            ),
+            ("gear_friction", self.gear_friction, 0.0, 0.9, "share"),
         ];
         for (name, value, lowest, highest, unit) in rows {
             within(&format!("{path}.{name}"), value, lowest, highest, unit)?;

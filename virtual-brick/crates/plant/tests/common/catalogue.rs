@@ -37,9 +37,17 @@ fn constant(group: &str, entry: &str, name: &str) -> f64 {
     value.split_once(',').unwrap().0.parse().unwrap()
 }
 
+/// Constants of a motor as members of JSON.
+pub fn motor_members(entry: &str, names: &[&str]) -> String {
+    let members: Vec<String> = names
+        .iter()
+        .map(|name| member("motors", entry, name))
+        .collect();
+    members.join(", ")
+}
+
 fn linear_motor(entry: &str) -> String {
-    let members = LINEAR.map(|name| member("motors", entry, name));
-    format!("{{{}}}", members.join(", "))
+    format!("{{{}}}", motor_members(entry, &LINEAR))
 }
 
 /// A constant of the NXT motor in SI units.
@@ -49,6 +57,9 @@ pub fn nxt(name: &str) -> f64 {
 
 /// The NXT motor without dry friction and play, as JSON: Table 1 of Bradley et al. (2012).
 pub static TABLE_1: LazyLock<String> = LazyLock::new(|| linear_motor("nxt"));
+
+/// Winding and inertia of the motor that is fitted to published measurements, as JSON.
+pub static FITTED_MOTOR: LazyLock<String> = LazyLock::new(|| linear_motor("nxt_fitted"));
 
 /// The motor of NXTway-GS (Yamamoto 2008; constants of Watanabe), as JSON.
 pub static NXTWAY_MOTOR: LazyLock<String> = LazyLock::new(|| linear_motor("nxtway"));
