@@ -163,7 +163,6 @@ def _judged(made: dict[str, Attack], result: dict[str, Any]) -> list[Judged]:
 
 
 def _cell(text: str) -> str:
-    text = re.sub(r"\bcc\w{6}\.s:", "(assembler):", text)
     line = " ".join(re.sub(r"[/\w.-]*/(?=[\w.-]+)", "", text).replace("|", "/").split())
     return line if len(line) <= SAID_LENGTH else f"{line[: SAID_LENGTH - 2]} …"
 

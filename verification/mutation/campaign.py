@@ -3,9 +3,9 @@
 """Sample mutants of a room, run the room's own tests on each, and write the table of scores.
 
 `python -m verification.mutation.campaign ROOM ... [--sample 60] [--seed 1] [--minutes 50]` goes on
-where an earlier run ended. Outcomes are kept in build/verification/mutation while the mutated file,
-and for survivors the tests too, stay as they are. Each survivor gets a verdict, by hand, in
-`verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
+where an earlier run ended, also one in another clone: `outcomes/` keeps what was found. An outcome
+holds while the mutated file, and for survivors the tests too, stay as they are. Each survivor gets
+a verdict, by hand, in `verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
 """
 
 from __future__ import annotations
@@ -22,15 +22,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.atomic_write import atomic_write
+
 from tools.docs import tables
 from verification.commands import Counts, NoResultError, NotRunError
 from verification.mutation.mutants import Mutant, ranked
 from verification.mutation.rooms import ROOMS, Room
-from verification.mutation.scratch import PLACE, Scratch
+from verification.mutation.scratch import Scratch
 from verification.support.paths import ROOT
 
 RESULTS = ROOT / "verification" / "mutation" / "results.json"
 VERDICTS = RESULTS.with_name("verdicts.toml")
+OUTCOMES = RESULTS.with_name("outcomes")
 SAMPLE = 60
 SEED = 1
 MINUTES = 50
@@ -54,11 +57,13 @@ def verdicts(path: Path = VERDICTS) -> dict[str, Row]:
 
 
 class Outcomes:
-    """What earlier runs found of a room's mutants, kept in a file after each."""
+    """What earlier runs found of a room's mutants that there still are, in a file after each."""
 
     def __init__(self, room: Room) -> None:
-        self.file = PLACE / f"{room.name}.json"
-        self.kept: dict[str, Row] = json.loads(self.file.read_text()) if self.file.exists() else {}
+        self.file = OUTCOMES / f"{room.name}.json"
+        kept = json.loads(self.file.read_text()) if self.file.exists() else {}
+        present = {mutant.key for mutant in room.mutants(ROOT)}
+        self.kept: dict[str, Row] = {key: row for key, row in kept.items() if key in present}
         self.tests = digest_of(room.files(ROOT, room.tests))
 
     def of(self, mutant: Mutant) -> str | None:
@@ -73,9 +78,10 @@ class Outcomes:
         """Write an outcome down, whole."""
         source = digest_of([ROOT / mutant.file])
         self.kept[mutant.key] = {"outcome": outcome, "source": source, "tests": self.tests}
-        part = self.file.with_suffix(".part")
-        part.write_text(json.dumps(self.kept, indent=0))
-        part.replace(self.file)
+        self.file.parent.mkdir(exist_ok=True)
+        rows = sorted(self.kept.items())
+        lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows)
+        atomic_write(self.file, f"{{\n{lines}\n}}\n")
 
 
 class Judge:

@@ -32,8 +32,9 @@ class Room:
     test: str
 
     def files(self, tree: Path, folder: str) -> list[Path]:
-        """Every file below one of its folders, in a fixed order."""
-        return sorted(path for path in (tree / folder).rglob("*") if path.is_file())
+        """Every file below one of its folders, in a fixed order, but none that Python compiled."""
+        found = (path for path in (tree / folder).rglob("*") if path.is_file())
+        return sorted(path for path in found if path.parent.name != "__pycache__")
 
     def mutants(self, tree: Path) -> list[Mutant]:
         """Of all its sources but unit tests, with paths below the tree."""

@@ -83,7 +83,7 @@ def room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Room:
     (tmp_path / "src" / "a.py").write_text("noticed = 1\nunnoticed = 2\nrefused = 9 + 8\n")
     (tmp_path / "tests" / "test_a.py").write_text("")
     monkeypatch.setattr(campaign, "ROOT", tmp_path)
-    monkeypatch.setattr(campaign, "PLACE", tmp_path)
+    monkeypatch.setattr(campaign, "OUTCOMES", tmp_path / "outcomes")
     return Room("made", "src", "tests", "build", "test")
 
 
@@ -98,6 +98,10 @@ def test_a_campaign_goes_on_and_judges_survivors_again_when_tests_changed(
     assert "refused = 9 + 8" in (tmp_path / "src" / "a.py").read_text()
     runs = copy.runs
     assert dict(judged(room, 60, 1, end=0.0)) == first and copy.runs == runs
+    (tmp_path / "tests" / "__pycache__").mkdir()
+    (tmp_path / "tests" / "__pycache__" / "test_a.pyc").write_text("compiled")
+    again = Outcomes(room)
+    assert {mutant: again.of(mutant) for mutant in first} == first
     (tmp_path / "tests" / "test_a.py").write_text("assert True\n")
     outcomes = Outcomes(room)
     assert [outcomes.of(mutant) for mutant in first] == [

@@ -55,6 +55,7 @@ FAULTS = (
     Fault("data abort", 10, "Data_Abort"),
     Fault("undefined instruction", 10, "Undefined_Instruction"),
     Fault("battery falls to 3 V", 1_050, inputs=((0, "battery.voltage", 3.0),)),
+    Fault("battery falls to 6.6 V", None, inputs=((0, "battery.voltage", 6.6),)),
     Fault(
         "link cut for 0.4 s",
         460,
@@ -79,9 +80,10 @@ clock of 22 to 42 kHz. [The guide](../guides/failures.md#supervision) explains w
 |---|---:|---:|---:|---|
 """
 _TAIL = """
-Nothing can stop the motors in two cases. A program in RAM that masks even the fast interrupt,
-which takes machine code, goes on: the boot monitor has switched the watchdog off for good. While
-the link is cut, nothing reaches the co-processor, which by LEGO's source keeps the last duty cycle;
+A low battery stops nothing: the loudspeaker hums, until an empty one ends the program. Nothing can
+stop the motors in two cases. A program in RAM that masks even the fast interrupt, which takes
+machine code, goes on: the boot monitor has switched the watchdog off for good. While the link is
+cut, nothing reaches the co-processor, which by LEGO's source keeps the last duty cycle;
 the motors stop as soon as the link is back. "Without supervision" is the same program with
 `watchdog = false` and `stack_check = false`.
 """

@@ -2,6 +2,8 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with NXT.AVR;
+with NXT.AVR_IO;
+with NXT.Low_Battery;
 
 package body NXT.Battery is
 
@@ -16,5 +18,13 @@ package body NXT.Battery is
    function Voltage return Supply_Millivolts is (To_Millivolts (NXT.AVR.Inputs.Battery_Count));
 
    function Rechargeable return Boolean is (NXT.AVR.Inputs.Rechargeable);
+
+   function Is_Low return Boolean is
+      Values : constant AVR_IO.Inputs := NXT.AVR.Inputs;
+      Good   : constant ADC_Value :=
+        (if Values.Rechargeable then Low_Battery.Low_Pack else Low_Battery.Low_Cells);
+   begin
+      return Values.Battery_Count in 1 .. Good - 1;
+   end Is_Low;
 
 end NXT.Battery;

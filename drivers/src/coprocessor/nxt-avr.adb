@@ -4,6 +4,7 @@
 with NXT.Forced_Power_Off;
 with NXT.Last_Chance;
 pragma Unreferenced (NXT.Last_Chance);
+with NXT.Low_Battery.Observe;
 with NXT.Priorities;
 with NXT.TWI;
 with Ravenbrick.Failures;
@@ -25,18 +26,10 @@ package body NXT.AVR is
    --  Consecutive failures in one direction after which the link is lost
    Tolerated_Failures : constant := 3;
 
-   --  With less for a second the program ends: 6.5 V, without which LEGO's co-processor does not
-   --  start with the pack; 4.8 V of six cells, 0.8 V each, where makers end their discharge curves
-   --  (Energizer, data sheet of the E91). In counts of 13.848 mV.
-   Empty_Pack       : constant ADC_Value := 6_500_000 / 13_848;
-   Empty_Cells      : constant ADC_Value := 4_800_000 / 13_848;
-   Tolerated_Sag_Ms : constant := 1_000;
-
    --  A loss for longer ends the program: the motors get no other command when the link is back.
    Tolerated_Loss_Ms : constant := 250;
 
-   Link_Lost     : constant String := "link to motors lost" & ASCII.NUL;
-   Battery_Empty : constant String := "battery empty" & ASCII.NUL;
+   Link_Lost : constant String := "link to motors lost" & ASCII.NUL;
 
    Start : constant Time := Clock + Milliseconds (2);
 
@@ -136,22 +129,22 @@ package body NXT.AVR is
       Failures     : Failure_Counts := (others => 0);
       Inputs_Next  : Boolean := True;
       Power_Button : Forced_Power_Off.Button_Watch;
-      Low_Frames   : Natural := 0;
+      Low_Inputs   : Low_Battery.Input_Count := 0;
       Down_Periods : Natural := 0;
    end record;
-   --  Low_Frames: consecutive inputs with an empty battery. Down_Periods: since the latest good
-   --  transfer of the link that was up.
+   --  Low_Inputs: see NXT.Low_Battery.Observe. Down_Periods: since the latest good transfer of the
+   --  link that was up.
 
+   --  A good battery costs one comparison.
    procedure Judge_Battery (This : in out Link; Values : AVR_IO.Inputs) is
-      Stopping : constant ADC_Value :=
-        (if Values.Rechargeable then Empty_Pack else Empty_Cells);
+      Count : constant ADC_Value := Values.Battery_Count;
+      Low   : constant ADC_Value :=
+        (if Values.Rechargeable then Low_Battery.Low_Pack else Low_Battery.Low_Cells);
    begin
-      if Values.Battery_Count >= Stopping then
-         This.Low_Frames := 0;
-      elsif This.Low_Frames < Frames_Per (Tolerated_Sag_Ms) then
-         This.Low_Frames := This.Low_Frames + 1;
+      if Count >= Low then
+         This.Low_Inputs := 0;
       elsif Supervision.Enabled then
-         Failures.Stop (Battery_Empty'Address);
+         Low_Battery.Observe (This.Low_Inputs, Values);
       end if;
    end Judge_Battery;
 

@@ -7,7 +7,7 @@
 
 with System;
 
-package NXT.Registers.PIO is
+package NXT.Registers.PIO with Preelaborate is
 
    type Peripheral is record
       PIO_PER  : Word with Atomic;  --  gives lines to this controller

@@ -88,6 +88,17 @@ def test_the_margins_in_the_title_are_those_with_window_and_delay(design: Design
     assert "gain margin none, phase margin 90.0 deg" in ideal.get_suptitle()
 
 
+def test_a_discrete_controller_is_seen_beside_its_steps(design: DesignedLoop) -> None:
+    """Steps above end near the set-point, and what they differ by, below, near nothing."""
+    steps, differences = (
+        axis for axis in design.discretisation_figure().axes if "V/V" in axis.get_ylabel()
+    )
+    assert len(steps.lines) == len(differences.lines) + 1
+    for axis, end in ((steps, 1.0), (differences, 0.0)):
+        for line in axis.lines:
+            assert np.asarray(line.get_ydata())[-1] == pytest.approx(end, abs=0.05)
+
+
 def test_the_bode_plot_draws_what_python_control_computes() -> None:
     """Magnitude and phase of a sampled and of a continuous system."""
     for system in (

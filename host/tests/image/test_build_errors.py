@@ -34,6 +34,9 @@ SAID = {
         ["f.c:11:7: expected ';' before '}' token"],
     "f.c:1:10: fatal error: nowhere.h: No such file or directory\ncompilation terminated.\n":
         ["f.c:1:10: nowhere.h: No such file or directory"],
+    "/tmp/submission/ccOPBicX.s: Assembler messages:\n"
+    "/tmp/submission/ccOPBicX.s:80: Error: bad instruction `nope'\n":
+        ["(assembler):80: bad instruction `nope'"],
     "cannot generate code for file bench.ads (package spec)\n":
         ["bench.ads: this package needs a body, and there is no bench.adb"],
     "/usr/bin/arm-none-eabi/bin/ld: tasks.o: in function `tasks__t':\n"

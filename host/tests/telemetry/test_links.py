@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import errno
+import socket
 from collections.abc import Sequence
 
 import pytest
 
 from ravenbrick.errors import ToolMissingError
-from ravenbrick.telemetry.links import LinkLostError, UsbLink, open_link
+from ravenbrick.telemetry.links import LinkLostError, SocketLink, UsbLink, open_link
 
 BRICK, OTHER = "00165300ABCD", "001653000001"
 
@@ -40,6 +41,50 @@ class Device:
         """Keep what is sent."""
         self.sent.append((endpoint, data))
         return len(data)
+
+
+class SlowWire:
+    """A socket whose other side needs a second for everything."""
+
+    timeout_s = 2.0
+
+    def settimeout(self, timeout_s: float) -> None:
+        """How long to wait from now on."""
+        self.timeout_s = timeout_s
+
+    def _wait(self) -> None:
+        if self.timeout_s < 1:
+            raise TimeoutError
+
+    def recv(self, size: int) -> bytes:
+        """What comes after a second."""
+        self._wait()
+        return b"late"
+
+    def sendall(self, data: bytes) -> None:
+        """Taken after a second."""
+        self._wait()
+
+
+def test_a_connection_waits_as_long_as_it_was_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A short read comes back empty; a write is not cut short by the read before."""
+    wire = SlowWire()
+    monkeypatch.setattr(socket, "create_connection", lambda address, timeout: wire)
+    link = SocketLink("127.0.0.1", 1)
+    assert [link.read(0.05), link.read(1.5), link.read(0.05)] == [b"", b"late", b""]
+    link.write(b"ask")
+
+
+def test_the_other_side_sees_that_a_connection_was_closed() -> None:
+    """At once, while the link is still there."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = SocketLink("127.0.0.1", server.getsockname()[1])
+        other, _ = server.accept()
+        with other:
+            other.settimeout(60)
+            link.write(b"stop")
+            link.close()
+            assert [other.recv(4), other.recv(4)] == [b"stop", b""]
 
 
 def test_packets_of_the_wanted_brick_are_the_stream() -> None:

@@ -57,6 +57,33 @@ def test_nothing_recorded_is_lost_when_links_break(server: Server, tmp_path: Pat
     assert again.run.recording().digest == session.run.recording().digest
 
 
+class Silent:
+    """A link over which nothing comes."""
+
+    def __init__(self) -> None:
+        self.written: list[bytes] = []
+
+    def read(self, timeout_s: float) -> bytes:
+        """Nothing."""
+        return b""
+
+    def write(self, data: bytes) -> None:
+        """Keep it."""
+        self.written.append(data)
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
+def test_nothing_is_written_while_there_is_nothing_to_say() -> None:
+    """After the question at the beginning, until time has passed."""
+    link = Silent()
+    monitor = Monitor(Session(), lambda: link, clock=lambda: 0.0)
+    for _ in range(5):
+        monitor.poll()
+    assert len(link.written) == 1
+
+
 def test_a_torn_record_keeps_what_came_before(tmp_path: Path) -> None:
     """Cut anywhere, a record can be read up to the cut; another file is refused in words."""
     record, program = tmp_path / "live.rbt", Program()

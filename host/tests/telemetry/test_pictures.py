@@ -8,12 +8,16 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.backend_bases import MouseButton, MouseEvent
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from verification.support.telemetry_program import Program
 
 from ravenbrick.errors import UsageError
 from ravenbrick.telemetry import Session
 from ravenbrick.telemetry.picture import signals_figure, steps_figure, units_of
 from ravenbrick.telemetry.steps import live_steps
+from ravenbrick.telemetry.window import LiveFigure
 from ravenbrick.trace.design import Design, Response
 
 TIME_CONSTANT = 0.1
@@ -55,6 +59,36 @@ def test_a_mean_of_samples_takes_the_counts_out_of_a_speed() -> None:
         assert at_time_constant == pytest.approx(1 - math.exp(-1), abs=0.02)
 
 
+@pytest.mark.parametrize(("samples", "count"), [(7, 0), (8, 1)])
+def test_a_step_that_has_just_happened_is_none_yet(samples: int, count: int) -> None:
+    """It takes eight samples of the output."""
+    program, session = Program(), Session()
+    session.receive(program.receive(session.connected(0.0)))
+    for number in range(10 + samples):
+        session.receive(program.sample(1, 0.0 if number < 10 else 4.0, 0.0))
+        program.time_us += 4_000
+    assert session.run is not None
+    assert len(live_steps(session.run.recording(), "setpoint", "speed")) == count
+
+
+def test_a_slider_that_is_moved_sends_its_value() -> None:
+    """A click in the middle of the first slider, whose parameter goes from 0 to 2."""
+    program, session = Program(), Session()
+    session.receive(program.receive(session.connected(0.0)))
+    figure, told = Figure(), list[str]()
+    canvas = FigureCanvasAgg(figure)
+    live = LiveFigure(figure, session, told.append)
+    live.refresh()
+    place = next(axes for axes in figure.axes if axes.get_xlim() == (0.0, 2.0))
+    x, y = place.transData.transform((1.0, 0.5))
+    canvas.callbacks.process(
+        "button_press_event", MouseEvent("button_press_event", canvas, x, y, MouseButton.LEFT)
+    )
+    session.receive(program.receive(session.pending(1.0)))
+    assert program.gains == [pytest.approx(1.0), 8.0]
+    assert not told
+
+
 def test_unknown_signals_are_named() -> None:
     """The names that exist are said."""
     session = stepping()
@@ -71,6 +105,9 @@ def test_pictures_name_axes_and_units() -> None:
     figure = signals_figure(session.run)
     assert [axis.get_ylabel() for axis in figure.axes] == ["(V)", "(mV)"]
     assert figure.axes[-1].get_xlabel() == "time since power-on (s)"
+    height = figure.get_figheight()
+    del session.run.groups[2]
+    assert height > signals_figure(session.run).get_figheight() + 1
     times = np.linspace(0, 0.5, 100)
     response = Response(times, 1 - np.exp(-times / TIME_CONSTANT), 0.4, 0.0)
     steps = live_steps(session.run.recording(), "setpoint", "speed")

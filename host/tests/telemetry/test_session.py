@@ -60,6 +60,18 @@ def test_random_contents_are_messages_or_nothing() -> None:
         assert message is None or messages.decode(messages.encode(message)) is not None
 
 
+def test_a_sample_that_comes_again_is_refused() -> None:
+    """It is no loss of all numbers between."""
+    program = Program()
+    session = talking(program)
+    first, second = program.sample(1, 1.0, 2.0), program.sample(1, 3.0, 4.0)
+    session.receive(first + second + first + program.sample(1, 5.0, 6.0))
+    run = session.run
+    assert run is not None
+    assert (run.sample_count, run.refused, run.missing) == (3, 1, 0)
+    assert run.recording().signal("setpoint")[1].tolist() == [1.0, 3.0, 5.0]
+
+
 def test_samples_become_a_recording(tmp_path: Path) -> None:
     """Values, instants and numbers of what was missing; the trace tools take it."""
     program = Program(time_us=2**32 - 6_000)

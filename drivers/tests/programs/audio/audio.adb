@@ -2,10 +2,13 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Sounds at fixed times: a tone of 440 Hz at 100 ms, a louder one of 5 kHz at 400 ms that is muted
---  for a while, a recorded square wave of 500 Hz at 700 ms, a tone replaced by another at 1 s.
+--  for a while, a recorded square wave of 500 Hz at 700 ms, a tone replaced by another at 1 s. The
+--  link to the co-processor goes on beside them.
 
 with Ada.Real_Time;  use Ada.Real_Time;
 with Interfaces;     use Interfaces;
+with NXT.AVR;
+pragma Unreferenced (NXT.AVR);
 with NXT.Audio;      use NXT.Audio;
 
 procedure Audio is

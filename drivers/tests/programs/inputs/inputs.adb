@@ -19,6 +19,7 @@ procedure Inputs is
    Button  : Integer := 0 with Volatile, Export, Convention => C, External_Name => "button";
    Battery : Integer := 0 with Volatile, Export, Convention => C, External_Name => "battery";
    Pack    : Integer := 0 with Volatile, Export, Convention => C, External_Name => "pack";
+   Low     : Integer := 0 with Volatile, Export, Convention => C, External_Name => "low";
    Errors  : Integer := -1 with Volatile, Export, Convention => C, External_Name => "errors";
 
    Bumper : Touch_Sensor (Sensor_1);
@@ -33,6 +34,7 @@ begin
       Button := Button_Id'Pos (NXT.Buttons.Current_Button);
       Battery := Integer (NXT.Battery.Voltage);
       Pack := Boolean'Pos (NXT.Battery.Rechargeable);
+      Low := Boolean'Pos (NXT.Battery.Is_Low);
       Errors := Integer (NXT.AVR.Link_Errors);
    end loop;
 end Inputs;

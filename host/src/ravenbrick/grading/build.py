@@ -26,7 +26,7 @@ from ravenbrick.grading.rubric import Rubric
 from ravenbrick.grading.sandbox import Outcome, run_isolated
 from ravenbrick.grading.submission import DESIGN, SubmissionError, accepted_source
 from ravenbrick.image.build import gprbuild_switches
-from ravenbrick.image.build_errors import errors_in, overflow_in
+from ravenbrick.image.build_errors import errors_in, overflow_in, with_stable_names
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.run_time import run_time_library
 from ravenbrick.project.robot import ROBOT_FILE
@@ -285,7 +285,7 @@ def build_image(
 
 
 def _why(outcome: Outcome) -> str:
-    said = re.sub(r"\S*/project/", "", outcome.output).strip()
+    said = with_stable_names(re.sub(r"\S*/project/", "", outcome.output)).strip()
     refused = [line for line in said.splitlines() if line.startswith(REFUSED)]
     if not refused:
         errors = "\n".join(errors_in(said, Path("/nowhere"))[:LINES])

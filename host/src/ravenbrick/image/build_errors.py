@@ -10,7 +10,14 @@ from pathlib import Path
 from ravenbrick.errors import BuildError, ImageFileError, shown_path
 from ravenbrick.project.workspace import BuildKind
 
-__all__ = ["build_failure", "disk_full", "errors_in", "is_disk_full", "overflow_in"]
+__all__ = [
+    "build_failure",
+    "disk_full",
+    "errors_in",
+    "is_disk_full",
+    "overflow_in",
+    "with_stable_names",
+]
 
 # Compilers and project files: "file:line:column: [error:] sentence", never a warning or a remark.
 _AT = re.compile(
@@ -26,6 +33,7 @@ _CIRCULAR = re.compile(r"^info: +((?:unit|change|remove) .+)$")
 _PLAIN = re.compile(r"^(?:gnatbind: |gprbuild: )?(?:fatal )?error[:,] (.+)$")
 _OVERFLOW = re.compile(r"region `(\w+)' overflowed by (\d+) bytes?")
 _NO_SPACE = re.compile(r"No space left on device|Disk quota exceeded")
+_ASSEMBLY = re.compile(r"\S*\bcc\w{6}\.s(?=:)")
 _HEAP = "ravenbrick_heap_size"
 DETAIL_LINES = 5
 
@@ -47,13 +55,18 @@ def _undefined(found: re.Match[str], project: Path) -> str:
     return f"{place}: undefined reference to '{name}'; no source and no library defines it"
 
 
+def with_stable_names(output: str) -> str:
+    """The output without the names that the compiler draws for files between it and assembler."""
+    return _ASSEMBLY.sub("(assembler)", output)
+
+
 def errors_in(output: str, project: Path) -> list[str]:
     """The errors in the output of gprbuild and its tools, each a line; places as a user types them.
 
     Lines of one message at one place are joined.
     """
     found: dict[str, str] = {}
-    for line in output.splitlines():
+    for line in with_stable_names(output).splitlines():
         if undefined := _UNDEFINED.match(line):
             found.setdefault(undefined["name"], _undefined(undefined, project))
         elif (at := _AT.match(line)) and not _REMARK.match(at["text"]):

@@ -255,7 +255,6 @@ class _Machine:
         if job.executed == job.execution:
             for resource in job.held:
                 del self.owner[resource]
-            job.held.clear()
             job.completion = exact(end)
             self.ready.remove(job)
         return end

@@ -157,6 +157,32 @@ fn a_clear_to_send_line_that_is_high_holds_the_transmitter() {
     assert_eq!(sent(&chip, start), [(6040, 0x55)]);
 }
 
+/// Pins and bits: chapters "Peripheral Signals Multiplexing" and USART Channel Status Register.
+#[test]
+fn a_change_of_a_modem_line_is_seen_at_its_own_bit() {
+    for (pin, changed, level) in [
+        (29, 1 << 16, 1 << 20), // RI1
+        (28, 1 << 17, 1 << 21), // DSR1
+        (26, 1 << 18, 1 << 22), // DCD1
+        (25, CTSIC, CTS_LEVEL),
+    ] {
+        let mut chip = serial_chip(USART1, 2);
+        write(&mut chip, PIOA + 0x04, 0x3F00_0000);
+        read(&mut chip, USART1 + CSR);
+        let bits = 0xF << 16 | 0xF << 20;
+        let before = read(&mut chip, USART1 + CSR) & bits;
+        let low = PinLevels {
+            driven: 1 << pin,
+            level: 0,
+        };
+        let now = chip.now();
+        chip.board_mut().pins.push_back((now + 10, low));
+        run_to(&mut chip, now + 20);
+        let after = read(&mut chip, USART1 + CSR) & bits;
+        assert_eq!(after, before & !level | changed, "PA{pin}");
+    }
+}
+
 #[test]
 fn request_to_send_is_low_while_a_buffer_can_take_characters() {
     let mut chip = serial_chip(USART1, 2);

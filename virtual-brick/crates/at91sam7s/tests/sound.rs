@@ -16,6 +16,7 @@ registers! {
 const TXRDY: u32 = 1;
 const TXEMPTY: u32 = 2;
 const ENDTX: u32 = 4;
+const TXSYN: u32 = 1 << 10;
 const MSBF: u32 = 1 << 7;
 
 /// 32-bit words, highest bit first, `divider` half bit times, PA17 given to the controller.
@@ -103,6 +104,23 @@ fn the_lowest_bit_leaves_first_unless_the_highest_is_chosen() {
         bit_cycles: 8,
     };
     assert_eq!(bus_log(&chip, start), [(64, Seen::Sound(expected))]);
+}
+
+/// DATNB + 1 words to a frame, chapter "Transmit Frame Mode Register".
+#[test]
+fn a_frame_begins_with_the_first_of_its_words() {
+    let mut chip = sound_chip(4);
+    write(&mut chip, TFMR, 31 | 2 << 8 | MSBF);
+    let begins: Vec<bool> = (0..7)
+        .map(|word| {
+            write(&mut chip, THR, word);
+            let begun = read(&mut chip, SR) & TXSYN != 0;
+            let now = chip.now();
+            run_to(&mut chip, now + 300);
+            begun
+        })
+        .collect();
+    assert_eq!(begins, [true, false, false, true, false, false, true]);
 }
 
 #[test]

@@ -154,3 +154,45 @@ fn packet(bytes: &mut VecDeque<u8>, longest: usize) -> UsbAnswer {
     let data: Vec<u8> = bytes.drain(..length).collect();
     UsbAnswer::Data(UsbPacket::new(&data).unwrap_or(UsbPacket::EMPTY))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The answer to a request without data: nothing, or a refusal.
+    fn answer(request: [u8; 8]) -> Option<UsbAnswer> {
+        let mut monitor = BootMonitor::default();
+        let mut signal = |transaction| {
+            monitor.signal(UsbSignal::Transaction {
+                address: 0,
+                endpoint: 0,
+                transaction,
+            })
+        };
+        assert_eq!(
+            signal(UsbTransaction::Setup(request)),
+            Some(UsbAnswer::Acknowledged)
+        );
+        signal(UsbTransaction::In)
+    }
+
+    #[test]
+    fn requests_of_a_host_that_opens_the_port_are_granted_and_others_refused() {
+        let granted = Some(UsbAnswer::Data(UsbPacket::EMPTY));
+        for request in [
+            [0x00, 0x09, 1, 0, 0, 0, 0, 0], // SET_CONFIGURATION 1
+            [0x01, 0x0B, 0, 0, 0, 0, 0, 0], // SET_INTERFACE
+            [0x02, 0x01, 0, 0, 1, 0, 0, 0], // CLEAR_FEATURE of an endpoint
+            [0x21, 0x20, 0, 0, 0, 0, 0, 0], // SET_LINE_CODING
+            [0x21, 0x22, 3, 0, 0, 0, 0, 0], // SET_CONTROL_LINE_STATE
+        ] {
+            assert_eq!(answer(request), granted, "{request:02X?}");
+        }
+        for request in [
+            [0x01, 0x09, 1, 0, 0, 0, 0, 0],
+            [0x00, 0x0B, 0, 0, 0, 0, 0, 0],
+        ] {
+            assert_eq!(answer(request), Some(UsbAnswer::Stalled), "{request:02X?}");
+        }
+    }
+}

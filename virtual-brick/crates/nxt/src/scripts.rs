@@ -153,3 +153,26 @@ impl ModuleScript {
         self.outgoing.pop_front().map(|(_, character)| character)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_module_answers_when_all_bytes_of_the_turn_have_come() {
+        let turn = |byte| ModuleTurn {
+            after_bytes: 2,
+            delay_cycles: 10,
+            bytes: vec![byte],
+        };
+        let mut script = ModuleScript::new(0, vec![turn(1), turn(2)]);
+        let mut answers = Vec::new();
+        for number in 1..=5 {
+            let now = number * 10 * CHARACTER_CYCLES;
+            script.receive(now);
+            let taken = script.take(now + 10 + CHARACTER_CYCLES);
+            answers.push(taken.map(|character| character.data));
+        }
+        assert_eq!(answers, [None, Some(1), None, Some(2), None]);
+    }
+}

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! What the loudspeaker would play: the bits on the sound line, averaged to samples.
+//! What the loudspeaker would play: the levels of the sound line, averaged to samples.
 //!
-//! The amplifier behind the line is a low-pass filter; here it is the mean over one sample.
+//! The amplifier behind the line is a low-pass filter; here it is the mean over one sample. A level
+//! that the program sets by itself and keeps is silence: a loudspeaker plays changes.
 
 use at91sam7s::board::{Cycles, SoundBits};
 
@@ -10,6 +11,8 @@ use at91sam7s::board::{Cycles, SoundBits};
 pub const SAMPLE_CYCLES: Cycles = 1_000;
 /// Samples kept at most, about 17 minutes of sound; later ones are lost.
 const LIMIT: usize = 50_000_000;
+/// Levels that the program keeps for longer are not heard: half a period of 25 Hz (chosen).
+const LONGEST_LEVEL_CYCLES: Cycles = 20 * 48_055;
 
 /// Samples without a gap, from a sample number on.
 #[derive(Clone, Debug)]
@@ -26,6 +29,9 @@ pub struct Recording {
     /// The sample that is being averaged, and its sum of bit durations, ones positive.
     current: u64,
     sum: i64,
+    /// The level that the program drives, if it does, and since when.
+    level: Option<bool>,
+    level_since: Cycles,
 }
 
 impl Recording {
@@ -37,6 +43,20 @@ impl Recording {
             self.add_bit(at, at + sound.bit_cycles, sound.bits >> place & 1 != 0);
             at += sound.bit_cycles;
         }
+    }
+
+    /// The program drives the line at this level from `now` on; with `None` it does not.
+    pub fn drive(&mut self, now: Cycles, level: Option<bool>) {
+        if level == self.level {
+            return;
+        }
+        let heard = self
+            .level
+            .filter(|_| now - self.level_since <= LONGEST_LEVEL_CYCLES);
+        if let Some(high) = heard {
+            self.add_bit(self.level_since, now, high);
+        }
+        (self.level, self.level_since) = (level, now);
     }
 
     fn add_bit(&mut self, start: Cycles, end: Cycles, high: bool) {
@@ -113,6 +133,29 @@ mod tests {
         let mut recording = Recording::default();
         recording.add(3_200, word(0xFFFF_0000, 100));
         assert_eq!(recording.samples(0, 3), [32_767, 6_553, -32_767]);
+    }
+
+    #[test]
+    fn a_program_that_changes_the_line_is_heard_until_it_keeps_the_level() {
+        let mut recording = Recording::default();
+        let mut heard = |changes: [(Cycles, Option<bool>); 4]| {
+            for (at, level) in changes {
+                recording.drive(at, level);
+            }
+            recording.samples(changes[0].0 / SAMPLE_CYCLES, changes[3].0 / SAMPLE_CYCLES)
+        };
+        let high_and_low = [(2_000, false), (5_000, true), (6_500, false), (8_500, true)];
+        let samples = heard(high_and_low.map(|(at, level)| (at, Some(level))));
+        assert_eq!(samples, [-32_767, -32_767, -32_767, 32_767, 0, -32_767]);
+        let longest = LONGEST_LEVEL_CYCLES;
+        let kept = [10_000_000, 10_000_000 + longest + 1, 20_000_000, 30_000_000];
+        let samples = heard([
+            (kept[0], Some(false)),
+            (kept[1], Some(true)),
+            (kept[2], None),
+            (kept[3], Some(true)),
+        ]);
+        assert!(samples.iter().all(|sample| *sample == 0));
     }
 
     #[test]

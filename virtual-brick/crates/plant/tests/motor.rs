@@ -320,6 +320,23 @@ fn the_supply_gives_the_power_that_the_motor_uses_in_both_directions() {
 }
 
 #[test]
+fn an_inductance_gives_back_in_the_off_phase_what_it_stores() {
+    for (inductance, sign) in [(0.0, 1.0), (0.0, -1.0), (5e-3, 1.0), (5e-3, -1.0)] {
+        let mut robot = bench(&TABLE_1, &format!(r#", "inductance": {inductance}"#));
+        robot.motor_mut(B).unwrap().set_load_torque(sign * 0.1);
+        run(&mut robot, 2.0, fast(sign * 0.6), MotorDrive::Coast, 8.0);
+        let (amperes, speed) = (current(&robot, B), velocity(&robot, B));
+        let volts = nxt("resistance") * amperes + nxt("electric_constant") * speed;
+        let drawn = if inductance == 0.0 {
+            amperes.abs()
+        } else {
+            amperes * volts / 8.0
+        };
+        near(robot.supply_current(), drawn, 1e-6);
+    }
+}
+
+#[test]
 fn a_shaft_turned_faster_than_the_bridge_drives_it_gives_current_back() {
     for sign in [1.0, -1.0] {
         for drive in [slow(sign * 0.2), fast(sign * 0.2)] {

@@ -24,6 +24,35 @@ fn a_number_out_of_range_is_named_with_field_value_and_range() {
 }
 
 #[test]
+fn limits_are_those_that_the_error_says() {
+    let field = format!(r#""electric_constant": {}"#, nxt("electric_constant"));
+    assert!(TABLE_1.contains(&field), "{}", *TABLE_1);
+    let with = |value: &str| {
+        let motor = TABLE_1.replace(&field, &format!(r#""electric_constant": {value}"#));
+        with_motor(&format!(r#"{{"parameters": {motor}}}"#))
+    };
+    assert!(Robot::new(&parameters(&with("10"))).is_ok());
+    assert_eq!(
+        error(&with("10.1")),
+        "motors.B.parameters.electric_constant = 10.1: expected a number from 0.0001 to 10 \
+         (V s/rad)"
+    );
+}
+
+#[test]
+fn a_body_out_of_range_is_named() {
+    let motors = format!(
+        r#"{{"B": {{"parameters": {0}}}, "C": {{"parameters": {0}}}}}"#,
+        *TABLE_1
+    );
+    let body = VEHICLE.replace(r#""mass": 0.6"#, r#""mass": 0.001"#);
+    assert_eq!(
+        error(&format!(r#"{{"motors": {motors}, "body": {body}}}"#)),
+        "body.mass = 0.001: expected a number from 0.01 to 100 (kg)"
+    );
+}
+
+#[test]
 fn static_friction_below_coulomb_friction_is_rejected() {
     let motor = TABLE_1.replace(
         "}",

@@ -135,7 +135,7 @@ class _Bench:
         self._motor.advance(self._voltage, duration)
         count = self._encoder.count(self._motor.angle)
         if count != self._count:
-            newest = max(count, self._count) if count > self._count else count + 1
+            newest = count if count > self._count else count + 1
             self._last_edge = self._now + self._crossing(before, newest, duration)
             self._count = count
         self._now = instant

@@ -41,6 +41,7 @@ const REFUSED: TwiReply = TwiReply {
     acknowledged: false,
     stretch_cycles: 0,
 };
+const SOUND: u32 = 1 << 17;
 /// Direction of port 4's RS485 transceiver: high while the brick drives the line.
 const RS485_DRIVES: u32 = 1 << 7;
 
@@ -59,6 +60,9 @@ impl Board for NxtBoard {
         if self.driven(USB_PULL_UP, true) {
             self.boot_monitor = None;
         }
+        let sound = outputs.driven & SOUND != 0;
+        self.sound
+            .drive(now, sound.then_some(outputs.level & SOUND != 0));
         let on = self.boot_monitor.is_some() || self.driven(USB_PULL_UP, false);
         let devices = self.devices.change();
         devices.ports.outputs_changed(now, outputs);

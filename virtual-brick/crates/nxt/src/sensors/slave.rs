@@ -187,3 +187,46 @@ impl Slave {
         self.pulls_data_low = self.byte >> (BITS - 1 - self.pulses) & 1 == 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Nothing;
+
+    impl Registers for Nothing {
+        fn read(&mut self, _register: u8, _index: u8) -> u8 {
+            0
+        }
+        fn write(&mut self, _now: Cycles, _register: u8, _value: u8) {}
+    }
+
+    /// The specification of the bus has minimum times for the clock's phases; a START in one of
+    /// them begins anew.
+    #[test]
+    fn the_first_clock_after_a_start_may_be_close_to_the_one_before_it() {
+        let mut slave = Slave::new(2);
+        let half = SHORTEST_HALF_PERIOD;
+        let mut now = 10 * half;
+        let mut levels = |slave: &mut Slave, after, clock, data| {
+            now += after;
+            slave.levels(now, clock, data, &mut Nothing);
+        };
+        levels(&mut slave, half, false, true);
+        levels(&mut slave, half, true, true);
+        levels(&mut slave, half / 4, true, false);
+        for place in 0..8 {
+            let bit = 2 >> (7 - place) & 1 != 0;
+            levels(
+                &mut slave,
+                if place == 0 { half / 4 } else { half },
+                false,
+                false,
+            );
+            levels(&mut slave, 0, false, bit);
+            levels(&mut slave, half, true, bit);
+        }
+        levels(&mut slave, half, false, true);
+        assert!(slave.pulls_data_low(), "the address is acknowledged");
+    }
+}

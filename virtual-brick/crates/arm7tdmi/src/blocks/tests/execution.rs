@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What one run of blocks executes, and where it stops.
 
-use super::machine::{assert_as_reference, branch, program, DEVICE, NOP, START};
+use super::machine::{assert_as_reference, branch, program, run_until, DEVICE, NOP, START};
 use crate::blocks::Blocks;
 use crate::instruction::ALWAYS;
 
@@ -72,4 +72,26 @@ fn a_block_that_is_refused_again_and_again_is_rarely_tried() {
     }
     cpu.run_blocks(&mut machine, &mut blocks, u64::MAX, 1);
     assert_eq!(blocks.entries, 4);
+}
+
+#[test]
+fn a_difference_in_the_program_counter_restores_the_status_only_if_it_sets_flags() {
+    for (difference, flags) in [(0xE24E_F008, 0), (0xE25E_F008, 0xF)] {
+        let opcodes = [
+            0xE10F_0000, // mrs r0, cpsr
+            0xE380_020F, // orr r0, r0, #0xF0000000
+            0xE169_F000, // msr spsr_fc, r0
+            0xE28F_E010, // add lr, pc, #16
+            difference,  // sub or subs pc, lr, #8
+            COUNT,
+            COUNT,
+        ];
+        let (mut cpu, mut machine) = program(&opcodes);
+        let before = cpu.cpsr();
+        let end = machine.now + 20;
+        run_until(&mut cpu, &mut machine, &mut Blocks::default(), end);
+        assert_eq!(cpu.cpsr(), before | flags << 28);
+        assert_eq!(cpu.register(2), 0, "both additions are jumped over");
+        assert_as_reference(&opcodes, &cpu, &machine);
+    }
 }
