@@ -98,9 +98,9 @@ FAMILIES = (
     Family(
         "Pybricks",
         ("RAVENBRICK_PYBRICKS",),
-        "firmware-base.bin for the NXT of pybricks-micropython, built from its sources with"
-        " upstream MicroPython 1.26.1 in place of its fork of that version",
-        "its mascot and *Ready.*",
+        "firmware-base.bin in build/nxt.zip of the npm package @pybricks/firmware 7.28.0, an"
+        " official build of 4.0.0b5",
+        "its mascot",
         8_000,
     ),
 )

@@ -24,7 +24,7 @@ KNOWN = {
     "fe6d2c70c83a1170": "88fc20d560ff73fe",  # NBC/NXC enhanced firmware 1.32
     "d1ec7b0c00e65fbf": "e13111ebe28ba97b",  # leJOS NXJ
     "71b4e4942d2d98ce": "5a77299301dce763",  # nxtOSEK
-    "b6cfb62b307a0a18": "f830f1d574d082c9",  # Pybricks
+    "a35ff5ef86de06e5": "40179859d5188006",  # Pybricks 4.0.0b5
 }
 
 

@@ -6,7 +6,7 @@
 with Ada.Unchecked_Conversion;
 with Interfaces;  use Interfaces;
 
-package NXT.Bytes with Pure is
+package NXT.Bytes with Pure, SPARK_Mode is
 
    subtype Byte is Unsigned_8;
    type Byte_Array is array (Positive range <>) of Byte;

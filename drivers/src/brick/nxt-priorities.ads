@@ -9,7 +9,7 @@
 
 with System;
 
-package NXT.Priorities with Pure is
+package NXT.Priorities with Pure, SPARK_Mode is
 
    Regulator_Task   : constant System.Priority := System.Priority'Last - 1;
 

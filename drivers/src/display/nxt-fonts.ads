@@ -6,7 +6,7 @@
 with Interfaces;
 with NXT.LCD;
 
-package NXT.Fonts is
+package NXT.Fonts with SPARK_Mode is
 
    Glyph_Width  : constant := 5;
    Cell_Width   : constant := 6;

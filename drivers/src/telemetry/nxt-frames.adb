@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-package body NXT.Frames is
+package body NXT.Frames with SPARK_Mode is
 
    --  CRC-16 with the polynomial 16#1021#, four bits at a time
 

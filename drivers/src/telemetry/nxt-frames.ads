@@ -8,7 +8,7 @@
 with Interfaces;  use Interfaces;
 with NXT.Bytes;   use NXT.Bytes;
 
-package NXT.Frames with Pure is
+package NXT.Frames with Pure, SPARK_Mode is
 
    Longest_Content : constant := 120;
    Overhead        : constant := 4;

@@ -1,7 +1,7 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
-package body NXT.USB_Descriptors is
+package body NXT.USB_Descriptors with SPARK_Mode is
 
    Device_To_Host    : constant Byte := 16#80#;
    Host_To_Device    : constant Byte := 16#00#;

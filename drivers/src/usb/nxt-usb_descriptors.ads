@@ -8,7 +8,7 @@
 with Interfaces;  use Interfaces;
 with NXT.Bytes;   use NXT.Bytes;
 
-private package NXT.USB_Descriptors is
+private package NXT.USB_Descriptors with SPARK_Mode is
 
    Control_Packet : constant := 8;
    Longest_Reply  : constant := 32;

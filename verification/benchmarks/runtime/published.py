@@ -10,9 +10,9 @@ from verification.benchmarks.figures import Figure
 from verification.benchmarks.runtime.footprints import footprints
 from verification.benchmarks.runtime.measure import figures
 
-# Both run outside the project, as ARM code in RAM; with a figure stands what was measured.
+# Both run outside the project on the virtual brick, as ARM code in RAM.
 FREERTOS = "FreeRTOS 11.1.0, port ARM7_AT91SAM7S, gcc 12.2 -O2, on the virtual brick 2026-11-23"
-CHIBIOS = "ChibiOS/RT 2.4.0, its own test suite in RAM, from an earlier report"
+CHIBIOS = "ChibiOS/RT 2.4.0, its own test suite, gcc 12.2 -O2, on the virtual brick 2026-11-26"
 
 # Value and source of peers that cannot run beside ours.
 PUBLISHED = {

@@ -15,7 +15,7 @@ from verification.firmware.witnesses.library import check, images
 from verification.firmware.witnesses.link import count_frames
 from verification.support.bricks.nxt_firmware import compile_nxc
 
-NAMES = ("LEGO 1.29.2", "NBC/NXC 1.28", "NBC/NXC 1.32")
+NAMES = ("LEGO 1.29.2", "LEGO 1.29.8", "NBC/NXC 1.28", "NBC/NXC 1.32")
 SENSORS = {
     "1": {"kind": "touch"},
     "2": {"kind": "sound"},

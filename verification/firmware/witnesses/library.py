@@ -35,7 +35,7 @@ TABLE = Path(__file__).with_name("images.toml")
 VARIABLE = "RAVENBRICK_FIRMWARE"
 FUNCTIONS = (
     "starts", "LCD", "buttons", "motor", "sensor", "sound", "files", "USB", "Bluetooth",
-    "link", "switches off",
+    "link", "switches off", "scores",
 )  # fmt: skip
 PLACES = {"flash": FLASH, "ram": USER_RAM, "file": 0}
 

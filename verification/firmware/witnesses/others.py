@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Functions of leJOS, nxtOSEK, Pybricks, pbLua and of programs built with GNAT GPL."""
+"""Functions of leJOS, nxtOSEK, NxOS, Pybricks, pbLua and of programs built with GNAT GPL."""
 
 from __future__ import annotations
 
@@ -196,6 +196,95 @@ def robocon_switches_off() -> str:
     return f"off at {brick.seconds:.1f} s"
 
 
+@check("ET Robocon balancer (nxtOSEK)", "sensor")
+def robocon_calibrates() -> str:
+    """A press of the touch sensor stores the light over white, then over black."""
+    return f"shows {' and '.join(robocon_calibrated()[1])}"
+
+
+@check("ET Robocon balancer (nxtOSEK)", "motor")
+def robocon_turns_its_tail() -> str:
+    """After the calibration the program moves the motor on port A, the robot's tail."""
+    brick, _ = robocon_calibrated()
+    brick.run(1.0)
+    assert brick.duty("A") == 0.0
+    for _ in range(3):
+        press_touch(brick)
+    brick.run(1.0)
+    assert 0.14 < brick.duty("A") < 0.16 and brick.encoder("A") > 100, brick.duty("A")
+    return f"duty {brick.duty('A'):.0%} of A, turned {brick.encoder('A')} degrees"
+
+
+def press_touch(brick: FirmwareBrick) -> None:
+    """Press and release the touch sensor on port 4."""
+    for pressed in (1, 0):
+        brick.set("touch.4", pressed)
+        brick.run(0.5)
+
+
+def robocon_calibrated() -> tuple[FirmwareBrick, list[str]]:
+    """The balancer after both calibrations, and what it showed."""
+    kinds = {"1": "gyro", "2": "ultrasonic", "3": "light", "4": "touch"}
+    brick = images()["ET Robocon balancer"].brick(
+        sensors={n: {"kind": k} for n, k in kinds.items()}
+    )
+    brick.run(4.0)
+    brick.press("right")
+    shown = []
+    for name, light in (("WHITE", 0.9), ("BLACK", 0.2)):
+        brick.set("light.3", light)
+        brick.expect_text(name)
+        brick.run(0.5)
+        shown += [line for line in brick.lines if name in line]
+        press_touch(brick)
+    return brick, shown
+
+
+def nxos_moves() -> tuple[FirmwareBrick, bytes]:
+    """Its test system turns motor A by 90 degrees when a computer says so."""
+    brick = images()["NxOS, commands over USB"].brick()
+    brick.expect_text("Waiting command", within=8)
+    computer = brick.usb()
+    assert computer.enumerate() == (0x0694, 0xFF00)
+    computer.write(1, b"Al\0")
+    return brick, computer.read(2)
+
+
+@check("NxOS", "USB")
+def nxos_answers() -> str:
+    """It enumerates as NxOS and answers a command."""
+    _, answer = nxos_moves()
+    assert answer == b"Ok", answer
+    return "answers Ok"
+
+
+@check("NxOS", "motor")
+def nxos_turns_a_motor() -> str:
+    """It stops the motor at full speed, so the motor turns further."""
+    brick, _ = nxos_moves()
+    brick.run(1.0)
+    assert 90 <= brick.encoder("A") <= 180 and brick.duty("A") == 0.0, brick.encoder("A")
+    return f"90 degrees asked for at full speed, {brick.encoder('A')} turned"
+
+
+@check("NxOS", "LCD")
+def nxos_waits() -> str:
+    """What its test system shows."""
+    brick = images()["NxOS, commands over USB"].brick()
+    brick.expect_text("Waiting command", within=8)
+    return "Waiting command"
+
+
+@check("NxOS", "link")
+def nxos_link() -> str:
+    """Every frame to the co-processor is good."""
+    brick = images()["NxOS, commands over USB"].brick()
+    brick.run(2.0)
+    counted = count_frames(brick, 1.5)
+    assert counted.bad <= 1 and counted.good > 200, str(counted)
+    return str(counted)
+
+
 SCRIPT = """
 from pybricks.nxtdevices import Motor, TouchSensor
 from pybricks.parameters import Port
@@ -257,6 +346,10 @@ for _name in ("Pybricks 4.0.0b4", "Pybricks 4.0.0b5"):
     check(_name, "link")(partial(pybricks_link, _name))
 
 
+# Request of the class CDC: the terminal is there (DTR, RTS).
+SET_CONTROL_LINE_STATE = bytes([0x21, 0x22, 3, 0, 0, 0, 0, 0])
+
+
 @check("pbLua 2.0.0 RC2", "LCD")
 def pblua_menu() -> str:
     """Its menu of consoles."""
@@ -278,14 +371,17 @@ def pblua_link() -> str:
 
 @check("pbLua 2.0.0 RC2", "USB")
 def pblua_console() -> str:
-    """A line typed at the console over USB."""
+    """A line typed at the console over USB, a serial line of the class CDC, and its answer."""
     brick = images()["pbLua 2.0.0 RC2"].brick()
-    brick.run(6.0)
+    brick.expect_text("USB Console", within=8)
     computer = brick.usb()
-    computer.enumerate(timeout_ms=15_000)
+    brick.press("orange")
+    computer.enumerate()
+    computer.control(SET_CONTROL_LINE_STATE)
     computer.write(1, b"print(6*7)\r")
-    answer = computer.read(2)
-    assert b"42" in answer, answer
+    printed = b""
+    while b"\n42" not in printed:
+        printed += computer.read(2)
     return "print(6*7) answers 42"
 
 

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import pytest
 
-from verification.firmware.witnesses.campaign import KNOWN_FAILURES, outcome
+from verification.firmware.witnesses.campaign import outcome
+from verification.firmware.witnesses.chibios import CASES, PUBLISHED, deviations, results
 from verification.firmware.witnesses.library import CHECKS, FUNCTIONS, Check, images
 from verification.firmware.witnesses.link import commands, transfers
 
@@ -17,8 +18,6 @@ def test_it_works_as_on_real_bricks(check: Check) -> None:
     row = outcome(check)
     if row["outcome"] == "absent":
         pytest.skip(row["seen"])
-    if row["outcome"] == "failed" and (check.witness, check.function) in KNOWN_FAILURES:
-        pytest.xfail(KNOWN_FAILURES[check.witness, check.function])
     assert row["outcome"] == "passed", row["seen"]
 
 
@@ -41,3 +40,17 @@ def test_frames_are_taken_from_the_bus_log_as_the_source_of_the_co_processor_say
     cut_before = sent(frame)[3:]
     assert commands(sent(frame) + split + doubled + cut_before) == [frame]
     assert len(list(transfers(split))) == 2
+
+
+def test_scores_are_read_case_by_case_and_compared_with_the_published_ones() -> None:
+    report = (
+        "--- Test Case 11.4 (Benchmark, context switch)\n--- Score : 380288 ctxswc/S\n"
+        "--- Result: SUCCESS\n----\n--- Test Case 11.13 (Benchmark, RAM footprint)\n"
+        "--- System: 364 bytes\n--- Thread: 72 bytes\n--- Result: FAILURE (#1)\n"
+    )
+    expected = {"context switch": ("SUCCESS", 380288), "RAM footprint": ("FAILURE", None)}
+    assert results(report) == expected
+    published = PUBLISHED["ChibiOS 2.4.0 ARM"]
+    scores = dict(zip(CASES, (1.1 * score for score in published), strict=True))
+    found = deviations("ChibiOS 2.4.0 ARM", scores)
+    assert found == pytest.approx(dict.fromkeys(CASES, 0.1))

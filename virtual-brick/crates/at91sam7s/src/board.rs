@@ -126,6 +126,8 @@ impl fmt::Debug for UsbPacket {
 /// What the USB host puts on the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UsbSignal {
+    /// A bus reset begins: the host pulls both lines low.
+    ResetBegins,
     /// A bus reset has ended.
     Reset,
     /// The bus has been idle for 3 ms.

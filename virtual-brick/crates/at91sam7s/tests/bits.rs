@@ -166,7 +166,7 @@ fn usart(base: u32) -> Vec<Row> {
     rows.extend(commands(base, [0x10, 0x14, 0x18, 0x1C, 0x44]));
     rows.extend(pair(base + 0x08, base + 0x0C, base + 0x10, 0x000F_3FFF));
     rows.extend([
-        command(base).refusing(1 << 9 | 1 << 12 | 1 << 16),
+        command(base).refusing(1 << 9 | 1 << 12),
         stored(base + 0x04, 0x173F_FFFF & !modes).refusing(modes),
         stored(base + 0x20, 0x0007_FFFF),
         stored(base + 0x24, 0xFFFF),

@@ -258,9 +258,10 @@ fn an_endpoint_reset_empties_the_banks_and_keeps_the_settings() {
 fn signals_of_the_bus_are_flagged() {
     let mut chip = usb_chip();
     let signals = [
-        (UsbSignal::Suspend, 1 << 8),
         (UsbSignal::Resume, 1 << 9),
         (UsbSignal::StartOfFrame { number: 0x123 }, 1 << 11),
+        (UsbSignal::ResetBegins, 0),
+        (UsbSignal::Suspend, 1 << 8),
     ];
     for (signal, flag) in signals {
         host(&mut chip, signal);
@@ -268,9 +269,23 @@ fn signals_of_the_bus_are_flagged() {
         write(&mut chip, ICR, flag);
     }
     assert_eq!(read(&mut chip, FRM_NUM) & 0x7FF, 0x123);
-    write(&mut chip, PMC + 0x04, 1 << 7);
-    host(&mut chip, UsbSignal::Resume);
-    assert_eq!(read(&mut chip, ISR), 1 << 9 | 1 << 13, "asks for its clock");
+}
+
+#[test]
+fn what_ends_the_rest_of_the_bus_or_finds_no_clock_wakes_it_up() {
+    for (signal, flag) in [(UsbSignal::Resume, 1 << 9), (UsbSignal::ResetBegins, 0)] {
+        let mut chip = usb_chip();
+        host(&mut chip, UsbSignal::Suspend);
+        write(&mut chip, ICR, 1 << 8);
+        host(&mut chip, signal);
+        assert_eq!(read(&mut chip, ISR), flag | 1 << 13);
+        write(&mut chip, ICR, flag | 1 << 13);
+        host(&mut chip, signal);
+        assert_eq!(read(&mut chip, ISR), flag, "only the first");
+        write(&mut chip, PMC + 0x04, 1 << 7);
+        host(&mut chip, signal);
+        assert_eq!(read(&mut chip, ISR), flag | 1 << 13, "asks for its clock");
+    }
 }
 
 #[test]

@@ -22,6 +22,8 @@ const TRANSACTION: Cycles = microseconds(80);
 /// A device that was not ready is asked again after this long (chosen).
 const RETRY: Cycles = microseconds(200);
 const FRAME: Cycles = milliseconds(1);
+/// A bus reset lasts at least this long (USB 2.0, 7.1.7.5).
+const RESET: Cycles = milliseconds(10);
 /// A bus without activity for this long is suspended.
 const IDLE: Cycles = milliseconds(3);
 /// Transfers that may wait.
@@ -262,6 +264,8 @@ pub struct UsbHost {
     frame: u16,
     frame_at: Cycles,
     suspend_at: Cycles,
+    /// When the bus reset under way ends, and the number of its transfer.
+    reset: Option<(Cycles, u64)>,
     free_at: Cycles,
     scheduled: BTreeMap<(Cycles, u64), UsbTransfer>,
     queues: BTreeMap<(u8, bool), VecDeque<Active>>,
@@ -280,6 +284,7 @@ impl Default for UsbHost {
             frame: 0,
             frame_at: NEVER,
             suspend_at: NEVER,
+            reset: None,
             free_at: 0,
             scheduled: BTreeMap::new(),
             queues: BTreeMap::new(),
@@ -291,12 +296,23 @@ impl Default for UsbHost {
 }
 
 impl UsbHost {
-    /// The cable is plugged in or pulled out.
+    /// The cable is plugged in or pulled out. Until the host resets the bus, it is idle.
     pub fn set_plugged(&mut self, now: Cycles, plugged: bool) {
         if self.plugged != plugged {
             self.plugged = plugged;
-            self.frame_at = NEVER;
             self.suspend_at = if plugged { NEVER } else { now + IDLE };
+            self.bus_changed(now);
+        }
+    }
+
+    /// Frames and a reset end; a device that is now on the bus finds it idle.
+    fn bus_changed(&mut self, now: Cycles) {
+        self.frame_at = NEVER;
+        if let Some((_, id)) = self.reset.take() {
+            self.complete(now, id, Err(UsbError::NoAnswer));
+        }
+        if self.attached() {
+            self.suspend_at = now + IDLE;
         }
     }
 
@@ -306,10 +322,10 @@ impl UsbHost {
     }
 
     /// The brick switches its pull-up.
-    pub fn set_pull_up(&mut self, on: bool) {
-        self.pulled_up = on;
-        if !on {
-            self.frame_at = NEVER;
+    pub fn set_pull_up(&mut self, now: Cycles, on: bool) {
+        if self.pulled_up != on {
+            self.pulled_up = on;
+            self.bus_changed(now);
         }
     }
 
@@ -352,6 +368,9 @@ impl UsbHost {
         if !self.attached() {
             return self.suspend_at;
         }
+        if let Some((ends_at, _)) = self.reset {
+            return ends_at;
+        }
         let first = self.queues.values().filter_map(VecDeque::front);
         let transaction = first.map(|active| active.retry_at.max(self.free_at));
         let transaction = transaction.min().unwrap_or(NEVER);
@@ -393,6 +412,9 @@ impl UsbHost {
         if !self.attached() {
             return None;
         }
+        if let Some((ends_at, id)) = self.reset {
+            return (ends_at <= now).then(|| self.end_reset(now, id));
+        }
         if self.frame_at <= now {
             self.frame_at += FRAME;
             self.frame = (self.frame + 1) & 0x7FF;
@@ -406,8 +428,10 @@ impl UsbHost {
         self.free_at = now + TRANSACTION;
         let active = self.queues.get(&self.turn)?.front()?;
         let Some(transaction) = active.transaction() else {
-            self.reset_bus(now);
-            return Some(UsbSignal::Reset);
+            self.reset = Some((now + RESET, active.id));
+            self.queues.get_mut(&self.turn)?.pop_front();
+            (self.frame_at, self.suspend_at) = (NEVER, NEVER);
+            return Some(UsbSignal::ResetBegins);
         };
         self.asked = true;
         Some(UsbSignal::Transaction {
@@ -426,10 +450,12 @@ impl UsbHost {
         after.or(ready.first()).copied()
     }
 
-    fn reset_bus(&mut self, now: Cycles) {
+    fn end_reset(&mut self, now: Cycles, id: u64) -> UsbSignal {
+        self.reset = None;
         self.address = 0;
         self.frame_at = now + FRAME;
-        self.end_first(now, Ok(Vec::new()));
+        self.complete(now, id, Ok(Vec::new()));
+        UsbSignal::Reset
     }
 
     /// The first transfer of the queue in turn has ended.

@@ -12,3 +12,4 @@ mod encoders;
 mod inputs;
 mod mounted_sensors;
 mod sensors;
+mod usb;

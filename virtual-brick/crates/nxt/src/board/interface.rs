@@ -67,7 +67,7 @@ impl Board for NxtBoard {
         let devices = self.devices.change();
         devices.ports.outputs_changed(now, outputs);
         devices.bluetooth.lines_changed(now, lines);
-        devices.usb.set_pull_up(on);
+        devices.usb.set_pull_up(now, on);
     }
 
     fn pin_levels(&self) -> PinLevels {

@@ -199,7 +199,7 @@ impl NxtBoard {
         self.coprocessor.restart(now, self.phase, battery);
         self.switch_supplies(now);
         self.boot_monitor = Some(BootMonitor::default());
-        self.devices.change().usb.set_pull_up(true);
+        self.devices.change().usb.set_pull_up(now, true);
     }
 
     /// The display.

@@ -260,7 +260,8 @@ pub const TIMING_PARAMETERS: &[TimingParameter] = &[
         "how long the co-processor holds SCL after each byte",
         "16 programs built with GNAT GPL 2011 that drove real bricks: from 18 us on 9 of 10 of \
          their frames arrive whole, below that fewer; leJOS and LEGO 1.29 read within a \
-         millisecond: 48 us at most; LEGO's source built with avr-gcc -Os: 9 us"
+         millisecond: 48 us at most; LEGO's source built with avr-gcc -Os holds 9 us, with which \
+         7 of the programs lose frames"
     ),
     cycles!(
         "coprocessor_status_copy_cycles",

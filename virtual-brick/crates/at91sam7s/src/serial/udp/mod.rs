@@ -54,6 +54,8 @@ pub(crate) struct Udp {
     function: u32,
     mask: u32,
     bus: u32,
+    /// The bus was idle for 3 ms, and nothing has happened on it since.
+    idle: bool,
     reset: u32,
     transceiver: u32,
     endpoints: [Endpoint; ENDPOINTS],
@@ -67,6 +69,7 @@ impl Udp {
             function: FUNCTION_ENABLED,
             mask: 0,
             bus: 0,
+            idle: false,
             reset: 0,
             transceiver: 0,
             endpoints: std::array::from_fn(Endpoint::new),
@@ -130,14 +133,17 @@ impl Udp {
 
     fn bus_signal(&mut self, signal: UsbSignal, clocked: bool) {
         match signal {
+            UsbSignal::ResetBegins => self.wake_up(clocked),
             UsbSignal::Reset => {
                 self.function = FUNCTION_ENABLED;
                 self.global &= !3;
                 self.endpoints = std::array::from_fn(Endpoint::new);
                 self.bus |= END_OF_RESET;
-                self.wake_up(clocked);
             }
-            UsbSignal::Suspend => self.bus |= SUSPENDED,
+            UsbSignal::Suspend => {
+                self.bus |= SUSPENDED;
+                self.idle = true;
+            }
             UsbSignal::Resume => {
                 self.bus |= RESUMED;
                 self.wake_up(clocked);
@@ -150,11 +156,14 @@ impl Udp {
         }
     }
 
-    /// Activity on the bus while the port's clocks are off asks for them.
+    /// Activity on a bus that was idle, or while the port's clocks are off, wakes it up. That the
+    /// clocks may be on is inferred: the USB framework of the chip's maker, which pbLua runs on
+    /// bricks, waits for this flag with its clocks on before it heeds the first bus reset.
     fn wake_up(&mut self, clocked: bool) {
-        if !clocked {
+        if self.idle || !clocked {
             self.bus |= WAKE_UP;
         }
+        self.idle = false;
     }
 
     pub(crate) fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {

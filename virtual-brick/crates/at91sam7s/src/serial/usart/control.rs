@@ -15,11 +15,11 @@ const RESET_STATUS: u32 = OVRE | FRAME;
 const LOOPS: Unmodelled = unmodelled(US_MR, 1 << 14, "automatic echo or remote loopback");
 /// Without effect are STPBRK and RXBRK, since breaks are refused; RSTIT, RSTNACK, INACK, DSNACK,
 /// MAX_ITERATION, ITERATION, NACK, FIDI, NER and IF, which only refused modes have; FILTER, since
-/// the board's lines have no glitches; DTRDIS, which is the line's state after reset.
+/// the board's lines have no glitches; DTREN and DTRDIS, since USART 0 has no such line and nothing
+/// on the board listens to the other's.
 pub(super) const USART: &[Unmodelled] = &[
     unmodelled(US_CR, 1 << 9, "sending a break"),
     unmodelled(US_CR, 1 << 12, "multidrop mode"),
-    unmodelled(US_CR, 1 << 16, "the line DTR"),
     unmodelled(
         US_MR,
         0xF,
