@@ -39,6 +39,7 @@ __all__ = [
     "middle_variant",
     "new_key",
     "own_motor",
+    "own_robot",
     "read_key",
     "student_id",
 ]
@@ -192,7 +193,8 @@ def own_motor(port: str) -> str:
     return f"own_{port.lower()}"
 
 
-def _own_robot(robot: Robot, individual: Individual, seed: str) -> Robot:
+def own_robot(robot: Robot, individual: Individual, seed: str) -> Robot:
+    """The robot with what `individual` names drawn within its tolerances."""
     motors, ports = dict(robot.motors), dict(robot.motor_ports)
     for port in individual.motors:
         plugged = ports[port]
@@ -287,7 +289,7 @@ def drawn_variant(
     """The student's variant of a sheet, the same whenever it is drawn."""
     seed = _seed(key, sheet, student)
     numbers = {n.name: n.draw(random.Random(f"{seed} {n.name}")) for n in individual.numbers}
-    return _variant(_own_robot(robot, individual, seed), numbers, individual)
+    return _variant(own_robot(robot, individual, seed), numbers, individual)
 
 
 def middle_variant(robot: Robot, individual: Individual) -> Variant:
