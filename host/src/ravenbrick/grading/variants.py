@@ -12,6 +12,7 @@ import ast
 import hashlib
 import hmac
 import json
+import math
 import operator
 import random
 import re
@@ -272,11 +273,10 @@ def _variant(robot: Robot, numbers: dict[str, float], individual: Individual) ->
     for port in robot.motor_ports:
         facts |= _motor_facts(robot, port)
     facts["battery_voltage"] = robot.battery.voltage.value
-    facts |= {
-        f"sensor_{port}_rest": plugged.rest.value
-        for port, plugged in robot.sensor_ports.items()
-        if plugged.rest
-    }
+    for port, plugged in robot.sensor_ports.items():
+        if plugged.rest:
+            facts[f"sensor_{port}_rest"] = plugged.rest.value
+            facts[f"sensor_{port}_count"] = math.floor(plugged.rest.value + 0.5)
     if individual.design:
         constants = {name: _value(text, facts) for name, text in individual.design.items()}
         facts |= _design_figures(robot, constants)
