@@ -11,6 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from ravenbrick.brick.session import tunables_of
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
 
 EXAMPLES = Path(__file__).resolve().parent
 DESIGNED = ("paper", "motor-bench", "line-follower", "balancer")
@@ -72,6 +75,25 @@ def test_a_scenario_meets_its_criteria(example: str, scenario: str) -> None:
     answer = run_scenario(example, scenario)
     assert answer["criteria"]
     assert all(criterion["met"] for criterion in answer["criteria"])
+
+
+def test_the_motor_follows_the_set_point_that_the_page_offers(tmp_path: Path) -> None:
+    """Written into the variable while it runs; it is at first what robot.toml says."""
+    project = EXAMPLES / "motor-bench"
+    built = ravenbrick("build", str(project))
+    (offered, *_gains) = tunables_of(read_robot(project), read_image(Path(built["image"])))
+    step = (project / "scenarios" / "step.toml").read_text().partition("[[criteria]]")[0]
+    wanted = -0.5 * offered["value"]
+    written = f'at_ms = 2_000\ninput = "variable.{offered["path"]}"\nvalue = {wanted}\n'
+    expected = [
+        f"probe.{offered['seen']} between {at} and {at} at {instant} s"
+        for at, instant in ((offered["value"], 1.9), (wanted, 2.1))
+    ]
+    expected.append("motor.B.angular_velocity between -4.2 and -3.9 rad/s at the end")
+    scenario = tmp_path / "drag.toml"
+    scenario.write_text(f"{step}\n[[inputs]]\n{written}")
+    options = [part for text in expected for part in ("--expect", text)]
+    ravenbrick("run", str(project), str(scenario), *options)
 
 
 @pytest.mark.long("two bricks for 30 s")

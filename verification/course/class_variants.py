@@ -12,14 +12,16 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.control.estimation.identification import fit_motor
 from ravenbrick.grading.answers import Answers, parse_wanted
 from ravenbrick.grading.rubric import Rubric, read_rubric
@@ -28,17 +30,24 @@ from ravenbrick.grading.variants import Variant, filled
 from ravenbrick.image.build import build_image
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
+from ravenbrick.schedule.report import analysis
+from ravenbrick.schedule.task_file import read_task_file
 from ravenbrick.trace.motor_data import signal_data
 
+from tools.docs.lessons import edited, files_of, steps
 from verification.commands import Counts
 from verification.support.paths import ROOT
 
 PAGE = ROOT / "docs" / "reference" / "class-variants.md"
-RUBRICS = ROOT / "docs" / "lessons" / "rubrics"
+LESSONS = ROOT / "docs" / "lessons"
+RUBRICS = LESSONS / "rubrics"
+OVERLOAD = LESSONS / "20-overload.md"
 COUNT, WORKERS = 300, 2
 KEY = sha256(b"the class of the measurement").digest()
 MOST = 0.01
+HELD_MS = 1_900
 SIGNALS = ("motor.B.voltage", "motor.B.encoder")
 
 
@@ -99,10 +108,52 @@ def _timed(variant: Variant) -> dict[str, float]:
     }
 
 
+def _calibrated(variant: Variant) -> dict[str, float]:
+    """The count that the balancer's display shows while a hand holds it, and what it is off by."""
+    robot = _rubric("lab-10").robot
+    scenario = read_scenario(scenario_path(robot.directory, "let-go"), robot)
+    held = replace(scenario, duration_ms=HELD_MS, inputs=(), criteria=(), expectations=())
+    shown = VirtualTarget().run(variant.robot, held, _image(robot.directory)).screens[-1].text
+    (count,) = (int(line.split()[1]) for line in shown if line.startswith("rest"))
+    (gyro,) = (plugged.rest for plugged in variant.robot.sensor_ports.values() if plugged.rest)
+    return {"rest_counts": count, "offset_deg_s": round(gyro.value - count, 1)}
+
+
+def _scheduled(variant: Variant) -> dict[str, float]:
+    """The task sets of sheet 20 with the own numbers, analysed as its steps do."""
+    numbers, written = variant.numbers, files_of(OVERLOAD)
+    (change,) = (
+        step.content
+        for step in steps(OVERLOAD.read_text("utf-8"))
+        if (step.kind, step.argument) == ("edit", "polling.toml")
+    )
+    control, period = (
+        numbers[name] / 1000 for name in ("first_set_control_us", "polling_server_period_us")
+    )
+    first = _analysis(written["taskset.toml"], "wcet = 1.6", f"wcet = {control:g}")
+    polling = edited(written["background.toml"], change)
+    (served,) = _analysis(polling, "period = 8", f"period = {period:g}")["servers"][0]["tasks"]
+    (line,) = (task for task in first["tasks"] if task["name"] == "line")
+    return {
+        "line_longest_ms": round(float(line["wcet_max"]), 2),
+        "polling_bound_ms": round(float(served["response_time_bound"]), 1),
+    }
+
+
+def _analysis(taskset: str, old: str, new: str) -> dict[str, Any]:
+    """Of a task set with a changed line, as `ravenbrick schedule` makes it."""
+    with tempfile.TemporaryDirectory() as name:
+        file = Path(name) / "taskset.toml"
+        file.write_text(edited(taskset, f"-{old}\n+{new}\n"), encoding="utf-8")
+        return analysis(read_task_file(file, None))
+
+
 SHEETS: Mapping[str, Callable[[Variant], dict[str, float]]] = {
     "lab-03": _identified,
     "lab-04": _designed,
     "lab-06": _timed,
+    "lab-10": _calibrated,
+    "lab-20": _scheduled,
 }
 
 

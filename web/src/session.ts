@@ -44,6 +44,10 @@ export interface Probe {
 /** A variable of the program that may be changed during a run. */
 export interface Tunable {
   path: string;
+  /** What people call it, if that is not the end of its path. */
+  name?: string;
+  /** The variable that shows it in the program, if that is not the one that is written. */
+  seen?: string;
   unit: string;
   description: string;
   value: number;

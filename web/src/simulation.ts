@@ -237,9 +237,9 @@ export class Simulation {
   /** Tunable variables that the image has. */
   private variables(): Record<string, number> {
     const found: Record<string, number> = {};
-    for (const { path } of this.session.tunables ?? []) {
+    for (const { path, seen } of this.session.tunables ?? []) {
       try {
-        found[path] = this.core.variable(path);
+        found[path] = this.core.variable(seen ?? path);
       } catch {
         // Another image: the page does not offer what is not there.
       }

@@ -53,6 +53,17 @@ describe("gains", () => {
     expect(sent.at(-1)).toEqual(reset);
   });
 
+  it("stand beside set-points, which have names of their own", () => {
+    const path = "NXT.Telemetry.In_Force:f32";
+    const setPoint = { ...TUNABLE, path, name: "set-point B", unit: "V", lowest: -5, highest: 5 };
+    app.receive({ ...READY, session: { ...SESSION, tunables: [setPoint, TUNABLE] } });
+    app.receive({ ...FRAME, variables: { [path]: 4 } });
+    const [name, value] = ["#tuning b", "#tuning output"].map((place) => get(place).textContent);
+    expect([name, value]).toEqual(["set-point B", "4 V"]);
+    set(get('#tuning input[type="range"]'), "-2", "input");
+    expect(inputs()).toEqual([[`variable.${path}`, -2]]);
+  });
+
   it("are not offered for a program without any", () => {
     expect(get("#tuning").hidden).toBe(true);
   });

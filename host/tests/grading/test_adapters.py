@@ -7,11 +7,16 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
+from verification.support.paths import ROOT
 
 from ravenbrick.grading.adapters import (
     ADAPTERS,
@@ -80,7 +85,7 @@ GRADESCOPE = {
         },
     },
 }
-# nbgrader 0.9, nbgrader/plugins/export.py: the columns of its grade book as CSV, in order.
+# nbgrader 0.9.6, nbgrader/plugins/export.py: the columns of its grade book as CSV, in order.
 NBGRADER = (
     "assignment,duedate,timestamp,student_id,last_name,first_name,email,raw_score,"
     "late_submission_penalty,score,max_score"
@@ -110,6 +115,27 @@ def test_nbgrader_gets_its_columns() -> None:
     penalty = float(row["late_submission_penalty"])
     assert float(row["score"]) == max(0.0, float(row["raw_score"]) - penalty) == 2.5
     assert float(row["max_score"]) == 6.0
+
+
+def test_nbgrader_itself_exports_what_was_entered_by_the_guides_program(tmp_path: Path) -> None:
+    """Entered twice; the export is the same file, byte for byte."""
+    program_file = Path(sys.executable).with_name("nbgrader")
+    if not program_file.is_file():
+        pytest.skip("nbgrader is not installed beside this Python")
+    text = (ROOT / "docs" / "guides" / "grading.md").read_text("utf-8")
+    (program,) = (p for p in re.findall(r"^```python\n(.*?)^```", text, re.M | re.S) if "nbg" in p)
+    others = [{**RESULT, "submission": name, "points": 6.0} for name in ("s01", "s02")]
+    entered = nbgrader([{**RESULT, "submission": "s00"}, *others])
+    (tmp_path / "grades.csv").write_text(entered)
+    (tmp_path / "enter.py").write_text(program)
+    path = f"{program_file.parent}{os.pathsep}{os.environ['PATH']}"
+    for command in (
+        [sys.executable, "enter.py"],
+        [sys.executable, "enter.py"],
+        [str(program_file), "export", "--to", "out.csv"],
+    ):
+        subprocess.run(command, cwd=tmp_path, check=True, env={**os.environ, "PATH": path})
+    assert (tmp_path / "out.csv").read_text() == entered
 
 
 def workflow_command(line: str) -> tuple[str, dict[str, str], str]:

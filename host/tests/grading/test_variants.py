@@ -78,6 +78,22 @@ def test_the_folder_of_a_sheet_with_known_constants_has_the_robot_that_is_graded
     assert "settling_time_ms" in (tmp_path / "s1" / "lab-04" / "own.toml").read_text()
 
 
+def test_a_gyro_of_ones_own_is_in_the_folder_and_asked_for(tmp_path: Path) -> None:
+    """Within its tolerance, one for each student; its count is what the nearest whole one is."""
+    sheet = rubric("lab-10")
+    nominal = sheet.robot.sensor_ports["4"].rest
+    variants = [sheet.variant(KEY, f"s{number}") for number in range(40)]
+    rests = [variant.robot.sensor_ports["4"].rest for variant in variants]
+    assert nominal is not None and all(own and nominal.allows(own.value) for own in rests)
+    assert len({own.value for own in rests if own}) > 30
+    assert all(abs(v.facts["sensor_4_rest"] - v.facts["sensor_4_count"]) <= 0.5 for v in variants)
+    write_folder(tmp_path / "lab-10", sheet, KEY, "s0")
+    assert read_robot(tmp_path / "lab-10").sensor_ports["4"].rest == rests[0]
+    asked = {check.name: check.value for check in sheet.of(variants[0]).checks}
+    count = variants[0].facts["sensor_4_count"]
+    assert f"between {count - 0.1:.7g} and" in asked["count of the gyro that the program finds"]
+
+
 def test_a_hidden_robot_is_nowhere_in_the_students_folder(tmp_path: Path) -> None:
     """Neither constants nor signals that give them away; robot.toml is the template's."""
     hidden = rubric("lab-03")

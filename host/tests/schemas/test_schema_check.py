@@ -21,7 +21,7 @@ ROOT = VEHICLE.parents[1]
 FILES = {
     "robot": sorted(ROOT.glob("examples/*/robot.toml")),
     "scenario": sorted(ROOT.glob("examples/*/scenarios/*.toml")),
-    "rubric": sorted(ROOT.glob("docs/lessons/rubrics/lab-*.toml")),
+    "rubric": sorted(ROOT.glob("docs/lessons/rubrics/l[ae]*-*.toml")),
     "timing": sorted(ROOT.glob("examples/*/timing.toml")),
 }
 FAULTS: list[Any] = [True, -1, 0, 2.5, 3.0, 10**9, "", "a", "Not A Name", [], [1], {}, {"a": 1}]

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-/** Gains and limits of the controller, changed while it runs. */
+/** Set-points, and gains and limits of the controller, changed while it runs. */
 import { cyclesOfMs } from "../clock";
 import { el, panel } from "../dom";
 import type { Frame, Ready } from "../protocol";
@@ -15,7 +15,7 @@ const STEPS = 400;
 const inputOf = ({ path }: Tunable) => `variable.${path}`;
 
 /** `functional_P.Kp` is `Kp` to people. */
-const nameOf = ({ path }: Tunable) => path.split(".").pop() ?? path;
+const nameOf = ({ name, path }: Tunable) => name ?? path.split(".").pop() ?? path;
 
 export class Tuning implements View {
   readonly element: HTMLElement;

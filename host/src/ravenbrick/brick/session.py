@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from ravenbrick.brick.configuration import brick_configuration
@@ -76,10 +75,37 @@ def _checks(robot: Robot, scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def tunables_of(generated: Path, image: ElfImage) -> list[dict[str, Any]]:
-    """The tunable parameters that an image has, for the session."""
+def _set_points(robot: Robot) -> list[dict[str, Any]]:
+    """Set-points that the page may change, as tunable parameters."""
     return [
-        asdict(tunable) | dict(zip(("lowest", "highest"), tunable.limits, strict=True))
-        for tunable in read_tunables(generated)
-        if tunable.path.partition(".")[0] in image.symbols
+        {
+            "path": point.set_by.variable,
+            "name": f"set-point {point.port}",
+            "seen": point.symbol,
+            "unit": "V" if point.scale.unit.endswith("/V") else point.scale.unit,
+            "description": f"of motor {point.port}'s speed",
+            "value": point.set_by.value,
+            "whole": point.type != "f32",
+            "lowest": point.set_by.lowest,
+            "highest": point.set_by.highest,
+        }
+        for point in robot.setpoints
+        if point.set_by
     ]
+
+
+def tunables_of(robot: Robot, image: ElfImage) -> list[dict[str, Any]]:
+    """The set-points and tunable parameters that an image has, for the session."""
+    generated = [
+        asdict(tunable) | dict(zip(("lowest", "highest"), tunable.limits, strict=True))
+        for tunable in read_tunables(robot.directory / "generated")
+    ]
+    return [t for t in (*_set_points(robot), *generated) if _is_in(image, t["path"])]
+
+
+def _is_in(image: ElfImage, path: str) -> bool:
+    """Whether the variable, or the object that it is a component of, is a symbol."""
+    plain = path.partition(":")[0]
+    return plain.partition(".")[0] in image.symbols or (
+        plain.replace(".", "__").lower() in image.symbols
+    )

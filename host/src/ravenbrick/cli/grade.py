@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,11 +17,13 @@ from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import CriteriaError, RavenbrickError, UsageError
 from ravenbrick.grading.adapters import ADAPTERS
-from ravenbrick.grading.campaign import run_campaign
+from ravenbrick.grading.campaign import campaign_secret, run_campaign
 from ravenbrick.grading.isolation import TRUST
-from ravenbrick.grading.rubric import read_rubric
+from ravenbrick.grading.league import league_of, pseudonym, races_of
+from ravenbrick.grading.rubric import Rubric, read_rubric
 from ravenbrick.grading.submission import find_submissions
 from ravenbrick.grading.variants import read_key
+from ravenbrick.report.league import league_page
 
 __all__ = ["grade_command"]
 
@@ -34,6 +37,25 @@ class Form(StrEnum):
     MOODLE = "moodle"
     CANVAS = "canvas"
     GITHUB = "github"
+
+
+def _league(
+    rubric: Rubric, results: list[dict[str, Any]], file: Path, secret: str | None
+) -> dict[str, Any]:
+    """Write the league table, with pseudonyms of this secret or, without one, with names."""
+    names = [result["submission"] for result in results]
+    if secret is not None:
+        names = [pseudonym(name, secret) for name in names]
+        for result, name in zip(results, names, strict=True):
+            result["pseudonym"] = name
+    league = league_of(rubric, results, names)
+    lines = {check.name: check.value.line for check in rubric.checks if check.kind == "race"}
+    texts = {
+        race: f"Deviation: root mean square distance of {signal} from {value:g}."
+        for race, (signal, value) in lines.items()
+    }
+    atomic_write(file, league_page(rubric.description or rubric.name, texts, league.entries))
+    return asdict(league)
 
 
 @command("ravenbrick grade submissions/ --rubric docs/lessons/rubrics/lab-01.toml")
@@ -75,6 +97,12 @@ def grade_command(
     report: Annotated[
         Path | None, typer.Option(help="File for the report (default: print it).")
     ] = None,
+    league: Annotated[
+        Path | None, typer.Option(help="File for the league table, a page (rubric with races).")
+    ] = None,
+    league_names: Annotated[
+        bool, typer.Option("--league-names", help="Names in the league table, not pseudonyms.")
+    ] = False,
     at_least: Annotated[
         float, typer.Option(min=0, max=1, help="Minimum score for each submission, 0 to 1.")
     ] = 0.0,
@@ -84,6 +112,8 @@ def grade_command(
     found = find_submissions(submissions)
     if form is Form.GRADESCOPE and len(found) != 1:
         raise UsageError("Gradescope accepts the results of one submission only; name one")
+    if league is not None:
+        races_of(chosen)
     reporter = Reporter(json_output)
     with reporter.step(f"grade {len(found)} by '{chosen.name}'") as step:
         results = run_campaign(
@@ -93,6 +123,10 @@ def grade_command(
         )  # fmt: skip
         mean = sum(result["points"] for result in results) / len(results)
         step.note = f"{mean:.4g} of {chosen.points:g} points on average"
+    table: dict[str, Any] = {}
+    if league is not None:
+        drawn_from = None if league_names else campaign_secret(output, secret)
+        table["league"] = _league(chosen, results, league, drawn_from)
     text = ADAPTERS[form.value](results)
     if report is not None:
         atomic_write(report, text)
@@ -111,4 +145,4 @@ def grade_command(
         )
         error.data = {"results": results}
         raise error
-    return {"rubric": chosen.name, "of": chosen.points, "results": results}
+    return {"rubric": chosen.name, "of": chosen.points, "results": results, **table}

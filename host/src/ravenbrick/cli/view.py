@@ -82,7 +82,7 @@ def project_files(
 ) -> dict[str, bytes]:
     """The files beside the page: a session with its image, and what belongs to that: tunable
     parameters, sources, design and worst paths."""
-    tunables = tunables_of(workspace.project / "generated", image)
+    tunables = tunables_of(read_robot(workspace.project), image)
     paths = own_worst_paths(workspace.results / BOUNDS, image)
     return {
         SESSION: json.dumps(session | {"tunables": tunables}).encode(),

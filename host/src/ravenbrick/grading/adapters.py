@@ -91,7 +91,7 @@ def _table(heads: Sequence[str], rows: Iterable[Mapping[str, str]]) -> str:
 def nbgrader(results: list[Result]) -> str:
     """CSV as nbgrader exports its grade book; what a grader does not know is empty.
 
-    nbgrader documentation, "Export plugin": the columns are those of its CsvExportPlugin.
+    nbgrader documentation, "Export plugin": columns and numbers are those of its CsvExportPlugin.
     """
     return _table(
         NBGRADER,
@@ -99,10 +99,10 @@ def nbgrader(results: list[Result]) -> str:
             {
                 "assignment": result["rubric"],
                 "student_id": result["submission"],
-                "raw_score": f"{result['points']:g}",
-                "late_submission_penalty": "0",
-                "score": f"{result['points']:g}",
-                "max_score": f"{result['of']:g}",
+                "raw_score": str(float(result["points"])),
+                "late_submission_penalty": "0.0",
+                "score": str(float(result["points"])),
+                "max_score": str(float(result["of"])),
             }
             for result in results
         ),

@@ -25,7 +25,7 @@ from ravenbrick.grading.work import Job, failed_result, grade_one
 from ravenbrick.image.locks import locked
 from ravenbrick.installation import optional_module
 
-__all__ = ["on_cluster", "run_campaign"]
+__all__ = ["campaign_secret", "on_cluster", "run_campaign"]
 
 Result = dict[str, Any]
 
@@ -104,7 +104,7 @@ def _remove_unfinished(folder: Path) -> None:
         file.unlink(missing_ok=True)
 
 
-def _secret(folder: Path, given: str | None) -> str:
+def campaign_secret(folder: Path, given: str | None) -> str:
     """What hidden seeds are drawn from: given, or drawn once for this folder."""
     file = folder / "secret"
     if given is None and file.is_file():
@@ -141,7 +141,7 @@ def run_campaign(
     folder = folder.resolve()
     with locked(folder, "that grades into this folder"):
         _remove_unfinished(folder)
-        drawn_from = _secret(folder, secret)
+        drawn_from = campaign_secret(folder, secret)
         if rubric.needs_image:
             prepare_base(isolation, rubric, folder / "cache")
         jobs = {

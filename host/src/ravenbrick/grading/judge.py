@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.brick.run import VirtualTarget
-from ravenbrick.errors import ProjectFileError, RavenbrickError
+from ravenbrick.errors import ProjectFileError, RavenbrickError, RunFaultError
 from ravenbrick.grading.draws import Pulses, hidden_seeds
+from ravenbrick.grading.race import mean_measures
 from ravenbrick.grading.rubric import Check, Rubric, check_row
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.memory import memory_report
@@ -39,7 +40,7 @@ class _Runs:
 
     def __init__(self, rubric: Rubric, scenarios: dict[Path, Scenario], image: ElfImage) -> None:
         self._rubric, self._scenarios, self._image = rubric, scenarios, image
-        self._played: dict[tuple[Path, int, Pulses | None], CheckedRun] = {}
+        self._played: dict[tuple[Path, int, Pulses | None, str], CheckedRun] = {}
 
     def scenario(self, check: Check, seed: int | None) -> Scenario:
         """The check's scenario with the seed and, of the check, the expectation."""
@@ -54,17 +55,23 @@ class _Runs:
                 text = pulses.filled(text, seeded.seed)
             own = (parse_expectation(text, check.place),)
         return (
-            seeded if check.kind == "criteria" else replace(seeded, criteria=(), expectations=own)
+            seeded
+            if check.kind in ("criteria", "race")
+            else replace(seeded, criteria=(), expectations=own)
         )
 
     def run(self, check: Check, seed: int | None) -> CheckedRun:
         """The recording and its measures; raises `RavenbrickError`."""
         assert check.scenario is not None
         scenario = self.scenario(check, seed)
-        key = (check.scenario, scenario.seed, check.pulses)
+        race = check.value if check.kind == "race" else None
+        key = (check.scenario, scenario.seed, check.pulses, repr(race))
         if key not in self._played:
-            recording = VirtualTarget().run(self._rubric.robot, scenario, self._image)
-            self._played[key] = recording, measure_run(self._rubric.robot, scenario, recording)
+            robot = self._rubric.robot
+            if race is not None:
+                robot = race.robot(robot, scenario.seed, Path.cwd())
+            recording = VirtualTarget().run(robot, scenario, self._image)
+            self._played[key] = recording, measure_run(robot, scenario, recording)
         recording, measures = self._played[key]
         if not expects_fault(scenario.expectations):
             check_survival(scenario, recording)
@@ -99,12 +106,41 @@ def _check_releases(robot: Robot, tasks: Sequence[Task], recording: Recording) -
             ) from None
 
 
+def _raced(
+    rubric: Rubric, runs: _Runs, check: Check, seeds: Sequence[int | None]
+) -> dict[str, Any]:
+    """The row of a race: its points by the seeds that finish, measures where all do."""
+    measured: list[dict[str, float]] = []
+    lost: list[tuple[str, str]] = []
+    for seed in seeds:
+        try:
+            met, found = _judge_run(rubric, runs, check, seed)
+            if met:
+                recording, measures = runs.run(check, seed)
+                measured.append(check.value.measure(rubric.robot, recording, measures))
+            else:
+                lost.append((found, found))
+        except RunFaultError as error:
+            # What the program says is for its author, not for a page that all read.
+            lost.append((_without_folders(error.sentence), "the program failed"))
+        except RavenbrickError as error:
+            lost.append((_without_folders(error.sentence), error.sentence))
+    if lost:
+        row = check_row(check, len(measured) / len(seeds), lost[0][0])
+        return {**row, "lost": lost[0][1]}
+    means = mean_measures(measured)
+    shown = ", ".join(f"{name} {value:g}" for name, value in means.items())
+    return {**check_row(check, 1.0, shown), "measures": means}
+
+
 def _judge_run(rubric: Rubric, runs: _Runs, check: Check, seed: int | None) -> tuple[bool, str]:
     recording, measures = runs.run(check, seed)
     scenario = runs.scenario(check, seed)
     judged = _judged_tasks(rubric.robot, scenario.expectations)
+    if check.kind == "race":
+        judged = [task for task in rubric.robot.tasks if task.deadline_us]
     _check_releases(rubric.robot, judged, recording)
-    if check.kind == "criteria":
+    if check.kind in ("criteria", "race"):
         results = evaluate_criteria(scenario, measures)
         missed = [result.label for result in results if not result.met]
         return not missed, "; ".join(missed) or "all met"
@@ -133,6 +169,8 @@ def judge_check(
         return check_row(check, 0.0, "")
     drawn = hidden_seeds(secret, check.name, check.hidden_seeds)
     seeds: tuple[int | None, ...] = (*check.seeds, *drawn) or (None,)
+    if check.kind == "race":
+        return _raced(rubric, runs, check, seeds)
     passed, found = 0, ""
     for seed in seeds:
         try:

@@ -14,6 +14,7 @@ from ravenbrick import __version__
 from ravenbrick.errors import UsageError
 from ravenbrick.grading.answers import parse_wanted
 from ravenbrick.grading.draws import Pulses
+from ravenbrick.grading.race import race_of
 from ravenbrick.grading.robot_text import own_robot_text
 from ravenbrick.grading.variants import (
     Individual,
@@ -33,8 +34,10 @@ from ravenbrick.schemas.validation import validate
 
 __all__ = ["Check", "Limits", "Rubric", "check_row", "read_rubric"]
 
-KINDS = ("expect", "criteria", "stack_share_at_most", "memory_at_most", "builds", "answer")
-RUNS = ("expect", "criteria", "stack_share_at_most")
+KINDS = (
+    "expect", "criteria", "race", "stack_share_at_most", "memory_at_most", "builds", "answer",
+)  # fmt: skip
+RUNS = ("expect", "criteria", "race", "stack_share_at_most")
 PROJECT_FILES = ("application.gpr", "ravenbrick.cgpr", "run_time.gpr")
 # What a result depends on besides submission and rubric.
 RUBRICS = Path("docs/lessons/rubrics")
@@ -200,12 +203,18 @@ def _check(document: LocatedToml, index: int, table: Mapping[str, Any], robot: R
             parse_wanted(table["answer"])
         except ValueError as error:
             raise document.error(("checks", index, "answer"), str(error)) from None
+    value = table[kind]
+    if kind == "race":
+        try:
+            value = race_of(value, robot)
+        except ValueError as error:
+            raise document.error(("checks", index, "race"), str(error)) from None
     scenario = table.get("scenario")
     return Check(
         name=table["name"],
         points=float(table["points"]),
         kind=kind,
-        value=table[kind],
+        value=value,
         scenario=scenario and _scenario(document, index, scenario, robot),
         seeds=tuple(table.get("seeds", ())),
         hidden_seeds=table.get("hidden_seeds", 0),

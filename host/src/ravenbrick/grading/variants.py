@@ -12,6 +12,7 @@ import ast
 import hashlib
 import hmac
 import json
+import math
 import operator
 import random
 import re
@@ -39,6 +40,7 @@ __all__ = [
     "middle_variant",
     "new_key",
     "own_motor",
+    "own_robot",
     "read_key",
     "student_id",
 ]
@@ -192,7 +194,8 @@ def own_motor(port: str) -> str:
     return f"own_{port.lower()}"
 
 
-def _own_robot(robot: Robot, individual: Individual, seed: str) -> Robot:
+def own_robot(robot: Robot, individual: Individual, seed: str) -> Robot:
+    """The robot with what `individual` names drawn within its tolerances."""
     motors, ports = dict(robot.motors), dict(robot.motor_ports)
     for port in individual.motors:
         plugged = ports[port]
@@ -270,11 +273,10 @@ def _variant(robot: Robot, numbers: dict[str, float], individual: Individual) ->
     for port in robot.motor_ports:
         facts |= _motor_facts(robot, port)
     facts["battery_voltage"] = robot.battery.voltage.value
-    facts |= {
-        f"sensor_{port}_rest": plugged.rest.value
-        for port, plugged in robot.sensor_ports.items()
-        if plugged.rest
-    }
+    for port, plugged in robot.sensor_ports.items():
+        if plugged.rest:
+            facts[f"sensor_{port}_rest"] = plugged.rest.value
+            facts[f"sensor_{port}_count"] = math.floor(plugged.rest.value + 0.5)
     if individual.design:
         constants = {name: _value(text, facts) for name, text in individual.design.items()}
         facts |= _design_figures(robot, constants)
@@ -287,7 +289,7 @@ def drawn_variant(
     """The student's variant of a sheet, the same whenever it is drawn."""
     seed = _seed(key, sheet, student)
     numbers = {n.name: n.draw(random.Random(f"{seed} {n.name}")) for n in individual.numbers}
-    return _variant(_own_robot(robot, individual, seed), numbers, individual)
+    return _variant(own_robot(robot, individual, seed), numbers, individual)
 
 
 def middle_variant(robot: Robot, individual: Individual) -> Variant:

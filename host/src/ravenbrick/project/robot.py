@@ -132,6 +132,16 @@ class Task:
 
 
 @dataclass(frozen=True)
+class SetBy:
+    """The variable that a program takes a set-point from, its first value and its range."""
+
+    variable: str
+    value: float
+    lowest: float
+    highest: float
+
+
+@dataclass(frozen=True)
 class Setpoint:
     """The variable with a motor's speed set-point; value times `scale` is in `scale.unit`."""
 
@@ -139,6 +149,7 @@ class Setpoint:
     symbol: str
     type: str
     scale: Quantity
+    set_by: SetBy | None = None
 
     @property
     def factor(self) -> float:
@@ -268,7 +279,9 @@ def tasks_of(document: LocatedToml) -> tuple[Task, ...]:
 
 
 def _setpoint(table: Mapping[str, Any]) -> Setpoint:
-    return Setpoint(table["port"], table["symbol"], table["type"], _quantity(table["scale"]))
+    by = table.get("set_by")
+    scale = _quantity(table["scale"])
+    return Setpoint(table["port"], table["symbol"], table["type"], scale, by and SetBy(**by))
 
 
 def _check_motor_names(document: LocatedToml) -> None:
@@ -300,6 +313,12 @@ def _check_setpoints(document: LocatedToml) -> None:
             raise document.error(
                 ("setpoints", index, "port"),
                 f"nothing is plugged into port {setpoint['port']}; add [ports.{setpoint['port']}]",
+            )
+        by = setpoint.get("set_by")
+        if by and not by["lowest"] <= by["value"] <= by["highest"]:
+            raise document.error(
+                ("setpoints", index, "set_by", "value"),
+                f"is {by['value']:g}; expected a value from lowest to highest",
             )
 
 

@@ -23,5 +23,5 @@ def schema(name: str) -> dict[str, Any]:
         device = loaded["$defs"]["sensor_port"]["properties"]["device"]
         device["enum"] = list(sensor_kinds())
     if name == "rubric":
-        loaded["$defs"] = {"task": schema("robot")["$defs"]["task"]}
+        loaded["$defs"]["task"] = schema("robot")["$defs"]["task"]
     return loaded
