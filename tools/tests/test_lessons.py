@@ -34,7 +34,6 @@ NOT_REWRITTEN = {
     "03",
     "13",
     "14",
-    "15",
 }
 PARTS = ["Goals", "Background", "Pre-lab", "Steps", "Experiment", "Results", "Discussion"]
 PARTS += ["Submission", "Going further", "On a real brick", "Sources"]
