@@ -76,7 +76,7 @@ def data() -> str:
     above.set(ylabel="voltage (V)")
     below.plot(times, _speed(angle, 10), color=SERIES[2], lw=0.8, label="window of 10 ms")
     below.plot(times, _speed(angle, 40), color=SERIES[0], lw=1.5, label="window of 40 ms")
-    below.set(xlabel="time (s)", ylabel="speed (rad/s)", xlim=(1.0, 2.0))
+    below.set(xlabel="time (s)", ylabel="speed (rad/s)", xlim=(1.0, 2.0), ylim=(-14, 20))
     legend(below, "upper right", 2)
     return picture(figure)
 
@@ -112,6 +112,6 @@ def check() -> str:
     # The measured speed is a mean over the window.
     smooth = _mean(np.array(simulated), window_ms)
     axis.plot(times, smooth, color="black", lw=1, ls="--", label="simulated")
-    axis.set(xlabel="time (s)", ylabel="speed (rad/s)", xlim=(1.0, 2.0))
+    axis.set(xlabel="time (s)", ylabel="speed (rad/s)", xlim=(1.0, 2.0), ylim=(-12, 16))
     legend(axis, "upper right", 2)
     return picture(figure)
