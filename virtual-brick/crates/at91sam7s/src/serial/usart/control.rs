@@ -5,38 +5,10 @@
 use super::{Usart, FRAME, OVRE, TIMEOUT};
 use crate::clock::{Cycles, NEVER};
 use crate::fault::{clock_disabled, Access};
-use crate::registers::{unmodelled, Unmodelled};
 use crate::serial::pdc::Stream;
-use crate::serial::usart::registers::{US_CR, US_IER, US_MR};
 
 /// PARE, NACK and ITERATION, besides the flags that this model can set.
 const RESET_STATUS: u32 = OVRE | FRAME;
-
-const LOOPS: Unmodelled = unmodelled(US_MR, 1 << 14, "automatic echo or remote loopback");
-/// Without effect are STPBRK and RXBRK, since breaks are refused; RSTIT, RSTNACK, INACK, DSNACK,
-/// MAX_ITERATION, ITERATION, NACK, FIDI, NER and IF, which only refused modes have; FILTER, since
-/// the board's lines have no glitches; DTREN and DTRDIS, since USART 0 has no such line and nothing
-/// on the board listens to the other's.
-pub(super) const USART: &[Unmodelled] = &[
-    unmodelled(US_CR, 1 << 9, "sending a break"),
-    unmodelled(US_CR, 1 << 12, "multidrop mode"),
-    unmodelled(
-        US_MR,
-        0xF,
-        "a mode other than normal, RS485 and hardware handshaking",
-    )
-    .above(2),
-    unmodelled(US_MR, 3 << 4, "a clock other than MCK and MCK/8").above(1 << 4),
-    unmodelled(US_MR, 1 << 8, "synchronous mode"),
-    unmodelled(US_MR, 7 << 9, "multidrop mode").above(5 << 9),
-    LOOPS,
-    unmodelled(US_MR, 1 << 18, "the clock output SCK"),
-];
-/// FNTRST has no effect: the board has no debug probe.
-pub(super) const DEBUG_UNIT: &[Unmodelled] = &[
-    LOOPS,
-    unmodelled(US_IER, 3 << 30, "the debug communication channel"),
-];
 
 impl Usart {
     /// Write of the control register; `clocked` is the identifier of a clock that is off.

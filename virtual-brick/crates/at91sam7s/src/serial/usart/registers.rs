@@ -2,25 +2,47 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Which register of a serial line answers at which offset.
 
-use super::{control, Usart, MODEM_CHANGES};
+use super::{Usart, MODEM_CHANGES};
 use crate::clock::Cycles;
 use crate::fault::{no_register, Access};
-use crate::registers::{check_written, registers};
+use crate::registers::{check_written, registers, unmodelled, Unmodelled};
 use crate::serial::pdc::Stream;
 
 registers! {
-    US_IDR = 0x0C, US_IMR = 0x10, US_CSR = 0x14,
+    US_CR = 0x00, US_MR = 0x04, US_IER = 0x08, US_IDR = 0x0C, US_IMR = 0x10, US_CSR = 0x14,
     US_RHR = 0x18, US_THR = 0x1C, US_BRGR = 0x20, US_RTOR = 0x24, US_TTGR = 0x28,
     US_FIDI = 0x40, US_NER = 0x44, US_IF = 0x4C, DBGU_FNR = 0x48,
 }
 
-pub(super) const US_CR: u32 = 0x00;
-pub(super) const US_MR: u32 = 0x04;
-pub(super) const US_IER: u32 = 0x08;
-
 /// Flags that can interrupt: of a USART, of the debug unit.
 const MASKABLE: u32 = 0x000F_3FFF;
 const MASKABLE_DEBUG_UNIT: u32 = 0x1AFB;
+
+const LOOPS: Unmodelled = unmodelled(US_MR, 1 << 14, "automatic echo or remote loopback");
+/// Without effect are STPBRK and RXBRK, since breaks are refused; RSTIT, RSTNACK, INACK, DSNACK,
+/// MAX_ITERATION, ITERATION, NACK, FIDI, NER and IF, which only refused modes have; FILTER, since
+/// the board's lines have no glitches; DTREN and DTRDIS, since USART 0 has no such line and nothing
+/// on the board listens to the other's.
+const USART: &[Unmodelled] = &[
+    unmodelled(US_CR, 1 << 9, "sending a break"),
+    unmodelled(US_CR, 1 << 12, "multidrop mode"),
+    unmodelled(
+        US_MR,
+        0xF,
+        "a mode other than normal, RS485 and hardware handshaking",
+    )
+    .above(2),
+    unmodelled(US_MR, 3 << 4, "a clock other than MCK and MCK/8").above(1 << 4),
+    unmodelled(US_MR, 1 << 8, "synchronous mode"),
+    unmodelled(US_MR, 7 << 9, "multidrop mode").above(5 << 9),
+    LOOPS,
+    unmodelled(US_MR, 1 << 18, "the clock output SCK"),
+];
+/// FNTRST has no effect: the board has no debug probe.
+const DEBUG_UNIT: &[Unmodelled] = &[
+    LOOPS,
+    unmodelled(US_IER, 3 << 30, "the debug communication channel"),
+];
 
 impl Usart {
     /// Read a register; the identifiers of the debug unit are read elsewhere.
@@ -57,9 +79,9 @@ impl Usart {
         unclocked: Option<u8>,
     ) -> Access {
         let unmodelled = if self.is_debug_unit() {
-            control::DEBUG_UNIT
+            DEBUG_UNIT
         } else {
-            control::USART
+            USART
         };
         check_written(self.name(), unmodelled, offset, value)?;
         match offset {
