@@ -7,19 +7,18 @@
 
 use crate::elapsed::{difference, Elapsed, PathTree, UNBOUNDED};
 use crate::error::{Error, MissingBound};
-use crate::functions::context_sensitive_calls::ContextSensitiveCalls;
 use crate::functions::effects::{effects, Endless};
+use crate::functions::execution::{combined_bound, execute, longest_call, repeats, Executed};
 use crate::functions::function_bound::{BlockBound, BoundOrigin, FunctionBound, LoopBound};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::{Arguments, BoundResult, Program};
 use crate::graph::control_flow::{Block, Target};
-use crate::graph::loop_forest::LoopForest;
 use crate::inputs::image::Entry;
-use crate::loops::abstract_execution::{AbstractExecution, LoopFinding};
+use crate::loops::abstract_execution::LoopFinding;
 use crate::paths::block_cost::{edge_costs, edge_cycles};
 use crate::paths::critical_section::{critical_sections, merge, CriticalSections};
 use crate::paths::longest_path::{longest_path, LongestPath, PathError, PathProblem};
-use crate::values::block_interpreter::{any_arguments, as_arguments, BlockInterpreter};
+use crate::values::block_interpreter::{any_arguments, as_arguments};
 use crate::values::records::BlockRecord;
 use crate::values::state::{State, ANY_URGENCY};
 use std::collections::{BTreeMap, BTreeSet};
@@ -97,45 +96,6 @@ impl Program<'_> {
     /// Bound of a named function, called from anywhere with any arguments.
     pub fn bound_of(&self, name: &str) -> Result<Rc<FunctionBound>, Error> {
         self.bound(self.function(name)?, &any_arguments())
-    }
-}
-
-/// What executing a function on abstract values shows.
-pub struct Executed {
-    /// Of each loop.
-    pub findings: Vec<LoopFinding>,
-    /// Of each block.
-    pub records: Vec<BlockRecord>,
-    /// Longest path with calls analysed in their context, if each loop on it has a bound.
-    elapsed: Option<Elapsed>,
-}
-
-/// Executes a function on abstract values, from a state at its entry.
-pub fn execute(
-    program: &Program<'_>,
-    entry: Entry,
-    summary: &FunctionSummary,
-    state: State,
-) -> Executed {
-    let (flow, forest) = (&summary.flow, &summary.forest);
-    let calls = ContextSensitiveCalls::new(program, entry, false);
-    let mut interpreter = BlockInterpreter::new(program.environment(), flow, &summary.callees);
-    interpreter.costs = &summary.costs;
-    interpreter.calls = Some(&calls);
-    interpreter.avoided = &summary.avoided;
-    let limits = summary.limits_within(&[entry]);
-    let mut execution = AbstractExecution::new(interpreter, forest, limits);
-    let returned = execution.run(state);
-    program.note_steps(execution.interpreter.step_count);
-    let (active, returns) = (program.bounding.borrow(), !returned.is_empty());
-    program.note_contradictions(summary, &execution.findings, &active, returns);
-    drop(active);
-    let longest = returned.iter().map(|state| &state.elapsed);
-    let longest = longest.max_by_key(|elapsed| elapsed.cycles);
-    Executed {
-        elapsed: longest.filter(|own| own.cycles != UNBOUNDED).cloned(),
-        findings: execution.findings,
-        records: execution.interpreter.records,
     }
 }
 
@@ -283,25 +243,6 @@ fn origin(finding: &LoopFinding, annotated: Option<u64>) -> BoundOrigin {
     }
 }
 
-/// The smaller of what was found and what was annotated.
-pub fn combined_bound((finding, annotated): (&LoopFinding, &Option<u64>)) -> Option<u64> {
-    if finding.unbounded {
-        return *annotated;
-    }
-    let found = finding.header_executions;
-    Some(annotated.map_or(found, |annotated| annotated.min(found)))
-}
-
-/// Repetitions of inner loops, where both the loop and the one around it were executed exactly.
-pub fn repeats(findings: &[LoopFinding], forest: &LoopForest) -> Vec<Option<u64>> {
-    let exact = |index: usize| !findings[index].unbounded;
-    let all = forest.loops.iter().enumerate().map(|(index, found)| {
-        let parent = found.parent?;
-        (exact(index) && exact(parent)).then_some(findings[index].repeats)
-    });
-    all.collect()
-}
-
 /// Bounds of the functions called at the end of each block, and the blocks whose calls never
 /// return with the arguments they have.
 type CalleeBounds = (Vec<Vec<Rc<FunctionBound>>>, BTreeSet<usize>);
@@ -340,21 +281,6 @@ fn callee_bounds(
         all.push(bounds);
     }
     Ok((all, never_returning))
-}
-
-/// The call at the end of a block, without the fetches after its return.
-pub fn longest_call(calls: &[Rc<FunctionBound>], record: &BlockRecord, recorded: bool) -> Elapsed {
-    let mut longest = Elapsed::begin(recorded);
-    let any_context = calls.iter().max_by_key(|bound| bound.cycles);
-    let in_context = record.callee_elapsed.as_ref();
-    match (in_context, any_context) {
-        (_, None) => {}
-        (Some(own), Some(bound)) if own.cycles <= bound.cycles => longest.add_path(own),
-        (_, Some(bound)) => {
-            longest.add_bound(bound.entry.0, bound.cycles, bound.path.as_ref());
-        }
-    }
-    longest
 }
 
 /// The longest path over the blocks.

@@ -6,7 +6,7 @@
 
 use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
-use crate::functions::bound::{execute, longest_call, repeats};
+use crate::functions::execution::{combined_bound, execute, longest_call, repeats};
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
@@ -127,9 +127,7 @@ impl Search<'_, '_> {
             flow,
             forest,
             cycles: &cycles,
-            bounds: &findings
-                .map(super::bound::combined_bound)
-                .collect::<Vec<_>>(),
+            bounds: &findings.map(combined_bound).collect::<Vec<_>>(),
             repeats: &repeats(&executed.findings, forest),
         };
         merge(

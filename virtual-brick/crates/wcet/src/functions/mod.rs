@@ -6,6 +6,7 @@ pub mod bound;
 pub mod context_sensitive_calls;
 pub mod effects;
 pub mod endless_loop;
+pub mod execution;
 pub mod function_bound;
 pub mod function_summary;
 pub mod program;
