@@ -14,6 +14,7 @@ from ravenbrick.catalogue import part_values
 from ravenbrick.control.estimation.identification import (
     MotorData,
     fit_motor,
+    predict_counts,
     simulate_counts,
     validate_motor,
 )
@@ -69,6 +70,25 @@ def test_the_identified_motor_foretells_other_data() -> None:
     assert validate_motor(found, experiment(2)).share > 0.99999
     other = experiment(3, {**TRUE, "gain": 1.8})
     assert validate_motor(found, other).error > 20
+
+
+def test_a_motor_without_friction_has_an_interval_that_begins_at_zero() -> None:
+    """It was refused as if the experiment did not tell the parameters apart."""
+    found = fit_motor(experiment(4, {**TRUE, "friction_voltage": 0.0}))
+    friction = found.parameters[2]
+    assert friction.low == 0.0
+    assert friction.value < friction.high < 0.05
+
+
+def test_the_band_of_a_prediction_covers_other_data_and_not_that_of_another_motor() -> None:
+    """All counts of 30 manoeuvres but a few; two counts wide, and too narrow for a wrong motor."""
+    found = fit_motor(experiment(1))
+    bands = [(predict_counts(found, data), data) for data in map(experiment, range(2, 32))]
+    assert sum(band.covers(data.count) for band, data in bands) >= 28
+    assert all(1.0 < band.half_width < 2.5 for band, _ in bands)
+    for name, factor in (("gain", 1.01), ("time_constant", 1.2), ("friction_voltage", 1.5)):
+        other = experiment(3, {**TRUE, name: factor * TRUE[name]})
+        assert not predict_counts(found, other).covers(other.count), name
 
 
 def test_friction_and_inertia_follow_with_what_a_meter_shows() -> None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,8 +13,11 @@ import typer
 
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter, Step
+from ravenbrick.cli.diagram import value_of_program
 from ravenbrick.cli.pipeline import design_project
 from ravenbrick.errors import DesignError, UsageError, shown_path
+from ravenbrick.image.design_script import DESIGN_SCRIPT
+from ravenbrick.live_page import page_figure, serve_figure
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.recording import Recording
 
@@ -46,10 +50,22 @@ def design_command(
     ] = None,
     task: Annotated[str, typer.Option(help="Control task in the recording.")] = "control_task",
     motor: Annotated[str, typer.Option(help="Motor that the task drives: A, B or C.")] = "B",
+    page: Annotated[
+        int | None,
+        typer.Option(
+            min=1024,
+            max=65535,
+            help="TCP port on 127.0.0.1 for a page with a slider per gain; it writes no files.",
+        ),
+    ] = None,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)
     reporter = Reporter(json_output)
+    if page is not None:
+        if plots or costs or timing is not None:
+            raise UsageError("--page draws by itself; leave out --plots, --costs and --timing")
+        return _interactive(workspace, page, reporter)
     with reporter.step("design and generate C"):
         design = design_project(workspace)
     reporter.table(
@@ -69,6 +85,32 @@ def design_command(
     if timing is not None:
         answer |= _with_schedule(workspace, reporter, timing, task, motor)
     return {**answer, **_draw(workspace, reporter)} if plots else answer
+
+
+def _interactive(workspace: Workspace, port: int, reporter: Reporter) -> dict[str, Any]:
+    """Serve the page until Ctrl-C; the gains and figures that it had at its end."""
+    from ravenbrick.codegen import generate_c  # slow to load
+    from ravenbrick.control import Design
+    from ravenbrick.control.design.interactive import InteractiveDesign, TunableLoop
+
+    script = workspace.project / DESIGN_SCRIPT
+    wanted = "the page shows speed loops, which 'design' returns as finish_design makes them"
+    advice = f"{shown_path(script)} has no function 'design'; {wanted}"
+    found = value_of_program(script, "design", advice)
+    if not isinstance(found, Design):
+        raise DesignError(f"{shown_path(script)}: 'design' returns no Design; {wanted}")
+    loop = TunableLoop.of(found.loop, found.specification, found.controller)
+    figure = page_figure(f"Design of {found.name}", (12, 8))
+    source = f"{loop.program.name}.c"
+    shown = InteractiveDesign(
+        figure, loop, lambda program: generate_c(program, tolerance=None).files[source]
+    )
+    with suppress(KeyboardInterrupt):
+        serve_figure(figure, port, reporter.tell, lambda: False)
+    gains = shown.loop.gains
+    reporter.table(("gain", "value"), [[name, f"{value:.6g}"] for name, value in gains.items()])
+    reporter.print(shown.lines())
+    return {"gains": gains, "figures": shown.figures()}
 
 
 def _compared(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:

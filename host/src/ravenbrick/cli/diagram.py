@@ -19,7 +19,7 @@ from ravenbrick.codegen import diagram_page
 from ravenbrick.errors import DesignError, UsageError, shown_path
 from ravenbrick.model import Diagram, diagram_svg, diagram_text, load_diagram
 
-__all__ = ["DRAWN", "diagram_command", "diagram_of", "write_drawn"]
+__all__ = ["DRAWN", "diagram_command", "diagram_of", "value_of_program", "write_drawn"]
 
 DRAWN: dict[str, Callable[[Diagram], str]] = {
     ".svg": diagram_svg, ".html": diagram_page, ".toml": diagram_text,
@@ -88,14 +88,20 @@ def diagram_of(source: str, sample_time: float = 0.01, subsystem: str = "") -> D
     return load_diagram(path)
 
 
-def _of_program(path: Path, attribute: str) -> Diagram:
-    """A diagram in a Python file, or that of a design."""
+def value_of_program(path: Path, attribute: str, advice: str) -> Any:
+    """What a name in a Python file stands for; a function is called. Else `UsageError`."""
     sys.path.insert(0, str(path.resolve().parent))
     found = runpy.run_path(str(path), run_name="diagram")
     if attribute not in found:
-        raise UsageError(f"{path}:{attribute}: name a diagram, such as {path}:design")
+        raise UsageError(advice)
     value = found[attribute]
-    value = value() if callable(value) else value
+    return value() if callable(value) else value
+
+
+def _of_program(path: Path, attribute: str) -> Diagram:
+    """A diagram in a Python file, or that of a design."""
+    advice = f"{path}:{attribute}: name a diagram, such as {path}:design"
+    value = value_of_program(path, attribute, advice)
     value = getattr(value, "controller", value)
     if not isinstance(value, Diagram):
         raise DesignError(f"{path}:{attribute} is no diagram, but {type(value).__name__}")

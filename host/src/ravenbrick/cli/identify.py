@@ -21,6 +21,7 @@ from ravenbrick.control.estimation.identification import (
     MotorData,
     Validation,
     fit_motor,
+    predict_counts,
     validate_motor,
 )
 from ravenbrick.errors import DesignError, UsageError, shown_path
@@ -86,7 +87,12 @@ def identify_command(
         step.note = f"error {found.error:.2f} counts"
     with reporter.step("validate") as step:
         checked = validate_motor(found, runs[1])
-        step.note = f"error {checked.error:.2f} counts, {checked.share:.4%} explained"
+        band = predict_counts(found, runs[1])
+        covered = band.covers(runs[1].count)
+        step.note = (
+            f"error {checked.error:.2f} counts, {checked.share:.4%} explained; band of +-"
+            f"{band.half_width:.1f} counts {'covers' if covered else 'does not cover'} it"
+        )
     reporter.table(
         ("parameter", "unit", "value", "low", "high"),
         [[p.name, p.unit, *(f"{v:.6g}" for v in (p.value, p.low, p.high))]
@@ -112,6 +118,8 @@ def identify_command(
                        for p in found.parameters},
         "fit_error_counts": found.error,
         "validation_error_counts": checked.error,
+        "prediction_half_width_counts": band.half_width,
+        "prediction_covers": covered,
         "constants": dict(constants) or None,
         "file": str(path),
     }  # fmt: skip

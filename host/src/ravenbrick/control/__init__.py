@@ -7,6 +7,7 @@ from __future__ import annotations
 from ravenbrick.control.analysis.frequency_plots import (
     bode_figure,
     nyquist_figure,
+    plane_grid,
     root_locus_figure,
 )
 from ravenbrick.control.analysis.metrics import Margins, StepMetrics, margins, step_metrics
@@ -21,6 +22,7 @@ from ravenbrick.control.analysis.sampled import SampledLoop, StepResponse
 from ravenbrick.control.design.design import Design, EstimatorComparison, finish_design
 from ravenbrick.control.design.design_plots import DesignedLoop, Robustness, write_figure
 from ravenbrick.control.design.family import FamilyMember, gain_family
+from ravenbrick.control.design.interactive import InteractiveDesign, TunableLoop
 from ravenbrick.control.design.responses import write_loop_results
 from ravenbrick.control.estimation.encoder_run import (
     EncoderRun,
@@ -48,6 +50,7 @@ from ravenbrick.control.rounding.rounding_error import (
     closed_loop_bound,
     one_step_errors,
 )
+from ravenbrick.control.synthesis.compensators import feed_forward, lag, lead, smith_predictor
 from ravenbrick.control.synthesis.controller import pi_diagram
 from ravenbrick.control.synthesis.discretisation import (
     Discretisation,
@@ -88,6 +91,7 @@ __all__ = [
     "EstimatorRow",
     "Extreme",
     "FamilyMember",
+    "InteractiveDesign",
     "LimitCycle",
     "LimitCycleSearch",
     "LoopSpecification",
@@ -105,6 +109,7 @@ __all__ = [
     "StepMetrics",
     "StepResponse",
     "Tolerance",
+    "TunableLoop",
     "bode_figure",
     "closed_loop_bound",
     "compare_discretisations",
@@ -112,9 +117,12 @@ __all__ = [
     "discretise",
     "dlqr",
     "encoder_run",
+    "feed_forward",
     "finish_design",
     "gain_family",
     "kalman",
+    "lag",
+    "lead",
     "lqg",
     "lqr",
     "margins",
@@ -133,9 +141,11 @@ __all__ = [
     "pi_with_estimator",
     "pid_by_margin",
     "pid_by_poles",
+    "plane_grid",
     "plot_speed_estimators",
     "root_locus_figure",
     "search_limit_cycles",
+    "smith_predictor",
     "standard_menu",
     "step_metrics",
     "with_integrators",

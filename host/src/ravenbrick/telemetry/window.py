@@ -1,9 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The live window: a page of this computer with signals and a slider per parameter.
-
-The page is matplotlib's own WebAgg server, which needs no toolkit; it listens on 127.0.0.1.
-"""
+"""The live window: a page of this computer with signals and a slider per parameter."""
 
 from __future__ import annotations
 
@@ -11,9 +8,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from ravenbrick.errors import ToolMissingError, UsageError
-from ravenbrick.installation import advice_for_python
-from ravenbrick.local_server import access_token, is_local
+from ravenbrick.errors import UsageError
+from ravenbrick.live_page import page_figure, serve_figure
 from ravenbrick.telemetry.monitor import Monitor
 from ravenbrick.telemetry.picture import draw_signals, units_of, verbatim
 from ravenbrick.telemetry.session import Session
@@ -21,8 +17,6 @@ from ravenbrick.telemetry.session import Session
 __all__ = ["LiveFigure", "show_live"]
 
 _SHOWN_S = 5.0
-_PERIOD_MS = 200
-_LOOPBACK = "127.0.0.1"
 _SLIDER_HEIGHT = 0.05
 
 
@@ -88,53 +82,11 @@ def show_live(
     monitor: Monitor, port: int, tell: Callable[[str], None], should_stop: Callable[[], bool]
 ) -> None:
     """Serve the page and poll the monitor until `should_stop`, or until interrupted."""
-    import matplotlib.pyplot as plt
-    from matplotlib import rcParams
-
-    try:
-        plt.switch_backend("WebAgg")
-        from matplotlib.backends.backend_webagg import WebAggApplication
-        from tornado.ioloop import IOLoop
-        from tornado.web import ErrorHandler
-        from tornado.websocket import WebSocketClosedError
-    except ImportError as error:
-        raise ToolMissingError(
-            f"the live page needs the Python package tornado ({error}); {advice_for_python()}"
-        ) from None
-    figure = plt.figure(num="Ravenbrick monitor", figsize=(10, 7))
+    figure = page_figure("Ravenbrick monitor", (10, 7))
     live = LiveFigure(figure, monitor.session, tell)
 
     def step() -> None:
         monitor.poll()
         live.refresh()
-        if should_stop():
-            IOLoop.current().stop()
 
-    timer = figure.canvas.new_timer(interval=_PERIOD_MS, callbacks=[(step, (), {})])
-
-    def complain(loop: Any, context: dict[str, Any]) -> None:
-        """A browser that was closed in the middle of a picture is not a defect."""
-        if not isinstance(context.get("exception"), WebSocketClosedError):
-            loop.default_exception_handler(context)
-
-    class LocalApplication(WebAggApplication):
-        """The page for this machine's own names; a site that is bound to it later gets none."""
-
-        def find_handler(self, request: Any, **options: Any) -> Any:
-            if is_local(request.headers.get("Host", "")):
-                return super().find_handler(request, **options)
-            return self.get_handler_delegate(request, ErrorHandler, {"status_code": 421})
-
-    timer.start()
-    rcParams["webagg.port"] = port
-    token = access_token()
-    LocalApplication.initialize(f"/{token}", address=_LOOPBACK)  # type: ignore[no-untyped-call]
-    page_port = LocalApplication.port  # type: ignore[attr-defined]
-    tell(f"the page is http://{_LOOPBACK}:{page_port}/{token}/; Ctrl-C ends")
-    loop = IOLoop.current()
-    loop.asyncio_loop.set_exception_handler(complain)  # type: ignore[attr-defined]
-    try:
-        loop.start()
-    finally:
-        timer.stop()
-        plt.close(figure)
+    serve_figure(figure, port, tell, should_stop, step)

@@ -17,7 +17,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["bode_figure", "new_figure", "nyquist_figure", "root_locus_figure"]
+__all__ = [
+    "bode_figure",
+    "frequency_response",
+    "new_figure",
+    "nyquist_figure",
+    "plane_grid",
+    "root_locus_figure",
+    "unwrapped",
+]
 
 _POINTS = 600
 _DECADES = 3.5
@@ -41,7 +49,8 @@ def new_figure(width: float, height: float, rows: int = 1, columns: int = 1) -> 
     return figure, axes
 
 
-def _response(system: control.lti.LTI, frequencies: Array) -> Any:
+def frequency_response(system: control.lti.LTI, frequencies: Array) -> Any:
+    """Of first input and output at these frequencies (rad/s)."""
     realised = control.ss(system)
     dt = realised.dt if control.isdtime(realised, strict=True) else None
     points = np.exp(1j * frequencies * dt) if dt else 1j * frequencies
@@ -85,9 +94,9 @@ def bode_figure(
     curves = [(open_loop, "the loop as it runs", _OWN, "-")]
     curves += [(ideal, "without sampling and delay", _OTHER, "--")] if ideal is not None else []
     for system, label, colour, style in curves:
-        values = _response(system, frequencies)
+        values = frequency_response(system, frequencies)
         upper.semilogx(frequencies, 20 * np.log10(np.abs(values)), style, color=colour, label=label)
-        lower.semilogx(frequencies, _phase(values), style, color=colour)
+        lower.semilogx(frequencies, unwrapped(values), style, color=colour)
     _mark_margins(upper, lower, open_loop, found, frequencies)
     upper.set_ylim(bottom=max(upper.get_ylim()[0], _LOWEST_DB))
     upper.set_ylabel("magnitude (dB)")
@@ -107,12 +116,12 @@ def _mark_margins(
     upper: Axes, lower: Axes, open_loop: control.lti.LTI, found: Margins, frequencies: Array
 ) -> None:
     upper.axhline(0, color=_FAINT, linewidth=1)
-    values = _response(open_loop, frequencies)
+    values = frequency_response(open_loop, frequencies)
     if math.isfinite(found.crossover):
         at = found.crossover
         for axis in (upper, lower):
             axis.axvline(at, color=_MARK, linewidth=0.8, linestyle=":")
-        top = float(np.interp(math.log(at), np.log(frequencies), _phase(values)))
+        top = float(np.interp(math.log(at), np.log(frequencies), unwrapped(values)))
         foot = top - found.phase_margin_deg
         lower.axhline(foot, color=_FAINT, linewidth=1)
         lower.plot([at, at], [foot, top], color=_MARK, linewidth=2)
@@ -121,10 +130,49 @@ def _mark_margins(
         upper.plot([at, at], [-20 * math.log10(found.gain_margin), 0], color=_MARK, linewidth=2)
 
 
-def _phase(values: Array) -> Any:
+def unwrapped(values: Array) -> Any:
     """Continuous phase (deg) of a response, begun near -90."""
     phase = np.degrees(np.unwrap(np.angle(values)))
     return phase - 360 * round((phase[0] + 90) / 360)
+
+
+def plane_grid(axis: Axes, sample_time: float | None) -> None:
+    """Lines of equal damping ratio (0.1 to 0.9) and of equal natural frequency behind poles.
+
+    In z, with `sample_time` (s), to half the sampling rate in tenths; in s within the axis' limits.
+    """
+    damping = np.arange(1, 10) / 10
+    style: dict[str, Any] = {"color": _FAINT, "linewidth": 0.6, "zorder": 0}
+    label: dict[str, Any] = {"fontsize": 7, "color": "#777777", "clip_on": True}
+    if sample_time is None:
+        left, reach = min(axis.get_xlim()[0], -1e-9), max(abs(y) for y in axis.get_ylim())
+        radius = math.hypot(left, reach)
+        ends = radius * np.exp(1j * (math.pi - np.arccos(damping)))
+        for ratio, end in zip(damping, ends, strict=True):
+            axis.plot([end.real, 0, end.real], [end.imag, 0, -end.imag], **style)
+            axis.text(0.6 * end.real, 0.6 * end.imag, f"{ratio:.1f}", **label)
+        for natural in radius * np.arange(1, 11) / 10:
+            arc = natural * np.exp(1j * np.linspace(math.pi / 2, 1.5 * math.pi, 121))
+            axis.plot(arc.real, arc.imag, **style)
+            axis.text(0, natural, f"{natural:.3g}/s", **label)
+        axis.set_xlim(left, axis.get_xlim()[1])
+        axis.set_ylim(-reach, reach)
+        return
+    for ratio in damping:
+        turn = np.linspace(0, math.pi, 181)
+        spiral = np.exp(turn * (-ratio / math.sqrt(1 - ratio**2) + 1j))
+        for part in (spiral, spiral.conj()):
+            axis.plot(part.real, part.imag, **style)
+        axis.text(spiral[60].real, spiral[60].imag, f"{ratio:.1f}", **label)
+    for share in np.arange(1, 11) / 10:
+        angle = np.linspace(math.pi / 2, math.pi, 91)
+        curve = np.exp(share * math.pi * np.exp(1j * angle))
+        for part in (curve, curve.conj()):
+            axis.plot(part.real, part.imag, **style)
+        axis.text(curve[0].real, curve[0].imag, f"{share * math.pi / sample_time:.3g}/s", **label)
+    circle = np.exp(1j * np.linspace(0, 2 * math.pi, 361))
+    axis.plot(circle.real, circle.imag, color=_FAINT, linewidth=1)
+    axis.set_aspect("equal")
 
 
 def nyquist_figure(
@@ -139,9 +187,9 @@ def nyquist_figure(
     angle = np.linspace(0, 2 * math.pi, 361)
     axis.plot(np.cos(angle), np.sin(angle), color=_FAINT, linewidth=1, label="unit circle")
     if ideal is not None:
-        values = _response(ideal, frequencies)
+        values = frequency_response(ideal, frequencies)
         axis.plot(values.real, values.imag, "--", color=_OTHER, label="without sampling and delay")
-    values = _response(open_loop, frequencies)
+    values = frequency_response(open_loop, frequencies)
     axis.plot(values.real, values.imag, color=_OWN, label="the loop as it runs")
     axis.plot(values.real, -values.imag, color=_OWN, linewidth=0.7, linestyle=":")
     nearest = int(np.abs(values + 1).argmin())
@@ -192,6 +240,7 @@ def root_locus_figure(open_loop: control.lti.LTI, title: str) -> Figure:
             there = branches[np.searchsorted(factors, edge)]
             axis.plot(there.real, there.imag, mark, color=_MARK, markersize=4,
                       label=f"edge of stability (factor {edge:.3g})")  # fmt: skip
+        plane_grid(axis, float(open_loop.dt) if discrete else None)
         axis.set_aspect("equal")
         axis.set_xlabel("real part of z" if discrete else "real part of s (1/s)")
         axis.set_ylabel("imaginary part of z" if discrete else "imaginary part of s (1/s)")

@@ -18,8 +18,10 @@ from ravenbrick.model.lazy import optimize, stats
 __all__ = [
     "IdentifiedMotor",
     "MotorData",
+    "PredictionBand",
     "Validation",
     "fit_motor",
+    "predict_counts",
     "simulate_counts",
     "validate_motor",
 ]
@@ -38,6 +40,11 @@ _LONGEST_DELAY = 0.005
 _LAG_SHARE = 0.1
 _LAG_CORRECTION = (1.96 + 2.9694 * _LAG_SHARE + 0.4160 * _LAG_SHARE**2) / 1.96
 _WORST_CONDITION = 1e7
+# How large what is fitted is: parameters, phase, delay; and the steps of its derivatives.
+_SCALE = np.array([1.0, 0.02, 0.1, 0.5, 0.001])
+_STEPS = 1e-4 * _SCALE
+# Places of the three parameters and the delay in what is fitted; the phase is each run's own.
+_PREDICTING = (0, 1, 2, 4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,13 +92,17 @@ class IdentifiedMotor:
 
     The friction is Coulomb's, stated as the voltage that it takes. `phase` (counts) of the encoder
     and `delay` (s) from a command to the motor are fitted besides. `error` is the root mean
-    square difference of the fit in counts; 0.29 is what an ideal encoder rounds.
+    square difference of the fit in counts, `largest_error` the largest; 0.29 and 0.5 are what an
+    ideal encoder rounds. `axes` are the half axes of the joint 95 % confidence ellipsoid of the
+    three parameters and the delay, shape (4, 4), one a column.
     """
 
     parameters: tuple[Interval95, ...]
     phase: float
     delay: float
     error: float
+    largest_error: float
+    axes: Array
 
     def values(self) -> dict[str, float]:
         """The parameters by name."""
@@ -120,6 +131,23 @@ class IdentifiedMotor:
             "inertia": found["time_constant"] * damping / resistance,
             "coulomb_friction": found["friction_voltage"] * torque / resistance,
         }
+
+
+@dataclass(frozen=True, eq=False)
+class PredictionBand:
+    """Lowest and highest count at each sample, shapes (n,), for all samples at once with 95 %."""
+
+    low: Array
+    high: Array
+
+    def covers(self, count: Array) -> bool:
+        """Whether all of a manoeuvre's counts lie inside."""
+        return bool((self.low <= count).all() and (count <= self.high).all())
+
+    @property
+    def half_width(self) -> float:
+        """Half of the largest distance between the two ends, in counts."""
+        return float((self.high - self.low).max() / 2)
 
 
 @dataclass(frozen=True)
@@ -189,13 +217,42 @@ def _piece(
     return angle, speed, until, waiting[inside:]
 
 
-def simulate_counts(data: MotorData, parameters: Mapping[str, float], phase: float = 0.0) -> Array:
+def simulate_counts(
+    data: MotorData, parameters: Mapping[str, float], phase: float = 0.0, delay: float = 0.0
+) -> Array:
     """Counts (not rounded) of a motor with these parameters under the data's voltages."""
     values = np.array([parameters[name] for name in NAMES])
     per_radian = Encoder().counts_per_turn / math.tau
-    angles = _angles(_segments(data), values) * per_radian
+    angles = _angles(_segments(data, delay), values) * per_radian
     before = np.zeros(len(data.time) - len(angles))
     return np.concatenate([before, angles]) + phase
+
+
+def predict_counts(motor: IdentifiedMotor, data: MotorData) -> PredictionBand:
+    """The band of the counts under the data's voltages; of its counts, the first alone is used.
+
+    Parameters and delay run through their joint confidence ellipsoid, each axis to both ends
+    (Scheffe's band, which holds for all samples at once). The phase of the encoder is unknown in
+    another run, the count is rounded, and what the fit left beyond the rounding counts twice: the
+    parameters have taken up part of what the model lacks in the record, and the other manoeuvre
+    has its own.
+    """
+    values = np.array([*motor.values().values(), motor.delay])
+
+    def simulated(at: Array) -> Array:
+        within = np.clip(at, [*_LOWEST, -_LONGEST_DELAY], [*_HIGHEST, _LONGEST_DELAY])
+        parameters = dict(zip(NAMES, map(float, within), strict=False))
+        return simulate_counts(data, parameters, delay=float(within[-1]))
+
+    middle = simulated(values)
+    square = np.zeros(len(middle))
+    for axis in motor.axes.T:
+        ends = [np.abs(simulated(values + sign * axis) - middle) for sign in (-1.0, 1.0)]
+        square += np.maximum(*ends) ** 2
+    left = max(motor.largest_error - 0.5, 0.0)
+    half = np.sqrt(square) + 1.0 + 2.0 * left
+    middle += float(data.count[0])
+    return PredictionBand(middle - half, middle + half)
 
 
 def fit_motor(data: MotorData) -> IdentifiedMotor:
@@ -219,22 +276,39 @@ def fit_motor(data: MotorData) -> IdentifiedMotor:
         return np.asarray(np.concatenate([before, angles]) + values[3] - counted)
 
     low, high = [*_LOWEST, -1.0, -_LONGEST_DELAY], [*_HIGHEST, 1.0, _LONGEST_DELAY]
-    scale = [1.0, 0.02, 0.1, 0.5, 0.001]
+
+    def slopes(values: Array) -> Array:
+        """With steps that do not shrink where a friction is 0."""
+        here, steps = residuals(values), np.where(values + _STEPS > high, -_STEPS, _STEPS)
+        moved = [residuals(values + step) - here for step in np.diag(steps)]
+        return np.asarray(np.array(moved).T / steps)
+
     found = optimize.least_squares(
-        residuals, [*_START, 0.0, 0.0], bounds=(low, high), x_scale=scale, diff_step=1e-4
+        residuals, [*_START, 0.0, 0.0], slopes, bounds=(low, high), x_scale=_SCALE
     )
-    spread = _spread(np.asarray(found.jac), np.asarray(found.fun))
+    covariance = _covariance(np.asarray(found.jac), np.asarray(found.fun))
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     factor = math.sqrt(stats.chi2.ppf(0.95, len(found.x))) * _LAG_CORRECTION
     parameters = tuple(
         Interval95(name, unit, value, max(value - factor * s, 0.0), value + factor * s)
         for name, unit, value, s in zip(NAMES, _UNITS, map(float, found.x), spread, strict=False)
     )
     error = float(np.sqrt(np.mean(found.fun**2)))
-    return IdentifiedMotor(parameters, float(found.x[3]), float(found.x[4]), error)
+    largest = float(np.abs(found.fun).max())
+    axes = factor * _half_axes(covariance[np.ix_(_PREDICTING, _PREDICTING)])
+    phase, delay = float(found.x[3]), float(found.x[4])
+    return IdentifiedMotor(parameters, phase, delay, error, largest, axes)
 
 
-def _spread(jacobian: Array, residuals: Array) -> list[float]:
-    """Standard deviations of the parameters."""
+def _half_axes(covariance: Array) -> Array:
+    """Axes of the ellipsoid of one standard deviation, found with all parameters at one scale."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-30))
+    squares, directions = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, np.newaxis] * directions * np.sqrt(np.maximum(squares, 0.0)))
+
+
+def _covariance(jacobian: Array, residuals: Array) -> Array:
+    """Covariance of everything that is fitted."""
     scale = np.linalg.norm(jacobian, axis=0)
     if not scale.all() or np.linalg.cond(jacobian / scale) > _WORST_CONDITION:
         raise DesignError(
@@ -248,8 +322,7 @@ def _spread(jacobian: Array, residuals: Array) -> list[float]:
     for lag in range(1, lags + 1):
         part = scores[lag:].T @ scores[:-lag]
         middle += (1 - lag / (lags + 1)) * (part + part.T)
-    covariance = inverse @ middle @ inverse
-    return [float(math.sqrt(max(value, 0.0))) for value in np.diag(covariance)]
+    return np.asarray(inverse @ middle @ inverse)
 
 
 def validate_motor(motor: IdentifiedMotor, data: MotorData) -> Validation:
