@@ -29,7 +29,7 @@ from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
 from ravenbrick.schedule.offsets import synchronous_bound
 from ravenbrick.schedule.quantity import exact
-from ravenbrick.schedule.response_time import response_time_bounds
+from ravenbrick.schedule.response_time import response_time_bound
 from ravenbrick.timing.alarm import AlarmCosts, alarm_costs
 from ravenbrick.timing.bounds import Bound, execution_times
 from ravenbrick.timing.facts import annotations_of
@@ -188,13 +188,27 @@ def task_set(loads: list[Load]) -> TaskSet:
 
 
 def response_bounds(loads: list[Load]) -> dict[int, int | None]:
-    """Bound of each slot in cycles for any phases; None when there is none."""
+    """Bound of each slot in cycles for any phases; None when there is none.
+
+    The end of a protected action at which the processor is given away is charged to each job or to
+    each release of a more urgent one, whichever is less.
+    """
     price = costs(len(loads))
     overheads = price.alarm.overheads(price.kernel)
-    every = response_time_bounds(task_set(loads), overheads)
-    found = {each.task.name: each.bound for each in every}
-    bounds = {load.slot: found[load.name] for load in loads}
-    return {slot: None if bound is None else int(bound) for slot, bound in bounds.items()}
+    whole, bounds = task_set(loads), dict[int, int | None]()
+    for load in loads:
+        paying = TaskSet(
+            tuple(
+                replace(task, wcet=task.wcet - price.dispatch) if task.name == load.name else task
+                for task in whole
+            )
+        )
+        found = [
+            response_time_bound(tasks, tasks.task(load.name), overheads).bound
+            for tasks in (whole, paying)
+        ]
+        bounds[load.slot] = min((int(each) for each in found if each is not None), default=None)
+    return bounds
 
 
 def synchronous_bounds(loads: list[Load]) -> dict[int, int]:

@@ -372,6 +372,21 @@ def test_a_worst_case_search_and_a_long_run_find_no_response_above_its_bound(
     assert sum(control.response.bins.values()) == control.response.count
 
 
+def test_the_end_of_an_action_that_lets_others_in_is_charged_to_their_releases(
+    analysis: Analysis,
+) -> None:
+    timings = {timing.task.name: timing for timing in analysis.tasks}
+    terms = {name: analysis.bounds[name].terms for name in timings}
+    control, display = terms["control_task"], terms["display_task"]
+    assert control is not None and display is not None
+    # Six brakes and three drives in the longest job, each with a protected action.
+    charged_to_jobs = timings["control_task"].job.cycles - control.own
+    assert charged_to_jobs >= 9 * (analysis.services.dispatch - 10)
+    parts = {part.task: part for part in display.interference}
+    assert parts["control_task"].jobs == 1
+    assert parts["control_task"].time == control.own + analysis.services.dispatch
+
+
 def test_lines_add_up_to_the_bound_of_a_job_and_to_the_time_of_one_in_the_run(
     robot: Robot,
     scenario: Scenario,

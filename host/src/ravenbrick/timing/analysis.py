@@ -10,7 +10,7 @@ and may be blocked once more each time they go on.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -41,10 +41,12 @@ from ravenbrick.timing.initial_state import (
 from ravenbrick.timing.interrupt_blocking import interrupt_blocking
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
+    DISPATCH,
     InterruptCost,
     Services,
     expiry_facts,
     interrupt_costs,
+    no_cost,
     run_time_facts,
     services,
 )
@@ -257,6 +259,7 @@ def _kinds(
     questions: Mapping[str, JobQuestion],
     timing: str,
     annotations: Sequence[tuple[str, str]],
+    stated: Sequence[tuple[str, str]],
 ) -> list[tuple[KindOfJob, int]]:
     """Kinds of jobs with the bounds of their execution; used with a common release only."""
     found = []
@@ -264,11 +267,52 @@ def _kinds(
         if kind.task not in questions:
             continue
         own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
-        known = [*annotations, (f"{facts.name}, [[outside]]", facts.outside), own]
+        known = [*annotations, *stated, (f"{facts.name}, [[outside]]", facts.outside), own]
         jobs = [questions[kind.task]]
         times = execution_times(image.content, jobs=jobs, annotations=known, timing=timing)
         found.append((kind, times.jobs[0].cycles))
     return found
+
+
+Scheduled = tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]
+Kinds = list[tuple[KindOfJob, int]]
+
+
+def _scheduled(
+    of_jobs: Callable[..., Scheduled],
+    bounded: Callable[[Sequence[tuple[str, str]]], list[tuple[Task, Bound]]],
+    kinds_of: Callable[[Sequence[tuple[str, str]]], Kinds],
+    kernel: Services,
+    facts: Facts,
+    jobs: Sequence[tuple[Task, Bound]],
+    stated: Sequence[tuple[str, str]],
+) -> tuple[Scheduled, Kinds]:
+    """Jobs with their kinds and bounds: of two ways to count the ends of protected actions at which
+    the processor is given away, for each task the one with the closer bound.
+
+    There is at most one after each release of a more urgent task, so it is charged to that release
+    or, wherever a job may execute it, to the job.
+    """
+    kinds = kinds_of(stated)
+    timings, task_set, overheads, bounds = of_jobs(facts, jobs, kinds)
+    if not any(DISPATCH in job.reached for _, job in jobs):
+        return (timings, task_set, overheads, bounds), kinds
+    without = [*stated, no_cost(DISPATCH)]
+    shorter = [job.cycles for _, job in bounded(without)]
+    pairs = zip(jobs, shorter, strict=True)
+    jobs = [(task, replace(job, cycles=min(job.cycles, c))) for (task, job), c in pairs]
+    closer, _, _, other = of_jobs(facts, jobs, kinds_of(without), kernel.dispatch)
+    better = {t.task.name for t in closer if _is_less(other[t.task.name], bounds[t.task.name])}
+    causes = {t.task.name: t.blocking for t in closer if t.task.name in better}
+    timings = tuple(replace(t, blocking=causes.get(t.task.name, t.blocking)) for t in timings)
+    bounds = bounds | {name: other[name] for name in better}
+    return (timings, task_set, overheads, bounds), kinds
+
+
+def _is_less(one: ResponseTimeBound, other: ResponseTimeBound) -> bool:
+    if one.bound is None or other.bound is None:
+        return one.bound is not None
+    return bool(one.bound < other.bound)
 
 
 def analyse(
@@ -315,16 +359,15 @@ def analyse(
     facts = with_operations(facts, jobs, bounded)
     blocking = interrupt_blocking(image, costs, events, kernel, releasing)
     transfers = transfer_tasks(image, blocking, facts)
-    scheduled = partial(scheduled_bounds, blocking, alarm, background, transfers)
+    of_jobs = partial(scheduled_bounds, blocking, alarm, background, transfers)
+    scheduled = partial(_scheduled, of_jobs, bounded, partial(kinds_of, annotations), kernel)
     modes = []
     for mode in facts.modes:
         stated = [(f"{facts.name}, mode '{mode.name}'", mode.annotations)]
-        in_mode = bounded(stated)
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
-        timings, _, _, bounds = scheduled(rates, in_mode, kinds_of([*annotations, *stated]))
+        (timings, _, _, bounds), _ = scheduled(rates, bounded(stated), stated)
         modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    kinds = kinds_of(annotations)
-    timings, task_set, overheads, bounds = scheduled(facts, jobs, kinds)
+    (timings, task_set, overheads, bounds), kinds = scheduled(facts, jobs, [])
     roots = [body for body, _, _ in questions] + [cost.handler.symbol for cost in costs]
     counted = _counted(image, roots, facts, annotations)
     return Analysis(

@@ -117,12 +117,17 @@ class InterruptCost:
 
 @dataclass(frozen=True)
 class Services:
-    """Bounds of the run-time's own services in one image, in cycles."""
+    """Bounds of the run-time's own services in one image, in cycles.
+
+    `dispatch` is the call with which a thread gives the processor away at the end of a protected
+    action; 0 if the image has none.
+    """
 
     delay_until: int
     resume: int
     masking: dict[str, int]
     timing: str = "nominal"
+    dispatch: int = 0
 
     @property
     def release_jitter(self) -> int:
@@ -227,7 +232,8 @@ def services(
     )
     cycles = {bound.symbol: bound.cycles for bound in found.functions}
     resume = cycles.pop(RESUME) + found.return_cycles
-    return Services(cycles.get(DELAY_UNTIL, 0), resume, cycles, timing)
+    dispatch = cycles[DISPATCH] + found.return_cycles if DISPATCH in cycles else 0
+    return Services(cycles.get(DELAY_UNTIL, 0), resume, cycles, timing, dispatch)
 
 
 def no_cost(symbol: str) -> tuple[str, str]:

@@ -291,9 +291,12 @@ def scheduled_bounds(
     facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
     kinds: Sequence[tuple[KindOfJob, int]] = (),
+    dispatch: int = 0,
 ) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
     """The tasks with their blocking, the task set, its overheads, and bounds by the task's name;
-    `kinds` are kinds of jobs with the bounds of their execution."""
+    `kinds` are kinds of jobs with the bounds of their execution. With `dispatch`, the cycles of a
+    call that gives the processor away at the end of a protected action, jobs and kinds are those
+    without such calls, and each release of a more urgent task pays for one."""
     costs, kernel = blocking.handlers, blocking.kernel
     below = [*jobs, *background.all_threads]
 
@@ -326,17 +329,24 @@ def scheduled_bounds(
     for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
         others = _seen_by(timing, timings, tasks, bounds)
-        seen = TaskSet((*(special or interrupts), *(others or tasks), *more))
+        met = [*(others or tasks), *more]
+        met = [_paying(task, dispatch) if task.name != timing.task.name else task for task in met]
+        seen = TaskSet((*(special or interrupts), *met))
         sets[timing.task.name] = seen
-        if special is not None or others is not None:
+        if special is not None or others is not None or dispatch:
             own = seen.task(timing.task.name)
             bounds[own.name] = response_time_bound(seen, own, overheads)
     if facts.together and not more and not any(timing.suspension_count for timing in timings):
         requests = requests_of(facts, costs, below)
-        known = Known({}, requests, kinds=_job_kinds(kinds, facts))
+        known = Known({}, requests, kinds=_job_kinds(kinds, facts, dispatch))
         timings, closer = with_common_release(timings, sets, overheads, bounds, known, cause)
         bounds |= closer
     return timings, task_set, overheads, bounds
+
+
+def _paying(task: ScheduledTask, dispatch: int) -> ScheduledTask:
+    """A task whose release makes a less urgent one give the processor away."""
+    return replace(task, wcet=task.wcet + dispatch)
 
 
 def with_common_release(
@@ -378,9 +388,10 @@ def with_common_release(
 
 
 def _job_kinds(
-    kinds: Sequence[tuple[KindOfJob, int]], facts: Facts
+    kinds: Sequence[tuple[KindOfJob, int]], facts: Facts, dispatch: int
 ) -> dict[str, tuple[JobKind, ...]]:
-    """Kinds by task; interrupts as shares of the burst that stands for their source."""
+    """Kinds by task, as others meet them; interrupts as shares of the burst that stands for their
+    source."""
     found: dict[str, tuple[JobKind, ...]] = {}
     for kind, cycles in kinds:
         most = tuple(
@@ -388,7 +399,7 @@ def _job_kinds(
             for source, at_most in kind.most
             if facts.loads(source)
         )
-        found[kind.task] = (*found.get(kind.task, ()), JobKind(cycles, most))
+        found[kind.task] = (*found.get(kind.task, ()), JobKind(cycles + dispatch, most))
     return found
 
 

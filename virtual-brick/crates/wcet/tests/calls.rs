@@ -66,6 +66,19 @@ fn a_loop_is_bounded_by_what_its_caller_left_in_the_frame() {
 }
 
 #[test]
+fn a_store_to_one_of_several_places_leaves_the_rest_of_the_frame_known() {
+    on_all(|flags, elf| {
+        let times = (0..4).map(|which| Machine::new(elf).call("beside_a_store", [which, 0, 0, 0]));
+        let seen = times.map(|run| run.cycles).max().unwrap();
+        let most = bound(elf, "beside_a_store", "").unwrap();
+        assert!(
+            seen <= most && 20 * most <= 23 * seen,
+            "{flags:?}: {seen}, {most}"
+        );
+    });
+}
+
+#[test]
 fn each_call_costs_what_it_costs_and_not_what_the_longest_does() {
     on_all(|flags, elf| {
         let seen = Machine::new(elf).call("rising", [0; 4]);

@@ -144,3 +144,19 @@ fn facts_that_match_nothing_are_told_with_their_field() {
         );
     });
 }
+
+#[test]
+fn a_loop_left_early_by_a_failed_check_only_has_as_many_executions_as_iterations() {
+    let Some(elf) = build("loops", &[program("loops.c")], &["-marm", "-O2"]) else {
+        return;
+    };
+    let facts = |count: &str| {
+        let never = "[[never]]\nsymbol = \"failed\"\n";
+        format!("{never}[[loop]]\nsymbol = \"checked\"\nindex = 0\n{count} = 4\n")
+    };
+    let most = bound(&elf, "checked", &facts("header_executions")).unwrap();
+    assert_eq!(bound(&elf, "checked", &facts("iterations")).unwrap(), most);
+    let mut machine = Machine::new(&elf);
+    let samples = machine.address("samples");
+    assert!(machine.call("checked", [samples, 3, 0, 0]).cycles <= most);
+}

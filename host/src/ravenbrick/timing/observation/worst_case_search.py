@@ -46,7 +46,9 @@ MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
 AIMED = 0.6
 # From the loss of the link, which ends what the bus is held in, to the reset and to the greeting.
 AFTER_LOSS_US = (0, 22_000)
-HELD_BEFORE_US, HELD_AFTER_US = 2_000, 200
+# A transfer of the link's task runs for some 300 us from 1.9 ms before the next one is due.
+LINK_PERIOD_US = 2_000
+HELD_BEFORE_US, HELD_AFTER_US = (1_600, 1_950), 200
 
 
 @dataclass(frozen=True)
@@ -132,9 +134,12 @@ def _disturbed(
 
 
 def _aimed(sample: WorstSample, end: int, rng: random.Random) -> tuple[TimedInput, ...]:
-    """The inputs of a sample, and the bus held so that the link is set up at its longest job."""
-    lost = sample.release_cycles - MASTER_CLOCK.cycles_of_us(rng.choice(AFTER_LOSS_US))
-    begin = lost - MASTER_CLOCK.cycles_of_us(rng.randrange(100, HELD_BEFORE_US))
+    """The inputs of a sample, and the bus held so that the link is set up during its longest job,
+    at its release or at a later one of the link's task."""
+    period = MASTER_CLOCK.cycles_of_us(LINK_PERIOD_US)
+    met = sample.release_cycles + period * rng.randrange(1 + sample.response_cycles // period)
+    lost = met - MASTER_CLOCK.cycles_of_us(rng.choice(AFTER_LOSS_US))
+    begin = lost - MASTER_CLOCK.cycles_of_us(rng.randrange(*HELD_BEFORE_US))
     back = lost + MASTER_CLOCK.cycles_of_us(rng.randrange(1, HELD_AFTER_US))
     held = (TimedInput(begin, STUCK, 1.0), TimedInput(back, STUCK, 0.0))
     kept = [replace(i, at_cycles=min(max(i.at_cycles, 1), end - 1)) for i in held]

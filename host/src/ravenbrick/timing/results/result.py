@@ -54,7 +54,7 @@ def _terms(analysis: Analysis, timing: TaskTiming) -> dict[str, Any] | None:
     by_tasks = [p for p in terms.interference if p.task not in handlers]
     by_interrupts = [p for p in terms.interference if p.task in handlers]
     return {
-        "own_cycles": timing.job.cycles,
+        "own_cycles": _up(terms.own - timing.suspension_cycles),
         "suspension_cycles": timing.suspension_cycles,
         "interference_cycles": _up(sum(part.time for part in by_tasks)),
         "interrupts_cycles": _up(sum(part.time for part in by_interrupts)),

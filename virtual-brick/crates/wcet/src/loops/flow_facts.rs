@@ -7,7 +7,7 @@
 //! a source belongs to the loops that have code of its lines in no inner loop; where statements are
 //! nested, to the outermost of them; where loops are nested that could both be meant, to none.
 
-use crate::graph::control_flow::{ControlFlowGraph, Target};
+use crate::graph::control_flow::{ControlFlowGraph, ControlTransfer, Target};
 use crate::graph::loop_forest::LoopForest;
 use crate::inputs::annotations::{Fact, Statement};
 use crate::inputs::facts::{FactUse, Facts};
@@ -38,7 +38,7 @@ impl Facts<'_> {
                 if !fact.matches(&place, names, Some(*number)) {
                     continue;
                 }
-                let Some(bound) = header_executions(fact, flow, forest, index) else {
+                let Some(bound) = header_executions(self, fact, flow, forest, index) else {
                     continue;
                 };
                 match fact.within.as_deref().map(|name| self.image.function(name)) {
@@ -116,12 +116,20 @@ impl Facts<'_> {
                     iterations: statements[which].iterations,
                     ..Fact::default()
                 };
-                bounds[index] = header_executions(&fact, flow, forest, index);
+                bounds[index] = header_executions(self, &fact, flow, forest, index);
                 let header = flow.blocks[forest.loops[index].header].node.address;
                 let mut uses = self.statement_uses.borrow_mut();
                 uses.extend(bounds[index].map(|_| (header, which)));
             }
         }
+    }
+
+    /// Does a block end in a trap, or in a call of what facts say is never executed?
+    fn ends_program(&self, flow: &ControlFlowGraph, block: usize) -> bool {
+        let block = &flow.blocks[block];
+        let mut calls = block.calls.iter();
+        let calls_end = !block.calls.is_empty() && calls.all(|(at, _)| self.is_never_executed(*at));
+        block.edges.is_empty() && (calls_end || block.transfer == Some(ControlTransfer::Dead))
     }
 
     /// Source lines of a loop's blocks that are in no inner loop.
@@ -180,8 +188,9 @@ fn choose_statement(
 }
 
 /// Header executions that a fact allows: iterations, and one more where the loop may be left
-/// elsewhere than at the end of an iteration.
+/// elsewhere than at the end of an iteration. A way on which the program ends does not leave it.
 pub fn header_executions(
+    facts: &Facts<'_>,
     fact: &Fact,
     flow: &ControlFlowGraph,
     forest: &LoopForest,
@@ -194,7 +203,7 @@ pub fn header_executions(
     let leaves = |block: &usize| {
         let mut edges = flow.blocks[*block].edges.iter();
         edges.any(|edge| match edge.target {
-            Target::Block(next) => !found.blocks.contains(&next),
+            Target::Block(next) => !found.blocks.contains(&next) && !facts.ends_program(flow, next),
             Target::Return => true,
         })
     };

@@ -105,7 +105,7 @@ fn loop_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFa
             .collect();
         stated.extend(facts.statement_fact(header));
         for fact in stated {
-            let Some(at_most) = header_executions(&fact, flow, forest, index) else {
+            let Some(at_most) = header_executions(facts, &fact, flow, forest, index) else {
                 continue;
             };
             let within = fact.within.as_ref().map(|function| {

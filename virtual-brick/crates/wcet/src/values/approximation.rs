@@ -20,11 +20,28 @@ pub fn approximate(map: &MemoryMap, operation: AluOperation, a: &Value, b: &Valu
     }
 }
 
+/// Farthest that a place in the stack is moved and still known.
+const FARTHEST: i32 = 1 << 20;
+
 /// Something with a stack address in it: its frame, if the rest is a number.
 fn moved_in_stack(place: &Value) -> Value {
     match place {
         Value::OuterStack => Value::OuterStack,
         _ => Value::StackAny,
+    }
+}
+
+/// A stack address plus or less a number.
+fn moved_by(place: &Value, number: &Value, add: bool) -> Value {
+    let (low, high) = number.signed();
+    let near = number.bounds().is_some() && low >= -FARTHEST && high <= FARTHEST;
+    let Some((first, last)) = place.stack_offsets().filter(|_| near) else {
+        return moved_in_stack(place);
+    };
+    let (low, high) = if add { (low, high) } else { (-high, -low) };
+    match (first.checked_add(low), last.checked_add(high)) {
+        (Some(first), Some(last)) => Value::stack_between(first, last),
+        _ => moved_in_stack(place),
     }
 }
 
@@ -54,8 +71,8 @@ fn sum(map: &MemoryMap, a: &Value, b: &Value) -> Value {
         {
             Value::Based(*base, offset.wrapping_add(*more as i32))
         }
-        (place, _) if place.in_stack() => moved_in_stack(place),
-        (_, place) if place.in_stack() => moved_in_stack(place),
+        (place, number) if place.in_stack() => moved_by(place, number, true),
+        (number, place) if place.in_stack() => moved_by(place, number, true),
         _ => match (map.pointer_region(a), map.pointer_region(b)) {
             (Some(region), None) | (None, Some(region)) => Value::Region(region),
             (None, None) if are_numbers(map, a, b) => combined(AluOperation::Add, a, b),
@@ -84,7 +101,7 @@ fn difference(map: &MemoryMap, a: &Value, b: &Value) -> Value {
         (Value::Based(base, x), Value::Based(other, y)) if base == other => {
             Value::Constant(x.wrapping_sub(*y) as u32)
         }
-        (place, other) if place.in_stack() && !other.in_stack() => moved_in_stack(place),
+        (place, other) if place.in_stack() && !other.in_stack() => moved_by(place, other, false),
         _ => match (map.pointer_region(a), map.pointer_region(b)) {
             (Some(region), None) => Value::Region(region),
             (None, None) if are_numbers(map, a, b) => combined(AluOperation::Sub, a, b),
@@ -115,4 +132,31 @@ fn bits_cleared(map: &MemoryMap, operation: AluOperation, a: &Value, b: &Value) 
         }
     }
     combined(AluOperation::And, value, &Value::Constant(mask))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_in_the_stack_moves_by_a_small_number_and_is_lost_by_an_unknown_one() {
+        let map = MemoryMap::without_wait_states();
+        let moved =
+            |operation, place: &Value, number: &Value| approximate(&map, operation, place, number);
+        let (place, few) = (Value::StackBetween(-16, -12), Value::Range(2, 5));
+        let (add, sub) = (AluOperation::Add, AluOperation::Sub);
+        assert_eq!(moved(add, &place, &few), Value::StackBetween(-14, -7));
+        assert_eq!(moved(add, &few, &place), Value::StackBetween(-14, -7));
+        assert_eq!(moved(sub, &place, &few), Value::StackBetween(-21, -14));
+        let minus = Value::Signed(-3, 1);
+        assert_eq!(
+            moved(add, &Value::Stack(0), &minus),
+            Value::StackBetween(-3, 1)
+        );
+        assert_eq!(moved(add, &place, &Value::Top), Value::StackAny);
+        assert_eq!(
+            moved(add, &place, &Value::Range(0, 1 << 31)),
+            Value::StackAny
+        );
+    }
 }

@@ -259,6 +259,9 @@ impl Step<'_> {
                 }
                 return;
             }
+            Value::StackBetween(low, high) => {
+                self.state.invalidate_between(*low, high.saturating_add(3));
+            }
             Value::Based(RUNNING, 0) if width == Width::Word => {
                 self.state.set_urgency(value.constant());
             }

@@ -78,6 +78,14 @@ fn joined_urgencies(a: &[u32], b: &[u32]) -> Vec<u32> {
         .collect()
 }
 
+/// A stack pointer that may be one of several: how deep it is, is kept apart from it.
+fn pointer_of_frame(value: Value) -> Value {
+    match value {
+        Value::StackBetween(..) => Value::StackAny,
+        value => value,
+    }
+}
+
 impl State {
     /// At the entry of a function, with what is known about r0 to r3.
     pub fn entry(arguments: &[Value; 4]) -> Self {
@@ -146,6 +154,12 @@ impl State {
         }
         let moved = |value: &mut Value| match value {
             Value::Stack(offset) => *offset = offset.wrapping_sub(by),
+            Value::StackBetween(low, high) => {
+                *value = match (low.checked_sub(by), high.checked_sub(by)) {
+                    (Some(low), Some(high)) => Value::StackBetween(low, high),
+                    _ => Value::StackAny,
+                };
+            }
             Value::MinusStack(offset) => *offset = offset.wrapping_add(by),
             _ => {}
         };
@@ -218,7 +232,7 @@ impl State {
     }
 
     /// Writes a register and invalidates what depended on its old value.
-    pub fn set(&mut self, number: u32, value: Value) {
+    pub fn set(&mut self, number: u32, mut value: Value) {
         if let Some(comparison) = &mut self.comparison {
             let sides = [&mut comparison.left.0, &mut comparison.right.0];
             for side in sides.into_iter().chain([&mut comparison.result]) {
@@ -236,6 +250,7 @@ impl State {
         self.shifted
             .retain(|copy| copy.register != number && copy.from != number);
         if number == 13 {
+            value = pointer_of_frame(value);
             self.lowest_pointer = match value {
                 Value::Stack(offset) => Some(offset),
                 _ => None,
@@ -293,6 +308,10 @@ impl State {
             if matches!(&joined, Value::Set(elements) if elements.len() <= set_limit) {
                 return joined;
             }
+            let joined = match joined {
+                Value::StackBetween(..) => Value::StackAny,
+                joined => joined,
+            };
             if joined.in_stack() || joined == Value::Top {
                 let same = pointer_region(old).filter(|r| pointer_region(new) == Some(*r));
                 return same.map_or(joined, Value::Region);
@@ -318,9 +337,10 @@ impl State {
             escaped |= !value.in_stack() && (a.in_stack() || b.in_stack());
             value
         };
-        let registers = Box::new(std::array::from_fn(|n| {
+        let mut registers = Box::new(std::array::from_fn(|n| {
             joined(&self.registers[n], &other.registers[n])
         }));
+        registers[13] = pointer_of_frame(std::mem::replace(&mut registers[13], Value::Top));
         let mut stack_words = BTreeMap::new();
         for (offset, value) in &self.stack_words {
             if let Some(theirs) = other.stack_words.get(offset) {
@@ -401,6 +421,16 @@ impl State {
         if let Some(memory) = &mut self.memory {
             memory.invalidate();
         }
+    }
+
+    /// A store somewhere between two offsets: what was there may stay.
+    pub fn invalidate_between(&mut self, low: i32, high: i32) {
+        let (first, last) = (low & !3, high & !3);
+        let lost = self.stack_words.range(first..=last);
+        let of_stack = |value: &Value| value.in_stack() || matches!(value, Value::MinusStack(_));
+        self.escaped |= lost.into_iter().any(|(_, value)| of_stack(value));
+        self.stack_words
+            .retain(|offset, _| *offset < first || *offset > last);
     }
 
     /// A store somewhere in the frame: every number in it is unknown. Saved registers and return

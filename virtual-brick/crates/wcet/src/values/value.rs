@@ -10,6 +10,9 @@ pub const RUNNING: u32 = 16;
 /// Largest set that is kept element by element.
 pub const SET_SIZE: usize = 256;
 
+/// Most bytes between the addresses that a place in the stack may be.
+const STACK_SPAN: i32 = 64;
+
 /// Knowledge about one register or stack word.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Value {
@@ -29,6 +32,8 @@ pub enum Value {
     Stack(i32),
     /// This minus the stack pointer at the function's entry.
     MinusStack(i32),
+    /// The stack pointer at the function's entry plus something from the first to the second.
+    StackBetween(i32, i32),
     /// An address in the function's own frame.
     StackAny,
     /// An address in the stack outside the function's frame.
@@ -139,7 +144,29 @@ impl Value {
 
     /// An address in the stack, own or outer.
     pub fn in_stack(&self) -> bool {
-        matches!(self, Self::Stack(_) | Self::StackAny | Self::OuterStack)
+        matches!(
+            self,
+            Self::Stack(_) | Self::StackBetween(..) | Self::StackAny | Self::OuterStack
+        )
+    }
+
+    /// Least and greatest offset from the stack pointer at the function's entry, if it is known to
+    /// be an address in the stack.
+    pub const fn stack_offsets(&self) -> Option<(i32, i32)> {
+        match self {
+            Self::Stack(offset) => Some((*offset, *offset)),
+            Self::StackBetween(low, high) => Some((*low, *high)),
+            _ => None,
+        }
+    }
+
+    /// An address in the stack, between two offsets if these are near each other.
+    pub fn stack_between(low: i32, high: i32) -> Self {
+        match high.checked_sub(low) {
+            Some(0) => Self::Stack(low),
+            Some(1..=STACK_SPAN) => Self::StackBetween(low, high),
+            _ => Self::StackAny,
+        }
     }
 
     /// A range, or what it shrinks to; the whole range is `Top`.
@@ -243,8 +270,10 @@ impl Value {
                 Self::range(unsigned.0, unsigned.1)
             };
         }
-        match (self, other) {
-            (Self::Stack(_) | Self::StackAny, Self::Stack(_) | Self::StackAny) => Self::StackAny,
+        match (self.stack_offsets(), other.stack_offsets()) {
+            (Some((a, b)), Some((c, d))) => Self::stack_between(a.min(c), b.max(d)),
+            (Some(_), None) if *other == Self::StackAny => Self::StackAny,
+            (None, Some(_)) if *self == Self::StackAny => Self::StackAny,
             _ => Self::Top,
         }
     }
@@ -255,7 +284,10 @@ impl Value {
             return true;
         }
         match (self, other) {
-            (Self::Stack(_), Self::StackAny) => true,
+            (Self::Stack(_) | Self::StackBetween(..), Self::StackAny) => true,
+            (place, Self::StackBetween(low, high)) => place
+                .stack_offsets()
+                .is_some_and(|(a, b)| *low <= a && b <= *high),
             (_, Self::Set(_)) => self
                 .elements()
                 .zip(other.elements())
@@ -284,6 +316,18 @@ mod tests {
         let few = Value::Constant(4).join(&Value::Constant(9));
         assert_eq!(few, Value::Set(vec![4, 9].into()));
         assert_eq!(few.join(&Value::Range(0, 1000)), Value::Range(0, 1000));
+    }
+
+    #[test]
+    fn near_places_in_the_stack_stay_known_and_far_ones_are_anywhere_in_it() {
+        let near = Value::Stack(-8).join(&Value::Stack(-4));
+        assert_eq!(near, Value::StackBetween(-8, -4));
+        assert_eq!(near.join(&Value::Stack(0)), Value::StackBetween(-8, 0));
+        assert_eq!(near.join(&Value::Stack(400)), Value::StackAny);
+        assert_eq!(near.join(&Value::StackAny), Value::StackAny);
+        assert_eq!(near.join(&Value::Constant(4)), Value::Top);
+        assert!(Value::Stack(-4).below(&near) && near.below(&Value::StackAny));
+        assert!(!Value::Stack(0).below(&near) && !near.below(&Value::Stack(-4)));
     }
 
     #[test]

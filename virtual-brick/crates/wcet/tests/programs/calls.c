@@ -183,3 +183,13 @@ int exclusive(void)
     }
     return marks;
 }
+
+/* What a store to one of several places leaves alone beside them bounds a loop. */
+int beside_a_store(unsigned which)
+{
+    unsigned char shape[8] = { 0 };
+    int all[4] = { 1, 1, 1, 1 };
+    struct span some = { 1, 2 };
+    shape[which & 3] = 7;
+    return added(all, &some) + shape[which & 7];
+}

@@ -63,3 +63,23 @@ void either(void)
   else
     fill_some();
 }
+
+int samples[8];
+
+__attribute__((noreturn, noinline)) void failed(void)
+{
+    for (;;)
+        ;
+}
+
+/* Left early only by a way that does not come back. */
+int checked(const int *items, int last)
+{
+    int sum = 0, place = 0;
+    do {
+        if (items[place] < 0)
+            failed();
+        sum += items[place];
+    } while (place++ != last);
+    return sum;
+}

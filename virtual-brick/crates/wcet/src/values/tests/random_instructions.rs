@@ -38,6 +38,8 @@ const BYTES: u32 = 4 * WORDS as u32;
 const STACK: u32 = DATA + BYTES + BYTES / 2;
 /// Registers with addresses in the data.
 const BASES: [u32; 2] = [6, 7];
+/// Register with an address in the stack, where the stack is known.
+const LOCAL: u32 = 5;
 const SEQUENCES: u32 = 6_000;
 const LENGTH: u32 = 16;
 
@@ -125,6 +127,9 @@ fn allows(value: &Value, element: u32, bases: &mut BTreeMap<u32, u32>) -> bool {
         Value::Signed(low, high) => (*low..=*high).contains(&(element as i32)),
         Value::Bits(mask, most) => element & !mask == 0 && element.count_ones() <= *most,
         Value::Stack(offset) => STACK.wrapping_add(*offset as u32) == element,
+        Value::StackBetween(low, high) => {
+            (*low..=*high).contains(&(element.wrapping_sub(STACK) as i32))
+        }
         Value::MinusStack(offset) => (*offset as u32).wrapping_sub(STACK) == element,
         Value::Based(base, offset) => {
             let held = element.wrapping_sub(*offset as u32);
@@ -194,7 +199,7 @@ impl Pair {
             state.set(number, pointer_around(element, random));
         }
         cpu.set_register(13, STACK);
-        let words = std::array::from_fn(|_| random.integer());
+        let words: [u32; 2 * WORDS] = std::array::from_fn(|_| random.integer());
         if memory_known {
             state.set(13, Value::Constant(STACK));
             let mut contents = Contents::default();
@@ -202,6 +207,18 @@ impl Pair {
                 contents.store(&Value::Constant(address), 4, &around(word, random));
             }
             state.memory = Some(contents);
+        } else {
+            let offset = 4 * (random.word() % WORDS as u32) as i32 - BYTES as i32 / 2;
+            let (less, more) = ((random.word() % 9) as i32, (random.word() % 9) as i32);
+            cpu.set_register(LOCAL, STACK.wrapping_add(offset as u32));
+            state.set(LOCAL, Value::stack_between(offset - less, offset + more));
+            let stack = (-(BYTES as i32) / 2..).step_by(4).zip(&words[WORDS..]);
+            for (offset, word) in stack {
+                let value = around(*word, random);
+                if value != Value::Top {
+                    state.stack_words.insert(offset, value);
+                }
+            }
         }
         state.control = (!thumb).then_some(cpu.cpsr() & 0xDF);
         let memory = Memory {
