@@ -9,6 +9,7 @@ no report may hold what only the host knew, and nothing may be new or missing on
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import re
@@ -22,13 +23,7 @@ from typing import Any
 
 from ravenbrick.grading.adapters import readable
 from ravenbrick.grading.campaign import run_campaign
-from ravenbrick.grading.isolation import (
-    FIRST_USER,
-    USERS,
-    IsolationError,
-    find_isolation,
-    tried,
-)
+from ravenbrick.grading.isolation import IsolationError, find_isolation, tried
 from ravenbrick.grading.isolation.landlock import Landlock
 from ravenbrick.grading.rubric import Rubric, read_rubric
 from ravenbrick.grading.submission import find_submissions
@@ -41,6 +36,7 @@ from verification.support.submissions import RUBRIC, write_submission
 PAGE = ROOT / "docs" / "reference" / "hostile-submissions.md"
 SOLUTIONS = ROOT / "docs" / "teaching" / "01-tasks.md"
 WORKERS = 2
+SET_CHILD_SUBREAPER = 36
 SECONDS = 10
 SAID_LENGTH = 110
 # Sentences that stand only in files of the lecturer.
@@ -89,17 +85,24 @@ def _fingerprint(folder: Path) -> dict[str, Any]:
     }
 
 
+def _adopt_orphans() -> None:
+    """Processes whose parent has ended become children of this one, prctl(2)."""
+    if ctypes.CDLL(None, use_errno=True).prctl(SET_CHILD_SUBREAPER, 1, 0, 0, 0) != 0:
+        raise OSError(ctypes.get_errno(), "orphans cannot be adopted")
+
+
 def _processes() -> set[int]:
-    """Children of this process, and processes of the users that its sandboxes had."""
-    users = {FIRST_USER + (os.getpid() + number) % USERS for number in range(USERS // 2)}
-    found = set()
+    """This process's children, their children and so on; none that has ended."""
+    parents = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
             state, parent = (entry / "stat").read_text().rpartition(")")[2].split()[:2]
-            # One that has ended and that init has not yet asked for is none.
-            alive = state != "Z"
-            if alive and (int(parent) == os.getpid() or entry.stat().st_uid in users):
-                found.add(int(entry.name))
+            if state != "Z":
+                parents[int(entry.name)] = int(parent)
+    found, generation = set[int](), {os.getpid()}
+    while generation:
+        generation = {child for child, parent in parents.items() if parent in generation}
+        found |= generation
     return found
 
 
@@ -121,6 +124,7 @@ def grade(
     for number in range(0, len(attacks) + 1, 10):
         write_submission(students / f"s{number:03}-a-right-one")
         (students / f"s{number:03}-a-right-one" / "answers.toml").write_text("presses = 2\n")
+    _adopt_orphans()
     before, running = _fingerprint(lecturer), _processes()
     results = run_campaign(
         rubric,

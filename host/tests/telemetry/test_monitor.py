@@ -25,8 +25,9 @@ from verification.support.web import open_page
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode, UsageError
 from ravenbrick.telemetry import Monitor, Session, Spool, open_link, replay
+from ravenbrick.telemetry.links import LinkLostError
 from ravenbrick.telemetry.messages import Ask
-from ravenbrick.telemetry.spool import Direction, Entry
+from ravenbrick.telemetry.spool import Direction, Entry, read_spool
 
 
 @pytest.fixture
@@ -62,6 +63,7 @@ class Silent:
 
     def __init__(self) -> None:
         self.written: list[bytes] = []
+        self.closed = False
 
     def read(self, timeout_s: float) -> bytes:
         """Nothing."""
@@ -72,7 +74,38 @@ class Silent:
         self.written.append(data)
 
     def close(self) -> None:
-        """Nothing to let go."""
+        """Let go."""
+        self.closed = True
+
+
+def test_a_link_that_ends_is_closed_and_one_that_does_not_come_is_told_once() -> None:
+    """Half a second passes between attempts."""
+    link, missing, told, pauses = Silent(), [1, 2, 3], list[str](), list[float]()
+
+    def connect() -> Silent:
+        if missing:
+            missing.pop()
+            raise LinkLostError("no brick")
+        return link
+
+    monitor = Monitor(Session(), connect, tell=told.append, clock=lambda: 0.0, pause=pauses.append)
+    while not monitor.connections:
+        monitor.poll()
+    assert told == ["no brick; trying again until it works", "connected"]
+    assert pauses == [0.5, 0.5, 0.5]
+    assert not link.closed
+    monitor.end()
+    assert link.closed
+
+
+def test_a_record_can_be_read_while_it_grows_and_ends(tmp_path: Path) -> None:
+    """What is added is there at once; nothing is added behind the end."""
+    path, entry = tmp_path / "live.rbt", Entry(Direction.RECEIVED, 7, b"abc")
+    with Spool(path) as spool:
+        spool.add(entry)
+        assert list(read_spool(path)) == [entry]
+    with pytest.raises(ValueError, match="closed"):
+        spool.add(entry)
 
 
 def test_nothing_is_written_while_there_is_nothing_to_say() -> None:

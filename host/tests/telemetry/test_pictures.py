@@ -42,6 +42,7 @@ def test_steps_are_found_and_scaled() -> None:
     steps = live_steps(session.run.recording(), "setpoint", "speed")
     assert [(round(s.at_s, 3), s.height) for s in steps] == [(0.5, 4.0), (1.0, -2.0)]
     for step in steps:
+        assert step.times[0] == 0
         at_time_constant = float(np.interp(TIME_CONSTANT, step.times, step.values))
         assert at_time_constant == pytest.approx(1 - math.exp(-1), abs=0.02)
 
@@ -81,6 +82,9 @@ def test_a_slider_that_is_moved_sends_its_value() -> None:
     live.refresh()
     place = next(axes for axes in figure.axes if axes.get_xlim() == (0.0, 2.0))
     x, y = place.transData.transform((1.0, 0.5))
+    signals = [axes for axes in figure.axes if axes.get_ylabel()]
+    assert signals
+    assert min(a.get_position().y0 for a in signals) > place.get_position().y1
     canvas.callbacks.process(
         "button_press_event", MouseEvent("button_press_event", canvas, x, y, MouseButton.LEFT)
     )
@@ -105,6 +109,8 @@ def test_pictures_name_axes_and_units() -> None:
     figure = signals_figure(session.run)
     assert [axis.get_ylabel() for axis in figure.axes] == ["(V)", "(mV)"]
     assert figure.axes[-1].get_xlabel() == "time since power-on (s)"
+    line = figure.axes[0].get_lines()[0]
+    assert np.asarray(line.get_xdata())[[0, -1]] == pytest.approx([0, 1.496])
     height = figure.get_figheight()
     del session.run.groups[2]
     assert height > signals_figure(session.run).get_figheight() + 1
@@ -112,7 +118,9 @@ def test_pictures_name_axes_and_units() -> None:
     response = Response(times, 1 - np.exp(-times / TIME_CONSTANT), 0.4, 0.0)
     steps = live_steps(session.run.recording(), "setpoint", "speed")
     design = Design(response, response, {}, ())
-    lines = steps_figure(steps, design, "setpoint", "speed").axes[0].get_lines()
+    axes = steps_figure(steps, design, "setpoint", "speed").axes[0]
+    assert axes.get_ylabel() == "speed per step of setpoint"
+    lines = axes.get_lines()
     labels = [str(line.get_label()) for line in lines]
     assert labels[:2] == ["continuous design", "sampled design"]
     assert labels[2] == "live, step of 4 at 0.50 s"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from verification.support.paths import ROOT
 from verification.support.telemetry_program import SIGNALS, Program, sent
 
 from ravenbrick.errors import UsageError
@@ -70,6 +71,29 @@ def test_a_sample_that_comes_again_is_refused() -> None:
     assert run is not None
     assert (run.sample_count, run.refused, run.missing) == (3, 1, 0)
     assert run.recording().signal("setpoint")[1].tolist() == [1.0, 3.0, 5.0]
+
+
+def test_numbers_and_instants_wrap() -> None:
+    """After 65,535 comes 0, and a pause of half an hour is one, though instants have 32 bits."""
+    program = Program(time_us=2**32 - 6_000)
+    session = talking(program)
+    program.numbers[1] = 65_534
+    pauses_us = (4_000, 4_000, 1_800_000_000)
+    for pause_us in (*pauses_us, 0):
+        session.receive(program.sample(1, 0.0, 0.0))
+        program.time_us += pause_us
+    run = session.run
+    assert run is not None
+    assert (run.sample_count, run.refused, run.missing) == (4, 0, 0)
+    recording = run.recording()
+    assert np.diff(recording.signal("speed")[0]).tolist() == pytest.approx([0.004, 0.004, 1_800])
+    assert recording.stop.at_cycles == 2**32 - 6_000 + sum(pauses_us)
+
+
+def test_the_version_is_the_one_of_the_drivers() -> None:
+    """Each side has it once."""
+    spec = ROOT / "drivers" / "src" / "telemetry" / "nxt-telemetry-messages.ads"
+    assert f"Protocol_Version : constant := {messages.VERSION};" in spec.read_text()
 
 
 def test_samples_become_a_recording(tmp_path: Path) -> None:
@@ -180,10 +204,10 @@ def test_a_silent_host_keeps_alive_and_asks_again() -> None:
     session = Session()
     assert program.receive(session.connected(0.0)) == b""
     assert session.pending(0.4) == b""
-    session.receive(program.receive(session.pending(0.6)))
+    session.receive(program.receive(session.pending(0.5)))
     assert session.described
-    assert session.pending(1.5) == b""
-    program.receive(session.pending(1.7))
+    assert session.pending(1.4) == b""
+    program.receive(session.pending(1.5))
     assert isinstance(program.heard[-1], messages.KeepAlive)
 
 

@@ -13,10 +13,8 @@ import shutil
 import subprocess
 
 from ravenbrick.grading.isolation.border import (
-    FIRST_USER,
     PATH,
     TRUST,
-    USERS,
     Bounds,
     Isolation,
     IsolationError,
@@ -27,9 +25,7 @@ from ravenbrick.grading.isolation.landlock import Landlock
 from ravenbrick.installation import advice_for_packages
 
 __all__ = [
-    "FIRST_USER",
     "TRUST",
-    "USERS",
     "Bounds",
     "Isolation",
     "IsolationError",
