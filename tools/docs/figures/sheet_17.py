@@ -94,8 +94,8 @@ def _momentum(run: _Run) -> Vector:
     return np.asarray(c1 * rolling + c * run.degrees("rate"))
 
 
-def _complementary(run: _Run, trust: float) -> Vector:
-    weight, estimate, found = trust / (trust + PERIOD), 0.0, []
+def _complementary(run: _Run, time_constant: float) -> Vector:
+    weight, estimate, found = time_constant / (time_constant + PERIOD), 0.0, []
     slow = np.diff(_momentum(run), prepend=0.0) / PERIOD
     for rate, tilt in zip(run.degrees("rate"), slow, strict=True):
         estimate = weight * (estimate + PERIOD * rate) + (1 - weight) * tilt
@@ -158,8 +158,8 @@ def sources() -> str:
     return picture(figure)
 
 
-def trust() -> str:
-    """Error of the complementary filter over its trust time."""
+def time_constant() -> str:
+    """Error of the complementary filter over its time constant."""
     from matplotlib.ticker import FixedLocator, NullFormatter  # slow to load
 
     run = _seen()
@@ -175,7 +175,7 @@ def trust() -> str:
     axis.loglog(smooth, curve, color="black", lw=1, label="formula (4)")
     for part_of, style in ((offset * smooth, "--"), (noise / smooth, ":")):
         axis.loglog(smooth, part_of, style, color=COLOURS["faint"], lw=1)
-    axis.set(xlabel="trust time (s)", ylabel="error (°)", ylim=(0.1, 8))
+    axis.set(xlabel="time constant (s)", ylabel="error (°)", ylim=(0.1, 8))
     for side, ticks in ((axis.xaxis, (0.1, 0.3, 1, 3)), (axis.yaxis, (0.1, 0.3, 1, 3))):
         side.set_major_locator(FixedLocator(ticks))
         side.set_major_formatter("{x:g}")
