@@ -32,6 +32,7 @@ from ravenbrick.grading.rubric import read_rubric
 from ravenbrick.grading.submission import Submission, SubmissionError, read_files
 from ravenbrick.image.elf import read_image
 from ravenbrick.image.memory import memory_report
+from ravenbrick.open_data.data_record import read_data_record
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.stimuli.run_file import read_run_file
@@ -245,6 +246,7 @@ RUN_FILE = {
     "until_ms": 100,
     "digest": "0" * 64,
 }
+DATA = ROOT / "data" / "virtual"
 RECORD = b'{"self_test": 1}\n{"row": "loop", "value": 5, "unit": "cycles"}\n{"finished": 1}\n'
 TASKS = b"""schema_version = 1
 [[tasks]]
@@ -294,6 +296,8 @@ def file_readers(image: Path) -> list[Callable[[], FileReader]]:
         ("page.json", "runs saved in the page", [json.dumps(RUN_FILE).encode()],
          read_run_file, mutate_text),
         ("brick.jsonl", "records of self-tests", [RECORD], read_record, mutate_text),
+        ("data.json", "records of open data", _texts(*sorted(DATA.glob("*.json"))),
+         read_data_record, mutate_text),
         ("image.elf", "images", [image.read_bytes()], _elf, plain),
         ("student.zip", "submissions", [_archive()], _submission, mutate_archive),
         ("timing.toml", "flow facts", _texts(EXAMPLE / "timing.toml"), _facts, mutate_text),

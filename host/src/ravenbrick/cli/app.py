@@ -40,8 +40,10 @@ COMMANDS = {
     "analyse": "Bound execution and response times from the binary and compare them with a run.",
     "bind": "Copy the C of an Embedded Coder model and write its Ada binding.",
     "build": "Compile, bind and link the image, and report its memory use.",
+    "check-data": "Check records of bricks against the schema; file, line and field are named.",
     "class": "Make an assignment of their own for each student of a class, from a secret key.",
     "compare-brick": "Compare the self-test of a brick with the virtual brick, row by row.",
+    "contribute": "Make a record for the open data of a self-test or a live recording.",
     "debug": "Debug the program with GDB, forwards and backwards in time.",
     "demo": "Design, generate, build, run every scenario, measure, and write the report.",
     "design": "Run design.py: tune, discretise, simulate, and generate the controller's C.",
@@ -68,6 +70,7 @@ COMMANDS = {
 }
 # Commands whose module has another name.
 ELSEWHERE = {
+    "check-data": "check_data",
     "class": "class_folders",
     "compare-brick": "compare_brick",
     "import": "import_model",

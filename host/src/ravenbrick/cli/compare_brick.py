@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -25,6 +26,8 @@ from ravenbrick.hardware.usb_bricks import find_bricks
 from ravenbrick.image.build import build_image
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.image.raw_binary import flat_image
+from ravenbrick.open_data.data_record import read_data_record
+from ravenbrick.open_data.making import loaded_digest, self_test_of
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace, tree
 from ravenbrick.self_test.comparison import Comparison, compare, equipment, verdict
@@ -105,6 +108,9 @@ def _take(source: Source, altered: dict[str, Any], reporter: Reporter) -> tuple[
     with reporter.step("run it on the virtual brick") as step:
         record = from_virtual_brick(image, {**equipment(), "timing": altered})
         step.note = f"{len(record.rows)} rows"
+    if altered:
+        changes = ", ".join(f"{name} = {value}" for name, value in altered.items())
+        record = replace(record, source=f"{record.source}, altered: {changes}")
     return record, image
 
 
@@ -176,7 +182,9 @@ def _judge(comparison: Comparison, data: dict[str, Any]) -> None:
 
 @command("ravenbrick compare-brick my-brick.jsonl --take usb")
 def compare_brick_command(
-    record: Annotated[Path, typer.Argument(help="File of the record; --take writes it.")],
+    record: Annotated[
+        Path, typer.Argument(help="File of the record; --take writes it; .json: open data.")
+    ],
     take: Annotated[
         Source | None,
         typer.Option(help="Take the record first: from the brick on the USB, or a virtual one."),
@@ -192,7 +200,14 @@ def compare_brick_command(
         raise UsageError("--alter changes the virtual brick; use it with '--take virtual'")
     if record.suffix == ".elf":
         raise UsageError(f"{record}: the image is saved under this name; name the record otherwise")
-    if take is None:
+    if take is not None and record.suffix == ".json":
+        raise UsageError(f"{record}: 'contribute' writes .json; name the record .jsonl")
+    if take is None and record.suffix == ".json":
+        taken = self_test_of(read_data_record(record))
+        image = _self_test_image(reporter)
+        if loaded_digest(image) != taken.image:
+            reporter.print("the record was taken with another image of the self-test")
+    elif take is None:
         taken = read_record(record)
         image = recorded_image(record, taken)
     else:

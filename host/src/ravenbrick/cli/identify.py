@@ -25,6 +25,7 @@ from ravenbrick.control.estimation.identification import (
     validate_motor,
 )
 from ravenbrick.errors import DesignError, UsageError, shown_path
+from ravenbrick.open_data.data_record import read_data_record
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
@@ -49,10 +50,12 @@ def identify_command(
     directory: ProjectArgument,
     scenario: Annotated[
         str,
-        typer.Argument(help="Open-loop experiment (scenario), or live recording (.npz)."),
+        typer.Argument(
+            help="Open-loop experiment (scenario), live recording (.npz) or record (.json)."
+        ),
     ],
     validation: Annotated[
-        str, typer.Argument(help="Second experiment or recording, for validation.")
+        str, typer.Argument(help="Second experiment, recording or record, for validation.")
     ],
     motor: Annotated[str, typer.Option(help="Motor: A, B or C.")] = "B",
     signals: Annotated[
@@ -70,6 +73,9 @@ def identify_command(
     reporter = Reporter(json_output, total=4)
     runs: list[MotorData] = []
     for name in (scenario, validation):
+        if name.endswith(".json"):
+            runs.append(read_data_record(Path(name)).motor_data())
+            continue
         if name.endswith(".npz"):
             recorded = Recording.load(workspace.named_recording(name))
             runs.append(signal_data(recorded, *_names(signals)))

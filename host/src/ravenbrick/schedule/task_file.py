@@ -235,7 +235,7 @@ def read_task_file(path: Path, priorities: Rule | None = None) -> TaskFile:
     Raises `ProjectFileError`, which names file, line and field.
     """
     if path.suffix == ".json":
-        document = read_json(path)
+        document = read_json(path, "a task set")
     else:
         document = read_toml(path, missing="name a task-set file")
     root = FileTable(document, (), document.values)
