@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -58,3 +60,11 @@ def test_a_program_that_fails_gets_no_points_for_what_it_showed_before(
     row = graded(crashed, monkeypatch, shown)
     assert row["points"] == 0 and "tasks.adb:12" in row["found"]
     assert graded(crashed, monkeypatch, "a fault")["points"] > 0
+
+
+def test_the_judge_starts_without_the_plant_models() -> None:
+    """They load SciPy, in as long as the runs of a submission take, and no check needs them."""
+    program = "import sys, ravenbrick.grading.judge; print(*sys.modules)"
+    words = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    loaded = {name.split(".")[0] for name in words.stdout.split()}
+    assert "ravenbrick" in loaded and not loaded & {"scipy", "control", "matplotlib", "jsonschema"}

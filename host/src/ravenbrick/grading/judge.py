@@ -119,7 +119,7 @@ def _raced(
                 recording, measures = runs.run(check, seed)
                 measured.append(check.value.measure(rubric.robot, recording, measures))
             else:
-                lost.append((found, found))
+                lost.append((found, f"not met: {found}"))
         except RunFaultError as error:
             # What the program says is for its author, not for a page that all read.
             lost.append((_without_folders(error.sentence), "the program failed"))

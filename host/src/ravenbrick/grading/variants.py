@@ -26,7 +26,6 @@ from typing import Any
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.errors import UsageError, shown_path
-from ravenbrick.model import MotorParameters
 from ravenbrick.project.robot import Battery, Quantity, Robot, SensorPort
 
 __all__ = [
@@ -243,6 +242,8 @@ def _motor_facts(robot: Robot, port: str) -> dict[str, float]:
 
     Dry friction Tc takes the voltage Tc R / Kt.
     """
+    from ravenbrick.model import MotorParameters  # slow to load, and the judge has no need of it
+
     values, name = robot.motor_values(port), f"motor_{port.lower()}"
     motor = MotorParameters.of_values(values, "robot.toml")
     return {
