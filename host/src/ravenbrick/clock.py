@@ -7,6 +7,7 @@ A brick says the frequency of its clock as a fraction, so that nothing is lost t
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -36,11 +37,20 @@ class Clock:
 
     def cycles_of_us(self, microseconds: int) -> int:
         """Whole cycles of a whole number of microseconds, rounded up."""
-        return -(-microseconds * self.hertz.numerator // (1_000_000 * self.hertz.denominator))
+        return self._rounded_up([microseconds], 1_000_000)[0]
 
     def cycles_of_ms(self, milliseconds: int) -> int:
         """Whole cycles of a whole number of milliseconds, rounded up."""
-        return self.cycles_of_us(1000 * milliseconds)
+        return self._rounded_up([milliseconds], 1000)[0]
+
+    def cycles_of_all_ms(self, milliseconds: Iterable[int]) -> list[int]:
+        """As `cycles_of_ms`, of many numbers."""
+        return self._rounded_up(milliseconds, 1000)
+
+    def _rounded_up(self, counts: Iterable[int], per_second: int) -> list[int]:
+        numerator, denominator = self.hertz.as_integer_ratio()
+        divisor = per_second * denominator
+        return [-(-count * numerator // divisor) for count in counts]
 
 
 # 18.432 MHz crystal x 73 / 14 / 2 (AT91SAM7S256 with the NXT's PLL setting).

@@ -268,10 +268,12 @@ class VirtualBrick:
         """Note the calls of these functions from now on, by their symbols; the run is the same."""
     def traced_calls(
         self,
-    ) -> list[tuple[str, int, list[str], str | None, tuple[int, int]]]:
-        """Of each function, first argument and place: callers (symbols, innermost first), source
-        line, and the cycles of the first and the last call.
+    ) -> list[tuple[str, int, list[str], list[int], tuple[int, int]]]:
+        """Of each function, first argument and place: callers (symbols, innermost first), their
+        addresses, and the cycles of the first and the last call.
         """
+    def call_place(self, addresses: list[int]) -> str | None:
+        """Source line, `tasks.adb:57`, of the innermost of these calls that the user wrote."""
     def count_flow(self, points_json: str) -> None:
         """Count flow facts from now on, before the run begins; the run is the same.
 

@@ -8,7 +8,7 @@ says nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,7 +45,7 @@ class DriverCall:
     function: str
     argument: int
     callers: Sequence[str]
-    place: str | None
+    place: Callable[[], str | None]
     cycles: tuple[int, int]
 
     @property
@@ -63,7 +63,8 @@ class DriverCall:
     @property
     def at(self) -> str:
         """The place, to be appended."""
-        return f" ({self.place})" if self.place else ""
+        place = self.place()
+        return f" ({place})" if place else ""
 
 
 def _sensors(robot: Robot, calls: Iterable[DriverCall]) -> Iterator[str]:
@@ -71,14 +72,14 @@ def _sensors(robot: Robot, calls: Iterable[DriverCall]) -> Iterator[str]:
         if call.port is None:
             continue
         plugged = robot.sensor_ports.get(call.port)
-        as_device = f" as {_article(call.device)} sensor" if call.device else ""
-        reads = f"the program reads port {call.port}{as_device}{call.at}, but robot.toml has"
         if plugged is None:
-            yield f"{reads} nothing plugged into port {call.port}; add [ports.{call.port}]"
+            has = f"nothing plugged into port {call.port}; add [ports.{call.port}]"
         elif call.device not in (None, plugged.device) and plugged.device != "analogue":
-            yield (
-                f'{reads} device = "{plugged.device}" in [ports.{call.port}]; correct one of both'
-            )
+            has = f'device = "{plugged.device}" in [ports.{call.port}]; correct one of both'
+        else:
+            continue
+        as_device = f" as {_article(call.device)} sensor" if call.device else ""
+        yield f"the program reads port {call.port}{as_device}{call.at}, but robot.toml has {has}"
 
 
 def _article(device: str | None) -> str:

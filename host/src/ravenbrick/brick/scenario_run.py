@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -137,7 +138,7 @@ class ScenarioRun:
         link = BluetoothLink(self.brick, peer.brick) if peer is not None else None
         events_ms = self._event_times_ms()
         instants = sorted({*range(SLICE_MS, self._scenario.duration_ms, SLICE_MS), *events_ms})
-        cycles = [MASTER_CLOCK.cycles_of_ms(at_ms) for at_ms in instants]
+        cycles = MASTER_CLOCK.cycles_of_all_ms(instants)
         next_index = 0
         for event_ms in sorted(events_ms):
             due = bisect_left(instants, event_ms)
@@ -201,7 +202,10 @@ class ScenarioRun:
         )
 
     def _warnings(self, events: NDArray[np.void]) -> tuple[str, ...]:
-        calls = [DriverCall(*call) for call in self.brick.traced_calls()]
+        calls = [
+            DriverCall(function, argument, callers, partial(self.brick.call_place, chain), cycles)
+            for function, argument, callers, chain, cycles in self.brick.traced_calls()
+        ]
         return port_warnings(self._robot, calls, events, self.brick.link_up_cycles)
 
     def _record_display(self) -> None:

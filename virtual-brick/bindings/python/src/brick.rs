@@ -32,7 +32,7 @@ pub(crate) struct VirtualBrick(virtual_brick_facade::VirtualBrick);
 pub(crate) struct Snapshot(virtual_brick_facade::Snapshot);
 
 /// Function, argument, callers, place in the source, cycles of call and return.
-type TracedCall = (String, u32, Vec<String>, Option<String>, (u64, u64));
+type TracedCall = (String, u32, Vec<String>, Vec<u32>, (u64, u64));
 
 #[pymethods]
 impl VirtualBrick {
@@ -365,11 +365,15 @@ impl VirtualBrick {
                     call.function,
                     call.argument,
                     call.callers,
-                    call.place,
+                    call.addresses,
                     call.cycles,
                 )
             })
             .collect()
+    }
+
+    fn call_place(&self, addresses: Vec<u32>) -> Option<String> {
+        self.0.call_place(&addresses)
     }
 
     fn count_flow(&mut self, points_json: &str) -> PyResult<()> {

@@ -69,30 +69,27 @@ impl Mode {
 }
 
 /// Bytes of the status register that the four field bits of MSR select.
+#[inline]
 const fn field_mask(fields: u32) -> u32 {
-    let mut mask = 0;
-    let mut field = 0;
-    while field < 4 {
-        if fields & (1 << field) != 0 {
-            mask |= 0xFF << (8 * field);
-        }
-        field += 1;
-    }
-    mask
+    // Each of the four bits moves to the lowest bit of its byte.
+    ((fields & 0xF).wrapping_mul(0x0020_4081) & 0x0101_0101) * 0xFF
 }
 
 /// Index of the bank of r13 and r14; undefined mode numbers use the user bank.
 #[inline]
 const fn bank_of(status: u32) -> usize {
-    match Mode::from_psr(status) {
-        Some(Mode::Fiq) => 1,
-        Some(Mode::Irq) => 2,
-        Some(Mode::Supervisor) => 3,
-        Some(Mode::Abort) => 4,
-        Some(Mode::Undefined) => 5,
-        _ => USER_BANK,
-    }
+    BANK_OF_MODE[(status & psr::MODE) as usize] as usize
 }
+
+const BANK_OF_MODE: [u8; 32] = {
+    let mut banks = [USER_BANK as u8; 32];
+    banks[Mode::Fiq as usize] = FIQ_BANK as u8;
+    banks[Mode::Irq as usize] = 2;
+    banks[Mode::Supervisor as usize] = 3;
+    banks[Mode::Abort as usize] = 4;
+    banks[Mode::Undefined as usize] = 5;
+    banks
+};
 
 const USER_BANK: usize = 0;
 const FIQ_BANK: usize = 1;

@@ -11,7 +11,7 @@ use crate::schedule::EventKind;
 use crate::serial::ports::{SerialPorts, DEBUG_UNIT, IDENTIFIERS};
 use crate::serial::spi::{self, Spi};
 use crate::serial::ssc::{self, Ssc};
-use crate::serial::twi::{self, Twi};
+use crate::serial::twi::Twi;
 use crate::serial::udp::{self, Udp};
 use crate::system::aic::Aic;
 use crate::system::pmc::Pmc;
@@ -260,7 +260,7 @@ impl Peripherals {
         })
     }
 
-    /// Write a register of any peripheral but AIC, PIOA, PMC and MC.
+    /// Write a register of any peripheral but AIC, PIOA, PMC, MC and TWI.
     pub(crate) fn write(
         &mut self,
         peripheral: Peripheral,
@@ -270,10 +270,6 @@ impl Peripherals {
     ) -> Access<Effect> {
         let clocked = |identifier| self.pmc.clocked(identifier);
         match peripheral {
-            Peripheral::Twi => {
-                let clocked = clocked(twi::IDENTIFIER);
-                self.twi.write(offset, value, now, clocked)?;
-            }
             Peripheral::Tc => self.tc.write(offset, value, now)?,
             Peripheral::Adc => self.adc.write(offset, value, now)?,
             Peripheral::Spi => {
@@ -309,9 +305,11 @@ impl Peripherals {
             }
             Peripheral::Wdt => return self.wdt.write(offset, value, now).map(Effect::Watchdog),
             Peripheral::Vreg => self.regulator_mode = value & 1,
-            Peripheral::Aic | Peripheral::Pioa | Peripheral::Pmc | Peripheral::Mc => {
-                return Err(FaultKind::NoPeripheral)
-            }
+            Peripheral::Aic
+            | Peripheral::Pioa
+            | Peripheral::Pmc
+            | Peripheral::Mc
+            | Peripheral::Twi => return Err(FaultKind::NoPeripheral),
         }
         Ok(Effect::Nothing)
     }

@@ -20,13 +20,14 @@
 #![allow(unsafe_code)]
 
 use std::mem;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use arm7tdmi::GuestState;
 use cranelift_codegen::ir::Signature;
 use cranelift_codegen::isa::OwnedTargetIsa;
 use cranelift_codegen::settings::{self, Configurable};
-use cranelift_jit::{JITBuilder, JITModule};
+use cranelift_jit::{ArenaMemoryProvider, JITBuilder, JITModule};
 use cranelift_module::{default_libcall_names, Module};
 
 use crate::entry_table::Entry;
@@ -46,12 +47,36 @@ impl CodeAddress {
     }
 }
 
-/// Cranelift's memory.
+/// Addresses that the code of one engine can take; memory is taken for what is used.
+pub(crate) const ARENA_BYTES: usize = 8 << 20;
+/// What is finished together has pages of its own, of at least so many bytes.
+const PAGE_BYTES: usize = 4096;
+/// Arenas of the process. Each is at most three mappings (code, written, reserved); hosts allow
+/// some 65,000.
+const ARENAS_MAX: usize = 8192;
+static ARENAS: AtomicUsize = AtomicUsize::new(0);
+
+/// Cranelift's memory, in an arena.
 struct Memory(JITModule);
 
-// SAFETY: all but the provider of memory is `Send`. That is the module's own, since no other was
-// given: it owns what it allocates, and nothing in it belongs to a thread.
+// SAFETY: all but the provider of memory is `Send`. That is an arena made for this module alone:
+// it owns its pages, its pointers lead to them, and nothing in it belongs to a thread.
 unsafe impl Send for Memory {}
+
+impl Memory {
+    /// None where the process has too many already, or the host gives no addresses.
+    fn new(isa: &OwnedTargetIsa) -> Option<Self> {
+        if ARENAS.fetch_add(1, Ordering::Relaxed) < ARENAS_MAX {
+            if let Ok(arena) = ArenaMemoryProvider::new_with_size(ARENA_BYTES) {
+                let mut builder = JITBuilder::with_isa(isa.clone(), default_libcall_names());
+                builder.memory_provider(Box::new(arena));
+                return Some(Self(JITModule::new(builder)));
+            }
+        }
+        ARENAS.fetch_sub(1, Ordering::Relaxed);
+        None
+    }
+}
 
 /// Executable memory with finished code.
 pub(crate) struct CodeMemory {
@@ -59,6 +84,7 @@ pub(crate) struct CodeMemory {
     /// None before the first code. The lock is never taken: it only makes the module shareable.
     module: Option<Mutex<Memory>>,
     entry_function: Option<EntryFunction>,
+    /// Whole pages.
     bytes: usize,
 }
 
@@ -104,7 +130,7 @@ impl CodeMemory {
         &self.isa
     }
 
-    /// Bytes of the code of regions.
+    /// Bytes of the pages with the code of regions.
     pub const fn bytes(&self) -> usize {
         self.bytes
     }
@@ -118,6 +144,7 @@ impl CodeMemory {
             // with addresses are removed by whoever calls this, and code runs only while this
             // memory is borrowed.
             unsafe { module.free_memory() }
+            ARENAS.fetch_sub(1, Ordering::Relaxed);
         }
     }
 
@@ -137,18 +164,16 @@ impl CodeMemory {
 
     /// Takes the code of a region, of [`region_signature`].
     pub fn define_region(&mut self, code: &HostCode) -> Option<CodeAddress> {
+        self.bytes += code.bytes.len().next_multiple_of(PAGE_BYTES);
         let address = self.place(&region_signature(), code)?;
-        self.bytes += code.bytes.len();
         Some(CodeAddress(address as usize))
     }
 
     fn place(&mut self, signature: &Signature, code: &HostCode) -> Option<*const u8> {
-        let isa = &self.isa;
-        let module = self.module.get_or_insert_with(|| {
-            let builder = JITBuilder::with_isa(isa.clone(), default_libcall_names());
-            Mutex::new(Memory(JITModule::new(builder)))
-        });
-        let module = &mut module.get_mut().ok()?.0;
+        if self.module.is_none() {
+            self.module = Some(Mutex::new(Memory::new(&self.isa)?));
+        }
+        let module = &mut self.module.as_mut()?.get_mut().ok()?.0;
         let function = module.declare_anonymous_function(signature).ok()?;
         let HostCode { bytes, alignment } = code;
         module

@@ -9,7 +9,7 @@ use arm7tdmi::{
     CodeExit, CompileAnswer, GuestState, Jit, RamView, Region, EXIT_BY_BRANCH, NO_ADDRESS,
 };
 
-use crate::code_memory::{host_isa, CodeMemory};
+use crate::code_memory::{host_isa, CodeMemory, ARENA_BYTES};
 use crate::compile_thread::CompileThread;
 use crate::compiler::{CompileRequest, CompiledRegion, Compiler};
 use crate::entry_table::{empty_table, entry, no_entry, AfterStore, Entry, Exit};
@@ -19,8 +19,8 @@ use crate::region::Layout;
 const HALFWORDS: usize = 0x8000 + 0x2_0000;
 /// Words of RAM that the code is compiled for.
 const RAM_WORDS: usize = 0x4000;
-/// With so much code, all is invalidated.
-const BYTES_MAX: usize = 8 << 20;
+/// With so much code, all is invalidated: the arena is nearly full.
+const BYTES_MAX: usize = ARENA_BYTES - (64 << 10);
 
 /// When hot blocks are compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

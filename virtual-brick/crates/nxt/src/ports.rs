@@ -69,6 +69,12 @@ impl Port {
     }
 }
 
+/// What the chip drives on the digital lines, and which of these are high.
+const fn on_lines(outputs: PinOutputs) -> (u32, u32) {
+    let driven = outputs.driven & PORT_LINES;
+    (driven, driven & outputs.level)
+}
+
 /// All ports.
 #[derive(Clone, Debug)]
 pub struct Ports {
@@ -116,13 +122,17 @@ impl Ports {
         self.low
     }
 
+    /// These outputs of the chip change nothing on the digital lines.
+    pub fn has_outputs(&self, outputs: PinOutputs) -> bool {
+        self.outputs == on_lines(outputs)
+    }
+
     pub fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
-        let driven = outputs.driven & PORT_LINES;
-        let changed = (driven, driven & outputs.level);
-        if changed == self.outputs {
+        if self.has_outputs(outputs) {
             return;
         }
-        self.outputs = changed;
+        self.outputs = on_lines(outputs);
+        let driven = self.outputs.0;
         for (index, pins) in PINS.into_iter().enumerate() {
             let level = |pin: u32| {
                 let mask = 1 << pin;

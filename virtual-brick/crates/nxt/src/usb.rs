@@ -321,6 +321,11 @@ impl UsbHost {
         self.plugged
     }
 
+    /// The pull-up is switched so already, and no frame waits where it is off.
+    pub const fn has_pull_up(&self, on: bool) -> bool {
+        self.pulled_up == on && (on || self.frame_at == NEVER)
+    }
+
     /// The brick switches its pull-up.
     pub fn set_pull_up(&mut self, now: Cycles, on: bool) {
         if self.pulled_up != on {

@@ -21,8 +21,8 @@ pub struct TracedCall {
     pub argument: u32,
     /// Symbols of the callers, innermost first.
     pub callers: Vec<String>,
-    /// Source line of the call, `tasks.adb:57`; none without debug information.
-    pub place: Option<String>,
+    /// Addresses of the calls, innermost first, for [`VirtualBrick::call_place`].
+    pub addresses: Vec<u32>,
     /// When it was called first and last.
     pub cycles: (u64, u64),
 }
@@ -75,16 +75,23 @@ impl VirtualBrick {
         let symbol = |address| self.image.symbols().nearest_code(address);
         let name = |address| symbol(address).map_or_else(String::new, |(name, _)| name.to_owned());
         let described = |(&(function, argument, _), seen): (&Key, &Times)| {
-            let calls = backtrace::located(&self.image, &seen.addresses);
+            let callers = seen.addresses.iter().filter_map(|&address| symbol(address));
             TracedCall {
                 function: name(function),
                 argument,
-                callers: calls.iter().map(|call| call.symbol.clone()).collect(),
-                place: backtrace::user_place(&calls),
+                callers: callers.map(|(name, _)| name.to_owned()).collect(),
+                addresses: seen.addresses.clone(),
                 cycles: (seen.first_cycles, seen.last_cycles),
             }
         };
         self.call_trace.seen.iter().map(described).collect()
+    }
+
+    /// Source line of the innermost of these calls outside of run-time and drivers,
+    /// `tasks.adb:57`; none without debug information. The first call of this reads all lines.
+    #[must_use]
+    pub fn call_place(&self, addresses: &[u32]) -> Option<String> {
+        backtrace::user_place(&backtrace::located(&self.image, addresses))
     }
 
     /// Record a call: the next instruction is the first of a traced function.

@@ -13,10 +13,11 @@ pub(super) const NO_REGION: u32 = u32::MAX;
 pub(super) struct JitState {
     /// Number of the block's first halfword.
     pub halfword: u32,
-    /// Runs of its operations in the present decay period, with half of those before.
-    pub hotness: u16,
-    /// The decay period of the last run that was counted.
-    pub decay_period: u16,
+    /// Runs until the compiler is asked for its code; only those count that begin when nothing
+    /// has been left to the bus for a while.
+    pub runs_left: u16,
+    /// Number of the entry into the engine from which on these runs are counted.
+    pub counted_from: u32,
     /// Number of the entry into the engine in which the compiler was polled last.
     pub polled_at_entry: u32,
     /// Times that its compilation was requested and too expensive.
@@ -31,12 +32,12 @@ pub(super) struct JitState {
 }
 
 impl JitState {
-    /// Of a block that has not run yet.
-    pub const fn cold(halfword: u32) -> Self {
+    /// Of a block that has not run yet, at this entry into the engine.
+    pub const fn cold(halfword: u32, threshold_runs: u16, entries: u32) -> Self {
         Self {
             halfword,
-            hotness: 0,
-            decay_period: 0,
+            runs_left: threshold_runs,
+            counted_from: entries,
             polled_at_entry: 0,
             unaffordable: 0,
             gain_cycles: 0,

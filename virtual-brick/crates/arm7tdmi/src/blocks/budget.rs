@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What decoding and compiling may cost: a tenth of the time that passes without them, and what
 //! they have saved. A program that never earns the cost of its blocks runs about as fast as with
-//! single steps. A block may also be compiled when it has itself run for as long as that takes.
+//! single steps. A block may also be compiled when it has itself run for as long as that takes, and
+//! four times as long as what earlier code has cost and not saved: code that is left again and
+//! again, at registers, saves nothing.
 //!
 //! Amounts are host time in units of about a nanosecond, for blocks, and a sixteenth of that, for
 //! JIT code. They steer the speed only: a run is the same whatever is decoded or compiled.
@@ -19,8 +21,10 @@ const DECODED_INSTRUCTION: i64 = 200;
 const DECODING_MAX: i64 = 1_000 * DECODED_INSTRUCTION;
 /// After a refusal the blocks are not asked for so many steps.
 const STEPS_WITHOUT_BLOCKS: u32 = 128;
-/// A sixteenth of a cycle in blocks.
-const COMPILING_CYCLE: i64 = 1;
+/// In so many cycles in blocks, a unit is earned for compilation: a 256th of their time.
+const CYCLES_PER_COMPILING: i64 = 16;
+/// What compilation has cost and JIT code has not saved counts so often.
+const DEBT_WEIGHT: i64 = 4;
 /// What a cycle in JIT code saves besides, compared with blocks.
 const CODE_CYCLE: i64 = 8;
 /// Compilation of a region, and of each of its instructions.
@@ -69,7 +73,7 @@ impl Budget {
     pub fn earn(&mut self, cycles: u64, code_gain_cycles: i64) {
         let decoding = self.decoding + cycles as i64 * BLOCK_CYCLE - BLOCKS_ENTRY;
         self.decoding = decoding.min(DECODING_MAX);
-        let earned = cycles as i64 * COMPILING_CYCLE + code_gain_cycles * CODE_CYCLE;
+        let earned = cycles as i64 / CYCLES_PER_COMPILING + code_gain_cycles * CODE_CYCLE;
         self.compiling = (self.compiling + earned).min(COMPILING_MAX);
     }
 
@@ -91,7 +95,8 @@ impl Budget {
     pub fn affords_compiling(&self, instructions: usize, runs: u64) -> bool {
         let own = runs * instructions as u64 * INTERPRETED_INSTRUCTION;
         let cost = compilation(instructions);
-        self.unlimited || self.compiling >= cost || own as i64 >= cost
+        let debt = (-self.compiling).max(0) * DEBT_WEIGHT;
+        self.unlimited || self.compiling >= cost || own as i64 >= cost + debt
     }
 
     pub fn pay_for_compiling(&mut self, instructions: usize) {
@@ -123,11 +128,13 @@ mod tests {
     fn compilation_waits_for_a_share_of_the_run() {
         let mut budget = Budget::new(false);
         assert!(!budget.affords_compiling(1, 0));
-        budget.earn(compilation(1) as u64, 0);
+        budget.earn((compilation(1) * CYCLES_PER_COMPILING) as u64, 0);
         assert!(budget.affords_compiling(1, 0) && !budget.affords_compiling(2, 0));
         budget.pay_for_compiling(1);
         assert!(!budget.affords_compiling(1, 0));
         assert!(budget.affords_compiling(1, 1_000_000));
+        budget.pay_for_compiling(1_000);
+        assert!(!budget.affords_compiling(1, 1_000_000));
         assert!(Budget::new(true).affords_compiling(1_000, 0));
     }
 }

@@ -7,6 +7,7 @@ use std::fmt;
 use super::block::{Block, JitState};
 use super::budget::Budget;
 use super::bus::{BlockBus, CodePlace};
+use super::compile::ENTRY_CYCLES;
 use super::jit::Jit;
 use super::translate::{translate, BYTES_MAX};
 
@@ -34,6 +35,9 @@ pub struct Blocks<B: BlockBus> {
     pub(super) jit: Option<Box<dyn Jit>>,
     /// Compile threshold: runs of a block before its compilation is requested; 0 without a JIT.
     pub(super) threshold_runs: u16,
+    /// Runs of a block count that begin so many cycles behind the last exit: JIT code that is left
+    /// sooner gains nothing.
+    pub(super) counted_after_cycles: u32,
     /// Entries into the engine. Hotness decays with them: a block that runs often in few entries
     /// is worth compiling, one that runs now and then in each is not.
     pub(super) entries: u32,
@@ -59,6 +63,7 @@ impl<B: BlockBus> Default for Blocks<B> {
             epoch: 0,
             jit: None,
             threshold_runs: 0,
+            counted_after_cycles: 0,
             entries: 0,
             regions: Vec::new(),
             pending_regions: 0,
@@ -86,9 +91,11 @@ impl<B: BlockBus> fmt::Debug for Blocks<B> {
 impl<B: BlockBus> Blocks<B> {
     /// An empty cache whose hot blocks are compiled.
     pub fn with_jit(jit: Box<dyn Jit>) -> Self {
+        let unlimited = jit.threshold_runs() < THRESHOLD_OF_RUNS_MIN;
         Self {
             threshold_runs: jit.threshold_runs().clamp(1, 0x8000) as u16,
-            budget: Budget::new(jit.threshold_runs() < THRESHOLD_OF_RUNS_MIN),
+            counted_after_cycles: if unlimited { 0 } else { ENTRY_CYCLES as u32 },
+            budget: Budget::new(unlimited),
             jit: Some(jit),
             ..Self::default()
         }
@@ -177,7 +184,7 @@ impl<B: BlockBus> Blocks<B> {
         for number in numbers.unwrap_or_default() {
             if let Some(block) = self.blocks.get_mut(number as usize) {
                 let halfword = block.jit.halfword;
-                block.jit = JitState::cold(halfword);
+                block.jit = JitState::cold(halfword, self.threshold_runs, self.entries);
                 if let Some(jit) = &mut self.jit {
                     jit.invalidate(halfword);
                 }
@@ -190,7 +197,7 @@ impl<B: BlockBus> Blocks<B> {
         self.regions.clear();
         self.pending_regions = 0;
         for block in &mut self.blocks {
-            block.jit = JitState::cold(block.jit.halfword);
+            block.jit = JitState::cold(block.jit.halfword, self.threshold_runs, self.entries);
         }
         if let Some(jit) = &mut self.jit {
             jit.invalidate_all();
@@ -220,7 +227,8 @@ impl<B: BlockBus> Blocks<B> {
         if !self.budget.affords_decoding() {
             return None;
         }
-        let block = translate(bus, key, place)?;
+        let mut block = translate(bus, key, place)?;
+        block.jit = JitState::cold(place.halfword, self.threshold_runs, self.entries);
         self.budget.pay_for_decoding(block.ops.len());
         if let Some(number) = slot.checked_sub(1) {
             self.starts[place.halfword as usize] = 0;

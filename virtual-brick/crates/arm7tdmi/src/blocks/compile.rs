@@ -15,8 +15,13 @@ use super::translate::read_source;
 const BLOCKS_MAX: usize = 16;
 /// A block joins a region if it ran at least this fraction of the compile threshold.
 const WARM_FRACTION: u16 = 2;
+/// A block is hot that reaches the compile threshold within so many entries into the engine: one
+/// that runs now and then in each entry is not worth compiling.
+const ENTRIES_MAX: u32 = 1024;
+/// The compiler is polled for the code of a block so often, in runs.
+const RUNS_PER_POLL: u16 = 128;
 /// An entry into JIT code costs as much as so many interpreted cycles.
-const ENTRY_CYCLES: i32 = 40;
+pub(super) const ENTRY_CYCLES: i32 = 40;
 /// Code that has lost so many cycles is not entered any more; gains beyond that are not counted.
 const LOSS_CYCLES_MAX: i32 = 32 * ENTRY_CYCLES;
 
@@ -33,8 +38,18 @@ impl<B: BlockBus> Blocks<B> {
         let busy = block.jit.polled_at_entry == entries;
         block.jit.polled_at_entry = entries;
         let region = block.jit.region;
-        if block.jit.hotness == threshold_runs {
-            self.request_region(bus, number);
+        // Where there will be no code, this is asked again after so many runs.
+        block.jit.runs_left = u16::MAX;
+        if region != NO_REGION {
+            block.jit.runs_left = RUNS_PER_POLL;
+        } else if threshold_runs != 0 {
+            let hot = entries.wrapping_sub(block.jit.counted_from) <= ENTRIES_MAX;
+            block.jit.counted_from = entries;
+            if hot {
+                self.request_region(bus, number);
+            } else {
+                block.jit.runs_left = threshold_runs;
+            }
         }
         if self.pending_regions != 0 {
             self.install_compiled((busy && region != NO_REGION).then_some(region));
@@ -49,7 +64,7 @@ impl<B: BlockBus> Blocks<B> {
         let block = &mut self.blocks[number as usize];
         let runs = u64::from(block.jit.unaffordable) * u64::from(self.threshold_runs);
         if !self.budget.affords_compiling(block.ops.len(), runs) {
-            block.jit.hotness = 0;
+            block.jit.runs_left = self.threshold_runs;
             block.jit.unaffordable = block.jit.unaffordable.saturating_add(1);
             return;
         }
@@ -74,7 +89,9 @@ impl<B: BlockBus> Blocks<B> {
                 self.budget.pay_for_compiling(instructions);
                 self.note_request(region_number, numbers);
             }
-            CompileAnswer::Busy => self.blocks[number as usize].jit.hotness = 0,
+            CompileAnswer::Busy => {
+                self.blocks[number as usize].jit.runs_left = self.threshold_runs;
+            }
             CompileAnswer::Unsupported => {}
         }
     }
@@ -83,6 +100,7 @@ impl<B: BlockBus> Blocks<B> {
         for &number in &numbers {
             if let Some(block) = self.blocks.get_mut(number as usize) {
                 block.jit.region = region;
+                block.jit.runs_left = RUNS_PER_POLL;
             }
         }
         self.regions.push(numbers);
@@ -141,7 +159,9 @@ impl<B: BlockBus> Blocks<B> {
 
     fn is_warm(&self, number: u32) -> bool {
         let jit = &self.blocks[number as usize].jit;
-        jit.region == NO_REGION && jit.hotness >= self.threshold_runs / WARM_FRACTION
+        let lately = self.entries.wrapping_sub(jit.counted_from) <= ENTRIES_MAX;
+        let left_max = self.threshold_runs - self.threshold_runs / WARM_FRACTION;
+        jit.region == NO_REGION && lately && (jit.runs_left <= left_max || jit.unaffordable != 0)
     }
 
     /// The block as the compiler receives it; none where code would be of no use.

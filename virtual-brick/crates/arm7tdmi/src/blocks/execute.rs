@@ -12,11 +12,8 @@ use crate::cpu::Cpu;
 use crate::pipeline::MASKS_DELAYED;
 use crate::registers::psr;
 
-/// Hotness is halved after so many entries into the engine.
-const ENTRIES_PER_DECAY: u32 = 4096;
-/// The compiler is polled for finished regions so often: in entries, and in runs of a block.
+/// The compiler is polled for finished regions so often, in entries.
 const ENTRIES_PER_POLL: u32 = 32;
-const RUNS_PER_POLL: u16 = 128;
 
 /// The outcome of a run of blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -235,18 +232,33 @@ fn execute<B: BlockBus>(
     (mut budget, limit): (u32, u64),
 ) {
     let mut number = first;
+    let counted_after = blocks.counted_after_cycles;
     loop {
         let start_cycles = run.state.cycles;
-        let Some(mut whole) = run_block_or_code(run, blocks, &mut number, budget) else {
+        let Some(mut block) = blocks.blocks.get_mut(number as usize) else {
             return;
         };
-        let Some(block) = blocks.blocks.get(number as usize) else {
-            return;
-        };
+        let counted = u16::from(start_cycles >= counted_after);
+        block.jit.runs_left = block.jit.runs_left.wrapping_sub(counted);
+        let mut idle = block.is_idempotent;
+        if block.jit.runs_left != 0
+            && !block.jit.has_code
+            && run.state.cycles + block.worst_cycles <= budget
+        {
+            run.execute(&block.ops);
+        } else {
+            let Some(whole) = run_otherwise(run, blocks, &mut number, budget) else {
+                return;
+            };
+            block = match blocks.blocks.get_mut(number as usize) {
+                Some(block) => block,
+                None => return,
+            };
+            idle = whole && block.is_idempotent;
+        }
         let link = block.link(run.state.next);
         if run.end == End::Reached {
-            whole &= block.is_idempotent;
-            if whole && run.skip_idle_iterations(block, start_cycles, budget) {
+            if idle && run.skip_idle_iterations(block, start_cycles, budget) {
                 return;
             }
         } else {
@@ -266,20 +278,19 @@ fn execute<B: BlockBus>(
     }
 }
 
-/// Runs the block of this number, or as much of it as the budget allows, or its JIT code. The
-/// number becomes that of the block that ran last. True if its operations ran from the first on;
-/// none when the budget ends.
-#[inline(always)]
-fn run_block_or_code<B: BlockBus>(
+/// Runs as much of the block of this number as the budget allows, or its JIT code, or asks the
+/// compiler for it. The number becomes that of the block that ran last. True if its operations ran
+/// from the first on; none when the budget ends.
+#[inline(never)]
+fn run_otherwise<B: BlockBus>(
     run: &mut Run<'_, B>,
     blocks: &mut Blocks<B>,
     number: &mut u32,
     budget: u32,
 ) -> Option<bool> {
-    let threshold_runs = blocks.threshold_runs;
-    let decay_period = (blocks.entries / ENTRIES_PER_DECAY) as u16;
     let mut block = blocks.blocks.get_mut(*number as usize)?;
     if run.state.cycles + block.worst_cycles > budget {
+        block.jit.runs_left = block.jit.runs_left.max(1);
         let left = budget - run.state.cycles;
         return block.run_part(run, left).then_some(true);
     }
@@ -287,12 +298,7 @@ fn run_block_or_code<B: BlockBus>(
         *number = blocks.run_code(run, *number, budget)?;
         return Some(false);
     }
-    if block.jit.decay_period != decay_period {
-        block.jit.decay_period = decay_period;
-        block.jit.hotness /= 2;
-    }
-    block.jit.hotness = block.jit.hotness.wrapping_add(1);
-    if block.jit.hotness.wrapping_sub(threshold_runs) % RUNS_PER_POLL == 0 {
+    if block.jit.runs_left == 0 {
         blocks.poll_compiler(run.bus, *number);
         block = blocks.blocks.get_mut(*number as usize)?;
     }

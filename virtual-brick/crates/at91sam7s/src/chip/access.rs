@@ -66,15 +66,18 @@ impl<B: Board> Chip<B> {
                 return Ok(());
             }
             Peripheral::Pmc => return self.write_clocks(offset, value),
+            Peripheral::Twi => {
+                self.write_two_wire(offset, value)?;
+                return Ok(());
+            }
             Peripheral::Mc => {
                 self.write_memory_controller(offset, value)?;
                 Effect::Nothing
             }
             _ => self.peripherals.write(peripheral, offset, value, now)?,
         };
-        if (peripheral, offset) == (Peripheral::Twi, twi::TWI_CR) {
-            let high = self.pins.pio.pins() & twi::LINES == twi::LINES;
-            self.peripherals.twi.follow_lines(value, high);
+        if matches!(peripheral, Peripheral::Usart(_) | Peripheral::Spi) {
+            self.data_controller_may_write = self.data_controller_writes();
         }
         self.follow_effect(effect);
         self.refresh_after_access(peripheral, offset);
@@ -119,6 +122,19 @@ impl<B: Board> Chip<B> {
             Outcome::Left => ChipEvent::InterruptLeft,
         };
         self.board.observe(self.now, event);
+    }
+
+    fn write_two_wire(&mut self, offset: u32, value: u32) -> Access {
+        let clocked = self.peripherals.pmc.clocked(twi::IDENTIFIER);
+        self.peripherals
+            .twi
+            .write(offset, value, self.now, clocked)?;
+        if offset == twi::TWI_CR {
+            let high = self.pins.pio.pins() & twi::LINES == twi::LINES;
+            self.peripherals.twi.follow_lines(value, high);
+        }
+        self.refresh_twi(self.now);
+        Ok(())
     }
 
     fn write_memory_controller(&mut self, offset: u32, value: u32) -> Access {

@@ -221,7 +221,7 @@ impl<B: Board> BlockBus for Chip<B> {
         };
         let ends = Cycles::from(after_cycles) + self.memories.timing.apb_cycles + 1;
         let uneventful = self.now + ends * self.ratio < self.schedule.earliest();
-        if keeps_memory && uneventful && !self.data_controller_writes() {
+        if keeps_memory && uneventful && !self.data_controller_may_write {
             BusAccess::KeepsMemory
         } else {
             BusAccess::ChangesMemory

@@ -35,6 +35,9 @@ pub struct Chip<B: Board> {
     board: B,
     /// The board is served now because it may have been changed from outside.
     board_changed: bool,
+    /// If not, the data controller writes no memory before the next write to a serial port's or
+    /// the SPI's registers.
+    data_controller_may_write: bool,
     /// Code that no block of instructions contains, in order.
     observed_arrivals: Vec<u32>,
     /// The processor clock is stopped.
@@ -59,6 +62,7 @@ impl<B: Board> Chip<B> {
             pins: Pins::new(),
             board,
             board_changed: false,
+            data_controller_may_write: false,
             observed_arrivals: Vec::new(),
             stopped: false,
             held: false,

@@ -205,6 +205,11 @@ impl Bluetooth {
         std::mem::take(&mut self.air.outgoing)
     }
 
+    /// The chip's lines have these levels already.
+    pub fn has_lines(&self, lines: ChipLines) -> bool {
+        self.lines == lines
+    }
+
     /// The chip's lines changed.
     pub fn lines_changed(&mut self, now: Cycles, lines: ChipLines) {
         if lines == self.lines {

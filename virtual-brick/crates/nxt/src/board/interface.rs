@@ -64,6 +64,13 @@ impl Board for NxtBoard {
         self.sound
             .drive(now, sound.then_some(outputs.level & SOUND != 0));
         let on = self.boot_monitor.is_some() || self.driven(USB_PULL_UP, false);
+        let devices = self.devices.get();
+        if devices.ports.has_outputs(outputs)
+            && devices.bluetooth.has_lines(lines)
+            && devices.usb.has_pull_up(on)
+        {
+            return;
+        }
         let devices = self.devices.change();
         devices.ports.outputs_changed(now, outputs);
         devices.bluetooth.lines_changed(now, lines);

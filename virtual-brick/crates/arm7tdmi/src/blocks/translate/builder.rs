@@ -70,7 +70,7 @@ pub(in crate::blocks) fn translate<B: BlockBus>(
         refusals: 0,
         ops: ops.into_boxed_slice(),
         links: [(u32::MAX, 0); 2],
-        jit: JitState::cold(place.halfword),
+        jit: JitState::cold(place.halfword, 0, 0),
     })
 }
 
