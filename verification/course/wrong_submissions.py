@@ -34,7 +34,8 @@ def wrong_submissions() -> dict[str, list[list[str]]]:
     return {name: table["wrong"] for name, table in tomllib.loads(WRONG.read_text()).items()}
 
 
-def _copy(solution: Path, folder: Path) -> Path:
+def copy_of(solution: Path, folder: Path) -> Path:
+    """What of a solution is handed in."""
     folder.mkdir(parents=True)
     for name in TAKEN:
         part = solution / name
@@ -43,6 +44,12 @@ def _copy(solution: Path, folder: Path) -> Path:
         elif part.is_file():
             shutil.copy(part, folder / name)
     return folder
+
+
+def solution_in(solved: Path) -> Path:
+    """The project that is handed in, in the folder where a sheet was executed."""
+    (found,) = (path for path in solved.iterdir() if re.fullmatch(r"lab\d\d|term", path.name))
+    return found
 
 
 def _files_at(place: Path) -> list[Path]:
@@ -60,15 +67,15 @@ def _changed(folder: Path, file: str, old: str, new: str) -> None:
 
 def judge(sheet: Path, solved: Path) -> Iterator[tuple[str, bool]]:
     """For each wrong submission of a sheet its name, and whether it lost points, and no other."""
-    (solution,) = [path for path in solved.iterdir() if re.fullmatch(r"lab\d\d|term", path.name)]
+    solution = solution_in(solved)
     wrong = wrong_submissions()
     for path in rubrics_of(sheet):
         rubric = read_rubric(path)
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            found = [Submission("right", _copy(solution, folder / "right"))]
+            found = [Submission("right", copy_of(solution, folder / "right"))]
             for number, (_what, file, old, new) in enumerate(wrong[rubric.name]):
-                made = _copy(solution, folder / f"wrong-{number}")
+                made = copy_of(solution, folder / f"wrong-{number}")
                 _changed(made, file, old, new)
                 found.append(Submission(made.name, made))
             right, *others = run_campaign(rubric, found, folder / "out", WORKERS)

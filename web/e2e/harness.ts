@@ -19,7 +19,7 @@ import { expect, test as base } from "vitest";
 
 export const ROOT = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 const PICTURES = join(ROOT, "out", "page");
-const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
+export const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
 export const VEHICLE = "examples/vehicle";
 const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 const TIMEOUT_MS = 300_000;
@@ -39,9 +39,16 @@ export interface Served {
 const serve = (...words: string[]) => started(COMMAND, ...words, "--port", "0", "--no-browser");
 
 /** A server that says its address. */
-export async function started(program: string, ...words: string[]): Promise<Served> {
+export const started = (program: string, ...words: string[]) => startedIn(ROOT, program, ...words);
+
+/** The same, started in a folder. */
+export async function startedIn(
+  cwd: string,
+  program: string,
+  ...words: string[]
+): Promise<Served> {
   const server = spawn(program, words, {
-    cwd: ROOT,
+    cwd,
     env: { ...process.env, PYTHONUNBUFFERED: "1", COLUMNS: "200" },
   });
   const address = await new Promise<string>((found, failed) => {

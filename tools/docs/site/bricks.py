@@ -12,7 +12,15 @@ from ravenbrick.project.templates import TEMPLATES, template_of
 
 from tools.docs.lessons import FENCE, ROOT, steps
 
-__all__ = ["EXAMPLES", "PAGE_FOLDER", "SHOWN_FOLDER", "Shown", "printed", "shown_on"]
+__all__ = [
+    "EXAMPLES",
+    "PAGE_FOLDER",
+    "SHOWN_FOLDER",
+    "Shown",
+    "changing_steps",
+    "printed",
+    "shown_on",
+]
 
 # In the site; the page looks for its bricks in the folder beside its own.
 PAGE_FOLDER = "_static/brick"
@@ -37,7 +45,7 @@ class Shown:
     steps: str = ""
 
 
-def _changing_steps(text: str) -> str:
+def changing_steps(text: str) -> str:
     """A sheet's text with only those commands that make or change files.
 
     A script of the sheet is one of these if it writes text; others read what a run left.
@@ -93,7 +101,7 @@ def _shown(above: str, project: str, scenario: str) -> Shown:
         return _checked(Shown(name, project, scenario, project, template_of(project)))
     template = made[project]
     example = TEMPLATES[template].example
-    changing = _changing_steps(above)
+    changing = changing_steps(above)
     if not _changes(changing, project):
         return _checked(Shown(f"{example}-{scenario}", project, scenario, example, template))
     name = f"{project}-{scenario}"

@@ -1,15 +1,33 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 /** The site of `make docs` as a reader gets it: from a plain file server, then without one. */
-import { readdirSync, readFileSync } from "node:fs";
-import { join } from "node:path";
+import { execFile } from "node:child_process";
+import { copyFileSync, cpSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, join } from "node:path";
+import { promisify } from "node:util";
 import { gzipSync } from "node:zlib";
 import type { Page } from "playwright-core";
 import { beforeAll, describe, expect } from "vitest";
-import { ROOT, screenshot, started, test, violations, waitForText, type Served } from "../harness";
+import {
+  COMMAND,
+  download,
+  ROOT,
+  screenshot,
+  started,
+  startedIn,
+  test,
+  violations,
+  waitForText,
+  waitUntil,
+  type Served,
+} from "../harness";
 
 const SITE = join(ROOT, "docs", "_build", "html");
 const BRICKS = join(SITE, "_static", "bricks");
+/** Projects of the sheets after their steps, by the brick's name. */
+const STEPPED = join(ROOT, "build", "site");
+const MADE = ["build", "out"];
 const PHONE = { width: 390, height: 844 };
 /** What may be loaded until the first robot moves, packed as web servers do. */
 const MOST_BYTES = 2_500_000;
@@ -24,7 +42,9 @@ beforeAll(async () => {
 });
 
 interface Session {
+  project: string;
   digest?: string;
+  locally: { template: string | null };
 }
 
 const sessionOf = (name: string) =>
@@ -64,10 +84,56 @@ describe("a brick of the site", () => {
   }
 });
 
+/** What a line that the page prints answers; a verdict of the pass criteria is no failure. */
+async function answer(cwd: string, line: string): Promise<Record<string, unknown>> {
+  const [, ...words] = line.split(" ");
+  const done = promisify(execFile)(COMMAND, [...words, "--json"], { cwd });
+  const { stdout } = await done.catch((failure: { stdout: string }) => failure);
+  return JSON.parse(stdout) as Record<string, unknown>;
+}
+
+describe("Open locally", () => {
+  for (const name of bricks) {
+    const { digest, project, locally } = sessionOf(name);
+    test.runIf(digest)(`${name} goes on where the reader stopped`, async ({ open }) => {
+      const { page } = await open(brickPage(name));
+      await page.click("#run");
+      await waitUntil(page, 0.2);
+      await page.click("#run");
+      await page.click("#locally summary");
+      const printed = (await page.textContent("#locally pre")) ?? "";
+      const saved = await download(page, "#locally button");
+      const folder = locally.template ? mkdtempSync(join(tmpdir(), "locally-")) : ROOT;
+      const file = join(folder, basename(saved.path));
+      copyFileSync(saved.path, file);
+      for (const line of printed.split("\n")) {
+        if (line.startsWith("#")) {
+          const filter = (path: string) => !MADE.includes(basename(path));
+          cpSync(join(STEPPED, name, project), join(folder, project), { recursive: true, filter });
+        } else if (line.startsWith("ravenbrick view")) {
+          const words = [...line.trim().split(" ").slice(1), "--port", "0", "--no-browser"];
+          const view = await startedIn(folder, COMMAND, ...words);
+          expect((await fetch(view.address)).status).toBe(200);
+          view.end();
+        } else {
+          const answered = await answer(folder, line);
+          if (line.includes("--replay")) expect(answered["same_as_replayed"]).toBe(true);
+          else expect(answered["ok"]).toBe(true);
+        }
+      }
+      rmSync(locally.template ? folder : file, { recursive: true });
+      expect(printed).toContain("--replay");
+    });
+  }
+});
+
 describe("the first page", () => {
-  test("has a robot that moves, for few bytes", async ({ browser }) => {
+  // A phone's processor is taken for one that needs four times as long.
+  test.for([1, 4])("has a robot that moves, for few bytes, %i times slower", async (rate, { browser }) => {
     const context = await browser.newContext({ serviceWorkers: "block", viewport: PHONE });
     const page = await context.newPage();
+    const devTools = await context.newCDPSession(page);
+    await devTools.send("Emulation.setCPUThrottlingRate", { rate });
     const bodies: Promise<Buffer>[] = [];
     page.on("response", (response) => {
       if (response.ok()) bodies.push(response.body().catch(() => Buffer.alloc(0)));
@@ -78,7 +144,8 @@ describe("the first page", () => {
     const seconds = (performance.now() - began) / 1000;
     const loaded = await Promise.all(bodies);
     const bytes = loaded.reduce((sum, body) => sum + gzipSync(body).length, 0);
-    console.log(`first robot moves after ${seconds.toFixed(1)} s and ${bytes} packed bytes`);
+    const when = `${seconds.toFixed(1)} s with a processor ${rate} times slower`;
+    console.log(`first robot moves after ${when} and ${bytes} packed bytes`);
     await context.close();
     expect(bytes).toBeGreaterThan(100_000);
     expect(bytes).toBeLessThan(MOST_BYTES);
