@@ -84,6 +84,7 @@ def test_a_recording_of_a_motor_becomes_a_record(self_test: ElfImage, tmp_path: 
     assert code == ExitCode.OK, output
     voltage, angle = read_data_record(tmp_path / "live.json").values["signals"]
     assert (voltage["time_s"], voltage["value"]) == ([0.0, 1.0], [0.0, 4.0])
+    assert angle["time_s"][:3] == [0.0, 0.004, 0.008]
     assert angle["value"][angle["time_s"].index(2.0)] == 464
 
 

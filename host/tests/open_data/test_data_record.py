@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from ravenbrick.catalogue import part_values
 from ravenbrick.cli.app import app
 from ravenbrick.control.estimation.identification import fit_motor, validate_motor
-from ravenbrick.errors import RecordError
+from ravenbrick.errors import DesignError, RecordError
 from ravenbrick.open_data.data_record import read_data_record, write_data_record
 from ravenbrick.open_data.making import self_test_of
 from ravenbrick.project.workspace import tree
@@ -115,7 +115,6 @@ HOSTILE = {
     "many digits": b'{"a": ' + b"9" * 10_000 + b"}",
     "not UTF-8": b'{"a": "\xff"}',
     "surrogate": b'{"a": "\\ud800"}',
-    "large": b" " * 1_000_001,
     "a list": b"[]",
     "empty": b"",
     "many values": b'{"signals": [' + b"0," * 400_000 + b"0]}",
@@ -129,6 +128,24 @@ def test_hostile_files_are_refused(content: bytes, tmp_path: Path) -> None:
     file.write_bytes(content)
     with pytest.raises(RecordError, match=r"hostile\.json"):
         read_data_record(file)
+
+
+def test_a_large_file_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    """Even one that would be right."""
+    file = tmp_path / "large.json"
+    file.write_bytes((DATA / "step-0000.json").read_bytes() + b" " * 1_000_000)
+    with pytest.raises(RecordError, match="expected a file of at most 1,000,000 bytes"):
+        read_data_record(file)
+
+
+def test_a_motor_that_was_not_driven_is_not_fitted(tmp_path: Path) -> None:
+    """Its record is right, its voltage is 0."""
+    fields = record("identification-0000")
+    fields["signals"][0] |= {"time_s": [0.0], "value": [0.0]}
+    file = tmp_path / "still.json"
+    write_data_record(file, fields)
+    with pytest.raises(DesignError):
+        read_data_record(file).motor_data()
 
 
 def test_what_is_no_file_is_refused() -> None:
