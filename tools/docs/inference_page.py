@@ -23,8 +23,12 @@ bricks bound them: on the virtual brick, too, their frames must reach the co-pro
 links must not start again. Each of these constraints was tried with the values below, the other
 parameters nominal. The [witnesses](witnesses.md) say where the images were published.
 """
+SCORES = """
+Kernels whose test suites have published scores from silicon must reach them within 12 %.
+"""
 PICTURE = "pictures/timing-region.svg"
 CELL_WIDTH, CELL_HEIGHT, LEFT, TOP = 74, 34, 150, 24
+FRAME = ' stroke="black" stroke-width="3"'
 COLOURS = {0: "#2e7d32", 1: "#f9a825", 2: "#ef6c00", 3: "#c62828"}
 
 
@@ -85,7 +89,7 @@ def _parameters(rows: list[Row], known: dict[str, Row]) -> list[str]:
     return lines
 
 
-def _svg(rows: list[Row]) -> str:
+def _svg(rows: list[Row], known: dict[str, Row]) -> str:
     pairs = [row for row in rows if len(row["settings"]) == 2]
     x_name, y_name = pairs[0]["settings"]
     xs = sorted({row["settings"][x_name] for row in pairs})
@@ -101,11 +105,12 @@ def _svg(rows: list[Row]) -> str:
         column, line = xs.index(row["settings"][x_name]), ys.index(row["settings"][y_name])
         count = len(row["refused"])
         colour = COLOURS[0 if count == 0 else 1 if count == 1 else 2 if count < 5 else 3]
+        nominal = all(known[name]["nominal"] == v for name, v in row["settings"].items())
         x, y = LEFT + CELL_WIDTH * column, TOP + CELL_HEIGHT * line
         who = escape(_grouped(list(row["refused"])) or "allowed")
         out.append(
             f'<rect x="{x}" y="{y}" width="{CELL_WIDTH - 2}" height="{CELL_HEIGHT - 2}" '
-            f'fill="{colour}"><title>{who}</title></rect>'
+            f'fill="{colour}"{FRAME if nominal else ""}><title>{who}</title></rect>'
             f'<text x="{x + CELL_WIDTH // 2}" y="{y + 21}" text-anchor="middle" fill="white">'
             f"{count or 'allowed'}</text>"
         )
@@ -128,10 +133,14 @@ def inference_pages(data: Row) -> dict[str, str]:
     head, rows = data["head"], data["rows"]
     absent = sorted({name for row in rows for name in row["absent"]})
     names = [name for name in head["constraints"] if name not in absent]
-    lines = [HEAD + f"\nRun: {head['date']}. Constraints: {_grouped(names)}."]
+    scores = SCORES if any(name.startswith("ChibiOS") for name in names) else ""
+    lines = [HEAD + scores + f"\nRun: {head['date']}. Constraints: {_grouped(names)}."]
     if absent:
         lines.append(f"Absent then: {_grouped(absent)}.")
     lines += ["", *_parameters(rows, head["parameters"]), "", "## Two parameters together", ""]
     lines += ["The number of witnesses that refuse a pair; move the pointer over a cell for their"]
-    lines += ["names.", "", f"![Feasible region](../{PICTURE})", ""]
-    return {"reference/timing-inference.md": "\n".join(lines), PICTURE: _svg(rows)}
+    lines += ["names. The frame is the nominal pair.", "", f"![Feasible region](../{PICTURE})", ""]
+    return {
+        "reference/timing-inference.md": "\n".join(lines),
+        PICTURE: _svg(rows, head["parameters"]),
+    }

@@ -3,10 +3,11 @@
 """Which values of the unspecified timing parameters the witnesses allow.
 
 Each witness is a constraint: a firmware that works on bricks must get nearly all its frames through
-to the co-processor, without starting the link again. `python -m
-verification.firmware.witnesses.inference [--workers N]` tries the values of `inference.toml`, one
-parameter at a time and two for the picture, the others nominal. It writes `inference.json`, and
-from it docs/reference/timing-inference.md and its picture. Absent images are left out by name.
+to the co-processor, without starting the link again; a test suite must have the scores that were
+published from silicon. `python -m verification.firmware.witnesses.inference [--workers N]` tries
+the values of `inference.toml`, one parameter at a time and two for the picture, the others nominal.
+It writes `inference.json`, and from it docs/reference/timing-inference.md and its picture. Absent
+images are left out by name.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from ravenbrick.errors import RunFaultError
 
 from tools.docs import tables
 from tools.docs.timing_table import settled_by
+from verification.firmware.witnesses import chibios
 from verification.firmware.witnesses.library import ImageAbsentError, images, timing
 from verification.firmware.witnesses.link import count_frames
 from verification.firmware.witnesses.others import GNAT, gnat_brick, lejos_brick
@@ -76,6 +78,23 @@ class Constraint:
         return "the link starts again" if counted.greetings else None
 
 
+@dataclass(frozen=True)
+class Scores:
+    """A test suite of a kernel whose scores on silicon are published."""
+
+    name: str
+
+    def refusal(self, settings: dict[str, Value]) -> str | None:
+        """Which scores are far from the published ones; None when none is."""
+        with timing(dict(settings)):
+            brick = images()[self.name].brick()
+        try:
+            shares = chibios.deviations(self.name, chibios.measured(brick))
+        except (AssertionError, RunFaultError) as error:
+            return str(error)
+        return "; ".join(chibios.far(self.name, shares).values()) or None
+
+
 def _of(name: str, from_s: float, rate_per_s: int) -> Constraint:
     return Constraint(name, lambda: images()[name].brick(), from_s, rate_per_s)
 
@@ -86,7 +105,7 @@ def _gnat() -> Iterator[Constraint]:
         yield Constraint(name, partial(gnat_brick, name), 0.4, 20, most_bad)
 
 
-CONSTRAINTS: tuple[Constraint, ...] = (
+CONSTRAINTS: tuple[Constraint | Scores, ...] = (
     _of("LEGO 1.29.2", 2.5, 495),
     _of("NBC/NXC 1.28", 3.2, 495),
     _of("pbLua 2.0.0 RC2", 1.2, 495),
@@ -94,6 +113,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     _of("Pybricks 4.0.0b5", 1.2, 245),
     Constraint("leJOS NXJ", lejos_brick, 1.2, 490),
     *_gnat(),
+    *map(Scores, chibios.PUBLISHED),
 )
 
 
