@@ -32,6 +32,15 @@ fn limits_are_those_that_the_error_says() {
         with_motor(&format!(r#"{{"parameters": {motor}}}"#))
     };
     assert!(Robot::new(&parameters(&with("10"))).is_ok());
+    let with_inertia = |value: &str| {
+        let set = TABLE_1.replace(
+            &format!(r#""inertia": {}"#, nxt("inertia")),
+            &format!(r#""inertia": {value}"#),
+        );
+        with_motor(&format!(r#"{{"parameters": {set}}}"#))
+    };
+    assert!(Robot::new(&parameters(&with_inertia("1e-6"))).is_ok());
+    assert!(error(&with_inertia("0.9e-6")).starts_with("motors.B.parameters.inertia = 0.0000009"));
     assert_eq!(
         error(&with("10.1")),
         "motors.B.parameters.electric_constant = 10.1: expected a number from 0.0001 to 10 \
@@ -83,6 +92,16 @@ fn a_wheel_without_a_motor_is_rejected() {
     let message = error(&format!(r#"{{"motors": {motors}, "body": {VEHICLE}}}"#));
     assert!(
         message.starts_with("body.right = C: expected a port"),
+        "{message}"
+    );
+}
+
+#[test]
+fn the_left_wheel_needs_a_motor_as_the_right_one_does() {
+    let motors = format!(r#"{{"C": {{"parameters": {}}}}}"#, *TABLE_1);
+    let message = error(&format!(r#"{{"motors": {motors}, "body": {VEHICLE}}}"#));
+    assert!(
+        message.starts_with("body.left = B: expected a port"),
         "{message}"
     );
 }
