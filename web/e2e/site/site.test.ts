@@ -129,7 +129,8 @@ describe("Open locally", () => {
 
 describe("the first page", () => {
   // A phone's processor is taken for one that needs four times as long.
-  test.for([1, 4])("has a robot that moves, for few bytes, %i times slower", async (rate, { browser }) => {
+  const name = "has a robot that moves, for few bytes, %i times slower";
+  test.for([1, 4])(name, async (rate, { browser }) => {
     const context = await browser.newContext({ serviceWorkers: "block", viewport: PHONE });
     const page = await context.newPage();
     const devTools = await context.newCDPSession(page);
