@@ -18,8 +18,8 @@ __all__ = ["LANGUAGES", "Mutant", "mutants_of", "ranked"]
 
 # What is no code: comments, strings, attributes.
 NO_CODE = {
-    "rust": r'//[^\n]*|/\*.*?\*/|b?r?"(?:\\.|[^"\\])*"|\'(?:\\[^\']+|[^\'\\\n])\'|#!?\[[^\n]*\]'
-    r"|#\[cfg\(test\)\].*|\bd?e?b?u?g?_?assert\w*!\(.*?\);",
+    "rust": r"#\[cfg\(test\)\]\s+mod \w+ \{.*|\bd?e?b?u?g?_?assert\w*!\(.*?\);"
+    r'|//[^\n]*|/\*.*?\*/|b?r?"(?:\\.|[^"\\])*"|\'(?:\\[^\']+|[^\'\\\n])\'|#!?\[[^\n]*\]',
     "ada": r'--[^\n]*|"(?:""|[^"\n])*"|\'[^\n]\'|\bpragma\b[^;]*;',
     "python": r'#[^\n]*|[rbf]{0,2}(?:"""(?:\\.|.)*?"""|"(?:\\.|[^"\\\n])*")|\bassert [^\n]*'
     r"|\b(?:strict|frozen)=True",

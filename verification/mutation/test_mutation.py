@@ -36,6 +36,13 @@ def test_code_is_changed_and_comments_and_texts_are_not(file: str) -> None:
         assert text.splitlines()[0] == source.splitlines()[0]
 
 
+def test_unit_tests_beside_the_code_are_not_changed() -> None:
+    """Those of the same file; the name of a file with tests ends nothing."""
+    attribute = "#[cfg(test)]\n"
+    source = f"{attribute}mod a;\nlet b = 1;\n{attribute}mod c {{\n    let d = 2;\n}}\n"
+    assert [mutant.line for mutant in mutants_of("a.rs", source)] == [3]
+
+
 def test_a_change_elsewhere_keeps_order_and_names_of_the_mutants() -> None:
     """Lines may move; another seed draws others."""
     one, two = (
