@@ -17,6 +17,7 @@ import {
   started,
   startedIn,
   test,
+  TIMEOUT_MS,
   violations,
   waitForText,
   waitUntil,
@@ -131,6 +132,7 @@ describe("the first page", () => {
   // A phone's processor is taken for one that needs four times as long.
   test.for([1, 4])("has a robot that moves, for few bytes, %i times slower", async (rate, { browser }) => {
     const context = await browser.newContext({ serviceWorkers: "block", viewport: PHONE });
+    context.setDefaultTimeout(TIMEOUT_MS);
     const page = await context.newPage();
     const devTools = await context.newCDPSession(page);
     await devTools.send("Emulation.setCPUThrottlingRate", { rate });
