@@ -130,7 +130,8 @@ describe("Open locally", () => {
 
 describe("the first page", () => {
   // A phone's processor is taken for one that needs four times as long.
-  test.for([1, 4])("has a robot that moves, for few bytes, %i times slower", async (rate, { browser }) => {
+  const atRates = test.for([1, 4]);
+  atRates("has a robot that moves, for few bytes, %i times slower", async (rate, { browser }) => {
     const context = await browser.newContext({ serviceWorkers: "block", viewport: PHONE });
     context.setDefaultTimeout(TIMEOUT_MS);
     const page = await context.newPage();
