@@ -22,7 +22,7 @@ const PICTURES = join(ROOT, "out", "page");
 export const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
 export const VEHICLE = "examples/vehicle";
 const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-const TIMEOUT_MS = 300_000;
+export const TIMEOUT_MS = 300_000;
 
 /** The JSON answer of a command; a verdict of the pass criteria is no failure. */
 export async function ravenbrick(...words: string[]): Promise<Record<string, unknown>> {

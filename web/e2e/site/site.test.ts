@@ -17,6 +17,7 @@ import {
   started,
   startedIn,
   test,
+  TIMEOUT_MS,
   violations,
   waitForText,
   waitUntil,
@@ -132,6 +133,7 @@ describe("the first page", () => {
   const name = "has a robot that moves, for few bytes, %i times slower";
   test.for([1, 4])(name, async (rate, { browser }) => {
     const context = await browser.newContext({ serviceWorkers: "block", viewport: PHONE });
+    context.setDefaultTimeout(TIMEOUT_MS);
     const page = await context.newPage();
     const devTools = await context.newCDPSession(page);
     await devTools.send("Emulation.setCPUThrottlingRate", { rate });
