@@ -68,7 +68,12 @@ DEVICES = (
         ("Display.",),
     ),
     Device("buttons", ("NXT.Buttons",), ("inputs",), ("Buttons.",)),
-    Device("battery", ("NXT.Battery",), ("inputs", "low_battery"), ("Battery.",)),
+    Device(
+        "battery",
+        ("NXT.Battery", "NXT.Low_Battery"),
+        ("inputs", "low_battery"),
+        ("Battery.",),
+    ),
     Device(
         "power, boot monitor",
         ("NXT.Power", "NXT.Forced_Power_Off"),
