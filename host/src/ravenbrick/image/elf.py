@@ -105,6 +105,16 @@ class ElfImage:
         """Bytes of all sections of a kind."""
         return sum(section.size for section in self.sections if section.kind == kind)
 
+    def bytes_at(self, address: int, size: int) -> bytes:
+        """What the file loads at an address; fewer bytes where its segment ends."""
+        from elftools.elf.elffile import ELFFile
+
+        for segment in ELFFile(io.BytesIO(self.content)).iter_segments("PT_LOAD"):
+            offset = address - segment["p_vaddr"]
+            if 0 <= offset < segment["p_filesz"]:
+                return bytes(segment.data()[offset : offset + size])
+        return b""
+
     def task_objects(self) -> dict[str, Symbol]:
         """Task name -> its object (control block and stack), for each single Ada task.
 

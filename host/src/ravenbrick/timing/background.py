@@ -35,6 +35,8 @@ __all__ = [
 ]
 
 MAIN = "_ada_"
+# The binder's constant with the main procedure's symbol: other library procedures begin alike.
+MAIN_NAME = "__gnat_ada_main_program_name"
 LOWEST_PRIORITY = (
     "give it the lowest priority (pragma Priority (System.Priority'First) in its declarations, and "
     "higher ones to all tasks), or end it with 'delay until Ada.Real_Time.Time_Last;'"
@@ -73,6 +75,10 @@ NO_BACKGROUND = Background()
 def main_symbol(image: ElfImage) -> str:
     """Symbol of the main procedure. Raises `ExecutionTimeError` when it cannot be told."""
     found = [name for name in image.symbols if name.startswith(MAIN)]
+    if len(found) > 1 and MAIN_NAME in image.symbols:
+        symbol = image.symbols[MAIN_NAME]
+        named = image.bytes_at(symbol.address, symbol.size).rstrip(b"\0").decode("ascii", "replace")
+        found = [name for name in found if name == named]
     if len(found) == 1:
         return found[0]
     raise ExecutionTimeError(

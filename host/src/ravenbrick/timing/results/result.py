@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 from ravenbrick.clock import MASTER_CLOCK
@@ -165,6 +166,10 @@ def result_of(
     """
     in_modes = observed if undisturbed is None else undisturbed
     scaling = largest_scaling(analysis.task_set, analysis.overheads)
+    factor = scaling.factor
+    if factor is not None and analysis.schedulable:
+        # A bound from below: those of a common release and of dispatches are closer.
+        factor = max(factor, Fraction(1))
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
         "timing": analysis.services.timing,
@@ -173,7 +178,7 @@ def result_of(
         "stacks_suffice": all(
             deepest is None or deepest <= size for deepest, size in _stacks(analysis)
         ),
-        "largest_scaling": None if scaling.factor is None else float(scaling.factor),
+        "largest_scaling": None if factor is None else float(factor),
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
         "tasks": [
@@ -289,7 +294,7 @@ def _deadline_lines(result: dict[str, Any]) -> list[str]:
         return lines
     for task in result["tasks"]:
         limit, own = task["execution_max_cycles"], task["execution_bound_cycles"]
-        if limit is not None:
+        if limit is not None and limit >= own:
             fastest = task["smallest_period_us"]
             faster = f", or come each {fastest} us" if fastest else ""
             lines.append(
