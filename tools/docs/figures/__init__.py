@@ -37,6 +37,7 @@ KEPT = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "raven
 # Of every figure: the package, the programs, the emulator, and this module.
 COMMON: tuple[str, ...] = ("host/src/ravenbrick", "catalogue", "runtime", "drivers/src", "examples")
 COMMON += ("virtual-brick/bindings/python", "tools/docs/figures/__init__.py")
+COMMON += ("tools/docs/figures/three_tasks.py",)
 READ = {".py", ".ads", ".adb", ".S", ".gpr", ".toml", ".json", ".so", ".h", ".c", ".png"}
 Edits = Mapping[str, str | Sequence[tuple[str, str]]]
 

@@ -4,21 +4,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.schedule import jobs_of, segments
 
-from tools.docs.figures import SERIES, Edits, legend, new_figure, picture, project, run
+from tools.docs.figures import SERIES, Edits, legend, new_figure, picture, run
+from tools.docs.figures.three_tasks import LANES, executions, robot_text
 from tools.docs.lessons import SHEETS, files_of
 
 SHEET = SHEETS / "06-inversion.md"
-LANES = ("low_task", "middle_task", "high_task")
+# Of Low, from whose release the pictures count.
+FIRST_JOB = 1
 LOCKS = {False: "a flag as the lock", True: "a protected object with a ceiling"}
 PERIOD_MS = 250
 RELEASE_MS, DEADLINE_MS = 10, 60
-# Interrupts and the task of the co-processor link take less than this out of an execution.
-GAP_MS = 0.6
 
 
 def _edits(ceiling: bool, middle_ms: int) -> Edits:
@@ -31,35 +28,9 @@ def _edits(ceiling: bool, middle_ms: int) -> Edits:
     files["src/tasks.adb"] = written["lab06/src/tasks.adb"].replace(
         "Compute (100)", f"Compute ({middle_ms})"
     )
-    robot = (Path(project("blank")) / "robot.toml").read_text("utf-8")
-    head, link = robot.split("[[tasks]]")[:2]
-    tables = [head.replace("\n[ports.B]", "watchdog = false\n\n[ports.B]"), link]
-    for priority, name in enumerate(LANES, 1):
-        # A job of any of them may last longer than its task's period here.
-        tables.append(
-            f'\nname = "{name}"\nrelease = "background"\npriority = {priority}\n'
-            f"stack_bytes = {4096 if priority == 1 else 2048}\n\n"
-        )
-    files["robot.toml"] = "[[tasks]]".join(tables)
+    files["robot.toml"] = robot_text()
     files["scenarios/share.toml"] = written["lab06/scenarios/share.toml"]
     return files
-
-
-def _executions(recording: Recording, name: str) -> list[tuple[float, float]]:
-    """When a task executed, in ms after the first release of Low; short gaps are closed."""
-    origin = jobs_of(recording, recording.thread_index("low_task"))[1].release_cycles
-    found: list[tuple[float, float]] = []
-    for segment in segments(recording):
-        if segment.owner != recording.thread_index(name):
-            continue
-        begin, end = (
-            1000 * float(recording.clock.seconds(cycles - origin))
-            for cycles in (segment.begin_cycles, segment.end_cycles)
-        )
-        if found and begin - found[-1][1] < GAP_MS:
-            begin = found.pop()[0]
-        found.append((begin, end))
-    return [(begin, end) for begin, end in found if begin > -1]
 
 
 def schedules() -> str:
@@ -68,7 +39,7 @@ def schedules() -> str:
     for axis, (ceiling, title) in zip(axes, LOCKS.items(), strict=True):
         recording = run("blank", "share", _edits(ceiling, 100))
         for lane, name in enumerate(LANES):
-            for begin, end in _executions(recording, name):
+            for begin, end in executions(recording, name, FIRST_JOB):
                 axis.barh(lane, end - begin, left=begin, height=0.5, color=SERIES[lane])
         axis.axvline(RELEASE_MS, color="black", linewidth=1)
         axis.axvline(RELEASE_MS + DEADLINE_MS, color="black", linestyle=":", linewidth=1)
@@ -81,11 +52,11 @@ def schedules() -> str:
 
 def _longest_ms(recording: Recording) -> float:
     """From a release of High to the end of its last execution before the next one."""
-    executions = _executions(recording, "high_task")
+    shown = executions(recording, "high_task", FIRST_JOB)
     longest = 0.0
-    for period in range(int(executions[-1][1] / PERIOD_MS)):
+    for period in range(int(shown[-1][1] / PERIOD_MS)):
         release = RELEASE_MS + PERIOD_MS * period
-        ends = [end for begin, end in executions if release - 1 < begin < release + PERIOD_MS - 1]
+        ends = [end for begin, end in shown if release - 1 < begin < release + PERIOD_MS - 1]
         longest = max(longest, ends[-1] - release)
     return longest
 

@@ -6,18 +6,18 @@ from __future__ import annotations
 
 import numpy as np
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.schedule import jobs_of, segments
+from ravenbrick.trace.schedule import jobs_of
 
-from tools.docs.figures import COLOURS, SERIES, Edits, legend, new_figure, picture, project, run
+from tools.docs.figures import COLOURS, SERIES, Edits, legend, new_figure, picture, run
+from tools.docs.figures.three_tasks import LANES, executions, robot_text
 from tools.docs.lessons import SHEETS, files_of
 
 SHEET = SHEETS / "13-ceilings.md"
-LANES = ("low_task", "middle_task", "high_task")
+# Of Low, from whose release the pictures count.
+FIRST_JOB = 2
 RELEASES_MS = {"low_task": 0.0, "middle_task": 4.0, "high_task": 3.0}
 COMPUTING_MS, LINK_DEADLINE_MS, PERIOD_MS = 8, 2, 40
 LENGTHS_MS = (1, 2, 4, 6, 8)
-# Interrupts and the task of the link take less than this out of an execution.
-GAP_MS = 0.6
 
 
 def _edits(action_ms: int, ceiling: str | None = "System.Priority'First + 3") -> Edits:
@@ -33,33 +33,9 @@ def _edits(action_ms: int, ceiling: str | None = "System.Priority'First + 3") ->
     if action_ms < COMPUTING_MS:
         short += f" Store.Compute ({COMPUTING_MS - action_ms});"
     files["src/tasks.adb"] = written["lab13/src/tasks.adb"].replace("Store.Use_It (8);", short)
-    head, link = (project("blank") / "robot.toml").read_text("utf-8").split("[[tasks]]")[:2]
-    tables = [head.replace("\n[ports.B]", "watchdog = false\n\n[ports.B]"), link]
-    for priority, name in enumerate(LANES, 1):
-        tables.append(
-            f'\nname = "{name}"\nrelease = "background"\npriority = {priority}\n'
-            f"stack_bytes = {4096 if priority == 1 else 2048}\n\n"
-        )
-    files["robot.toml"] = "[[tasks]]".join(tables)
+    files["robot.toml"] = robot_text()
     files["scenarios/share.toml"] = written["lab13/scenarios/share.toml"]
     return files
-
-
-def _executions(recording: Recording, name: str) -> list[tuple[float, float]]:
-    """When a task executed, in ms after the third release of Low; short gaps are closed."""
-    origin = jobs_of(recording, recording.thread_index("low_task"))[2].release_cycles
-    found: list[tuple[float, float]] = []
-    for segment in segments(recording):
-        if segment.owner != recording.thread_index(name):
-            continue
-        begin, end = (
-            1000 * float(recording.clock.seconds(cycles - origin))
-            for cycles in (segment.begin_cycles, segment.end_cycles)
-        )
-        if found and begin - found[-1][1] < GAP_MS:
-            begin = found.pop()[0]
-        found.append((begin, end))
-    return [(begin, end) for begin, end in found if begin > -1]
 
 
 def schedules() -> str:
@@ -73,7 +49,7 @@ def schedules() -> str:
     for axis, (title, edits) in zip(axes, cases, strict=True):
         recording = run("blank", "share", edits)
         for lane, name in enumerate(LANES):
-            for begin, end in _executions(recording, name):
+            for begin, end in executions(recording, name, FIRST_JOB):
                 axis.barh(lane, end - begin, left=begin, height=0.5, color=SERIES[lane])
         for name in ("high_task", "middle_task"):
             axis.axvline(RELEASES_MS[name], color="black", linewidth=0.8, linestyle=":")
@@ -85,11 +61,11 @@ def schedules() -> str:
 
 def _longest_ms(recording: Recording, name: str) -> float:
     """From a release to the end of the last execution before the next one."""
-    executions = _executions(recording, name)
+    shown = executions(recording, name, FIRST_JOB)
     longest = 0.0
-    for period in range(int(executions[-1][1] / PERIOD_MS)):
+    for period in range(int(shown[-1][1] / PERIOD_MS)):
         release = RELEASES_MS[name] + PERIOD_MS * period
-        ends = [end for begin, end in executions if release - 0.5 < begin < release + PERIOD_MS - 1]
+        ends = [end for begin, end in shown if release - 0.5 < begin < release + PERIOD_MS - 1]
         longest = max(longest, ends[-1] - release)
     return longest
 
