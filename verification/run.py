@@ -17,6 +17,7 @@ import json
 import os
 import signal
 import sys
+import textwrap
 import threading
 import time
 from dataclasses import asdict, dataclass, field
@@ -39,9 +40,8 @@ def today() -> str:
 
 
 def short(text: str) -> str:
-    """A reason in one line of the table."""
-    line = " ".join(text.split())
-    return line if len(line) <= REASON_LENGTH else f"{line[: REASON_LENGTH - 2]} …"
+    """A reason in one line of the table, cut between two words."""
+    return textwrap.shorten(text, REASON_LENGTH, placeholder=" …")
 
 
 def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:

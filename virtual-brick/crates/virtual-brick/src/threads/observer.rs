@@ -30,9 +30,30 @@ pub(super) struct Watched {
     release: Option<u64>,
     /// Nominal release of the next job, set while delayed.
     next_release: Option<u64>,
+    /// The event that released the last job, where the thread waited for one.
+    last_event: Option<u64>,
     named: bool,
     /// As it was when the thread became ready first: what a stack overflow overwrites cannot tell.
     pub created: Option<Created>,
+}
+
+impl Watched {
+    /// Nominal release of the job that begins as the thread leaves a state to be ready.
+    ///
+    /// A delay until an instant that passed before the event for which the thread waited releases
+    /// nothing at that instant: its job is released where the thread calls it.
+    fn nominal_release(&mut self, at_cycles: u64, left: u32) -> u64 {
+        let instant = self.next_release.take();
+        let last_event = self.last_event.take();
+        if instant.is_none() && left > DELAYED {
+            self.last_event = Some(at_cycles);
+        }
+        let nominal = instant
+            .filter(|&instant| last_event.is_none_or(|event| event <= instant))
+            .unwrap_or(at_cycles);
+        self.release = Some(nominal);
+        nominal
+    }
 }
 
 /// What does not change while a thread exists.
@@ -231,6 +252,7 @@ impl ThreadObserver {
             state: 0,
             release: None,
             next_release: None,
+            last_event: None,
             named: false,
             created: None,
         });
@@ -270,9 +292,7 @@ impl ThreadObserver {
         sink.event(at_cycles, EventKind::ThreadState, subject, i64::from(state));
         if state == READY {
             self.note_created(index, memory);
-            let thread = &mut self.threads[index];
-            let nominal = thread.next_release.take().unwrap_or(at_cycles);
-            thread.release = Some(nominal);
+            let nominal = self.threads[index].nominal_release(at_cycles, previous);
             sink.event(at_cycles, EventKind::Release, subject, nominal as i64);
         } else if previous == READY && (DELAYED..=BLOCKED_LAST).contains(&state) {
             if let Some(nominal) = self.threads[index].release.take() {

@@ -171,6 +171,30 @@ fn a_job_released_by_an_event_has_the_instant_of_the_transition_as_nominal_relea
     );
 }
 
+/// Nominal releases of a thread that waits for an event at 60,000 and delays until an instant.
+fn releases_around_a_delay(wake_time: u32) -> Vec<i64> {
+    let mut bench = with_two_threads();
+    bench.write(100, DISPLAY + STATE, 1);
+    bench.write(200, DISPLAY + STATE, 4);
+    bench.write(60_000, DISPLAY + STATE, 1);
+    bench.memory.put(DISPLAY + WAKE, wake_time);
+    bench.write(60_500, DISPLAY + STATE, 2);
+    bench.write(60_600, DISPLAY + STATE, 1);
+    let released = |event: &&(u64, EventKind, u32, i64)| event.1 == EventKind::Release;
+    let seen = bench.seen();
+    seen.iter().filter(released).map(|event| event.3).collect()
+}
+
+#[test]
+fn a_delay_until_an_instant_before_the_event_is_released_where_it_is_called() {
+    assert_eq!(releases_around_a_delay(21_024), [100, 60_000, 60_600]);
+}
+
+#[test]
+fn a_delay_until_an_instant_after_the_event_is_released_at_that_instant() {
+    assert_eq!(releases_around_a_delay(25_900), [100, 60_000, 60_200]);
+}
+
 #[test]
 fn termination_ends_no_job() {
     let mut bench = with_two_threads();
