@@ -4,6 +4,8 @@
 //! (Granlund and Montgomery, *Division by invariant integers using multiplication*, 1994). A
 //! register is known as a quotient, a multiple of it or the sign of the number that was divided,
 //! so a remainder has its bounds whatever the number is.
+//!
+//! These rules are methods of `State`, which keeps what they find, so each file knows the other.
 
 use crate::values::relations::Location;
 use crate::values::state::State;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Registers that differ by one of a few distances, whatever they hold: the end of an object whose
 //! address is not known, and a pointer that moves towards it.
+//!
+//! These rules are methods of `State`, which keeps what they find, so each file knows the other.
 
 use crate::values::flags::distance_flags;
 use crate::values::interval::shifted;
