@@ -134,7 +134,7 @@ class ScenarioRun:
             snapshot.save(options.save)
 
     def run(self, progress: Progress, peer: ScenarioRun | None = None) -> None:
-        """To the end of the scenario or of the run; `peer` is in range and runs beside."""
+        """To the end of the scenario or of both runs; `peer` is in range and runs beside."""
         link = BluetoothLink(self.brick, peer.brick) if peer is not None else None
         events_ms = self._event_times_ms()
         instants = sorted({*range(SLICE_MS, self._scenario.duration_ms, SLICE_MS), *events_ms})
@@ -143,14 +143,15 @@ class ScenarioRun:
         for event_ms in sorted(events_ms):
             due = bisect_left(instants, event_ms)
             while next_index <= due:
-                first, last = next_index, next_index
+                first, last, peer_ended = next_index, next_index, True
                 if link is None or peer is None:
                     stop, last = self.brick.run_until_picture(cycles, first, due + 1)
                 else:
                     stop, other = link.run_until(cycles[first])
                     peer._after_slice(instants[first], cycles[first : first + 1], other)
+                    peer_ended = other.reason != "reached"
                 self._after_slice(instants[last], cycles[first : last + 1], stop)
-                if stop.reason != "reached":
+                if stop.reason != "reached" and peer_ended:
                     return
                 next_index = last + 1
             self._handle_event(event_ms, progress)
