@@ -410,11 +410,22 @@ def gnat_link(name: str) -> str:
     return str(counted)
 
 
-def gnat_motor(name: str) -> str:
-    """The touch sensor is held, light and distance change, arrows are pressed: a motor turns."""
-    brick = gnat_brick(name)
+def gnat_duties(
+    brick: FirmwareBrick, name: str, seconds: float = 0.7
+) -> list[list[tuple[int, ...]]]:
+    """Duties of A, B and C (%) in the good frames of each phase of a drive.
+
+    Phase by phase light and distance change, and the touch sensor is held and released, these
+    `seconds` each; then come the arrows.
+    """
     brick.device.record_buses()
     sensors = {kind["kind"]: port for port, kind in GNAT_SENSORS[name.split()[1]].items()}
+    phases = []
+
+    def phase_ends() -> None:
+        frames = commands(brick.device.bus_log())
+        phases.append([struct.unpack("3b", data[2:5]) for data in frames])
+
     for level, metres in ((0.1, 0.1), (0.9, 1.0), (0.4, 0.15)):
         if "light" in sensors:
             brick.set(f"light.{sensors['light']}", level)
@@ -422,10 +433,18 @@ def gnat_motor(name: str) -> str:
             brick.set(f"distance.{sensors['ultrasonic']}", metres)
         for pressed in (1, 0):
             brick.set(f"touch.{sensors['touch']}", pressed)
-            brick.run(0.7)
+            brick.run(seconds)
+            phase_ends()
     for button in ("right", "left"):
         brick.press(button, 0.5, 0.5)
-    duties = [struct.unpack("3b", data[2:5]) for data in commands(brick.device.bus_log())]
+        phase_ends()
+    return phases
+
+
+def gnat_motor(name: str) -> str:
+    """The touch sensor is held, light and distance change, arrows are pressed: a motor turns."""
+    brick = gnat_brick(name)
+    duties = [duty for phase in gnat_duties(brick, name) for duty in phase]
     largest = [max((abs(d[i]) for d in duties), default=0) for i in range(3)]
     turned = [brick.encoder(port) for port in "ABC"]
     assert max(largest) > 0, "no frame drives a motor"
