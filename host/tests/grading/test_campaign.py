@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import zipfile
 from pathlib import Path
@@ -32,6 +35,45 @@ def grade(students: Path, out: Path) -> list[dict[str, Any]]:
     return campaign.run_campaign(
         read_rubric(RUBRIC), find_submissions([students]), out, 2, border=BORDER, secret="x"
     )
+
+
+@pytest.mark.long("six submissions twice")
+@pytest.mark.skipif(
+    importlib.util.find_spec("distributed") is None,
+    reason="distributed is not installed: pip install -r tools/requirements/cluster.txt",
+)
+def test_a_killed_worker_of_a_cluster_costs_no_submission(tmp_path: Path) -> None:
+    """Its job is given to another worker: the marks are those of a campaign without a cluster."""
+    students, out = tmp_path / "students", tmp_path / "out"
+    for number in range(6):
+        write_submission(
+            students / f"s{number}", SOURCES["tasks.adb"].replace("50", f"{50 - number}")
+        )
+    found = find_submissions([students])
+    killed = []
+
+    def kill_one(workers: list[int]) -> None:
+        end = time.monotonic() + LONGEST_S
+        while not list((out / "results").rglob("*.json")) and time.monotonic() < end:
+            time.sleep(0.02)
+        os.kill(workers[0], signal.SIGKILL)
+        killed.append(workers[0])
+
+    distributed = importlib.import_module("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+    ) as cluster:
+        workers = [worker.pid for worker in cluster.workers.values()]
+        killer = threading.Thread(target=kill_one, args=(workers,))
+        killer.start()
+        address = cluster.scheduler_address
+        results = campaign.run_campaign(
+            read_rubric(RUBRIC), found, out, 2, dask=address, border=BORDER, secret="x"
+        )
+        killer.join()
+    assert killed and results == grade(students, tmp_path / "whole")
+    assert not any("defect" in result for result in results)
+    assert not list(out.rglob("*.part"))
 
 
 def test_a_killed_campaign_goes_on_with_nothing_lost_and_nothing_left(tmp_path: Path) -> None:
