@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The body that balances: falls as published, keeps its energy, stands under published gains.
 
-use crate::common::catalogue::{NXTWAY_BODY, NXTWAY_MOTOR};
+use crate::common::catalogue::{nxtway_body, nxtway_motor, NXTWAY_BODY, NXTWAY_MOTOR};
 use crate::common::{near, robot, run, slow, velocity, DT};
 use plant::{MotorDrive, MotorPort, Robot};
 
@@ -48,6 +48,31 @@ fn fallen_it_lies_on_the_floor_at_its_last_pitch() {
     run(&mut robot, 5.0, MotorDrive::Brake, MotorDrive::Brake, 8.0);
     near(pitch(&robot), -1.2, 1e-9);
     assert!(robot.pitch().unwrap().1.abs() < 1e-9);
+}
+
+/// Held upright, wheels and body have the energies of their motions: a mass that rolls, a body that
+/// turns about the vertical with a wheel on each side, and shafts that spin.
+#[test]
+fn rolling_and_turning_have_the_energy_of_their_masses() {
+    let spin = 2.0 * (nxtway_body("wheel_inertia") + nxtway_motor("inertia"));
+    let wheels = 2.0 * nxtway_body("wheel_mass");
+    let track = nxtway_body("track");
+    for (left, mass, inertia) in [
+        (0.5, nxtway_body("mass") + wheels, 0.0),
+        (
+            -0.5,
+            0.0,
+            nxtway_body("yaw_inertia") + wheels * track * track / 4.0,
+        ),
+    ] {
+        let mut robot = balancer(&NXTWAY_MOTOR, "");
+        run(&mut robot, 0.5, slow(left), slow(0.5), 8.0);
+        let shaft = velocity(&robot, MotorPort::C);
+        let speed = nxtway_body("wheel_radius") * shaft;
+        let yaw_rate = 2.0 * speed / track;
+        let doubled = mass * speed * speed + inertia * yaw_rate * yaw_rate + spin * shaft * shaft;
+        near(robot.kinetic_energy(), doubled / 2.0, 1e-9);
+    }
 }
 
 /// Without friction and with open windings the sum of kinetic and potential energy stays.

@@ -111,6 +111,28 @@ fn below_breakaway_the_shaft_stays_at_rest_without_a_trace_of_motion() {
     assert!(velocity(&robot, B) > 0.1);
 }
 
+/// Alone, and with others plugged in: friction acts on the shaft that it belongs to.
+#[test]
+fn a_motor_turns_alike_in_every_port() {
+    let turned = |ports: &[char], driven: usize| {
+        let plugged = |port: &char| format!(r#""{port}": {{"parameters": {SET_A}}}"#);
+        let motors: Vec<String> = ports.iter().map(plugged).collect();
+        let mut robot = robot(&format!(r#"{{"motors": {{{}}}}}"#, motors.join(", ")));
+        let mut drives = [MotorDrive::Coast; 3];
+        drives[driven] = slow(0.5);
+        for _ in 0..1_000 {
+            robot.step(DT, &drives, 8.0);
+        }
+        angle(&robot, [MotorPort::A, B, MotorPort::C][driven])
+    };
+    let expected = turned(&['A'], 0);
+    assert!(expected > 0.1);
+    for driven in 0..3 {
+        assert_eq!(turned(&['A', 'B', 'C'], driven), expected);
+    }
+    assert_eq!((turned(&['B'], 1), turned(&['C'], 2)), (expected, expected));
+}
+
 #[test]
 fn once_moving_the_shaft_needs_only_the_coulomb_friction() {
     let mut robot = bench(SET_A, r#", "static_friction": 0.02"#);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Errors of the configuration.
 
-use crate::common::catalogue::nxt;
+use crate::common::catalogue::{nxt, nxtway_body, NXTWAY_BODY};
 use crate::common::{parameters, TABLE_1, VEHICLE};
 use plant::{Robot, RobotParameters};
 
@@ -58,6 +58,35 @@ fn a_body_out_of_range_is_named() {
     assert_eq!(
         error(&format!(r#"{{"motors": {motors}, "body": {body}}}"#)),
         "body.mass = 0.001: expected a number from 0.01 to 100 (kg)"
+    );
+}
+
+#[test]
+fn a_body_that_is_too_high_is_named() {
+    let motors = format!(
+        r#"{{"B": {{"parameters": {0}}}, "C": {{"parameters": {0}}}}}"#,
+        *TABLE_1
+    );
+    let height = |value: &str| {
+        let now = format!(r#""centre_height": {}"#, nxtway_body("centre_height"));
+        let body = NXTWAY_BODY.replace(&now, &format!(r#""centre_height": {value}"#));
+        format!(r#"{{"motors": {motors}, "body": {{{body}}}}}"#)
+    };
+    assert!(Robot::new(&parameters(&height("2"))).is_ok());
+    assert_eq!(
+        error(&height("2.1")),
+        "body.centre_height = 2.1: expected a number from 0.001 to 2 (m)"
+    );
+}
+
+#[test]
+fn a_fuse_that_closes_only_above_its_trip_current_is_rejected() {
+    let fuse = r#", "cut_out": {"trip_current": 0.9, "reset_current": 1, "time_constant": 66}}"#;
+    let motor = TABLE_1.replace('}', fuse);
+    assert_eq!(
+        error(&with_motor(&format!(r#"{{"parameters": {motor}}}"#))),
+        "motors.B.parameters.cut_out.reset_current = 1: expected a number from 0.001 to 0.9 \
+         (A, not more than trip_current)"
     );
 }
 

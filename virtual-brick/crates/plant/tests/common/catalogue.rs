@@ -71,6 +71,16 @@ pub static NXTWAY_BODY: LazyLock<String> = LazyLock::new(|| {
     format!("{ports}, {}", members.join(", "))
 });
 
+/// A constant of the body of NXTway-GS in SI units.
+pub fn nxtway_body(name: &str) -> f64 {
+    constant("bodies", "nxtway", name)
+}
+
+/// A constant of the motor of NXTway-GS in SI units.
+pub fn nxtway_motor(name: &str) -> f64 {
+    constant("motors", "nxtway", name)
+}
+
 /// Torque per speed of the NXT motor with shorted windings in N m s/rad.
 pub fn damping() -> f64 {
     nxt("viscous_friction") + nxt("torque_constant") * nxt("electric_constant") / nxt("resistance")
