@@ -89,6 +89,9 @@ CASES: dict[str, tuple[str, int, dict[str, Any], Any]] = {
     "to fixed point": ("DataTypeConversion", 1, {"OutDataTypeStr": "fixdt(1,16,1)",
                        "RndMeth": "Floor"}, lambda a: np.floor(a * 2) / 2),
     "to boolean": ("DataTypeConversion", 1, {"OutDataTypeStr": "boolean"}, lambda a: a != 0),
+    "friction": ("Reference", 1, {"SourceBlock": "simulink/Discontinuities/Coulomb &amp;\n"
+                 "Viscous Friction", "offset": "5", "gain": "3"},
+                 lambda a: np.sign(a) * (3 * np.abs(a) + 5)),
     "limits with one open": ("Saturate", 1, {"UpperLimit": "inf", "LowerLimit": "-1"},
                              lambda a: np.maximum(a, -1)),
     "choice by number": ("MultiPortSwitch", 4, {"DataPortOrder": "Zero-based contiguous",
@@ -104,6 +107,7 @@ CASES: dict[str, tuple[str, int, dict[str, Any], Any]] = {
     "accumulator with reset": ("DiscreteIntegrator", 2, {"ExternalReset": "level",
                                "IntegratorMethod": "Accumulation: Forward Euler",
                                "InitialCondition": "1"}, lambda a, b: reset_sum(a, b != 0, 1.0)),
+    "hyperbolic tangent": ("Trigonometry", 1, {"Operator": "tanh"}, np.tanh),
     "sine in time": ("Sin", 0, {"Amplitude": "2", "Frequency": "7", "Phase": "0.5", "Bias": "1"},
                      lambda: 1 + 2 * np.sin(7 * 0.01 * np.arange(40) + 0.5)),
 }  # fmt: skip
@@ -426,7 +430,7 @@ def test_what_lies_outside_is_said_by_path(tmp_path: Path) -> None:
     with pytest.raises(DesignError) as caught:
         import_simulink(single_file(tmp_path / "m.slx", root), 0.01)
     for text in (
-        "Chart (S-Function): a Stateflow chart or MATLAB function",
+        "Chart (S-Function): a Stateflow chart, or a MATLAB function of a .mdl file",
         "P (PMIOPort): physical modelling",
         "Pin (Reference): the library block 'arduinolib/Digital Output' is not at hand",
         "Mine (S-Function): an S-Function, a program in another language",

@@ -11,6 +11,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from verification.support.codegen.simulink_files import block, line, single_file
 
 from ravenbrick.simulink import ModelSource, import_model, import_simulink
@@ -207,7 +208,8 @@ def test_a_double_integrator_gives_place_and_speed(tmp_path: Path) -> None:
 
 def test_the_derivative_of_a_continuous_signal_is_a_fast_filter(tmp_path: Path) -> None:
     """Within the filter's lag, and 0 at the beginning."""
-    root = block("Sin", "w", 1, Amplitude="2", Frequency="3", SampleTime="0")
+    root = block("SignalGenerator", "w", 1, WaveForm="sine", Amplitude="2", Frequency="3",
+                 Units="rad/sec")  # fmt: skip
     root += block("Derivative", "D", 2) + block("Outport", "rate", 3)
     root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
     found = run(tmp_path / "m.slx", root, 5.0)
@@ -215,6 +217,66 @@ def test_the_derivative_of_a_continuous_signal_is_a_fast_filter(tmp_path: Path) 
     rate = values(found, "rate")
     assert rate[late] == pytest.approx(6 * np.cos(3 * found.times[late]), abs=0.02)
     assert rate[0] == 0.0
+
+
+def test_derivatives_of_sines_and_of_integrals_are_exact(tmp_path: Path) -> None:
+    """The second one of a sine, and the one of an integral, which is what it integrates."""
+    root = block("Sin", "w", 1, Amplitude="2", Frequency="3", Bias="1", SampleTime="0")
+    root += block("Derivative", "D", 2) + block("Derivative", "E", 3)
+    root += block("Integrator", "I", 4) + block("Derivative", "F", 5)
+    root += block("Outport", "second", 6, Port=1) + block("Outport", "back", 7, Port=2)
+    root += line("1#out:1", "2#in:1", "4#in:1") + line("2#out:1", "3#in:1")
+    root += line("3#out:1", "6#in:1") + line("4#out:1", "5#in:1") + line("5#out:1", "7#in:1")
+    found = run(tmp_path / "m.slx", root, 5.0)
+    wave = np.sin(3 * found.times)
+    assert values(found, "second") == pytest.approx(-18 * wave, abs=1e-7)
+    assert values(found, "back") == pytest.approx(1 + 2 * wave, abs=1e-7)
+
+
+def test_an_interpreted_function_drives_an_integrator(tmp_path: Path) -> None:
+    """A pendulum falls as scipy has it; its sine has no folds that a solver has to find."""
+    root = block("Integrator", "speed", 1) + block("Integrator", "angle", 2, InitialCondition="1")
+    root += block("MATLABFcn", "fall", 3, MATLABFcn="-9.81*sin(u)") + block("Scope", "S", 4)
+    root += line("3#out:1", "1#in:1") + line("1#out:1", "2#in:1")
+    root += line("2#out:1", "3#in:1", "4#in:1")
+    found = run(tmp_path / "m.slx", root, 3.0)
+    exact = solve_ivp(lambda t, x: [-9.81 * np.sin(x[1]), x[0]], (0, 3), [0.0, 1.0],
+                      t_eval=np.unique(found.times), rtol=1e-11, atol=1e-12)  # fmt: skip
+    angle = values(found, "angle")[np.unique(found.times, return_index=True)[1]]
+    assert angle == pytest.approx(exact.y[1], abs=1e-7)
+
+
+def test_a_quotient_by_zero_is_infinite_as_in_simulink(tmp_path: Path) -> None:
+    """At the beginning the time is 0."""
+    root = block("Clock", "t", 1) + block("Constant", "one", 2, Value="1")
+    root += block("Product", "P", 3, Inputs="*/") + block("Scope", "S", 4)
+    root += line("2#out:1", "3#in:1") + line("1#out:1", "3#in:2") + line("3#out:1", "4#in:1")
+    share = values(run(tmp_path / "m.slx", root, 1.0), "P")
+    assert np.isinf(share[0]) and share[-1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters", "mean", "deviation"),
+    [
+        ("UniformRandomNumber", {"Minimum": "-1", "Maximum": "3"}, 1.0, 4 / np.sqrt(12)),
+        ("RandomNumber", {"Mean": "2", "Variance": "9"}, 2.0, 3.0),
+        ("Reference", {"SourceBlock": "simulink/Sources/Band-Limited White Noise", "Cov": "[0.04]",
+                       "Ts": "0.01"}, 0.0, 2.0),
+    ],
+)  # fmt: skip
+def test_random_numbers_have_their_distribution(
+    kind: str, parameters: dict[str, str], mean: float, deviation: float, tmp_path: Path
+) -> None:
+    """Their mean and deviation, no memory, and the same numbers for the same seed."""
+    sampled = {} if kind == "Reference" else {"SampleTime": "0.01"}
+    text = sources(kind, **parameters, **sampled)
+    found = values(run(tmp_path / "m.slx", text, 60.0, 0.01), "W")[::2][:5900]
+    assert found.mean() == pytest.approx(mean, abs=0.05 * deviation)
+    assert found.std() == pytest.approx(deviation, rel=0.03)
+    rest = found - found.mean()
+    assert abs(np.mean(rest[1:] * rest[:-1])) < 0.05 * deviation**2
+    again = values(run(tmp_path / "n.slx", text, 60.0, 0.01), "W")[::2][:5900]
+    assert np.array_equal(found, again)
 
 
 def test_the_atomic_subsystem_is_the_controller_that_becomes_c(tmp_path: Path) -> None:

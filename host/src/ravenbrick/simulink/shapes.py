@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ravenbrick.simulink.blocks.programs import interpreted_shape, program_shapes
 from ravenbrick.simulink.network import End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.signals import Bus, Shape, plain, size_of
@@ -24,7 +25,9 @@ _WIDENING = {
     "X0"), "Memory": ("InitialCondition", "X0"), "Delay": ("InitialCondition",),
     "DiscreteIntegrator": ("InitialCondition",), "Integrator": ("InitialCondition",),
     "Step": ("After", "Before"), "Sin": ("Amplitude", "Frequency", "Phase"),
-    "Saturate": ("UpperLimit", "LowerLimit"),
+    "Saturate": ("UpperLimit", "LowerLimit"), "Reference": ("offset", "gain", "Cov"),
+    "UniformRandomNumber": ("Minimum", "Maximum", "Seed"), "RandomNumber": ("Mean", "Variance",
+    "Seed"),
 }  # fmt: skip
 _ONE_ELEMENT = frozenset("DotProduct Width Clock DigitalClock If SwitchCase".split())
 _REDUCED = frozenset("Sum MinMax Product".split())
@@ -154,12 +157,16 @@ def _outputs(
         return {1: asked.shape(f"{site.path}|")}
     if network.is_root_port(site) and site.kind == "Inport":
         return {1: _port_shape(site)}
-    if site.kind not in known:
-        numbers = re.findall(r"\d+", site.block.parameters.get("Ports", "1, 1"))
-        count = int(numbers[1]) if len(numbers) > 1 else 1
-        return {port: asked.shape(f"{site.path}|{port}|") for port in range(1, count + 1)}
     rule = _RULES.get(site.kind, _widest)
-    return rule(site, network, shapes)
+    if site.kind in known:
+        try:
+            return rule(site, network, shapes)
+        except ValueError:
+            if site.kind not in ("MATLABFcn", "MATLABFunction"):
+                raise
+    numbers = re.findall(r"\d+", site.block.parameters.get("Ports", "1, 1"))
+    count = int(numbers[1]) if len(numbers) > 1 else 1
+    return {port: asked.shape(f"{site.path}|{port}|") for port in range(1, count + 1)}
 
 
 def _port_shape(site: Site) -> Shape:
@@ -368,4 +375,5 @@ _RULES: dict[str, Rule] = {
     "DiscreteStateSpace": _state_space, "MultiPortSwitch": _multiport,
     "SignalConversion": _first_input, "RateTransition": _first_input, "Assignment": _first_input,
     "Fcn": lambda site, network, shapes: {1: (1,)}, "Outport": _first_input,
+    "MATLABFcn": interpreted_shape, "MATLABFunction": program_shapes,
 }  # fmt: skip

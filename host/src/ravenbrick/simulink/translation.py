@@ -37,6 +37,7 @@ __all__ = ["Refusal", "Translation"]
 _FARTHEST = 2000
 Maker = Callable[[Builder], None]
 _KNOWN = frozenset([*MAKERS, "Reference", "Outport"])
+_NOTES = ("DocBlock", "Model Info", "Timed-Based Linearization", "Trigger-Based Linearization")
 _SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "XYGraph", "FloatingScope")
 
 
@@ -132,7 +133,7 @@ class Translation:
         if site.kind == "Reference":
             source = site.block.parameters.get("SourceBlock", "")
             maker = library_maker(source)
-            if _is_sink(site):
+            if _is_sink(site) or (own_library(source) and library_name(source) in _NOTES):
                 return
             if maker is None:
                 where = "has no counterpart" if own_library(source) else "is not at hand"
@@ -151,7 +152,7 @@ class Translation:
         try:
             maker(builder)
         except (ValueError, KeyError, IndexError, DesignError, NotImplementedError) as error:
-            self._refuse(site, f"{error}")
+            self._refuse(site, f"{error}", outside=site.kind == "MATLABFunction")
             return
         self._take(builder)
 
@@ -325,7 +326,10 @@ def _unsupported(site: Site) -> tuple[str, bool]:
     if site.kind == "S-Function":
         tag = site.block.parameters.get("Tag", "")
         if "Stateflow" in tag or site.block.parameters.get("FunctionName") == "sf_sfun":
-            return "a Stateflow chart or MATLAB function; draw it with a StateMachine", True
+            return (
+                "a Stateflow chart, or a MATLAB function of a .mdl file; draw it with a "
+                "StateMachine, or save the model as .slx"
+            ), True
         return "an S-Function, a program in another language; write a CustomFunction", True
     if site.kind in ("PMIOPort", "PMComponent", "SimscapeBlock", "SimscapeComponentBlock"):
         return "physical modelling", True

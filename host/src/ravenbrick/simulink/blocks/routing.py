@@ -51,7 +51,7 @@ def _same(b: Builder) -> None:
 
 def _manual_switch(b: Builder) -> None:
     setting = b.dialog().text("CurrentSetting") or b.dialog().text("sw") or "1"
-    b.out(b.inputs(1 if setting == "1" else 2))
+    b.out(b.inputs(1 if setting == "1" else 2, b.width()))
 
 
 def _columns(b: Builder, port: int) -> list[list[Wire]]:

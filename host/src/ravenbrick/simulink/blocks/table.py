@@ -42,14 +42,18 @@ from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.model.lazy import control
 from ravenbrick.simulink.blocks.arithmetic import ARITHMETIC
 from ravenbrick.simulink.blocks.conditions import CONDITIONS
+from ravenbrick.simulink.blocks.elementary import ELEMENTARY
 from ravenbrick.simulink.blocks.library import CLOCKS
 from ravenbrick.simulink.blocks.lookup import LOOKUP
 from ravenbrick.simulink.blocks.memory import MEMORY
+from ravenbrick.simulink.blocks.noise import NOISE
+from ravenbrick.simulink.blocks.programs import PROGRAMS
 from ravenbrick.simulink.blocks.routing import ROUTING
 from ravenbrick.simulink.blocks.sources import SOURCES
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
 from ravenbrick.simulink.numbers import matrix
-from ravenbrick.simulink.signals import Wire
+from ravenbrick.simulink.rates import own_rate
+from ravenbrick.simulink.signals import Wire, size_of
 
 __all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
 
@@ -97,6 +101,16 @@ def _zero_pole(d: Dialog) -> Block:
         return _sampled(d, control.tf(top, bottom))
     moved = [tuple(complex(root - 1) for root in roots) for roots in (zeros, poles)]
     return transfer_function_block(d.name, ZeroPoleGain(moved[0], moved[1], gain, d.sample_time))
+
+
+def _transfer_function(d: Dialog) -> Block:
+    top, bottom = d.numbers("Numerator", "[1]"), d.numbers("Denominator", "[1 1]")
+    if len(np.trim_zeros(top, "f")) > len(np.trim_zeros(bottom, "f")):
+        raise ValueError(
+            "its numerator is of a higher degree than its denominator, which Simulink refuses too; "
+            "add a pole well above the bandwidth"
+        )
+    return _sampled(d, control.tf(top, bottom))
 
 
 def _sampled(d: Dialog, system: control.TransferFunction) -> Block:
@@ -239,11 +253,15 @@ def _pulse_in_time(d: Dialog) -> TimeFunction:
     )
 
 
-def _sine_in_time(d: Dialog) -> TimeFunction:
+def _sine_in_time(d: Dialog, order: int = 0) -> TimeFunction:
+    """The wave, or a derivative of it."""
     if d.text("SineType", "Time based") == "Sample based":
         raise ValueError("a sine that counts samples; make it time based")
-    return time_functions.sine("B", d.number("Amplitude", "1"), d.number("Frequency", "1"),
-                           d.number("Phase", "0"), d.number("Bias", "0"))  # fmt: skip
+    size, pace = d.number("Amplitude", "1"), d.number("Frequency", "1")
+    phase, bias = d.number("Phase", "0"), d.number("Bias", "0")
+    size, phase = size * pace**order, phase + order * math.pi / 2
+    bias = 0.0 if order else bias
+    return time_functions.sine("B", size, pace, phase, bias)
 
 
 def _in_time(maker: Callable[[Dialog], TimeFunction]) -> Callable[[Builder], None]:
@@ -260,8 +278,39 @@ def _no_delay_in_time(b: Builder) -> None:
     raise ValueError("a delay in continuous time; use a transfer function, such as a Pade form")
 
 
+def _known_rates(b: Builder) -> list[Wire] | None:
+    """The derivative of a constant, of a sine, or of an integral without limits and resets."""
+    path, order, width = b.site.path, 1, size_of(b.input_shape())
+    while (end := b.network.source(path, 1)) is not None:
+        site = b.network.sites[end[0]]
+        source, path = replace(b, site=site), site.path
+        d = source.dialog()
+        if site.kind == "Derivative":
+            order += 1
+        elif site.kind == "Constant":
+            return [b.constant(0.0)] * width
+        elif site.kind == "Sin" and own_rate(site) is None:
+            return [b.add(_sine_in_time(source.dialog(element=e), order)) for e in range(width)]
+        elif site.kind == "Integrator":
+            if d.text("LimitOutput", "off") != "off" or d.text("ExternalReset", "none") != "none":
+                return None
+            order -= 1
+            if order == 0:
+                return source.inputs(1, width)
+        else:
+            return None
+    return None
+
+
 def _derivative_in_time(b: Builder) -> None:
-    """s / (T s + 1), T a 10,000th of the sample time or of the whole time; 0 for the first 10 T."""
+    """What is known of the source, else s / (T s + 1) with T a 10,000th of the sample time.
+
+    Without a sample time it is a 10,000th of the whole time; the output is 0 for the first 10 T.
+    """
+    known = _known_rates(b)
+    if known is not None:
+        b.out(known)
+        return
     short = _SHORT * b.sample_time
     found: list[Wire] = []
     for wire in b.inputs():
@@ -342,9 +391,7 @@ _SINGLE: Mapping[str, Maker] = {
     "StateSpace": _state_space,
     "Step": _step,
     "Switch": _switch,
-    "TransferFcn": lambda d: _sampled(
-        d, control.tf(d.numbers("Numerator", "[1]"), d.numbers("Denominator", "[1 1]"))
-    ),
+    "TransferFcn": _transfer_function,
     "TransportDelay": _transport_delay,
     "UnaryMinus": lambda d: Gain(d.name, gain=-1.0),
     "UnitDelay": lambda d: UnitDelay(d.name, initial=_initial(d)),
@@ -367,9 +414,12 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
     **{kind: _each(maker) for kind, maker in _SINGLE.items()},
     **ROUTING,
     **CONDITIONS,
+    **ELEMENTARY,
+    **PROGRAMS,
     **ARITHMETIC,
     **MEMORY,
     **LOOKUP,
+    **NOISE,
     **SOURCES,
     **CLOCKS,
     "Bias": _bias,
