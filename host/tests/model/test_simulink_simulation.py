@@ -233,6 +233,44 @@ def test_derivatives_of_sines_and_of_integrals_are_exact(tmp_path: Path) -> None
     assert values(found, "back") == pytest.approx(1 + 2 * wave, abs=1e-7)
 
 
+SMOOTH = {
+    "a product": ("u(1)*u(2)", lambda s, c: c * c - s * s),
+    "a quotient": ("u(1)/(2+u(2))", lambda s, c: (2 * c + 1) / (2 + c) ** 2),
+    "functions": ("sin(u(1)) - cos(2*u(2))",
+                  lambda s, c: np.cos(s) * c - 2 * np.sin(2 * c) * s),
+    "a root": ("sqrt(2+u(1))", lambda s, c: c / (2 * np.sqrt(2 + s))),
+    "an angle": ("atan2(u(1), 2+u(2))", lambda s, c: (2 * c + 1) / (5 + 4 * c)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_the_derivative_of_a_smooth_formula_is_that_of_calculus(name: str, tmp_path: Path) -> None:
+    """Of a sine and a cosine, which are states of an oscillator."""
+    text, rate = SMOOTH[name]
+    root = block("Integrator", "s", 1) + block("Integrator", "c", 2, InitialCondition="1")
+    root += block("Gain", "minus", 3, Gain="-1") + block("Mux", "M", 4, Inputs=2)
+    root += block("MATLABFcn", "F", 5, MATLABFcn=text) + block("Derivative", "D", 6)
+    root += block("Scope", "S", 7) + line("2#out:1", "1#in:1", "4#in:2")
+    root += line("1#out:1", "3#in:1", "4#in:1") + line("3#out:1", "2#in:1")
+    root += line("4#out:1", "5#in:1") + line("5#out:1", "6#in:1") + line("6#out:1", "7#in:1")
+    found = run(tmp_path / "m.slx", root, 4.0)
+    assert found.continuous_states == 2  # no filter
+    exact = rate(np.sin(found.times), np.cos(found.times))
+    assert values(found, "D") == pytest.approx(exact, abs=1e-6)
+
+
+def test_a_derivative_that_would_close_a_loop_is_a_filter(tmp_path: Path) -> None:
+    """x' = 1 - x' / 2 has x' on both sides; with the filter x' is 2/3."""
+    root = block("Constant", "one", 1, Value="1") + block("Sum", "E", 2, Inputs="+-")
+    root += block("Integrator", "x", 3) + block("Derivative", "D", 4)
+    root += block("Gain", "half", 5, Gain="0.5") + block("Scope", "S", 6)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
+    root += line("3#out:1", "4#in:1", "6#in:1") + line("4#out:1", "5#in:1")
+    root += line("5#out:1", "2#in:2")
+    found = run(tmp_path / "m.slx", root, 3.0)
+    assert values(found, "x")[-1] == pytest.approx(2.0, abs=0.01)
+
+
 def test_an_interpreted_function_drives_an_integrator(tmp_path: Path) -> None:
     """A pendulum falls as scipy has it; its sine has no folds that a solver has to find."""
     root = block("Integrator", "speed", 1) + block("Integrator", "angle", 2, InitialCondition="1")

@@ -26,6 +26,7 @@ from ravenbrick.simulink.blocks.library import library_maker, library_name, own_
 from ravenbrick.simulink.blocks.sources import recorded
 from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, MAKERS, STRUCTURE
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Names, identifier
+from ravenbrick.simulink.differentiation import Differentiation
 from ravenbrick.simulink.network import CONTROLS, End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import block_rates, own_rate
@@ -58,7 +59,10 @@ class Refusal:
 class Translation:
     """Nodes of all blocks of a model, and refusals of those without counterpart."""
 
-    def __init__(self, network: Network, sample_time: float, form: ContinuousForm) -> None:
+    def __init__(
+        self, network: Network, sample_time: float, form: ContinuousForm, *,
+        exact_rates: bool = False,
+    ) -> None:  # fmt: skip
         self.network = network
         self.refusals: list[Refusal] = []
         self.open_inputs: list[str] = []
@@ -78,6 +82,37 @@ class Translation:
         sites = list(network.sites.values())
         for site in sorted(sites, key=lambda site: not network.is_root_port(site)):
             self._make(site)
+        if exact_rates and form is ContinuousForm.SOLVED:
+            self._differentiate()
+
+    def _differentiate(self) -> None:
+        """Derivatives of smooth signals, in place of the filters of those blocks."""
+
+        def node_of(wire: Wire) -> Node | None:
+            found = self.node(wire, "a derivative")
+            return found if self._flows(self.network.sites[found.path]) else None
+
+        rules = Differentiation(node_of)
+        waiting = [site for site in self.network.sites.values()
+                   if site.kind == "Derivative" and not site.commented and self._flows(site)
+                   and not self.refusals]  # fmt: skip
+        changed = True
+        while changed:
+            changed = False
+            for site in list(waiting):
+                builder = self._builder(site)
+                found = rules.rates(builder, builder.inputs())
+                if found is not None:
+                    self.nodes = [node for node in self.nodes if node.path != site.path]
+                    self.nodes += builder.nodes
+                    self._outputs[site.path, 1] = found
+                    waiting.remove(site)
+                    changed = True
+
+    def _flows(self, site: Site) -> bool:
+        """Whether a block changes at all times: it has no rate of its own, no condition."""
+        free = own_rate(site) is None or site.kind == "Constant"
+        return free and next(self.network.guards(site.system), None) is None
 
     def _builder(self, site: Site) -> Builder:
         rate = self._rates.get(site.path, self.sample_time)

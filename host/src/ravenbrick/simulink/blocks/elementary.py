@@ -14,7 +14,7 @@ from ravenbrick.simulink.blocks.functions import exponential, logarithm, power
 from ravenbrick.simulink.builder import Builder, ContinuousForm
 from ravenbrick.simulink.signals import Wire, plain
 
-__all__ = ["ELEMENTARY", "ONE", "TWO"]
+__all__ = ["ELEMENTARY", "ONE", "TWO", "cosine", "root", "sine"]
 
 OfOne = Callable[[Builder, Wire], Wire]
 OfTwo = Callable[[Builder, Wire, Wire], Wire]
@@ -35,15 +35,18 @@ def _smooth(block: Block, name: str, function: Callable[..., float]) -> Callable
     return make
 
 
-def _sine(angle: float) -> float:
+def sine(angle: float) -> float:
+    """Also of an infinite angle."""
     return math.sin(angle) if math.isfinite(angle) else math.nan
 
 
-def _cosine(angle: float) -> float:
+def cosine(angle: float) -> float:
+    """Also of an infinite angle."""
     return math.cos(angle) if math.isfinite(angle) else math.nan
 
 
-def _root(value: float) -> float:
+def root(value: float) -> float:
+    """Zero for what is not positive."""
     return math.sqrt(value) if value > 0.0 else 0.0
 
 
@@ -114,7 +117,7 @@ ONE: Mapping[str, OfOne] = {
     "acos": _inverse("acos"),
     "asin": _inverse("asin"),
     "atan": lambda b, wire: TWO["atan2"](b, wire, b.constant(1.0)),
-    "cos": _smooth(Wave("B", function="cos"), "cos", _cosine),
+    "cos": _smooth(Wave("B", function="cos"), "cos", cosine),
     "cosh": _hyperbolic("+"),
     "deg2rad": lambda b, wire: b.scaled(math.pi / 180, wire),
     "exp": exponential,
@@ -125,10 +128,10 @@ ONE: Mapping[str, OfOne] = {
     "rad2deg": lambda b, wire: b.scaled(180 / math.pi, wire),
     "sgn": _block(Sign("B"), "sgn"),
     "sign": _block(Sign("B"), "sign"),
-    "sin": _smooth(Wave("B"), "sin", _sine),
+    "sin": _smooth(Wave("B"), "sin", sine),
     "sinc": _sinc,
     "sinh": _hyperbolic("-"),
-    "sqrt": _smooth(SquareRoot("B"), "sqrt", _root),
+    "sqrt": _smooth(SquareRoot("B"), "sqrt", root),
     "tan": _tangent,
     "tanh": _hyperbolic_tangent,
     **{name: _block(RoundingFunction("B", function=name), name)

@@ -52,8 +52,7 @@ from ravenbrick.simulink.blocks.routing import ROUTING
 from ravenbrick.simulink.blocks.sources import SOURCES
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
 from ravenbrick.simulink.numbers import matrix
-from ravenbrick.simulink.rates import own_rate
-from ravenbrick.simulink.signals import Wire, size_of
+from ravenbrick.simulink.signals import Wire
 
 __all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
 
@@ -253,15 +252,11 @@ def _pulse_in_time(d: Dialog) -> TimeFunction:
     )
 
 
-def _sine_in_time(d: Dialog, order: int = 0) -> TimeFunction:
-    """The wave, or a derivative of it."""
+def _sine_in_time(d: Dialog) -> TimeFunction:
     if d.text("SineType", "Time based") == "Sample based":
         raise ValueError("a sine that counts samples; make it time based")
-    size, pace = d.number("Amplitude", "1"), d.number("Frequency", "1")
-    phase, bias = d.number("Phase", "0"), d.number("Bias", "0")
-    size, phase = size * pace**order, phase + order * math.pi / 2
-    bias = 0.0 if order else bias
-    return time_functions.sine("B", size, pace, phase, bias)
+    return time_functions.sine("B", d.number("Amplitude", "1"), d.number("Frequency", "1"),
+                           d.number("Phase", "0"), d.number("Bias", "0"))  # fmt: skip
 
 
 def _in_time(maker: Callable[[Dialog], TimeFunction]) -> Callable[[Builder], None]:
@@ -278,39 +273,11 @@ def _no_delay_in_time(b: Builder) -> None:
     raise ValueError("a delay in continuous time; use a transfer function, such as a Pade form")
 
 
-def _known_rates(b: Builder) -> list[Wire] | None:
-    """The derivative of a constant, of a sine, or of an integral without limits and resets."""
-    path, order, width = b.site.path, 1, size_of(b.input_shape())
-    while (end := b.network.source(path, 1)) is not None:
-        site = b.network.sites[end[0]]
-        source, path = replace(b, site=site), site.path
-        d = source.dialog()
-        if site.kind == "Derivative":
-            order += 1
-        elif site.kind == "Constant":
-            return [b.constant(0.0)] * width
-        elif site.kind == "Sin" and own_rate(site) is None:
-            return [b.add(_sine_in_time(source.dialog(element=e), order)) for e in range(width)]
-        elif site.kind == "Integrator":
-            if d.text("LimitOutput", "off") != "off" or d.text("ExternalReset", "none") != "none":
-                return None
-            order -= 1
-            if order == 0:
-                return source.inputs(1, width)
-        else:
-            return None
-    return None
-
-
 def _derivative_in_time(b: Builder) -> None:
-    """What is known of the source, else s / (T s + 1) with T a 10,000th of the sample time.
+    """s / (T s + 1), T a 10,000th of the sample time or of the whole time; 0 for the first 10 T.
 
-    Without a sample time it is a 10,000th of the whole time; the output is 0 for the first 10 T.
+    Of a smooth signal `Differentiation` replaces it.
     """
-    known = _known_rates(b)
-    if known is not None:
-        b.out(known)
-        return
     short = _SHORT * b.sample_time
     found: list[Wire] = []
     for wire in b.inputs():
@@ -431,7 +398,7 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
 
 # Makers of a simulation in continuous time, in place of those above.
 IN_TIME: Mapping[str, Callable[[Builder], None]] = {
-    "Clock": lambda b: b.out([b.add(TimeFunction("B"))]),
+    "Clock": lambda b: b.out([b.add(time_functions.ramp("B"))]),
     "Derivative": _derivative_in_time,
     "DiscretePulseGenerator": _in_time(_pulse_in_time),
     "Sin": _in_time(_sine_in_time),
