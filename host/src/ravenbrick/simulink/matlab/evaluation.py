@@ -47,7 +47,7 @@ def program_of(text: str, name: str) -> Mapping[str, Function]:
     try:
         return functions(text)
     except ValueError as error:
-        text = re.sub(r"\Aline (\d+): ", r"\1: ", str(error))
+        text = re.sub(r"^line (\d+): ", r"\1: ", str(error))
         raise ValueError(f"{name}:{text}") from error
 
 
