@@ -241,6 +241,19 @@ def test_vectors_matrices_and_buses_become_single_signals(tmp_path: Path) -> Non
     assert np.allclose(found, (a + 2 * b + 3 * c) - (-b + 4 * c) + a, atol=1e-5)
 
 
+def test_a_vector_of_numbers_chooses_element_by_element(tmp_path: Path) -> None:
+    """Of a number and of vectors."""
+    root = block("Inport", "a", 1, Port=1) + block("Inport", "b", 2, Port=2)
+    root += block("Constant", "which", 3, Value="[2, 1, 2]")
+    root += block("MultiPortSwitch", "B", 5, Inputs=2, Ports="[3, 1]", DataPortOrder="One-based")
+    root += block("Gain", "K", 7, Gain="[1 2 3]") + block("Outport", "y", 6)
+    root += line("1#out:1", "7#in:1") + line("3#out:1", "5#in:1") + line("7#out:1", "5#in:2")
+    root += line("2#out:1", "5#in:3") + line("5#out:1", "6#in:1")
+    a, b = given(2)
+    found = run(import_simulink(single_file(tmp_path / "m.slx", root), 0.01), a, b)
+    assert np.allclose(found, np.transpose([b, 2 * a, b]))
+
+
 def branches(reset: str) -> str:
     """If u1 > 0 the integral of u2, else its negative, merged."""
     inner = block("Inport", "in", "x1") + block("ActionPort", "Act", "x2", InitializeStates=reset)

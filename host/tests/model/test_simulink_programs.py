@@ -201,6 +201,21 @@ def test_a_matlab_function_block_has_branches_loops_and_memory(tmp_path: Path) -
     assert_same_bits(diagram, tmp_path)
 
 
+def test_a_number_of_turns_may_come_from_a_constant(tmp_path: Path) -> None:
+    """Through a Mux; the constant is then part of the program, not tunable."""
+    (tmp_path / "series.m").write_text(
+        "function y = series(x, n)\ny = 0;\nfor k = 1:n\n  y = y + x^k;\nend\n"
+    )
+    root = block("Inport", "x", 1) + block("Constant", "n", 2, Value="turns")
+    root += block("Mux", "M", 3, Inputs=2) + block("Outport", "y", 5)
+    root += block("MATLABFcn", "F", 4, MATLABFcn="series(u(1), u(2))", OutputDimensions="1")
+    root += line("1#out:1", "3#in:1") + line("2#out:1", "3#in:2") + line("3#out:1", "4#in:1")
+    path = single_file(tmp_path / "m.slx", root + line("4#out:1", "5#in:1"))
+    (x,) = given(1)
+    diagram = import_simulink(path, 0.01, {"turns": 3.0})
+    assert run(diagram, x) == pytest.approx(x + x**2 + x**3, rel=1e-5, abs=1e-5)
+
+
 REFUSED = {
     "roots(u)": "the function 'roots' has no counterpart for signals",
     "u(round(u(1)))": "an index that is a signal",

@@ -14,6 +14,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from verification.support.codegen.simulink_files import block, line, single_file
 
+from ravenbrick.errors import DesignError
 from ravenbrick.simulink import ModelSource, import_model, import_simulink
 from ravenbrick.simulink.numbers import Workspace
 from ravenbrick.simulink.simulate import Simulation, simulate
@@ -291,6 +292,14 @@ def test_a_quotient_by_zero_is_infinite_as_in_simulink(tmp_path: Path) -> None:
     root += line("2#out:1", "3#in:1") + line("1#out:1", "3#in:2") + line("3#out:1", "4#in:1")
     share = values(run(tmp_path / "m.slx", root, 1.0), "P")
     assert np.isinf(share[0]) and share[-1] == pytest.approx(1.0)
+
+
+def test_a_sine_of_an_infinite_number_ends_the_simulation_with_a_reason(tmp_path: Path) -> None:
+    """Not with Python's words."""
+    root = block("Clock", "t", 1) + block("Scope", "S", 3) + line("1#out:1", "2#in:1")
+    root += block("MATLABFcn", "F", 2, MATLABFcn="sin(1/u)") + line("2#out:1", "3#in:1")
+    with pytest.raises(DesignError, match="look for a quotient by 0"):
+        run(tmp_path / "m.slx", root, 1.0)
 
 
 @pytest.mark.parametrize(

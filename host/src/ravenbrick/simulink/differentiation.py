@@ -13,7 +13,7 @@ import numpy as np
 from ravenbrick.model import Constant, Gain, Product, Sum
 from ravenbrick.model.blocks.continuous import ContinuousStateSpace, SmoothFunction
 from ravenbrick.model.blocks.time_functions import TimeFunction
-from ravenbrick.simulink.blocks.elementary import ONE, cosine, root, sine
+from ravenbrick.simulink.blocks.elementary import ONE, root
 from ravenbrick.simulink.builder import Builder
 from ravenbrick.simulink.signals import Node, Wire
 
@@ -151,5 +151,5 @@ def _of_angle(
 
 
 _RULES: dict[Callable[..., float], Rule] = {
-    sine: _of_sine, cosine: _of_cosine, root: _of_root, math.atan2: _of_angle,
+    math.sin: _of_sine, math.cos: _of_cosine, root: _of_root, math.atan2: _of_angle,
 }  # fmt: skip

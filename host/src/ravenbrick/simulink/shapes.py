@@ -363,8 +363,8 @@ def _state_space(site: Site, network: Network, shapes: Mapping[End, Shape]) -> d
 
 
 def _multiport(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[int, Shape]:
-    given = _inputs(site, network, shapes)[1:]
-    return {1: max(given, key=size_of, default=(1,))}
+    given = _inputs(site, network, shapes)
+    return {1: max([*given[1:], *given[:1]], key=size_of, default=(1,))}
 
 
 _RULES: dict[str, Rule] = {

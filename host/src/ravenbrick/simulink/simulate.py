@@ -98,7 +98,13 @@ def simulate(
             f"{source.path}: there is no inport '{min(given.keys() - known)}'; "
             f"there are: {', '.join(sorted(known)) or 'none'}"
         )
-    response = hybrid.run(stop, base, given)
+    try:
+        response = hybrid.run(stop, base, given)
+    except ValueError as error:
+        raise DesignError(
+            f"{source.path}: the simulation cannot go on: a sine or cosine of an infinite number; "
+            "look for a quotient by 0 before it"
+        ) from error
     begin = _first_jump(translation)
     signals = tuple(
         Signal(label, path, response.signals[name],

@@ -14,7 +14,7 @@ from ravenbrick.simulink.blocks.functions import exponential, logarithm, power
 from ravenbrick.simulink.builder import Builder, ContinuousForm
 from ravenbrick.simulink.signals import Wire, plain
 
-__all__ = ["ELEMENTARY", "ONE", "TWO", "cosine", "root", "sine"]
+__all__ = ["ELEMENTARY", "ONE", "TWO", "root"]
 
 OfOne = Callable[[Builder, Wire], Wire]
 OfTwo = Callable[[Builder, Wire, Wire], Wire]
@@ -33,16 +33,6 @@ def _smooth(block: Block, name: str, function: Callable[..., float]) -> Callable
         return b.add(own, *wires, ending=f"_{name}")
 
     return make
-
-
-def sine(angle: float) -> float:
-    """Also of an infinite angle."""
-    return math.sin(angle) if math.isfinite(angle) else math.nan
-
-
-def cosine(angle: float) -> float:
-    """Also of an infinite angle."""
-    return math.cos(angle) if math.isfinite(angle) else math.nan
 
 
 def root(value: float) -> float:
@@ -117,7 +107,7 @@ ONE: Mapping[str, OfOne] = {
     "acos": _inverse("acos"),
     "asin": _inverse("asin"),
     "atan": lambda b, wire: TWO["atan2"](b, wire, b.constant(1.0)),
-    "cos": _smooth(Wave("B", function="cos"), "cos", cosine),
+    "cos": _smooth(Wave("B", function="cos"), "cos", math.cos),
     "cosh": _hyperbolic("+"),
     "deg2rad": lambda b, wire: b.scaled(math.pi / 180, wire),
     "exp": exponential,
@@ -128,7 +118,7 @@ ONE: Mapping[str, OfOne] = {
     "rad2deg": lambda b, wire: b.scaled(180 / math.pi, wire),
     "sgn": _block(Sign("B"), "sgn"),
     "sign": _block(Sign("B"), "sign"),
-    "sin": _smooth(Wave("B"), "sin", sine),
+    "sin": _smooth(Wave("B"), "sin", math.sin),
     "sinc": _sinc,
     "sinh": _hyperbolic("-"),
     "sqrt": _smooth(SquareRoot("B"), "sqrt", root),

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,10 +16,12 @@ from ravenbrick.simulink.matlab.arrays import array_of
 from ravenbrick.simulink.matlab.evaluation import Program, formula, program_of
 from ravenbrick.simulink.network import End, Network, Site
 from ravenbrick.simulink.numbers import value_of
-from ravenbrick.simulink.signals import Shape, plain, size_of
+from ravenbrick.simulink.signals import Ref, Shape, Wire, plain, size_of
 
 __all__ = ["PROGRAMS", "interpreted_shape", "program_shapes"]
 
+Result = TypeVar("Result")
+_FARTHEST = 100  # vectors and buses inside each other
 _ADVICE = "; draw this part with blocks, or give its result as a variable of the workspace"
 
 
@@ -28,19 +31,64 @@ def _formula(b: Builder) -> None:
     b.out([formula(b, text, {"u": b.inputs()})])
 
 
-def _given(b: Builder, port: int) -> np.ndarray:
-    """An input as a matrix; a vector is a column."""
+def _given(b: Builder, port: int, *, fixed: bool) -> np.ndarray:
+    """An input as a matrix; a vector is a column. If `fixed`, constants are their numbers."""
     shape = plain(b.input_shape(port))
     rows, columns = shape if len(shape) == 2 else (shape[0], 1)
-    return array_of(list(b.inputs(port)), rows, columns)
+    elements: list[float | Wire] = [
+        _number_of(b, wire) if fixed and isinstance(wire, Ref) else wire for wire in b.inputs(port)
+    ]
+    return array_of(elements, rows, columns)
+
+
+def _number_of(b: Builder, wire: Ref) -> float | Wire:
+    """The number of a wire that comes from a Constant, also through vectors and buses."""
+    end: End | None = (wire.path, wire.port)
+    element = wire.element
+    for _ in range(_FARTHEST):
+        if end is None:
+            break
+        site = b.network.sites[end[0]]
+        if site.kind == "Constant":
+            value = value_of(site.block.parameters.get("Value", "1"), site.variables)
+            return float(value.T.ravel()[element])
+        if site.kind not in ("Mux", "BusCreator"):
+            return wire
+        inner: End | None = None
+        for port in range(1, b.network.inputs(site.path) + 1):
+            inner = b.network.source(site.path, port)
+            size = 1 if inner is None else size_of(b.shapes.get(inner, (1,)))
+            if element < size:
+                break
+            element -= size
+        end = inner
+    return wire
+
+
+def _tried(b: Builder, make: Callable[[bool], Result]) -> Result:
+    """With all signals; where that is refused, with the numbers of constants among them."""
+    made = len(b.nodes)
+    try:
+        return make(False)
+    except ValueError as error:
+        del b.nodes[made:]
+        try:
+            return make(True)
+        except ValueError:
+            raise ValueError(f"{error}{_ADVICE}") from error
 
 
 def _interpreted_value(b: Builder) -> np.ndarray:
     text = b.dialog().text("MATLABFcn", "sin")
-    try:
-        return Program(b, b.network.program).value(text, {"u": _given(b, 1)})
-    except ValueError as error:
-        raise ValueError(f"in '{text}': {error}{_ADVICE}") from error
+
+    def make(fixed: bool) -> np.ndarray:
+        try:
+            signals = {"u": _given(b, 1, fixed=fixed)}
+            return Program(b, b.network.program).value(text, signals)
+        except ValueError as error:
+            raise ValueError(f"in '{text}': {error}") from error
+
+    return _tried(b, make)
 
 
 def _interpreted(b: Builder) -> None:
@@ -83,12 +131,13 @@ def _outputs(b: Builder) -> list[np.ndarray]:
     if main is None:
         raise ValueError("its program has no function")
     ports = [name for name in main.inputs if name not in script.parameters]
-    values = {name: _given(b, port) for port, name in enumerate(ports, 1)}
-    values |= {name: value_of(name, b.site.variables) for name in script.parameters}
-    try:
+
+    def make(fixed: bool) -> list[np.ndarray]:
+        values = {name: _given(b, port, fixed=fixed) for port, name in enumerate(ports, 1)}
+        values |= {name: value_of(name, b.site.variables) for name in script.parameters}
         return program.call(main, [values[name] for name in main.inputs], file)
-    except ValueError as error:
-        raise ValueError(f"{error}{_ADVICE}") from error
+
+    return _tried(b, make)
 
 
 def _program(b: Builder) -> None:
