@@ -294,6 +294,33 @@ def test_a_quotient_by_zero_is_infinite_as_in_simulink(tmp_path: Path) -> None:
     assert np.isinf(share[0]) and share[-1] == pytest.approx(1.0)
 
 
+SPACE = {"A": "[0 1; -4 -0.6]", "B": "[0 1; 2 0]", "C": "[1 0; 0 1; 1 1]", "D": "zeros(3, 2)"}
+ROWS = {"Numerator": "[0 2 1; 3 0 0]", "Denominator": "[2 1 4]"}
+
+
+@pytest.mark.parametrize("kind", ["StateSpace", "TransferFcn"])
+def test_a_linear_block_has_as_many_outputs_as_rows(kind: str, tmp_path: Path) -> None:
+    """In time as python-control has it; as C its states exist once."""
+    space = kind == "StateSpace"
+    root = block("Step", "r", 1, Time="0", After="[1 2]" if space else "1")
+    root += block(kind, "G", 2, **(SPACE if space else ROWS)) + block("Scope", "S", 3)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
+    found = run(tmp_path / "m.slx", root, 4.0)
+    system = control.ss([[0, 1], [-4, -0.6]], [[0, 1], [2, 0]], [[1, 0], [0, 1], [1, 1]],
+                        np.zeros((3, 2)))  # fmt: skip
+    if not space:
+        system = control.ss([[-0.5, -2], [1, 0]], [[1], [0]], [[1, 0.5], [-0.75, -3]], [[0], [1.5]])
+    times = np.linspace(0, 4, 401)
+    given = np.vstack([np.ones(401), 2 * np.ones(401)]) if space else np.ones(401)
+    exact = control.forced_response(system, times, given).outputs
+    for row, wanted in enumerate(exact, 1):
+        name = "G" if row == 1 else f"G ({row})"
+        own = np.interp(times[1:], found.times, values(found, name))
+        assert own == pytest.approx(wanted[1:], abs=2e-4)
+    diagram = import_simulink(tmp_path / "m.slx", 0.01)
+    assert sum(len(one.states()) for one in diagram.blocks if one.name == "G") == 2
+
+
 def test_a_sine_of_an_infinite_number_ends_the_simulation_with_a_reason(tmp_path: Path) -> None:
     """Not with Python's words."""
     root = block("Clock", "t", 1) + block("Scope", "S", 3) + line("1#out:1", "2#in:1")

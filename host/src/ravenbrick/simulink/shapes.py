@@ -362,6 +362,14 @@ def _state_space(site: Site, network: Network, shapes: Mapping[End, Shape]) -> d
     return {1: (value_of(site.block.parameters.get("C", "1"), site.variables).shape[0],)}
 
 
+def _transfer_function(
+    site: Site, network: Network, shapes: Mapping[End, Shape]
+) -> dict[int, Shape]:
+    """A row of a matrix of numerators for each output."""
+    rows = value_of(site.block.parameters.get("Numerator", "[1]"), site.variables)
+    return {1: (len(rows),)} if len(rows) > 1 else _widest(site, network, shapes)
+
+
 def _multiport(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[int, Shape]:
     given = _inputs(site, network, shapes)
     return {1: max([*given[1:], *given[:1]], key=size_of, default=(1,))}
@@ -372,6 +380,7 @@ _RULES: dict[str, Rule] = {
     "BusAssignment": _first_input, "Constant": _constant,
     "Concatenate": _concatenate, "Reshape": _reshape, "Selector": _selector, "Math": _math,
     "Product": _product, "Gain": _gain, "StateSpace": _state_space,
+    "TransferFcn": _transfer_function,
     "DiscreteStateSpace": _state_space, "MultiPortSwitch": _multiport,
     "SignalConversion": _first_input, "RateTransition": _first_input, "Assignment": _first_input,
     "Fcn": lambda site, network, shapes: {1: (1,)}, "Outport": _first_input,

@@ -31,7 +31,7 @@ from ravenbrick.simulink.network import CONTROLS, End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import block_rates, own_rate
 from ravenbrick.simulink.shapes import shapes_of
-from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Wire, size_of
+from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Tap, Wire, size_of
 
 __all__ = ["Refusal", "Translation"]
 
@@ -288,9 +288,15 @@ class Translation:
 
     def node(self, wire: Wire, place: str) -> Node:
         """The node that gives a wire's signal."""
+        return self.end(wire, place)[0]
+
+    def end(self, wire: Wire, place: str) -> tuple[Node, int]:
+        """The node that gives a wire's signal, and the number of its output."""
         for _ in range(_FARTHEST):
             if isinstance(wire, Node):
-                return wire
+                return wire, 0
+            if isinstance(wire, Tap):
+                return wire.node, wire.output
             wires = self._outputs.get((wire.path, wire.port))
             if wires is None or wire.element >= len(wires):
                 raise DesignError(
