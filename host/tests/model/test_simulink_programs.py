@@ -156,11 +156,17 @@ end
 """
 
 
-def chart_model(path: Path, program: str, *, inputs: int = 1, outputs: int = 2) -> Path:
-    """A MATLAB Function block as Simulink writes it: a subsystem with an S-Function and a chart."""
+def chart_model(
+    path: Path, program: str, *, inputs: int = 1, outputs: int = 2, newer: bool = False
+) -> Path:
+    """A MATLAB Function block as Simulink writes it: a subsystem with an S-Function and a chart.
+
+    Since R2020 each chart has a file of its own, and the tag does not name the model.
+    """
     inner = "".join(block("Inport", f"u{i}", f"1::i{i}", Port=i) for i in range(1, inputs + 1))
+    tag = f"Stateflow S-Function {'' if newer else 'm '}3"
     inner += block("S-Function", " SFunction ", "1::s", FunctionName="sf_sfun",
-                   Tag="Stateflow S-Function m 3", Ports=f"[{inputs}, {outputs + 1}]")  # fmt: skip
+                   Tag=tag, Ports=f"[{inputs}, {outputs + 1}]")  # fmt: skip
     inner += block("Demux", " Demux ", "1::d", Outputs=1) + block("Terminator", "T", "1::t")
     inner += line("1::s#out:1", "1::d#in:1") + line("1::d#out:1", "1::t#in:1")
     inner += "".join(line(f"1::i{i}#out:1", f"1::s#in:{i}") for i in range(1, inputs + 1))
@@ -176,19 +182,27 @@ def chart_model(path: Path, program: str, *, inputs: int = 1, outputs: int = 2) 
     single_file(path, root.replace("{inner}", f"<System>{inner}</System>"))
     limit = '<data name="limit"><P Name="scope">PARAMETER_DATA</P></data>'
     chart = (
-        '<Stateflow><machine><Children><chart id="5"><P Name="type">EML_CHART</P>'
+        '<chart id="5"><P Name="type">EML_CHART</P>'
         '<P Name="chartFileNumber">3</P><Children><state><eml><P Name="isEML">1</P>'
         f'<P Name="script">{program}</P></eml></state>'
-        f"{limit if 'limit' in program else ''}</Children></chart></Children></machine></Stateflow>"
+        f"{limit if 'limit' in program else ''}</Children></chart>"
     )
+    whole = f"<Stateflow><machine><Children>{chart}</Children></machine></Stateflow>"
     with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr("simulink/stateflow.xml", FIRST + chart)
+        if newer:
+            archive.writestr("simulink/stateflow/machine.xml", f"{FIRST}<machine/>")
+            archive.writestr("simulink/stateflow/chart_5.xml", FIRST + chart)
+        else:
+            archive.writestr("simulink/stateflow.xml", FIRST + whole)
     return path
 
 
-def test_a_matlab_function_block_has_branches_loops_and_memory(tmp_path: Path) -> None:
+@pytest.mark.parametrize("newer", [False, True])
+def test_a_matlab_function_block_has_branches_loops_and_memory(
+    tmp_path: Path, *, newer: bool
+) -> None:
     """A parameter of the workspace, an own function, persistent variables, `switch`."""
-    path = chart_model(tmp_path / "m.slx", PROGRAM)
+    path = chart_model(tmp_path / "m.slx", PROGRAM, newer=newer)
     (u,) = given(1)
     wanted, total = [], 0.0
     for step, value in enumerate(u, 1):
@@ -223,6 +237,7 @@ REFUSED = {
     "u*u": "a matrix with 1 columns times one with 3 rows",
     "zeros(u(1))": "the function 'zeros' has no counterpart for signals",
     "missing(u)": "'missing'",
+    "u(2, 2)": "row or column 2 of a matrix of 3 x 1",
     "strcat('a', u)": "text in quotes",
 }
 

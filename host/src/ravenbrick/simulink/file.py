@@ -24,7 +24,7 @@ _ROOTS = ("simulink/systems/system_root.xml", "simulink/blockdiagram.xml")
 _SETTINGS = re.compile(r"simulink/(blockdiagram|configSet\d+)\.xml\Z")
 _WANTED = ("PreLoadFcn", "InitFcn", "StopTime")
 _CHARTS = re.compile(r"simulink/stateflow(/\w+)?\.xml\Z")
-_CHART_TAG = re.compile(r"Stateflow S-Function .* (\d+)\Z", re.DOTALL)
+_CHART_TAG = re.compile(r"Stateflow S-Function (?:.* )?(\d+)\Z", re.DOTALL)
 _DEFAULTS = ("simulink/bddefaults.xml", "simulink/blockdiagram.xml")
 
 

@@ -126,13 +126,13 @@ def _outputs(b: Builder) -> list[np.ndarray]:
     script, file = b.site.block.script, "its program"
     assert script is not None
     program = Program(b, b.network.program)
-    program.files[file] = program_of(script.text, file)
-    main = next(iter(program.files[file].values()), None)
-    if main is None:
-        raise ValueError("its program has no function")
-    ports = [name for name in main.inputs if name not in script.parameters]
 
     def make(fixed: bool) -> list[np.ndarray]:
+        program.files[file] = program_of(script.text, file)
+        main = next(iter(program.files[file].values()), None)
+        if main is None:
+            raise ValueError("its program has no function")
+        ports = [name for name in main.inputs if name not in script.parameters]
         values = {name: _given(b, port, fixed=fixed) for port, name in enumerate(ports, 1)}
         values |= {name: value_of(name, b.site.variables) for name in script.parameters}
         return program.call(main, [values[name] for name in main.inputs], file)

@@ -194,6 +194,10 @@ class _Scope:
             raise ValueError("an index that is a signal; use a Selector or a MultiPortSwitch")
         found = places(array.shape, arguments, self._constants())
         if len(found) > 1:
+            for size, one in zip(array.shape, found, strict=True):
+                if one.max(initial=-1) >= size:
+                    sizes = f"{array.shape[0]} x {array.shape[1]}"
+                    raise ValueError(f"row or column {one.max() + 1} of a matrix of {sizes}")
             chosen = array[np.ix_(*found)]
             return array_of(list(chosen.ravel(order="F")), *chosen.shape)
         flat = array.ravel(order="F")
