@@ -77,10 +77,9 @@ def _reciprocal(b: Builder, wire: Wire) -> Wire:
 
 def _sinc(b: Builder, wire: Wire) -> Wire:
     """sin(pi u) / (pi u), 1 at 0."""
-    none, one = b.compare(wire, "==", 0.0), b.constant(1.0)
-    angle = b.choose(none, one, b.scaled(math.pi, wire))
+    angle = b.scaled(math.pi, wire)
     share = b.product(ONE["sin"](b, angle), angle, operators="*/")
-    return b.choose(none, one, share)
+    return b.choose(b.compare(wire, "==", 0.0), b.constant(1.0), share)
 
 
 def _remainder(rounding: str) -> OfTwo:
