@@ -77,7 +77,7 @@ class Differentiation:
                 signs = "".join(sign for sign, _ in terms)
                 return b.sum(*(b.element(r) for _, r in terms), signs=signs) if terms else 0.0
             case Product():
-                return _of_product(b, block.operators, inputs, inner())
+                return _of_product(b, node, block.operators, inner())
             case SmoothFunction() if block.function in _RULES:
                 return _RULES[block.function](b, node, inputs, inner())
         raise NotSmoothError
@@ -94,22 +94,18 @@ def _of_states(b: Builder, block: ContinuousStateSpace, inputs: list[Wire]) -> W
     return b.add(replace(block, name="B", c=rows[0], d=rows[1]), *inputs, ending="_rate")
 
 
-def _of_product(
-    b: Builder, operators: str, factors: list[Wire], rates: list[Wire | float]
-) -> Wire | float:
+def _of_product(b: Builder, node: Node, operators: str, rates: list[Wire | float]) -> Wire | float:
     """The sum over the factors; one that divides gives -u' / u times the whole."""
     terms: list[tuple[str, Wire]] = []
     for place, (operator, rate) in enumerate(zip(operators, rates, strict=True)):
         if rate == 0.0:
             continue
-        others = [*factors[:place], b.element(rate), *factors[place + 1 :]]
-        kinds = [*operators[:place], "*", *operators[place + 1 :]]
         if operator == "/":
-            square = b.product(factors[place], factors[place])
-            others, kinds = [*others, square], [*kinds, "/"]
-        pairs = sorted(zip(kinds, others, strict=True), key=lambda pair: pair[0])
-        term = b.product(*(wire for _, wire in pairs), operators="".join(k for k, _ in pairs))
-        terms.append(("-" if operator == "/" else "+", term))
+            share = b.product(node, b.element(rate), node.inputs[place], operators="**/")
+            terms.append(("-", share))
+            continue
+        others = [*node.inputs[:place], b.element(rate), *node.inputs[place + 1 :]]
+        terms.append(("+", b.product(*others, operators=operators)))
     signs = "".join(sign for sign, _ in terms)
     return b.sum(*(term for _, term in terms), signs=signs) if terms else 0.0
 
