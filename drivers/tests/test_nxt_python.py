@@ -104,7 +104,7 @@ def test_motors_run_and_stop(host: Host) -> None:
     turned = motor.get_tacho().rotation_count
     assert turned > 150
     motor.brake()
-    host.run(200)
+    host.run(400)
     stands = motor.get_tacho().rotation_count
     host.run(200)
     assert motor.get_tacho().rotation_count == stands

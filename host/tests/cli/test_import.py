@@ -32,12 +32,12 @@ def test_a_model_becomes_c(tmp_path: Path) -> None:
 
 def test_what_cannot_be_imported_is_listed_and_nothing_is_written(tmp_path: Path) -> None:
     """Exit code of a failed design; the block by its path."""
-    root = block("Inport", "u", 1) + block("RandomNumber", "M", 2) + line("1#out:1", "2#in:1")
+    root = block("Inport", "u", 1) + block("DataStoreRead", "M", 2) + line("1#out:1", "2#in:1")
     model = single_file(tmp_path / "m.slx", root)
     done = invoke(model, "--sample-time", 0.01, "--output", tmp_path / "out")
     assert done.exit_code == ExitCode.DESIGN_FAILED
     detail = json.loads(done.output)["detail"]
-    assert "M (RandomNumber): this type of block is not supported" in detail
+    assert "M (DataStoreRead): this type of block is not supported" in detail
     assert not (tmp_path / "out").exists()
 
 

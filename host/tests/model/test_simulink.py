@@ -246,6 +246,18 @@ def test_hostile_archives_are_refused(
         read_simulink(path)
 
 
+def test_an_archive_whose_directory_lies_before_the_file_is_damaged(tmp_path: Path) -> None:
+    """The end record says that the directory begins later than it does."""
+    path = split_model(tmp_path / "m.slx")
+    content = bytearray(path.read_bytes())
+    place = slice(len(content) - 6, len(content) - 2)
+    later = int.from_bytes(content[place], "little") + 1_000
+    content[place] = later.to_bytes(4, "little")
+    path.write_bytes(content)
+    with pytest.raises(DesignError, match=r"m\.slx: the archive is damaged"):
+        read_simulink(path)
+
+
 def test_text_that_is_no_model_is_refused(tmp_path: Path) -> None:
     """Neither zip nor .mdl; braces that do not match."""
     path = tmp_path / "m.mdl"

@@ -89,6 +89,9 @@ CASES: dict[str, tuple[str, int, dict[str, Any], Any]] = {
     "to fixed point": ("DataTypeConversion", 1, {"OutDataTypeStr": "fixdt(1,16,1)",
                        "RndMeth": "Floor"}, lambda a: np.floor(a * 2) / 2),
     "to boolean": ("DataTypeConversion", 1, {"OutDataTypeStr": "boolean"}, lambda a: a != 0),
+    "friction": ("Reference", 1, {"SourceBlock": "simulink/Discontinuities/Coulomb &amp;\n"
+                 "Viscous Friction", "offset": "5", "gain": "3"},
+                 lambda a: np.sign(a) * (3 * np.abs(a) + 5)),
     "limits with one open": ("Saturate", 1, {"UpperLimit": "inf", "LowerLimit": "-1"},
                              lambda a: np.maximum(a, -1)),
     "choice by number": ("MultiPortSwitch", 4, {"DataPortOrder": "Zero-based contiguous",
@@ -104,6 +107,7 @@ CASES: dict[str, tuple[str, int, dict[str, Any], Any]] = {
     "accumulator with reset": ("DiscreteIntegrator", 2, {"ExternalReset": "level",
                                "IntegratorMethod": "Accumulation: Forward Euler",
                                "InitialCondition": "1"}, lambda a, b: reset_sum(a, b != 0, 1.0)),
+    "hyperbolic tangent": ("Trigonometry", 1, {"Operator": "tanh"}, np.tanh),
     "sine in time": ("Sin", 0, {"Amplitude": "2", "Frequency": "7", "Phase": "0.5", "Bias": "1"},
                      lambda: 1 + 2 * np.sin(7 * 0.01 * np.arange(40) + 0.5)),
 }  # fmt: skip
@@ -235,6 +239,19 @@ def test_vectors_matrices_and_buses_become_single_signals(tmp_path: Path) -> Non
     a, b, c = given(3)
     found = run(import_simulink(single_file(tmp_path / "m.slx", root), 0.01), a, b, c)
     assert np.allclose(found, (a + 2 * b + 3 * c) - (-b + 4 * c) + a, atol=1e-5)
+
+
+def test_a_vector_of_numbers_chooses_element_by_element(tmp_path: Path) -> None:
+    """Of a number and of vectors."""
+    root = block("Inport", "a", 1, Port=1) + block("Inport", "b", 2, Port=2)
+    root += block("Constant", "which", 3, Value="[2, 1, 2]")
+    root += block("MultiPortSwitch", "B", 5, Inputs=2, Ports="[3, 1]", DataPortOrder="One-based")
+    root += block("Gain", "K", 7, Gain="[1 2 3]") + block("Outport", "y", 6)
+    root += line("1#out:1", "7#in:1") + line("3#out:1", "5#in:1") + line("7#out:1", "5#in:2")
+    root += line("2#out:1", "5#in:3") + line("5#out:1", "6#in:1")
+    a, b = given(2)
+    found = run(import_simulink(single_file(tmp_path / "m.slx", root), 0.01), a, b)
+    assert np.allclose(found, np.transpose([b, 2 * a, b]))
 
 
 def branches(reset: str) -> str:
@@ -426,7 +443,7 @@ def test_what_lies_outside_is_said_by_path(tmp_path: Path) -> None:
     with pytest.raises(DesignError) as caught:
         import_simulink(single_file(tmp_path / "m.slx", root), 0.01)
     for text in (
-        "Chart (S-Function): a Stateflow chart or MATLAB function",
+        "Chart (S-Function): a Stateflow chart, or a MATLAB function of a .mdl file",
         "P (PMIOPort): physical modelling",
         "Pin (Reference): the library block 'arduinolib/Digital Output' is not at hand",
         "Mine (S-Function): an S-Function, a program in another language",

@@ -11,8 +11,10 @@ from typing import Any
 import control
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from verification.support.codegen.simulink_files import block, line, single_file
 
+from ravenbrick.errors import DesignError
 from ravenbrick.simulink import ModelSource, import_model, import_simulink
 from ravenbrick.simulink.numbers import Workspace
 from ravenbrick.simulink.simulate import Simulation, simulate
@@ -207,7 +209,8 @@ def test_a_double_integrator_gives_place_and_speed(tmp_path: Path) -> None:
 
 def test_the_derivative_of_a_continuous_signal_is_a_fast_filter(tmp_path: Path) -> None:
     """Within the filter's lag, and 0 at the beginning."""
-    root = block("Sin", "w", 1, Amplitude="2", Frequency="3", SampleTime="0")
+    root = block("SignalGenerator", "w", 1, WaveForm="sine", Amplitude="2", Frequency="3",
+                 Units="rad/sec")  # fmt: skip
     root += block("Derivative", "D", 2) + block("Outport", "rate", 3)
     root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
     found = run(tmp_path / "m.slx", root, 5.0)
@@ -215,6 +218,139 @@ def test_the_derivative_of_a_continuous_signal_is_a_fast_filter(tmp_path: Path) 
     rate = values(found, "rate")
     assert rate[late] == pytest.approx(6 * np.cos(3 * found.times[late]), abs=0.02)
     assert rate[0] == 0.0
+
+
+def test_derivatives_of_sines_and_of_integrals_are_exact(tmp_path: Path) -> None:
+    """The second one of a sine, and the one of an integral, which is what it integrates."""
+    root = block("Sin", "w", 1, Amplitude="2", Frequency="3", Bias="1", SampleTime="0")
+    root += block("Derivative", "D", 2) + block("Derivative", "E", 3)
+    root += block("Integrator", "I", 4) + block("Derivative", "F", 5)
+    root += block("Outport", "second", 6, Port=1) + block("Outport", "back", 7, Port=2)
+    root += line("1#out:1", "2#in:1", "4#in:1") + line("2#out:1", "3#in:1")
+    root += line("3#out:1", "6#in:1") + line("4#out:1", "5#in:1") + line("5#out:1", "7#in:1")
+    found = run(tmp_path / "m.slx", root, 5.0)
+    wave = np.sin(3 * found.times)
+    assert values(found, "second") == pytest.approx(-18 * wave, abs=1e-7)
+    assert values(found, "back") == pytest.approx(1 + 2 * wave, abs=1e-7)
+
+
+SMOOTH = {
+    "a product": ("u(1)*u(2)", lambda s, c: c * c - s * s),
+    "a quotient": ("u(1)/(2+u(2))", lambda s, c: (2 * c + 1) / (2 + c) ** 2),
+    "functions": ("sin(u(1)) - cos(2*u(2))",
+                  lambda s, c: np.cos(s) * c - 2 * np.sin(2 * c) * s),
+    "a root": ("sqrt(2+u(1))", lambda s, c: c / (2 * np.sqrt(2 + s))),
+    "an angle": ("atan2(u(1), 2+u(2))", lambda s, c: (2 * c + 1) / (5 + 4 * c)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_the_derivative_of_a_smooth_formula_is_that_of_calculus(name: str, tmp_path: Path) -> None:
+    """Of a sine and a cosine, which are states of an oscillator."""
+    text, rate = SMOOTH[name]
+    root = block("Integrator", "s", 1) + block("Integrator", "c", 2, InitialCondition="1")
+    root += block("Gain", "minus", 3, Gain="-1") + block("Mux", "M", 4, Inputs=2)
+    root += block("MATLABFcn", "F", 5, MATLABFcn=text) + block("Derivative", "D", 6)
+    root += block("Scope", "S", 7) + line("2#out:1", "1#in:1", "4#in:2")
+    root += line("1#out:1", "3#in:1", "4#in:1") + line("3#out:1", "2#in:1")
+    root += line("4#out:1", "5#in:1") + line("5#out:1", "6#in:1") + line("6#out:1", "7#in:1")
+    found = run(tmp_path / "m.slx", root, 4.0)
+    assert found.continuous_states == 2  # no filter
+    exact = rate(np.sin(found.times), np.cos(found.times))
+    assert values(found, "D") == pytest.approx(exact, abs=1e-6)
+
+
+def test_a_derivative_that_would_close_a_loop_is_a_filter(tmp_path: Path) -> None:
+    """x' = 1 - x' / 2 has x' on both sides; with the filter x' is 2/3."""
+    root = block("Constant", "one", 1, Value="1") + block("Sum", "E", 2, Inputs="+-")
+    root += block("Integrator", "x", 3) + block("Derivative", "D", 4)
+    root += block("Gain", "half", 5, Gain="0.5") + block("Scope", "S", 6)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
+    root += line("3#out:1", "4#in:1", "6#in:1") + line("4#out:1", "5#in:1")
+    root += line("5#out:1", "2#in:2")
+    found = run(tmp_path / "m.slx", root, 3.0)
+    assert values(found, "x")[-1] == pytest.approx(2.0, abs=0.01)
+
+
+def test_an_interpreted_function_drives_an_integrator(tmp_path: Path) -> None:
+    """A pendulum falls as scipy has it; its sine has no folds that a solver has to find."""
+    root = block("Integrator", "speed", 1) + block("Integrator", "angle", 2, InitialCondition="1")
+    root += block("MATLABFcn", "fall", 3, MATLABFcn="-9.81*sin(u)") + block("Scope", "S", 4)
+    root += line("3#out:1", "1#in:1") + line("1#out:1", "2#in:1")
+    root += line("2#out:1", "3#in:1", "4#in:1")
+    found = run(tmp_path / "m.slx", root, 3.0)
+    exact = solve_ivp(lambda t, x: [-9.81 * np.sin(x[1]), x[0]], (0, 3), [0.0, 1.0],
+                      t_eval=np.unique(found.times), rtol=1e-11, atol=1e-12)  # fmt: skip
+    angle = values(found, "angle")[np.unique(found.times, return_index=True)[1]]
+    assert angle == pytest.approx(exact.y[1], abs=1e-7)
+
+
+def test_a_quotient_by_zero_is_infinite_as_in_simulink(tmp_path: Path) -> None:
+    """At the beginning the time is 0."""
+    root = block("Clock", "t", 1) + block("Constant", "one", 2, Value="1")
+    root += block("Product", "P", 3, Inputs="*/") + block("Scope", "S", 4)
+    root += line("2#out:1", "3#in:1") + line("1#out:1", "3#in:2") + line("3#out:1", "4#in:1")
+    share = values(run(tmp_path / "m.slx", root, 1.0), "P")
+    assert np.isinf(share[0]) and share[-1] == pytest.approx(1.0)
+
+
+SPACE = {"A": "[0 1; -4 -0.6]", "B": "[0 1; 2 0]", "C": "[1 0; 0 1; 1 1]", "D": "zeros(3, 2)"}
+ROWS = {"Numerator": "[0 2 1; 3 0 0]", "Denominator": "[2 1 4]"}
+
+
+@pytest.mark.parametrize("kind", ["StateSpace", "TransferFcn"])
+def test_a_linear_block_has_as_many_outputs_as_rows(kind: str, tmp_path: Path) -> None:
+    """In time as python-control has it; as C its states exist once."""
+    space = kind == "StateSpace"
+    root = block("Step", "r", 1, Time="0", After="[1 2]" if space else "1")
+    root += block(kind, "G", 2, **(SPACE if space else ROWS)) + block("Scope", "S", 3)
+    root += line("1#out:1", "2#in:1") + line("2#out:1", "3#in:1")
+    found = run(tmp_path / "m.slx", root, 4.0)
+    system = control.ss([[0, 1], [-4, -0.6]], [[0, 1], [2, 0]], [[1, 0], [0, 1], [1, 1]],
+                        np.zeros((3, 2)))  # fmt: skip
+    if not space:
+        system = control.ss([[-0.5, -2], [1, 0]], [[1], [0]], [[1, 0.5], [-0.75, -3]], [[0], [1.5]])
+    times = np.linspace(0, 4, 401)
+    given = np.vstack([np.ones(401), 2 * np.ones(401)]) if space else np.ones(401)
+    exact = control.forced_response(system, times, given).outputs
+    for row, wanted in enumerate(exact, 1):
+        name = "G" if row == 1 else f"G ({row})"
+        own = np.interp(times[1:], found.times, values(found, name))
+        assert own == pytest.approx(wanted[1:], abs=2e-4)
+    diagram = import_simulink(tmp_path / "m.slx", 0.01)
+    assert sum(len(one.states()) for one in diagram.blocks if one.name == "G") == 2
+
+
+def test_a_sine_of_an_infinite_number_ends_the_simulation_with_a_reason(tmp_path: Path) -> None:
+    """Not with Python's words."""
+    root = block("Clock", "t", 1) + block("Scope", "S", 3) + line("1#out:1", "2#in:1")
+    root += block("MATLABFcn", "F", 2, MATLABFcn="sin(1/u)") + line("2#out:1", "3#in:1")
+    with pytest.raises(DesignError, match="look for a quotient by 0"):
+        run(tmp_path / "m.slx", root, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters", "mean", "deviation"),
+    [
+        ("UniformRandomNumber", {"Minimum": "-1", "Maximum": "3"}, 1.0, 4 / np.sqrt(12)),
+        ("RandomNumber", {"Mean": "2", "Variance": "9"}, 2.0, 3.0),
+        ("Reference", {"SourceBlock": "simulink/Sources/Band-Limited White Noise", "Cov": "[0.04]",
+                       "Ts": "0.01"}, 0.0, 2.0),
+    ],
+)  # fmt: skip
+def test_random_numbers_have_their_distribution(
+    kind: str, parameters: dict[str, str], mean: float, deviation: float, tmp_path: Path
+) -> None:
+    """Their mean and deviation, no memory, and the same numbers for the same seed."""
+    sampled = {} if kind == "Reference" else {"SampleTime": "0.01"}
+    text = sources(kind, **parameters, **sampled)
+    found = values(run(tmp_path / "m.slx", text, 60.0, 0.01), "W")[::2][:5900]
+    assert found.mean() == pytest.approx(mean, abs=0.05 * deviation)
+    assert found.std() == pytest.approx(deviation, rel=0.03)
+    rest = found - found.mean()
+    assert abs(np.mean(rest[1:] * rest[:-1])) < 0.05 * deviation**2
+    again = values(run(tmp_path / "n.slx", text, 60.0, 0.01), "W")[::2][:5900]
+    assert np.array_equal(found, again)
 
 
 def test_the_atomic_subsystem_is_the_controller_that_becomes_c(tmp_path: Path) -> None:

@@ -32,6 +32,13 @@ OUTPUT_FORMS = {
 }
 TASK_PRIORITY = 2
 TASK_STACK_BYTES = 2048
+_FORMAT = re.compile(r"\b[su]fix\d+_En(-?\d+)\b")
+_LIMITS = {
+    f"{'u' * unsigned}int{bits}_T": (
+        (0.0, 2.0**bits - 1) if unsigned else (-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1)
+    )
+    for bits in (8, 16, 32) for unsigned in (False, True)
+}  # fmt: skip
 _MOTOR = re.compile(r"motor\.([ABC])\.(\w+)\Z")
 _SENSOR = re.compile(r"(touch|light|gyro)\.([1-4])\Z")
 
@@ -67,8 +74,9 @@ def control_task(
     for each inport what it reads (`INPUT_FORMS`), `outputs` for each outport what it drives
     (`OUTPUT_FORMS`); a port that is not named is a number 0.0, or only recorded. A speed is the
     difference of the angle over `speed_window` samples. Each port is also a variable
-    `controller_<port>` of the image. Raises `DesignError` for a port or device that is not known,
-    and for a period that is no whole number of microseconds.
+    `controller_<port>` of the image. A port in fixed point is scaled, and an input saturates.
+    Raises `DesignError` for a port or device that is not known, and for a period that is no whole
+    number of microseconds.
     """
     model = read_header(header, "functional.h")
     period_us = round(sample_time * 1e6)
@@ -131,18 +139,30 @@ def _input(body: _Body, ports: Interface, one: CField, source: str | float) -> N
         seen = _observed(body, ports, one, float(source))
     else:
         raise _unknown(one, source, INPUT_FORMS)
-    body.before += [f"Inputs.{ports.name(one)} := {_converted(ports, one, seen)};"]
+    body.before += [f"Inputs.{ports.name(one)} := {_converted(body, ports, one, seen)};"]
 
 
-def _converted(ports: Interface, one: CField, value: str) -> str:
+def _converted(body: _Body, ports: Interface, one: CField, value: str) -> str:
     kind = ports.application_type(one)
     if kind == "Float":
         return value
     if one.c_type == "boolean_T":
         return f"(if {value} /= 0.0 then 1 else 0)"
-    if kind.startswith("Interfaces."):
+    if not kind.startswith("Interfaces."):
+        return f"{kind} ({value})"
+    body.units.add("Interfaces")
+    scale = _per_unit(one)
+    if scale == 1.0:
         return f"{kind} (Float'Rounding ({value}))"
-    return f"{kind} ({value})"
+    least, most = _LIMITS[one.c_type]
+    inside = f"Float'Max ({least / scale!r}, Float'Min ({most / scale!r}, {value}))"
+    return f"{kind} (Float'Rounding ({inside} * {scale!r}))"
+
+
+def _per_unit(one: CField) -> float:
+    """What a port in fixed point counts for 1; its format stands behind it in the header."""
+    found = _FORMAT.search(one.about)
+    return math.ldexp(1.0, int(found[1])) if found else 1.0
 
 
 def _reading(body: _Body, one: CField, source: str) -> str:
@@ -184,7 +204,9 @@ def _reading(body: _Body, one: CField, source: str) -> str:
 
 def _output(body: _Body, ports: Interface, one: CField, target: str) -> None:
     seen = _observed(body, ports, one, 0.0)
-    body.after += [f"{seen} := Float (Outputs.{ports.name(one)});"]
+    scale = _per_unit(one)
+    shown = f"Float (Outputs.{ports.name(one)})"
+    body.after += [f"{seen} := {shown};" if scale == 1.0 else f"{seen} := {shown} / {scale!r};"]
     motor = _MOTOR.match(target)
     if motor and motor[2] in ("voltage", "duty"):
         body.units.add("NXT.Motor_Controls")

@@ -39,8 +39,8 @@ class Assembly:
         for node in needed.values():
             block = self._blocks[id(node)]
             for port, wire in enumerate(node.inputs):
-                source = self._blocks[id(translation.node(wire, node.path))]
-                self._diagram.connect(source, block, port)
+                source, output = translation.end(wire, node.path)
+                self._diagram.connect(self._blocks[id(source)], block, port, output=output)
             enabling = translation.enabling(node)
             if enabling is not None:
                 by = self._blocks[id(translation.node(enabling[0], node.path))]

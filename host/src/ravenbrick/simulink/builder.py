@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
@@ -159,6 +160,27 @@ class Builder:
     nodes: list[Node] = field(default_factory=list)
     outputs: dict[int, list[Wire]] = field(default_factory=dict)
     open_inputs: list[int | str] = field(default_factory=list)
+    _shared: dict[tuple[object, ...], Node] | None = None
+
+    @classmethod
+    def alone(cls, site: Site, network: Network, shapes: dict[tuple[str, int], Shape]) -> Builder:
+        """One whose nodes go nowhere: to see what a block would become."""
+
+        def no_wire(*_: object) -> Wire:
+            raise ValueError("a condition or the time")
+
+        return cls(site, network, shapes, Names(), Names(), 1.0, no_wire, ContinuousForm.TUSTIN,
+                   no_wire)  # fmt: skip
+
+    @contextmanager
+    def sharing(self) -> Iterator[None]:
+        """Meanwhile what is computed twice, of the same wires, is one block."""
+        before = self._shared
+        self._shared = {} if before is None else before
+        try:
+            yield
+        finally:
+            self._shared = before
 
     def dialog(self, name: str = "", element: int = 0) -> Dialog:
         """The block's parameters."""
@@ -241,14 +263,24 @@ class Builder:
 
     def add(self, block: Block, *inputs: Wire, ending: str = "") -> Node:
         """A new node; the block gets a name that is free, and the rate of this one."""
+        key = (block, *inputs)
+        shared = self._shared if len(inputs) == len(block.input_types) else None
+        if shared is not None and key in shared:
+            return shared[key]
         named = replace(block, name=self.names.new(self.site.path, ending))
         node = Node(named, self.site.path, list(inputs))
         self.nodes.append(node)
+        if shared is not None and not block.states():
+            shared[key] = node
         return node
 
     def constant(self, value: float) -> Node:
         """A number as a wire."""
         return self.add(Constant("B", value=float(value)), ending="_number")
+
+    def element(self, value: float | Wire) -> Wire:
+        """A wire as it is, a number as a constant."""
+        return self.constant(value) if isinstance(value, float | int) else value
 
     def constant_block(self, value: Value) -> Node:
         """A number under the block's own name."""

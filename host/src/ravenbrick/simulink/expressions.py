@@ -13,14 +13,15 @@ __all__ = ["Apply", "Infix", "Name", "Number", "Prefix", "Rows", "Span", "Tree",
 _LONGEST = 20_000
 _DEEPEST = 60
 _TOKEN = re.compile(
-    r"""(?P<blank>\s+|\.\.\.[^\n]*\n?)|(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
+    r"""(?P<blank>\s+|\.\.\.[^\n]*\n?)
+    |(?P<number>(?:\d+(?:\.(?![*/^\\'])\d*)?|\.\d+)(?:[eE][+-]?\d+)?)
     |(?P<name>[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)
-    |(?P<sign>\.\^|\.\*|\./|\.'|==|~=|<=|>=|&&|\|\||[-+*/^<>&|~!()\[\]{},;:'])""",
+    |(?P<sign>\.\^|\.\*|\./|\.'|==|~=|<=|>=|&&|\|\||[-+*/\\^<>&|~!()\[\]{},;:'])""",
     re.VERBOSE,
 )
 _LEVELS = (
     ("||",), ("&&",), ("|",), ("&",), ("==", "~=", "<", "<=", ">", ">="), (":",), ("+", "-"),
-    ("*", "/", ".*", "./"),
+    ("*", "/", ".*", "./", "\\"),
 )  # fmt: skip
 _RANGE = 5
 
@@ -49,7 +50,7 @@ class Prefix:
 
 @dataclass(frozen=True)
 class Infix:
-    """Two values and the operator between them, without the dot of an element-wise one."""
+    """Two values and the operator between them; with a dot it works element by element."""
 
     operator: str
     left: Tree
@@ -102,6 +103,8 @@ def _tokens(text: str) -> Iterator[_Token]:
         if kind == "blank":
             spaced = True
             continue
+        if kind == "number" and re.match(r"[ij]\b", text[place:]):
+            raise ValueError(f"'{text.strip()}' is complex; signals are real numbers")
         tight = place < len(text) and not text[place].isspace()
         own = match.group()
         if own == "'" and (spaced or not (before.isalnum() or before in ")]}'_.")):
@@ -173,7 +176,7 @@ class _Parser:
             right = self.level(level + 1)
             if level == _RANGE:
                 return self._span(left, right)
-            left = Infix(operator.lstrip("."), left, right)
+            left = Infix(operator, left, right)
         return left
 
     def _span(self, first: Tree, second: Tree) -> Tree:
@@ -194,14 +197,14 @@ class _Parser:
     def _power(self) -> Tree:
         left = self._postfix()
         while self._next_is("^", ".^"):
-            self._take()
+            operator = self._take().text
             signs = []
             while self._next_is("+", "-"):
                 signs.append(self._take().text)
             right = self._postfix()
             for sign in reversed(signs):
                 right = Prefix(sign, right)
-            left = Infix("^", left, right)
+            left = Infix(operator, left, right)
         return left
 
     def _postfix(self) -> Tree:

@@ -14,8 +14,12 @@ from xml.parsers import expat
 
 from ravenbrick.errors import DesignError
 
-__all__ = ["SimulinkBlock", "SimulinkSystem", "read_simulink"]
+__all__ = ["SimulinkBlock", "SimulinkScript", "SimulinkSystem", "read_simulink"]
 
+# A member that begins before the file does is an error of the system.
+_DAMAGED = (
+    zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError, zlib.error,
+)  # fmt: skip
 _LARGEST_BYTES = 64 << 20
 _MOST_FILES = 4000
 _DEEPEST = 200
@@ -23,6 +27,8 @@ _MOST_ELEMENTS = 300_000
 _ROOTS = ("simulink/systems/system_root.xml", "simulink/blockdiagram.xml")
 _SETTINGS = re.compile(r"simulink/(blockdiagram|configSet\d+)\.xml\Z")
 _WANTED = ("PreLoadFcn", "InitFcn", "StopTime")
+_CHARTS = re.compile(r"simulink/stateflow(/\w+)?\.xml\Z")
+_CHART_TAG = re.compile(r"Stateflow S-Function (?:.* )?(\d+)\Z", re.DOTALL)
 _DEFAULTS = ("simulink/bddefaults.xml", "simulink/blockdiagram.xml")
 
 
@@ -30,7 +36,8 @@ _DEFAULTS = ("simulink/bddefaults.xml", "simulink/blockdiagram.xml")
 class SimulinkBlock:
     """A block with its parameters as text, defaults included; `system` of a subsystem.
 
-    `mask` are the parameters of the block's mask, `instance` what a link to a library changes.
+    `mask` are the parameters of the block's mask, `instance` what a link to a library changes,
+    `script` is the program of a MATLAB Function block, whose kind is `MATLABFunction` here.
     """
 
     name: str
@@ -39,6 +46,15 @@ class SimulinkBlock:
     system: SimulinkSystem | None = None
     mask: dict[str, str] = field(default_factory=dict)
     instance: dict[str, str] = field(default_factory=dict)
+    script: SimulinkScript | None = None
+
+
+@dataclass(frozen=True)
+class SimulinkScript:
+    """A program in MATLAB's language; `parameters` are inputs that the workspace gives."""
+
+    text: str
+    parameters: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -83,15 +99,15 @@ def read_simulink(path: Path) -> SimulinkSystem:
     XML with a document type or entities is refused, and so are archives that unpack to more than
     64 MB.
     """
-    try:
-        if zipfile.is_zipfile(path):
+    if zipfile.is_zipfile(path):
+        try:
             with zipfile.ZipFile(path) as archive:
                 return _Archive(archive, path).root()
-        data = path.read_bytes()
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, zlib.error) as error:
-        raise DesignError(
-            f"{path}: the archive is damaged: {error}; save the model again"
-        ) from error
+        except _DAMAGED as error:
+            raise DesignError(
+                f"{path}: the archive is damaged: {error}; save the model again"
+            ) from error
+    data = path.read_bytes()
     if len(data) > _LARGEST_BYTES:
         raise DesignError(f"{path}: larger than {_LARGEST_BYTES >> 20} MB")
     return _mdl_root(data.decode("utf-8", errors="replace"), path)
@@ -109,6 +125,8 @@ class _Archive:
             )
         self._names = {info.filename for info in infos}
         self._defaults = self._read_defaults()
+        charts = [self._parse(name) for name in sorted(self._names) if _CHARTS.match(name)]
+        self._scripts = {key: script for part in charts for key, script in _scripts(part)}
 
     def _parse(self, name: str) -> _Node:
         with self._archive.open(name) as file:
@@ -149,7 +167,9 @@ class _Archive:
             if name not in self._names:
                 raise DesignError(f"{self._path}: the subsystem file {name} is missing")
             node = next((n for n in _walk(self._parse(name)) if n.tag == "System"), node)
-        return _system_of(node, self._defaults, lambda inner: self._system(inner, depth + 1))
+        return _system_of(
+            node, self._defaults, lambda inner: self._system(inner, depth + 1), self._scripts
+        )
 
 
 def _walk(node: _Node) -> Iterator[_Node]:
@@ -169,6 +189,19 @@ def _settings(node: _Node) -> dict[str, str]:
         found |= {key: text for key, text in one.values().items() if key in _WANTED}
         waiting += [child for child in one.children if child.tag not in ("System", "P")]
     return found
+
+
+def _scripts(node: _Node) -> Iterator[tuple[str, SimulinkScript]]:
+    """The programs of MATLAB Function blocks by the numbers of their charts."""
+    for chart in _walk(node):
+        inside = list(_walk(chart)) if chart.tag == "chart" else []
+        texts = [one.values()["script"] for one in inside if "script" in one.values()]
+        number = chart.values().get("chartFileNumber", "")
+        if chart.values().get("type") == "EML_CHART" and number and len(texts) == 1:
+            named = {one.attributes.get("name", ""): one.values() for one in inside
+                     if one.tag == "data"}  # fmt: skip
+            given = (n for n, v in named.items() if v.get("scope", "").startswith("PARAMETER"))
+            yield number, SimulinkScript(texts[0], frozenset(given))
 
 
 def _parse_xml(data: bytes, place: str) -> _Node:
@@ -209,8 +242,9 @@ def _system_of(
     node: _Node,
     defaults: Mapping[str, dict[str, str]],
     inner: Callable[[_Node], SimulinkSystem],
+    scripts: Mapping[str, SimulinkScript],
 ) -> SimulinkSystem:
-    """A system from its node; `inner` makes those inside."""
+    """A system from its node; `inner` makes those inside, `scripts` are by chart number."""
     system = SimulinkSystem()
     for block in node.all("Block"):
         own = block.values()
@@ -222,6 +256,9 @@ def _system_of(
         parameters = {**defaults.get(kind, {}), **own, **instance}
         found = SimulinkBlock(" ".join(name.split()), kind, parameters)
         found.mask, found.instance = _mask_of(block, own), instance
+        chart = _CHART_TAG.match(own.get("Tag", ""))
+        if chart and chart[1] in scripts:
+            found.kind, found.script = "MATLABFunction", scripts[chart[1]]
         for child in block.all("System"):
             found.system = inner(child)
         system.blocks[key] = found
@@ -290,7 +327,7 @@ def _mdl_root(text: str, path: Path) -> SimulinkSystem:
         raise DesignError(f"{path}: the model holds no system")
 
     def system(inner: _Node) -> SimulinkSystem:
-        return _system_of(inner, defaults, system)
+        return _system_of(inner, defaults, system, {})
 
     root = system(systems[0])
     root.settings |= _settings(node)

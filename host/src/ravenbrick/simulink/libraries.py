@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Blocks that a model takes from other model files: libraries and referenced models."""
+"""What a model takes from other files: blocks of libraries, referenced models, functions."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ravenbrick.simulink.file import SimulinkBlock, SimulinkSystem, read_simulin
 __all__ = ["Libraries", "tight"]
 
 _SUFFIXES = (".slx", ".mdl")
+_LARGEST_PROGRAM = 1 << 20
 
 
 def tight(name: str) -> str:
@@ -28,15 +29,24 @@ class Libraries:
         self._model = model
         self._folders = tuple(folders)
         self._read: dict[str, SimulinkSystem | None] = {}
+        self._programs: dict[str, str | None] = {}
 
-    def _find(self, name: str) -> Path | None:
-        own = [self._model.with_name(f"{name}{suffix}") for suffix in _SUFFIXES]
+    def _find(self, name: str, suffixes: Sequence[str] = _SUFFIXES) -> Path | None:
+        own = [self._model.with_name(f"{name}{suffix}") for suffix in suffixes]
         found = [path for path in own if path.is_file()]
         for folder in self._folders:
-            found += sorted(
-                path for suffix in _SUFFIXES for path in folder.rglob(f"{name}{suffix}")
-            )
+            found += sorted(path for suffix in suffixes for path in folder.rglob(f"{name}{suffix}"))
         return found[0] if found else None
+
+    def program(self, name: str) -> str | None:
+        """The text of the file of a function; None if there is no such file."""
+        if name not in self._programs:
+            path = self._find(name, (".m",)) if re.fullmatch(r"\w+", name) else None
+            small = path is not None and path.stat().st_size <= _LARGEST_PROGRAM
+            self._programs[name] = (
+                path.read_text(encoding="utf-8", errors="replace") if path and small else None
+            )
+        return self._programs[name]
 
     def system(self, name: str) -> SimulinkSystem | None:
         """The root system of a model file; None if there is no such file, or it is damaged."""

@@ -155,6 +155,10 @@ class Network:
         """The model's workspace."""
         return self._base
 
+    def program(self, name: str) -> str | None:
+        """The text of a function's file beside the model; None if there is none."""
+        return self._libraries.program(name)
+
     def is_workspace_variable(self, name: str, variables: Workspace) -> bool:
         """Whether a name means the same inside a block as in the model's workspace."""
         given = self._base.get(name)

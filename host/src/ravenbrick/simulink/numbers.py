@@ -12,18 +12,23 @@ import numpy as np
 from ravenbrick.simulink.expressions import Apply, Infix, Name, Number, Prefix, Rows, Span, Tree
 from ravenbrick.simulink.expressions import parse as parse_expression
 
-__all__ = ["Variables", "Workspace", "evaluate", "matrix", "scalar", "value_of", "vector"]
+__all__ = [
+    "Variables", "Workspace", "call", "evaluate", "matrix", "places", "scalar", "value_of",
+    "vector",
+]  # fmt: skip
 
 Variables = Mapping[str, "float | np.ndarray"]
 
 _MOST_ELEMENTS = 100_000
 _NAMES = {
     "pi": math.pi, "inf": math.inf, "Inf": math.inf, "eps": 2.0**-52, "true": 1.0, "false": 0.0,
+    "nan": math.nan, "NaN": math.nan,
 }  # fmt: skip
 _OPERATORS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
-    "+": np.add, "-": np.subtract, "/": np.divide, "<": np.less, "<=": np.less_equal,
-    ">": np.greater, ">=": np.greater_equal, "==": np.equal, "~=": np.not_equal,
-    "&": np.logical_and, "&&": np.logical_and, "|": np.logical_or, "||": np.logical_or,
+    "+": np.add, "-": np.subtract, ".*": np.multiply, "./": np.divide, "<": np.less,
+    "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal,
+    "==": np.equal, "~=": np.not_equal, "&": np.logical_and, "&&": np.logical_and,
+    "|": np.logical_or, "||": np.logical_or,
 }  # fmt: skip
 
 
@@ -42,19 +47,34 @@ _ONE: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     )},
     "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "round": _half_away,
     "double": np.positive, "single": np.positive, "boolean": lambda v: 1.0 * (v != 0),
-    "logical": lambda v: 1.0 * (v != 0), "inv": np.linalg.inv, "diag": np.diag,
+    "logical": lambda v: 1.0 * (v != 0), "inv": np.linalg.inv,
+    "diag": lambda v: np.diag(v.ravel()) if 1 in v.shape else np.diag(v)[:, np.newaxis],
     "sum": lambda v: np.sum(v, axis=0 if len(v) > 1 else 1),
     "prod": lambda v: np.prod(v, axis=0 if len(v) > 1 else 1),
     "length": lambda v: np.array(float(max(v.shape))), "numel": lambda v: np.array(float(v.size)),
+    "size": lambda v: np.array([v.shape]), "isempty": lambda v: np.array(v.size == 0),
+    "transpose": np.transpose, "det": lambda v: np.array(np.linalg.det(v)),
+    "norm": lambda v: np.array(np.linalg.norm(v, 2)), "trace": lambda v: np.array(np.trace(v)),
+    "sinc": np.sinc, "any": lambda v: np.array(np.any(v)), "all": lambda v: np.array(np.all(v)),
     **{f"int{bits}": _limited(-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1)
        for bits in (8, 16, 32)},
     **{f"uint{bits}": _limited(0, 2.0**bits - 1) for bits in (8, 16, 32)},
 }  # fmt: skip
 _TWO: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "atan2": np.arctan2, "mod": np.mod, "rem": np.fmod, "min": np.minimum, "max": np.maximum,
-    "power": np.power, "times": np.multiply,
+    "power": np.power, "times": np.multiply, "size": lambda v, axis: _size(v, int(axis[0, 0])),
+    "dot": lambda v, w: np.array(np.sum(v * w)), "hypot": np.hypot,
+    "cross": lambda v, w: np.cross(v.ravel(), w.ravel()).reshape(v.shape),
 }  # fmt: skip
-_SHAPES = {"zeros": np.zeros, "ones": np.ones}
+_SHAPES: dict[str, Callable[[list[int]], np.ndarray]] = {
+    "zeros": np.zeros, "ones": np.ones, "eye": lambda sizes: np.eye(sizes[0], sizes[1]),
+}  # fmt: skip
+
+
+def _size(value: np.ndarray, axis: int) -> np.ndarray:
+    if axis < 1:
+        raise ValueError("dimensions are counted from 1")
+    return np.array(float(value.shape[axis - 1] if axis <= 2 else 1))
 
 
 _FUNCTIONS = frozenset([*_ONE, *_TWO, *_SHAPES, "linspace"])
@@ -130,14 +150,37 @@ def _variable(name: str, variables: Variables) -> np.ndarray:
 
 
 def _infix(operator: str, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    if operator == "^":
+    if operator in ("^", ".^"):
         if np.abs(right).max(initial=0) > 64:
             raise ValueError("a power above 64")
-        return np.asarray(np.power(left, right))
-    if operator == "*":
-        plain = left.size == 1 or right.size == 1 or left.shape == right.shape
-        return np.asarray(left * right if plain else left @ right)
-    return 1.0 * _OPERATORS[operator](left, right)
+        if operator == ".^" or left.size == 1:
+            return np.asarray(np.power(left, right))
+        if right.size > 1 or right[0, 0] != round(right[0, 0]) or left.shape[0] != left.shape[1]:
+            raise ValueError("a power of a matrix that is not square, or not by a whole number")
+        return np.asarray(np.linalg.matrix_power(left, round(right[0, 0])))
+    single = left.size == 1 or right.size == 1
+    if operator == "*" and not single:
+        if left.shape[1] != right.shape[0]:
+            raise ValueError(
+                f"a matrix with {left.shape[1]} columns times one with {right.shape[0]} rows"
+            )
+        return np.asarray(left @ right)
+    if operator == "/" and right.size > 1:
+        return _solved(right.T, left.T).T
+    if operator == "\\":
+        return _solved(left, right)
+    return 1.0 * _OPERATORS[f".{operator}" if operator in "*/" else operator](left, right)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """X with matrix X = right, by least squares if the matrix is not square."""
+    if matrix.size == 1:
+        return np.asarray(right / matrix)
+    if matrix.shape[0] != right.shape[0]:
+        raise ValueError(f"{matrix.shape[0]} equations with {right.shape[0]} right sides")
+    if matrix.shape[0] == matrix.shape[1]:
+        return np.asarray(np.linalg.solve(matrix, right))
+    return np.asarray(np.linalg.lstsq(matrix, right)[0])
 
 
 def _span(first: float, step: float, last: float) -> np.ndarray:
@@ -161,37 +204,54 @@ def _apply(name: str, arguments: tuple[Tree, ...], variables: Variables) -> np.n
         if isinstance(variables, Workspace) and name not in dict.keys(variables):
             return np.ones((1, 1))
         return _elements(_variable(name, variables), arguments, variables)
-    given = [evaluate(one, variables) for one in arguments]
+    return call(name, [evaluate(one, variables) for one in arguments])
+
+
+def call(name: str, given: list[np.ndarray]) -> np.ndarray:
+    """A mathematical function of matrices; raises `ValueError` for one that is not known."""
     if name in _ONE and len(given) == 1:
         return _ONE[name](given[0])
     if name in _TWO and len(given) == 2:
         return _TWO[name](*given)
     if name in ("min", "max") and len(given) == 1:
-        return np.asarray(getattr(np, name)(given[0]))
+        return np.asarray(getattr(np, name)(given[0], axis=0 if len(given[0]) > 1 else 1))
     if name == "linspace" and len(given) == 3 and given[2][0, 0] <= _MOST_ELEMENTS:
         return np.linspace(given[0][0, 0], given[1][0, 0], int(given[2][0, 0]))
     if name in _SHAPES and 1 <= len(given) <= 2:
-        sizes = [int(one[0, 0]) for one in given] * (1 if len(given) == 2 else 2)
-        if not 0 <= sizes[0] * sizes[1] <= _MOST_ELEMENTS:
-            raise ValueError(f"a matrix of {sizes[0]} x {sizes[1]} elements")
-        return _SHAPES[name](sizes)
+        sizes = [int(one) for value in given for one in value.ravel()]
+        sizes = sizes * 2 if len(sizes) == 1 else sizes
+        if len(sizes) != 2 or not 0 <= sizes[0] * sizes[1] <= _MOST_ELEMENTS or min(sizes) < 0:
+            raise ValueError(f"a matrix of {' x '.join(map(str, sizes))} elements")
+        return np.asarray(_SHAPES[name](sizes))
     raise ValueError(f"the function or variable '{name}' is not known")
 
 
 def _elements(value: np.ndarray, arguments: tuple[Tree, ...], variables: Variables) -> np.ndarray:
     """Elements counted from 1, by one place or by row and column."""
-    places = []
+    found = places(value.shape, arguments, variables)
+    if len(found) == 1:
+        chosen: np.ndarray = value.T.ravel()[found[0]]
+        column = value.shape[1] == 1 or arguments[0] == Name(":")
+        return chosen[:, np.newaxis] if column else chosen[np.newaxis]
+    part: np.ndarray = value[np.ix_(found[0], found[1])]
+    return part
+
+
+def places(
+    shape: tuple[int, ...], arguments: tuple[Tree, ...], variables: Variables
+) -> list[np.ndarray]:
+    """What indices mean, counted from 0: one of all elements by columns, or rows and columns."""
+    found = []
     for axis, one in enumerate(arguments):
+        size = math.prod(shape) if len(arguments) == 1 else shape[axis]
         if one == Name(":"):
-            size = value.size if len(arguments) == 1 else value.shape[axis]
-            places.append(np.arange(size))
+            found.append(np.arange(size))
         else:
-            places.append(evaluate(one, variables).astype(int).ravel() - 1)
-        if (places[-1] < 0).any():
+            known = variables if isinstance(variables, Workspace) else Workspace(variables)
+            found.append(evaluate(one, known.inside({"end": size})).astype(int).ravel() - 1)
+        if (found[-1] < 0).any():
             raise ValueError("elements are counted from 1")
-    if len(places) == 1:
-        return value.T.ravel()[places[0]]
-    return value[np.ix_(places[0], places[1])]
+    return found
 
 
 def scalar(text: str, variables: Variables) -> float:

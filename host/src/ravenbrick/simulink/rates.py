@@ -15,7 +15,13 @@ __all__ = ["block_rates", "own_rate"]
 
 def own_rate(site: Site) -> float | None:
     """The sample time that a block gives itself, in s; None if it inherits it."""
-    text = site.block.parameters.get("SampleTime", "-1").strip().strip("[]").replace(",", " ")
+    noise = site.block.parameters.get("SourceBlock", "").endswith("White Noise")
+    text = (
+        site.block.parameters.get("Ts" if noise else "SampleTime", "-1")
+        .strip()
+        .strip("[]")
+        .replace(",", " ")
+    )
     first = text.split()[0] if text.split() else "-1"
     if site.kind == "Constant" or first in ("-1", "0", "inf", "Inf"):
         return None

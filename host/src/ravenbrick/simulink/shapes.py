@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ravenbrick.simulink.blocks.programs import interpreted_shape, program_shapes
 from ravenbrick.simulink.network import End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.signals import Bus, Shape, plain, size_of
@@ -24,7 +25,9 @@ _WIDENING = {
     "X0"), "Memory": ("InitialCondition", "X0"), "Delay": ("InitialCondition",),
     "DiscreteIntegrator": ("InitialCondition",), "Integrator": ("InitialCondition",),
     "Step": ("After", "Before"), "Sin": ("Amplitude", "Frequency", "Phase"),
-    "Saturate": ("UpperLimit", "LowerLimit"),
+    "Saturate": ("UpperLimit", "LowerLimit"), "Reference": ("offset", "gain", "Cov"),
+    "UniformRandomNumber": ("Minimum", "Maximum", "Seed"), "RandomNumber": ("Mean", "Variance",
+    "Seed"),
 }  # fmt: skip
 _ONE_ELEMENT = frozenset("DotProduct Width Clock DigitalClock If SwitchCase".split())
 _REDUCED = frozenset("Sum MinMax Product".split())
@@ -154,12 +157,16 @@ def _outputs(
         return {1: asked.shape(f"{site.path}|")}
     if network.is_root_port(site) and site.kind == "Inport":
         return {1: _port_shape(site)}
-    if site.kind not in known:
-        numbers = re.findall(r"\d+", site.block.parameters.get("Ports", "1, 1"))
-        count = int(numbers[1]) if len(numbers) > 1 else 1
-        return {port: asked.shape(f"{site.path}|{port}|") for port in range(1, count + 1)}
     rule = _RULES.get(site.kind, _widest)
-    return rule(site, network, shapes)
+    if site.kind in known:
+        try:
+            return rule(site, network, shapes)
+        except ValueError:
+            if site.kind not in ("MATLABFcn", "MATLABFunction"):
+                raise
+    numbers = re.findall(r"\d+", site.block.parameters.get("Ports", "1, 1"))
+    count = int(numbers[1]) if len(numbers) > 1 else 1
+    return {port: asked.shape(f"{site.path}|{port}|") for port in range(1, count + 1)}
 
 
 def _port_shape(site: Site) -> Shape:
@@ -355,9 +362,17 @@ def _state_space(site: Site, network: Network, shapes: Mapping[End, Shape]) -> d
     return {1: (value_of(site.block.parameters.get("C", "1"), site.variables).shape[0],)}
 
 
+def _transfer_function(
+    site: Site, network: Network, shapes: Mapping[End, Shape]
+) -> dict[int, Shape]:
+    """A row of a matrix of numerators for each output."""
+    rows = value_of(site.block.parameters.get("Numerator", "[1]"), site.variables)
+    return {1: (len(rows),)} if len(rows) > 1 else _widest(site, network, shapes)
+
+
 def _multiport(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[int, Shape]:
-    given = _inputs(site, network, shapes)[1:]
-    return {1: max(given, key=size_of, default=(1,))}
+    given = _inputs(site, network, shapes)
+    return {1: max([*given[1:], *given[:1]], key=size_of, default=(1,))}
 
 
 _RULES: dict[str, Rule] = {
@@ -365,7 +380,9 @@ _RULES: dict[str, Rule] = {
     "BusAssignment": _first_input, "Constant": _constant,
     "Concatenate": _concatenate, "Reshape": _reshape, "Selector": _selector, "Math": _math,
     "Product": _product, "Gain": _gain, "StateSpace": _state_space,
+    "TransferFcn": _transfer_function,
     "DiscreteStateSpace": _state_space, "MultiPortSwitch": _multiport,
     "SignalConversion": _first_input, "RateTransition": _first_input, "Assignment": _first_input,
     "Fcn": lambda site, network, shapes: {1: (1,)}, "Outport": _first_input,
+    "MATLABFcn": interpreted_shape, "MATLABFunction": program_shapes,
 }  # fmt: skip

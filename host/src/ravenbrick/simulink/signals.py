@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from ravenbrick.model import Block
 
-__all__ = ["Bus", "Node", "Ref", "Shape", "Wire", "plain", "size_of"]
+__all__ = ["Bus", "Node", "Ref", "Shape", "Tap", "Wire", "plain", "size_of"]
 
 
 @dataclass(frozen=True)
@@ -74,4 +74,12 @@ class Node:
     inputs: list[Wire] = field(default_factory=list)
 
 
-Wire = Ref | Node
+@dataclass(frozen=True)
+class Tap:
+    """An output of a node with several, counted from 0."""
+
+    node: Node
+    output: int
+
+
+Wire = Ref | Node | Tap

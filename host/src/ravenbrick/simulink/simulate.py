@@ -86,21 +86,11 @@ def simulate(
     network = source.network()
     stop = _stop_time(source, network) if stop is None else stop
     base = _base_rate(network, source.sample_time)
-    translation = Translation(network, base or stop, ContinuousForm.SOLVED)
-    sampled = _sampled_nodes(translation, source.sample_time > 0)
-    source.require_whole(translation, "simulated")
-    if translation.outports:
-        translation.show_sinks()
     try:
-        diagram = source.assembled(translation)
-        hybrid = Hybrid(diagram, sampled)
-    except AlgebraicLoopError as error:
-        paths = {node.block.name: node.path for node in translation.nodes}
-        loop = " -> ".join(dict.fromkeys(paths.get(name, name) for name in error.loop))
-        raise DesignError(
-            f"{source.path}: the algebraic loop {loop} has no state; put a transfer function with "
-            "more poles than zeros, or a delay, into it"
-        ) from error
+        translation, hybrid = _prepared(source, network, base or stop, exact_rates=True)
+    except AlgebraicLoopError:
+        # Filters in place of exact derivatives may open the loop.
+        translation, hybrid = _prepared(source, network, base or stop, exact_rates=False)
     given = dict(inputs or {})
     known = {slot.name for slot in hybrid.program.inputs}
     if given.keys() - known:
@@ -108,7 +98,13 @@ def simulate(
             f"{source.path}: there is no inport '{min(given.keys() - known)}'; "
             f"there are: {', '.join(sorted(known)) or 'none'}"
         )
-    response = hybrid.run(stop, base, given)
+    try:
+        response = hybrid.run(stop, base, given)
+    except ValueError as error:
+        raise DesignError(
+            f"{source.path}: the simulation cannot go on: a sine or cosine of an infinite number; "
+            "look for a quotient by 0 before it"
+        ) from error
     begin = _first_jump(translation)
     signals = tuple(
         Signal(label, path, response.signals[name],
@@ -117,6 +113,27 @@ def simulate(
     )  # fmt: skip
     count = sum(len(n.block.states()) for n in translation.nodes if _is_continuous(n))
     return Simulation(response.times, signals, base, count, stop)
+
+
+def _prepared(
+    source: ModelSource, network: Network, base: float, *, exact_rates: bool
+) -> tuple[Translation, Hybrid]:
+    translation = Translation(network, base, ContinuousForm.SOLVED, exact_rates=exact_rates)
+    sampled = _sampled_nodes(translation, source.sample_time > 0)
+    source.require_whole(translation, "simulated")
+    if translation.outports:
+        translation.show_sinks()
+    try:
+        return translation, Hybrid(source.assembled(translation), sampled)
+    except AlgebraicLoopError as error:
+        if exact_rates:
+            raise
+        paths = {node.block.name: node.path for node in translation.nodes}
+        loop = " -> ".join(dict.fromkeys(paths.get(name, name) for name in error.loop))
+        raise DesignError(
+            f"{source.path}: the algebraic loop {loop} has no state; put a transfer function with "
+            "more poles than zeros, or a delay, into it"
+        ) from error
 
 
 def _stop_time(source: ModelSource, network: Network) -> float:

@@ -26,17 +26,19 @@ from ravenbrick.simulink.blocks.library import library_maker, library_name, own_
 from ravenbrick.simulink.blocks.sources import recorded
 from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, MAKERS, STRUCTURE
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Names, identifier
+from ravenbrick.simulink.differentiation import Differentiation
 from ravenbrick.simulink.network import CONTROLS, End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import block_rates, own_rate
 from ravenbrick.simulink.shapes import shapes_of
-from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Wire, size_of
+from ravenbrick.simulink.signals import Bus, Node, Ref, Shape, Tap, Wire, size_of
 
 __all__ = ["Refusal", "Translation"]
 
 _FARTHEST = 2000
 Maker = Callable[[Builder], None]
 _KNOWN = frozenset([*MAKERS, "Reference", "Outport"])
+_NOTES = ("DocBlock", "Model Info", "Timed-Based Linearization", "Trigger-Based Linearization")
 _SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "XYGraph", "FloatingScope")
 
 
@@ -57,7 +59,10 @@ class Refusal:
 class Translation:
     """Nodes of all blocks of a model, and refusals of those without counterpart."""
 
-    def __init__(self, network: Network, sample_time: float, form: ContinuousForm) -> None:
+    def __init__(
+        self, network: Network, sample_time: float, form: ContinuousForm, *,
+        exact_rates: bool = False,
+    ) -> None:  # fmt: skip
         self.network = network
         self.refusals: list[Refusal] = []
         self.open_inputs: list[str] = []
@@ -77,6 +82,37 @@ class Translation:
         sites = list(network.sites.values())
         for site in sorted(sites, key=lambda site: not network.is_root_port(site)):
             self._make(site)
+        if exact_rates and form is ContinuousForm.SOLVED:
+            self._differentiate()
+
+    def _differentiate(self) -> None:
+        """Derivatives of smooth signals, in place of the filters of those blocks."""
+
+        def node_of(wire: Wire) -> Node | None:
+            found = self.node(wire, "a derivative")
+            return found if self._flows(self.network.sites[found.path]) else None
+
+        rules = Differentiation(node_of)
+        waiting = [site for site in self.network.sites.values()
+                   if site.kind == "Derivative" and not site.commented and self._flows(site)
+                   and not self.refusals]  # fmt: skip
+        changed = True
+        while changed:
+            changed = False
+            for site in list(waiting):
+                builder = self._builder(site)
+                found = rules.rates(builder, builder.inputs())
+                if found is not None:
+                    self.nodes = [node for node in self.nodes if node.path != site.path]
+                    self.nodes += builder.nodes
+                    self._outputs[site.path, 1] = found
+                    waiting.remove(site)
+                    changed = True
+
+    def _flows(self, site: Site) -> bool:
+        """Whether a block changes at all times: it has no rate of its own, no condition."""
+        free = own_rate(site) is None or site.kind == "Constant"
+        return free and next(self.network.guards(site.system), None) is None
 
     def _builder(self, site: Site) -> Builder:
         rate = self._rates.get(site.path, self.sample_time)
@@ -132,7 +168,7 @@ class Translation:
         if site.kind == "Reference":
             source = site.block.parameters.get("SourceBlock", "")
             maker = library_maker(source)
-            if _is_sink(site):
+            if _is_sink(site) or (own_library(source) and library_name(source) in _NOTES):
                 return
             if maker is None:
                 where = "has no counterpart" if own_library(source) else "is not at hand"
@@ -151,7 +187,7 @@ class Translation:
         try:
             maker(builder)
         except (ValueError, KeyError, IndexError, DesignError, NotImplementedError) as error:
-            self._refuse(site, f"{error}")
+            self._refuse(site, f"{error}", outside=site.kind == "MATLABFunction")
             return
         self._take(builder)
 
@@ -252,9 +288,15 @@ class Translation:
 
     def node(self, wire: Wire, place: str) -> Node:
         """The node that gives a wire's signal."""
+        return self.end(wire, place)[0]
+
+    def end(self, wire: Wire, place: str) -> tuple[Node, int]:
+        """The node that gives a wire's signal, and the number of its output."""
         for _ in range(_FARTHEST):
             if isinstance(wire, Node):
-                return wire
+                return wire, 0
+            if isinstance(wire, Tap):
+                return wire.node, wire.output
             wires = self._outputs.get((wire.path, wire.port))
             if wires is None or wire.element >= len(wires):
                 raise DesignError(
@@ -325,7 +367,10 @@ def _unsupported(site: Site) -> tuple[str, bool]:
     if site.kind == "S-Function":
         tag = site.block.parameters.get("Tag", "")
         if "Stateflow" in tag or site.block.parameters.get("FunctionName") == "sf_sfun":
-            return "a Stateflow chart or MATLAB function; draw it with a StateMachine", True
+            return (
+                "a Stateflow chart, or a MATLAB function of a .mdl file; draw it with a "
+                "StateMachine, or save the model as .slx"
+            ), True
         return "an S-Function, a program in another language; write a CustomFunction", True
     if site.kind in ("PMIOPort", "PMComponent", "SimscapeBlock", "SimscapeComponentBlock"):
         return "physical modelling", True

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ravenbrick.errors import DesignError
+from ravenbrick.simulink.matlab.statements import split
 from ravenbrick.simulink.numbers import Workspace, value_of
 
 __all__ = ["assignments", "read_workspace"]
@@ -47,7 +48,7 @@ def _read(path: Path, found: Workspace) -> None:
 
 def assignments(text: str, folder: Path, found: Workspace) -> None:
     """Add what a program in MATLAB's language assigns; `folder` holds .mat files that it loads."""
-    for statement in _statements(text):
+    for _, statement in split(text):
         load = _LOAD.match(statement)
         if load:
             other = folder / load[1]
@@ -68,22 +69,6 @@ def _without_object(text: str) -> str:
     """The number in `Simulink.Parameter(5)`."""
     match = re.fullmatch(r"\s*Simulink\.Parameter\((.*)\)\s*", text, re.DOTALL)
     return match[1] if match else text
-
-
-def _statements(text: str) -> list[str]:
-    """Statements without comments; brackets may go over several lines."""
-    text = re.sub(r"(?ms)^\s*%\{\s*$.*?^\s*%\}\s*$", "", text)
-    statements, current, depth = [], "", 0
-    for line in text.splitlines():
-        bare = re.sub(r"('[^']*')|%.*", lambda m: m[1] or "", line)
-        for part in re.split(r"(;|\n)", bare + "\n"):
-            depth += part.count("[") + part.count("{") - part.count("]") - part.count("}")
-            if part in (";", "\n") and depth <= 0:
-                statements.append(current)
-                current, depth = "", 0
-            else:
-                current += ";" if part == "\n" and not current.rstrip().endswith("...") else part
-    return [one for one in statements if one.strip()]
 
 
 def _read_mat(path: Path, found: Workspace) -> None:

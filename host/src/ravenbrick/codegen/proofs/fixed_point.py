@@ -80,8 +80,10 @@ class FixedPointProof:
         }
 
     def _slots(self) -> tuple[Slot, ...]:
+        """Variables that hold numbers; the state of a machine is none."""
         program = self.fixed.program
-        return program.inputs + program.outputs + program.states + program.signals
+        found = program.inputs + program.outputs + program.states + program.signals
+        return tuple(slot for slot in found if isinstance(slot.data_type, FixedFormat))
 
     def _variable(self, slot: Slot) -> dict[str, Any]:
         form = slot.data_type

@@ -22,6 +22,7 @@ __all__ = [
     "DryFriction",
     "EncoderCount",
     "Integrator",
+    "SmoothFunction",
     "continuous_transfer_function",
 ]
 
@@ -234,6 +235,24 @@ class CustomDerivatives(ContinuousBlock):
 
 def _element(function: Callable[..., Sequence[float]], place: int) -> Callable[..., float]:
     return lambda *values: function(*values)[place]
+
+
+@dataclass(frozen=True)
+class SmoothFunction(ContinuousBlock):
+    """A function without jumps of `ports` inputs, which a solver may follow freely."""
+
+    function: Callable[..., float] = math.sin
+    ports: int = 1
+
+    @property
+    def input_types(self) -> tuple[ir.DataType, ...]:
+        """`ports` of them."""
+        return (self.data_type,) * self.ports
+
+    def output(self, inputs: Inputs) -> ir.Expression:
+        """One call."""
+        names = tuple(f"a{place}" for place in range(self.ports))
+        return ir.Call(self.name, names, tuple(inputs), self.data_type, "", "", self.function)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from ravenbrick.model import program as ir
 from ravenbrick.model.blocks.basic import Assignments, Block, Inputs, choose
@@ -220,8 +223,16 @@ class Product(Block):
             else:
                 name = f"quotient_{self.data_type.value.removesuffix('_T')}"
                 total = ir.Call(name, ("a", "b"), (total, value), self.data_type,
-                             "return a / b;", "return A / B;", lambda a, b: a / b)  # fmt: skip
+                             "return a / b;", "return A / B;", _quotient)  # fmt: skip
         return total
+
+
+def _quotient(a: Any, b: Any) -> Any:
+    """As IEEE 754 has it, also of Python's own floats, which refuse a division by 0."""
+    if b == 0.0 and isinstance(a, float):
+        with np.errstate(all="ignore"):
+            return float(np.float64(a) / np.float64(b))
+    return a / b
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ravenbrick.model import program as ir
 from ravenbrick.model.blocks.basic import Inputs
 from ravenbrick.model.blocks.continuous import ContinuousBlock
 
-__all__ = ["TICK", "TIME", "TimeFunction", "pulse", "sine", "step", "white_noise"]
+__all__ = ["TICK", "TIME", "TimeFunction", "pulse", "ramp", "sine", "step", "white_noise"]
 
 TICK = 1e-9
 """Two instants closer than this (s) are one."""
@@ -25,10 +25,14 @@ TIME = ir.Slot(ir.Kind.INPUT, "the time", ir.DataType.REAL64, "")
 
 @dataclass(frozen=True)
 class TimeFunction(ContinuousBlock):
-    """A function of the time in seconds; `breaks` gives the instants of its jumps up to one."""
+    """A function of the time in seconds; `breaks` gives the instants of its jumps up to one.
+
+    `derivative` gives the function's derivative, if it is known.
+    """
 
     function: Callable[[float], float] = field(default=float, repr=False, compare=False)
     breaks: Callable[[float], list[float]] = field(default=lambda _: [], repr=False, compare=False)
+    derivative: Callable[[], TimeFunction] | None = field(default=None, repr=False, compare=False)
 
     @property
     def input_types(self) -> tuple[ir.DataType, ...]:
@@ -52,7 +56,22 @@ def sine(
     name: str, amplitude: float, frequency: float, phase: float = 0.0, bias: float = 0.0
 ) -> TimeFunction:
     """`frequency` in rad/s, `phase` in rad."""
-    return TimeFunction(name, function=lambda t: amplitude * math.sin(frequency * t + phase) + bias)
+    return TimeFunction(
+        name,
+        function=lambda t: amplitude * math.sin(frequency * t + phase) + bias,
+        derivative=lambda: sine(name, amplitude * frequency, frequency, phase + math.pi / 2),
+    )
+
+
+def ramp(name: str, slope: float = 1.0) -> TimeFunction:
+    """A line from 0."""
+    return TimeFunction(
+        name,
+        function=lambda t: slope * t,
+        derivative=lambda: TimeFunction(
+            name, function=lambda _: slope, derivative=lambda: ramp(name, 0.0)
+        ),
+    )
 
 
 def pulse(

@@ -10,7 +10,9 @@ from collections.abc import Callable, Mapping
 
 from ravenbrick.model import CustomFunction, Merge, Ramp
 from ravenbrick.simulink.blocks.arithmetic import ARITHMETIC
+from ravenbrick.simulink.blocks.elementary import ONE
 from ravenbrick.simulink.blocks.memory import MEMORY
+from ravenbrick.simulink.blocks.noise import NOISE
 from ravenbrick.simulink.blocks.sources import SOURCES, sequence
 from ravenbrick.simulink.builder import Builder
 from ravenbrick.simulink.libraries import tight
@@ -85,6 +87,17 @@ def _interval_test(b: Builder) -> None:
 def _difference(b: Builder) -> None:
     initial = b.dialog().number("ICPrevInput", "0")
     b.out([b.sum(wire, b.last(wire, initial), signs="+-") for wire in b.inputs()])
+
+
+def _friction(b: Builder) -> None:
+    """sign(u) (gain |u| + offset)."""
+    found: list[Wire] = []
+    for element, wire in enumerate(b.inputs(1, b.width("offset", "gain"))):
+        d = b.dialog(element=element)
+        viscous, offset = b.scaled(d.number("gain", "1"), wire), d.number("offset", "[1 3 2 0]")
+        dry = [b.scaled(offset, ONE["sign"](b, wire))] if offset else []
+        found.append(b.sum(viscous, *dry))
+    b.out(found)
 
 
 def _slider_gain(b: Builder) -> None:
@@ -170,6 +183,7 @@ def _converted(factor: float, offset: float = 0.0) -> Callable[[Builder], None]:
 
 _LIBRARY: Mapping[str, Callable[[Builder], None]] = {
     "Bitwise Operator": _bitwise,
+    "Coulomb & Viscous Friction": _friction,
     "Celsius to Fahrenheit": _converted(1.8, 32.0),
     "Dead Zone Dynamic": _dead_zone,
     "Degrees to Radians": _converted(math.pi / 180),
@@ -205,7 +219,7 @@ def library_maker(source: str) -> Callable[[Builder], None] | None:
         return None
     name = library_name(source)
     short = f"simulink/{name}"
-    for table in (ARITHMETIC, MEMORY, SOURCES):
+    for table in (ARITHMETIC, MEMORY, NOISE, SOURCES):
         if short in table:
             return table[short]
     return _LIBRARY.get(name)

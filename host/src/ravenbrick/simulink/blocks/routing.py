@@ -51,7 +51,7 @@ def _same(b: Builder) -> None:
 
 def _manual_switch(b: Builder) -> None:
     setting = b.dialog().text("CurrentSetting") or b.dialog().text("sw") or "1"
-    b.out(b.inputs(1 if setting == "1" else 2))
+    b.out(b.inputs(1 if setting == "1" else 2, b.width()))
 
 
 def _columns(b: Builder, port: int) -> list[list[Wire]]:
@@ -121,9 +121,14 @@ def _multiport_switch(b: Builder) -> None:
         count -= 1
     if count < 2:
         raise ValueError("a choice from the elements of one vector")
-    width = max(size_of(plain(b.input_shape(port))) for port in range(2, count + 2))
+    width = max(size_of(plain(b.input_shape(port))) for port in range(1, count + 2))
     choices = [b.inputs(port, width) for port in range(2, count + 2)]
-    b.out(pick(b, b.inputs(1)[0], choices, 0 if order.startswith("Zero") else 1))
+    first = 0 if order.startswith("Zero") else 1
+    if size_of(b.input_shape(1)) == 1:
+        b.out(pick(b, b.inputs(1)[0], choices, first))
+        return
+    b.out([pick(b, place, [[choice[element]] for choice in choices], first)[0]
+           for element, place in enumerate(b.inputs(1, width))])  # fmt: skip
 
 
 def _switch_by_numbers(b: Builder, count: int) -> None:

@@ -42,14 +42,17 @@ from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.model.lazy import control
 from ravenbrick.simulink.blocks.arithmetic import ARITHMETIC
 from ravenbrick.simulink.blocks.conditions import CONDITIONS
+from ravenbrick.simulink.blocks.elementary import ELEMENTARY
 from ravenbrick.simulink.blocks.library import CLOCKS
 from ravenbrick.simulink.blocks.lookup import LOOKUP
 from ravenbrick.simulink.blocks.memory import MEMORY
+from ravenbrick.simulink.blocks.noise import NOISE
+from ravenbrick.simulink.blocks.programs import PROGRAMS
 from ravenbrick.simulink.blocks.routing import ROUTING
 from ravenbrick.simulink.blocks.sources import SOURCES
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
-from ravenbrick.simulink.numbers import matrix
-from ravenbrick.simulink.signals import Wire
+from ravenbrick.simulink.numbers import matrix, value_of
+from ravenbrick.simulink.signals import Tap, Wire
 
 __all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
 
@@ -99,6 +102,16 @@ def _zero_pole(d: Dialog) -> Block:
     return transfer_function_block(d.name, ZeroPoleGain(moved[0], moved[1], gain, d.sample_time))
 
 
+def _transfer_function(d: Dialog) -> Block:
+    top, bottom = d.numbers("Numerator", "[1]"), d.numbers("Denominator", "[1 1]")
+    if len(np.trim_zeros(top, "f")) > len(np.trim_zeros(bottom, "f")):
+        raise ValueError(
+            "its numerator is of a higher degree than its denominator, which Simulink refuses too; "
+            "add a pole well above the bandwidth"
+        )
+    return _sampled(d, control.tf(top, bottom))
+
+
 def _sampled(d: Dialog, system: control.TransferFunction) -> Block:
     """A continuous block at the diagram's rate, or as it is in a simulation."""
     if d.form is ContinuousForm.SOLVED:
@@ -116,23 +129,50 @@ def _fir(d: Dialog) -> Block:
     return transfer_function_block(d.name, control.tf(top, bottom, d.sample_time))
 
 
-def _state_space(d: Dialog) -> Block:
+def _state_space(b: Builder) -> None:
+    """One vector in, one vector out."""
+    d = b.dialog("B")
     parts = [matrix(d.text(part, "1") or "1", d.variables) for part in "ABCD"]
-    if len(parts[2]) != 1:
-        raise ValueError("a state space with several outputs")
-    discrete = d.block.kind == "DiscreteStateSpace"
-    system = control.ss(*parts, d.sample_time) if discrete else control.ss(*parts)
-    start = d.numbers("X0", "0") if d.text("X0") else ()
-    if not discrete and d.form is ContinuousForm.SOLVED:
-        return ContinuousStateSpace.of(d.name, system, start)
-    if not discrete:
-        held = d.form is ContinuousForm.HELD
-        system = control.sample_system(system, d.sample_time, "zoh" if held else "bilinear")
-    if any(start) and not discrete:
-        raise ValueError("an initial state of a continuous state space")
-    block = state_space_block(d.name, system)
-    whole = start * len(parts[0]) if len(start) == 1 else start
-    return replace(block, initial=tuple(whole)) if any(start) else block
+    _linear(b, parts, d.numbers("X0", "0") if d.text("X0") else ())
+
+
+def _transfer_functions(b: Builder) -> None:
+    """Of one number or element by element; with a matrix of numerators one output for each row."""
+    d = b.dialog("B")
+    rows = value_of(d.text("Numerator", "[1]") or "[1]", d.variables)
+    if len(rows) == 1 or (1 in rows.shape and d.variables.guess):
+        _each(_transfer_function)(b)
+        return
+    bottom = np.trim_zeros(np.array(d.numbers("Denominator", "[1 1]")), "f")
+    order, top = len(bottom) - 1, rows / bottom[0]
+    bottom = bottom / bottom[0]
+    if rows.shape[1] > order + 1 or order == 0:
+        raise ValueError("its numerators are of a higher degree than its denominator")
+    top = np.pad(top, ((0, 0), (order + 1 - top.shape[1], 0)))
+    direct = top[:, :1]
+    states = np.vstack([-bottom[1:], np.eye(order - 1, order)])
+    _linear(b, [states.tolist(), np.eye(order, 1).tolist(),
+                (top[:, 1:] - direct * bottom[1:]).tolist(), direct.tolist()], ())  # fmt: skip
+
+
+def _linear(b: Builder, parts: list[list[list[float]]], start: tuple[float, ...]) -> None:
+    """A linear system with its matrices A, B, C, D."""
+    discrete = b.site.kind == "DiscreteStateSpace"
+    system = control.ss(*parts, b.sample_time) if discrete else control.ss(*parts)
+    if not discrete and b.form is ContinuousForm.SOLVED:
+        block: Block = ContinuousStateSpace.of("B", system, start)
+    else:
+        if not discrete:
+            held = b.form is ContinuousForm.HELD
+            system = control.sample_system(system, b.sample_time, "zoh" if held else "bilinear")
+        if any(start) and not discrete:
+            raise ValueError("an initial state of a continuous state space")
+        sampled = state_space_block("B", system)
+        whole = start * len(parts[0]) if len(start) == 1 else start
+        block = replace(sampled, initial=tuple(whole)) if any(start) else sampled
+    node = b.add(block, *b.inputs(1, len(block.input_types)))
+    count = block.output_count
+    b.out([node] if count == 1 else [Tap(node, output) for output in range(count)])
 
 
 def _switch(d: Dialog) -> Block:
@@ -261,7 +301,10 @@ def _no_delay_in_time(b: Builder) -> None:
 
 
 def _derivative_in_time(b: Builder) -> None:
-    """s / (T s + 1), T a 10,000th of the sample time or of the whole time; 0 for the first 10 T."""
+    """s / (T s + 1), T a 10,000th of the sample time or of the whole time; 0 for the first 10 T.
+
+    Of a smooth signal `Differentiation` replaces it.
+    """
     short = _SHORT * b.sample_time
     found: list[Wire] = []
     for wire in b.inputs():
@@ -327,7 +370,6 @@ _SINGLE: Mapping[str, Maker] = {
     ),
     "DiscreteFilter": _rational,
     "DiscreteFir": _fir,
-    "DiscreteStateSpace": _state_space,
     "DiscreteTransferFcn": _rational,
     "DiscreteZeroPole": _zero_pole,
     "Ground": lambda d: Constant(d.name, value=0.0),
@@ -339,12 +381,8 @@ _SINGLE: Mapping[str, Maker] = {
     "Rounding": _rounding,
     "SignalSpecification": lambda d: Gain(d.name, gain=1.0),
     "Signum": lambda d: Sign(d.name),
-    "StateSpace": _state_space,
     "Step": _step,
     "Switch": _switch,
-    "TransferFcn": lambda d: _sampled(
-        d, control.tf(d.numbers("Numerator", "[1]"), d.numbers("Denominator", "[1 1]"))
-    ),
     "TransportDelay": _transport_delay,
     "UnaryMinus": lambda d: Gain(d.name, gain=-1.0),
     "UnitDelay": lambda d: UnitDelay(d.name, initial=_initial(d)),
@@ -367,21 +405,27 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
     **{kind: _each(maker) for kind, maker in _SINGLE.items()},
     **ROUTING,
     **CONDITIONS,
+    **ELEMENTARY,
+    **PROGRAMS,
     **ARITHMETIC,
     **MEMORY,
     **LOOKUP,
+    **NOISE,
     **SOURCES,
     **CLOCKS,
     "Bias": _bias,
     "Derivative": _derivative,
     "DiscretePulseGenerator": _pulse,
+    "DiscreteStateSpace": _state_space,
     "InitialCondition": _initial_condition,
     "Sin": _sine,
+    "StateSpace": _state_space,
+    "TransferFcn": _transfer_functions,
 }
 
 # Makers of a simulation in continuous time, in place of those above.
 IN_TIME: Mapping[str, Callable[[Builder], None]] = {
-    "Clock": lambda b: b.out([b.add(TimeFunction("B"))]),
+    "Clock": lambda b: b.out([b.add(time_functions.ramp("B"))]),
     "Derivative": _derivative_in_time,
     "DiscretePulseGenerator": _in_time(_pulse_in_time),
     "Sin": _in_time(_sine_in_time),
