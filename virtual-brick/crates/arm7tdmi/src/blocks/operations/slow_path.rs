@@ -11,22 +11,21 @@ use crate::bus::{Cycle, Width};
 /// A load that only the bus can make.
 #[cold]
 #[inline(never)]
-pub(in crate::blocks) fn load<B: BlockBus>(
+pub(in crate::blocks) fn load<B: BlockBus, const ITEM: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    item: u8,
     (at, moved): (u32, u32),
 ) {
-    if !run.begin_access(op, at, width(item), false) {
+    if !run.begin_access(op, at, width(ITEM), false) {
         return;
     }
-    let loaded = run.bus.read(at, width(item), Cycle::Nonsequential);
+    let loaded = run.bus.read(at, width(ITEM), Cycle::Nonsequential);
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
     run.bus.internal(1);
     match loaded {
-        Ok(value) => run.set(op.destination, extended(item, value)),
+        Ok(value) => run.set(op.destination, extended(ITEM, value)),
         Err(_) => run.end = End::Aborted,
     }
 }
@@ -34,17 +33,16 @@ pub(in crate::blocks) fn load<B: BlockBus>(
 /// A store that only the bus can make.
 #[cold]
 #[inline(never)]
-pub(in crate::blocks) fn store<B: BlockBus>(
+pub(in crate::blocks) fn store<B: BlockBus, const ITEM: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
-    item: u8,
     (at, moved): (u32, u32),
 ) {
     let value = run.get(op.destination);
-    if !run.begin_access(op, at, width(item), true) {
+    if !run.begin_access(op, at, width(ITEM), true) {
         return;
     }
-    let stored = run.bus.write(at, width(item), value, Cycle::Nonsequential);
+    let stored = run.bus.write(at, width(ITEM), value, Cycle::Nonsequential);
     run.state.after_store = op.address;
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
