@@ -69,7 +69,7 @@ fn load_outside_ram<B: BlockBus, const ITEM: u8>(
     (at, moved): (u32, u32),
 ) {
     let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(ITEM)) else {
-        return slow_path::load::<B, ITEM>(run, op, (at, moved));
+        return slow_path::load::<B, ITEM>(run, op, rest, (at, moved));
     };
     run.state.cycles += cycles + 1;
     if op.mode & WRITE_BACK != 0 {
@@ -87,7 +87,7 @@ fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let value = run.get(op.destination);
     if !run.bus.ram_write(at, width(ITEM), value) {
-        return slow_path::store::<B, ITEM>(run, op, (at, moved));
+        return slow_path::store::<B, ITEM>(run, op, rest, (at, moved));
     }
     run.state.cycles += u32::from(op.cycles);
     run.state.after_store = op.address;
