@@ -17,8 +17,9 @@ const BLOCK_CYCLE: i64 = 2;
 const BLOCKS_ENTRY: i64 = 30;
 /// Decoding of one instruction, with the memory that it takes.
 const DECODED_INSTRUCTION: i64 = 200;
-/// Most that is kept, which is what a run begins with.
-const DECODING_MAX: i64 = 1_000 * DECODED_INSTRUCTION;
+/// Most that is kept, which is what a run begins with: programs execute thousands of instructions
+/// once before they settle, and single steps would cost more than these blocks.
+const DECODING_MAX: i64 = 10_000 * DECODED_INSTRUCTION;
 /// After a refusal the blocks are not asked for so many steps.
 const STEPS_WITHOUT_BLOCKS: u32 = 128;
 /// In so many cycles in blocks, a unit is earned for compilation: a 256th of their time.
@@ -116,7 +117,7 @@ mod tests {
     fn decoding_pauses_when_it_has_cost_what_it_may() {
         let mut budget = Budget::new(false);
         assert!(!budget.leaves_to_reference() && budget.affords_decoding());
-        budget.pay_for_decoding(1_001);
+        budget.pay_for_decoding(10_001);
         assert!(!budget.affords_decoding());
         let steps = (0..1_000).take_while(|_| budget.leaves_to_reference());
         assert_eq!(steps.count(), STEPS_WITHOUT_BLOCKS as usize);

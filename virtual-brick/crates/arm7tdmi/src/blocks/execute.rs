@@ -5,7 +5,7 @@
 use super::block::Block;
 use super::bus::BlockBus;
 use super::cache::Blocks;
-use super::operations::run::{opcodes, size_of, End, Run, NO_MASKS};
+use super::operations::run::{opcodes, size_of, End, Run, ENDS_AT_ACCESS, NO_MASKS};
 use super::state::{GuestState, NO_ADDRESS};
 use crate::bus::Cycle;
 use crate::cpu::Cpu;
@@ -65,8 +65,8 @@ impl Cpu {
         if blocks.pending_regions != 0 && blocks.entries % ENTRIES_PER_POLL == 0 {
             blocks.install_compiled(None);
         }
-        let mut run = self.begin_run(bus, start, place.memory);
-        execute(&mut run, blocks, first, (budget, limit));
+        let mut run = self.begin_run(bus, start, place.memory, (budget, limit));
+        execute(&mut run, blocks, first);
         let done = run.finish();
         let code_gain_cycles = std::mem::take(&mut blocks.code_gain_cycles);
         blocks.budget.earn(run.passed_cycles, code_gain_cycles);
@@ -103,6 +103,7 @@ impl Cpu {
         bus: &'a mut B,
         next: u32,
         memory: u8,
+        (budget, limit): (u32, u64),
     ) -> Run<'a, B> {
         let mut run = Run {
             state: GuestState {
@@ -114,6 +115,10 @@ impl Cpu {
             end: End::Reached,
             ran: false,
             passed_cycles: 0,
+            limit,
+            budget,
+            worst_cycles: ENDS_AT_ACCESS,
+            told_cycles: 0,
             fetched: None,
             delayed: NO_MASKS,
             delays_masks: self.profile.mask_change_delayed,
@@ -166,7 +171,8 @@ impl<B: BlockBus> Run<'_, B> {
 
     /// The rest of the budget passes in iterations of a loop that finds the same state each time.
     #[inline(never)]
-    fn skip_idle_iterations(&mut self, block: &Block<B>, start_cycles: u32, budget: u32) -> bool {
+    fn skip_idle_iterations(&mut self, block: &Block<B>, start_cycles: u32) -> bool {
+        let budget = self.budget;
         let once = self.state.cycles - start_cycles;
         let again = block.key == self.state.next && once != 0;
         if !again || self.state.cycles + block.worst_cycles > budget {
@@ -189,17 +195,17 @@ impl<B: BlockBus> Run<'_, B> {
         blocks.update(self.bus)
     }
 
-    /// The cycles until the next event, after an access through the bus or with other masks; none
-    /// when the caller must look first.
+    /// Finds the cycles until the next event, after an access through the bus or with other masks.
+    /// False when there are none or the caller must look first.
     #[inline(never)]
-    fn next_budget(&mut self, blocks: &mut Blocks<B>, limit: u64) -> Option<u32> {
+    fn renew_budget(&mut self, blocks: &mut Blocks<B>) -> bool {
         match self.end {
             End::Accessed => {
                 self.delayed = NO_MASKS;
                 if self.bus.needs_attention()
                     || self.fetched.is_some() && !self.pipeline_still_valid(blocks)
                 {
-                    return None;
+                    return false;
                 }
             }
             End::Status => {
@@ -208,29 +214,21 @@ impl<B: BlockBus> Run<'_, B> {
             }
             End::Aborted => {
                 self.delayed = NO_MASKS;
-                return None;
+                return false;
             }
-            End::Reached | End::Refused => return None,
+            End::Reached | End::Refused => return false,
         }
-        // The masks of both sides of a boundary count.
-        let masks = self.file.status() & self.delayed;
-        let (irq, fiq) = (masks & psr::I == 0, masks & psr::F == 0);
-        let budget = self.bus.cycles_until_event(limit, irq, fiq);
-        if budget == 0 {
-            return None;
+        self.budget = self.cycles_until_event();
+        if self.budget == 0 {
+            return false;
         }
         self.end = End::Reached;
-        Some(budget)
+        true
     }
 }
 
 #[inline(never)]
-fn execute<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    blocks: &mut Blocks<B>,
-    first: u32,
-    (mut budget, limit): (u32, u64),
-) {
+fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32) {
     let mut number = first;
     let counted_after = blocks.counted_after_cycles;
     loop {
@@ -243,11 +241,16 @@ fn execute<B: BlockBus>(
         let mut idle = block.is_idempotent;
         if block.jit.runs_left != 0
             && !block.jit.has_code
-            && run.state.cycles + block.worst_cycles <= budget
+            && run.state.cycles + block.worst_cycles <= run.budget
         {
+            run.worst_cycles = if idle {
+                ENDS_AT_ACCESS
+            } else {
+                block.worst_cycles
+            };
             run.execute(&block.ops);
         } else {
-            let Some(whole) = run_otherwise(run, blocks, &mut number, budget) else {
+            let Some(whole) = run_otherwise(run, blocks, &mut number) else {
                 return;
             };
             block = match blocks.blocks.get_mut(number as usize) {
@@ -258,14 +261,11 @@ fn execute<B: BlockBus>(
         }
         let link = block.link(run.state.next);
         if run.end == End::Reached {
-            if idle && run.skip_idle_iterations(block, start_cycles, budget) {
+            if idle && run.skip_idle_iterations(block, start_cycles) {
                 return;
             }
-        } else {
-            match run.next_budget(blocks, limit) {
-                Some(cycles) => budget = cycles,
-                None => return,
-            }
+        } else if !run.renew_budget(blocks) {
+            return;
         }
         number = if blocks.is_valid(link, run.state.next) {
             link
@@ -286,8 +286,9 @@ fn run_otherwise<B: BlockBus>(
     run: &mut Run<'_, B>,
     blocks: &mut Blocks<B>,
     number: &mut u32,
-    budget: u32,
 ) -> Option<bool> {
+    let budget = run.budget;
+    run.worst_cycles = ENDS_AT_ACCESS;
     let mut block = blocks.blocks.get_mut(*number as usize)?;
     if run.state.cycles + block.worst_cycles > budget {
         block.jit.runs_left = block.jit.runs_left.max(1);

@@ -4,8 +4,9 @@
 //!
 //! A block is entered only if its worst case ends before anything but the processor can act, so
 //! it cannot be observed when in the block its cycles passed. An access that does more than read or
-//! write memory is made through the bus, which is told the time before, and ends the block; so
-//! does an instruction that changes mode or masks. The rest is left to the reference engine,
+//! write memory is made through the bus, which is told the time before, and ends the block, unless
+//! what is left of it still ends before anything else can act. An instruction that changes mode or
+//! masks ends the block. The rest is left to the reference engine,
 //! [`Cpu::step`](crate::Cpu::step). Both engines leave the same registers, pipeline and cycle
 //! counts at the boundaries that they share. Stores to code, also to opcodes already fetched, are
 //! made by the reference engine.

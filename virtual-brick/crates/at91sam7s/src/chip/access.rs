@@ -26,18 +26,25 @@ impl<B: Board> Chip<B> {
     /// Read the register at a word address; effects take place now.
     pub(super) fn read_register(&mut self, address: u32) -> Access<u32> {
         let (peripheral, offset) = decode(address)?;
-        let now = self.now;
-        let value = match peripheral {
+        match peripheral {
             Peripheral::Aic => {
-                let (value, outcome) = self.peripherals.aic.read(offset, now)?;
+                let (value, outcome) = self.peripherals.aic.read(offset, self.now)?;
                 self.interrupt_acknowledged(outcome);
-                return Ok(value);
+                Ok(value)
             }
             Peripheral::Twi => {
                 let value = self.peripherals.twi.read(offset)?;
-                self.refresh_twi(now);
-                return Ok(value);
+                self.refresh_twi(self.now);
+                Ok(value)
             }
+            _ => self.read_other_register(peripheral, offset),
+        }
+    }
+
+    #[inline(never)]
+    fn read_other_register(&mut self, peripheral: Peripheral, offset: u32) -> Access<u32> {
+        let now = self.now;
+        let value = match peripheral {
             Peripheral::Pioa => self.pins.pio.read(offset)?,
             Peripheral::Mc => self.memories.read_register(offset, now)?,
             _ => {
@@ -53,23 +60,27 @@ impl<B: Board> Chip<B> {
     /// Write the register at a word address; effects take place now.
     pub(super) fn write_register(&mut self, address: u32, value: u32) -> Access {
         let (peripheral, offset) = decode(address)?;
+        match peripheral {
+            Peripheral::Aic => {
+                let outcome = self.peripherals.aic.write(offset, value, self.now)?;
+                self.interrupt_acknowledged(outcome);
+                Ok(())
+            }
+            Peripheral::Twi => self.write_two_wire(offset, value),
+            _ => self.write_other_register(peripheral, offset, value),
+        }
+    }
+
+    #[inline(never)]
+    fn write_other_register(&mut self, peripheral: Peripheral, offset: u32, value: u32) -> Access {
         let now = self.now;
         let effect = match peripheral {
-            Peripheral::Aic => {
-                let outcome = self.peripherals.aic.write(offset, value, now)?;
-                self.interrupt_acknowledged(outcome);
-                return Ok(());
-            }
             Peripheral::Pioa => {
                 self.pins.pio.write(offset, value)?;
-                self.update_pins(now);
+                self.pins_written(now);
                 return Ok(());
             }
             Peripheral::Pmc => return self.write_clocks(offset, value),
-            Peripheral::Twi => {
-                self.write_two_wire(offset, value)?;
-                return Ok(());
-            }
             Peripheral::Mc => {
                 self.write_memory_controller(offset, value)?;
                 Effect::Nothing

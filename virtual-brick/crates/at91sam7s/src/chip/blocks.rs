@@ -156,7 +156,11 @@ impl<B: Board> BlockBus for Chip<B> {
             && self.memories.sram.write_unmarked(address, width, value)
     }
 
+    #[inline]
     fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead> {
+        if address >= PERIPHERALS {
+            return None;
+        }
         if let Some(value) = self.ram_read(address, width) {
             let cycles = self.sram_cycles();
             return Some(PlainRead { value, cycles });
@@ -207,15 +211,13 @@ impl<B: Board> BlockBus for Chip<B> {
         write: bool,
         after_cycles: u32,
     ) -> BusAccess {
-        let keeps_memory = if misaligned(address, width) {
+        if misaligned(address, width) {
             return BusAccess::Refused;
-        } else if self.memories.is_sram(address) {
-            if self.memories.sram.is_code(address) {
-                return BusAccess::Refused;
-            }
-            true
-        } else if address >= PERIPHERALS {
+        }
+        let keeps_memory = if address >= PERIPHERALS {
             !(write && changes_memory(address))
+        } else if self.memories.is_sram(address) && !self.memories.sram.is_code(address) {
+            true
         } else {
             return BusAccess::Refused;
         };

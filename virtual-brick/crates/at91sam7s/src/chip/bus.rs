@@ -78,15 +78,20 @@ impl<B: Board> Chip<B> {
     }
 
     #[inline(never)]
-    fn read_elsewhere(&mut self, address: u32, width: Width) -> Result<u32, Abort> {
-        if is_flash(address) {
-            self.wait_for_flash();
-            self.memories.flash.data_was_read();
-            self.spend(self.memories.flash.data_cycles());
-            return Ok(lane(self.memories.flash.word(address), address, width));
-        }
-        if address < PERIPHERALS {
+    fn read_flash(&mut self, address: u32, width: Width) -> Result<u32, Abort> {
+        if !is_flash(address) {
             return Err(self.outside(AbortedAccess::Read, width, address, 0));
+        }
+        self.wait_for_flash();
+        self.memories.flash.data_was_read();
+        self.spend(self.memories.flash.data_cycles());
+        Ok(lane(self.memories.flash.word(address), address, width))
+    }
+
+    #[inline(never)]
+    fn read_elsewhere(&mut self, address: u32, width: Width) -> Result<u32, Abort> {
+        if address < PERIPHERALS {
+            return self.read_flash(address, width);
         }
         self.spend(self.memories.timing.apb_cycles);
         match self.read_register(address & !3) {
@@ -102,19 +107,24 @@ impl<B: Board> Chip<B> {
     }
 
     #[inline(never)]
-    fn write_elsewhere(&mut self, address: u32, width: Width, value: u32) -> Result<(), Abort> {
-        if is_flash(address) {
-            self.wait_for_flash();
-            self.spend(self.memories.flash.data_cycles());
-            if width != Width::Word {
-                self.record_fault(FaultKind::FlashWriteWidth, address, Some(value));
-                return Err(Abort);
-            }
-            self.memories.flash.write_latch(address, value);
-            return Ok(());
-        }
-        if address < PERIPHERALS {
+    fn write_flash(&mut self, address: u32, width: Width, value: u32) -> Result<(), Abort> {
+        if !is_flash(address) {
             return Err(self.outside(AbortedAccess::Write, width, address, value));
+        }
+        self.wait_for_flash();
+        self.spend(self.memories.flash.data_cycles());
+        if width != Width::Word {
+            self.record_fault(FaultKind::FlashWriteWidth, address, Some(value));
+            return Err(Abort);
+        }
+        self.memories.flash.write_latch(address, value);
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn write_elsewhere(&mut self, address: u32, width: Width, value: u32) -> Result<(), Abort> {
+        if address < PERIPHERALS {
+            return self.write_flash(address, width, value);
         }
         self.spend(self.memories.timing.apb_cycles);
         match self.write_register(address & !3, replicate(value, width)) {

@@ -93,8 +93,8 @@ impl<B: Board> Chip<B> {
     }
 
     fn serve_timer(&mut self, number: usize, at: Cycles) {
-        self.peripherals.tc.channels[number].advance(at);
-        self.refresh_timer(number, at);
+        let next = self.peripherals.tc.channels[number].advance(at);
+        self.refresh_timer_until(number, at, next);
     }
 
     fn serve_twi(&mut self, at: Cycles) {
@@ -249,15 +249,19 @@ impl<B: Board> Chip<B> {
     }
 
     pub(super) fn refresh_timer(&mut self, number: usize, at: Cycles) {
-        self.refresh_timer_alone(number, at);
+        let next = self.peripherals.tc.channels[number].next_event();
+        self.refresh_timer_until(number, at, next);
+    }
+
+    fn refresh_timer_until(&mut self, number: usize, at: Cycles, next: Cycles) {
+        self.refresh_timer_alone(number, at, next);
         if self.peripherals.tc.lines() != self.pins.timer_lines {
             self.update_pins(at);
         }
     }
 
-    fn refresh_timer_alone(&mut self, number: usize, at: Cycles) {
-        let channel = &self.peripherals.tc.channels[number];
-        let (next, level) = (channel.next_event(), channel.interrupt());
+    fn refresh_timer_alone(&mut self, number: usize, at: Cycles, next: Cycles) {
+        let level = self.peripherals.tc.channels[number].interrupt();
         self.schedule.set(EventKind::TIMERS[number], next);
         self.set_line(tc::IDENTIFIERS[number], level, at, 0);
     }
@@ -343,25 +347,37 @@ impl<B: Board> Chip<B> {
         // A pin may trigger a channel whose output drives another pin, at most once per channel.
         for _ in 0..=tc::PINS.len() {
             self.follow_timer_outputs(at);
-            let pins = &mut self.pins;
-            pins.serial_lines = self.peripherals.serial.lines();
-            let outputs = pins.pio.outputs(pins.serial_lines, pins.timer_lines);
-            if outputs != pins.outputs {
-                pins.outputs = outputs;
-                self.board.outputs_changed(at, outputs);
-                self.refresh_board(at);
-            }
-            let clocked = self.peripherals.pmc.clocked(PIOA);
-            let levels = self.board.pin_levels();
-            let (changed, seen) = self.pins.pio.sample(outputs, levels, clocked);
-            if changed != 0 {
-                self.pins_changed(changed, at);
-            }
-            self.refresh_pio(at, seen);
-            if self.peripherals.tc.lines() == self.pins.timer_lines {
+            self.pins.serial_lines = self.peripherals.serial.lines();
+            if !self.drive_pins(at) {
                 return;
             }
         }
+    }
+
+    /// After a write to the PIO controller: the lines of timers and serial ports are known.
+    pub(super) fn pins_written(&mut self, at: Cycles) {
+        if self.drive_pins(at) {
+            self.update_pins(at);
+        }
+    }
+
+    /// True if the pins have changed what the timers drive.
+    fn drive_pins(&mut self, at: Cycles) -> bool {
+        let pins = &mut self.pins;
+        let outputs = pins.pio.outputs(pins.serial_lines, pins.timer_lines);
+        if outputs != pins.outputs {
+            pins.outputs = outputs;
+            self.board.outputs_changed(at, outputs);
+            self.refresh_board(at);
+        }
+        let clocked = self.peripherals.pmc.clocked(PIOA);
+        let levels = self.board.pin_levels();
+        let (changed, seen) = self.pins.pio.sample(outputs, levels, clocked);
+        if changed != 0 {
+            self.pins_changed(changed, at);
+        }
+        self.refresh_pio(at, seen);
+        changed & tc::ALL_PINS != 0 && self.peripherals.tc.lines() != self.pins.timer_lines
     }
 
     /// Note the lines of the timers; a rising TIOA may trigger the converter.
@@ -382,8 +398,10 @@ impl<B: Board> Chip<B> {
         self.pins.log.changed(changed, at, pins);
         for (number, (pin_a, pin_b)) in tc::PINS.into_iter().enumerate() {
             if changed & (1 << pin_a | 1 << pin_b) != 0 {
-                self.peripherals.tc.channels[number].set_pins(pins, at);
-                self.refresh_timer_alone(number, at);
+                let channel = &mut self.peripherals.tc.channels[number];
+                channel.set_pins(pins, at);
+                let next = channel.next_event();
+                self.refresh_timer_alone(number, at, next);
             }
         }
         if changed & SerialPorts::modem_pins() != 0 {

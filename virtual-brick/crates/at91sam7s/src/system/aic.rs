@@ -194,9 +194,14 @@ impl Aic {
 
     /// Work out again when nIRQ and nFIQ are asserted.
     fn update(&mut self, now: Cycles) {
+        let pending = self.all_pending();
+        if (self.normal_sources() | self.fast_sources()) & pending == 0 {
+            (self.irq_at, self.fiq_at) = (NEVER, NEVER);
+            (self.irq_seen_at, self.fiq_seen_at) = (NEVER, NEVER);
+            return;
+        }
         let current = self.current_priority();
         let mut irq = NEVER;
-        let pending = self.all_pending();
         for source in bits(self.normal_sources() & pending) {
             if self.priority(source) > current {
                 irq = irq.min(self.ready_at[usize::from(source)]);

@@ -96,6 +96,9 @@ pub(in crate::blocks) const NO_TARGET: u32 = u32::MAX - 1;
 /// In place of interrupt masks: none of them.
 pub(in crate::blocks) const NO_MASKS: u32 = u32::MAX;
 
+/// In place of the most cycles of a block that an access through the bus ends.
+pub(in crate::blocks) const ENDS_AT_ACCESS: u32 = u32::MAX;
+
 /// How the operations of a block ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::blocks) enum End {
@@ -119,6 +122,14 @@ pub(in crate::blocks) struct Run<'a, B: BlockBus> {
     pub ran: bool,
     /// Cycles that the bus was told of.
     pub passed_cycles: u64,
+    /// The call ends at this time of the bus.
+    pub limit: u64,
+    /// Cycles, from the last that the bus was told of, in which nothing is due.
+    pub budget: u32,
+    /// Most cycles of the block that runs; [`ENDS_AT_ACCESS`] if each access ends it.
+    pub worst_cycles: u32,
+    /// Of the block's fetches, the bus was told of so many cycles with an access in the block.
+    pub told_cycles: u32,
     /// Opcodes of the pipeline from before an access through the bus, which may change memory.
     pub fetched: Option<[u32; 2]>,
     /// Masks that still count at the next boundary, from before an MSR; else [`NO_MASKS`].
@@ -158,6 +169,15 @@ impl<B: BlockBus> Run<'_, B> {
         self.bus.pass(cycles);
         self.passed_cycles += u64::from(cycles);
         self.ran = true;
+    }
+
+    /// Cycles from the time that the bus knows until something is due. The masks of both sides of
+    /// a boundary count.
+    #[inline(always)]
+    pub fn cycles_until_event(&self) -> u32 {
+        let masks = self.file.status() & self.delayed;
+        let (irq, fiq) = (masks & psr::I == 0, masks & psr::F == 0);
+        self.bus.cycles_until_event(self.limit, irq, fiq)
     }
 
     #[inline(always)]

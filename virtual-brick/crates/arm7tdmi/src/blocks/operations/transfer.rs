@@ -50,7 +50,7 @@ fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
 ) {
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let Some(value) = run.bus.ram_read(at, width(ITEM)) else {
-        return load_outside_ram(run, op, rest, ITEM, (at, moved));
+        return load_outside_ram::<B, ITEM>(run, op, rest, (at, moved));
     };
     run.state.cycles += u32::from(op.cycles);
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
@@ -62,21 +62,20 @@ fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
 
 /// A load that is not from RAM.
 #[inline(never)]
-fn load_outside_ram<B: BlockBus>(
+fn load_outside_ram<B: BlockBus, const ITEM: u8>(
     run: &mut Run<'_, B>,
     op: &Op<B>,
     rest: Rest<'_, B>,
-    item: u8,
     (at, moved): (u32, u32),
 ) {
-    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(item)) else {
-        return slow_path::load(run, op, item, (at, moved));
+    let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(ITEM)) else {
+        return slow_path::load::<B, ITEM>(run, op, rest, (at, moved));
     };
     run.state.cycles += cycles + 1;
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
-    run.set(op.destination, extended(item, value));
+    run.set(op.destination, extended(ITEM, value));
     run_next(run, rest);
 }
 
@@ -88,7 +87,7 @@ fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let value = run.get(op.destination);
     if !run.bus.ram_write(at, width(ITEM), value) {
-        return slow_path::store(run, op, ITEM, (at, moved));
+        return slow_path::store::<B, ITEM>(run, op, rest, (at, moved));
     }
     run.state.cycles += u32::from(op.cycles);
     run.state.after_store = op.address;

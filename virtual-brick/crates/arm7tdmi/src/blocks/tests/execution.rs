@@ -63,6 +63,30 @@ fn an_access_that_brings_an_event_near_ends_the_run() {
 }
 
 #[test]
+fn a_block_goes_on_behind_an_access_unless_something_is_due_in_its_rest() {
+    for event in 1..=255 {
+        let opcodes = [
+            0xE3A0_1A01,         // mov r1, #0x1000
+            0xE3A0_0000 | event, // mov r0, #event
+            0xE581_0000,         // str r0, [r1]
+            COUNT,
+            0xE591_3000, // ldr r3, [r1]
+            COUNT,
+            branch(ALWAYS, START + 24, START),
+        ];
+        let (mut cpu, mut machine) = program(&opcodes);
+        let (stored, end) = (machine.now + 4, machine.now + 15);
+        let mut blocks = Blocks::default();
+        cpu.run_blocks(&mut machine, &mut blocks, end, 1);
+        assert!(machine.now <= stored.max(event.into()), "event at {event}");
+        assert_as_reference(&opcodes, &cpu, &machine);
+        if u64::from(event) >= end {
+            assert_eq!((cpu.register(2), blocks.blocks.len()), (2, 1));
+        }
+    }
+}
+
+#[test]
 fn a_block_that_is_refused_again_and_again_is_rarely_tried() {
     let (mut cpu, mut machine) = program(&[0xEF00_0000]); // swi
     let mut blocks = Blocks::default();

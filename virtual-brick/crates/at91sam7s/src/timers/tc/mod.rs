@@ -220,31 +220,37 @@ impl Channel {
 
     /// When this channel wants to be served.
     pub(crate) fn next_event(&self) -> Cycles {
-        let trigger = if self.clocked { self.trigger_at } else { NEVER };
-        if self.running() {
-            trigger.min(self.edge + Cycles::from(self.steps_to_event()) * self.divider())
-        } else {
-            trigger
-        }
+        self.next_step().0
     }
 
-    /// Bring the channel to `now`: triggers and compares in the order of time.
-    pub(crate) fn advance(&mut self, now: Cycles) {
+    /// When this channel wants to be served, and steps of the counter until then.
+    fn next_step(&self) -> (Cycles, u32) {
+        let trigger = if self.clocked { self.trigger_at } else { NEVER };
+        if !self.running() {
+            return (trigger, 0);
+        }
+        let steps = self.steps_to_event();
+        let at = self.edge + Cycles::from(steps) * self.divider();
+        (trigger.min(at), steps)
+    }
+
+    /// Bring the channel to `now`: triggers and compares in the order of time. When it wants to be
+    /// served next.
+    pub(crate) fn advance(&mut self, now: Cycles) -> Cycles {
         loop {
-            let at = self.next_event();
+            let (at, steps) = self.next_step();
             if at > now {
-                return;
+                return at;
             }
             if self.trigger_at == at {
                 self.take_trigger(at);
             } else {
-                self.step_onto_event(at);
+                self.step_onto_event(at, steps);
             }
         }
     }
 
-    fn step_onto_event(&mut self, at: Cycles) {
-        let steps = self.steps_to_event();
+    fn step_onto_event(&mut self, at: Cycles, steps: u32) {
         let next = if self.up {
             self.value + steps
         } else {
@@ -468,6 +474,8 @@ impl Channel {
 pub(crate) const IDENTIFIERS: [u8; 3] = [12, 13, 14];
 /// Pins that carry TIOA and TIOB of the three channels (peripheral B).
 pub(crate) const PINS: [(u32, u32); 3] = [(0, 1), (15, 16), (26, 27)];
+/// All of them, one bit each.
+pub(crate) const ALL_PINS: u32 = 1 << 0 | 1 << 1 | 1 << 15 | 1 << 16 | 1 << 26 | 1 << 27;
 
 /// Numbers of the channels whose registers are at `offset`: one, or for a block register all.
 pub(crate) fn channels_at(offset: u32) -> Range<usize> {
