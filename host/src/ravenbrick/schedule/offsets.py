@@ -264,9 +264,9 @@ class _Beginning:
 
     def with_kind(self, candidate: _Candidate, task: Task, kind: JobKind) -> _Candidate:
         """The load that starts with a job of this kind: what comes until the next one, and before
-        the start from the job before."""
+        the start from the job before. What is over is not met in this lead either."""
         most, found = dict(kind.most), []
-        lead = self._lead(self._window)
+        lead = self._lead(candidate.window)
         for source in candidate.window.sources:
             if source.task.name == task.name:
                 source = replace(source, execution=kind.wcet)
