@@ -14,6 +14,7 @@ from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRI
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ImageFileError, ProjectFileError, RavenbrickError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
@@ -22,7 +23,7 @@ from ravenbrick.project.workspace import Workspace
 from ravenbrick.schedule.model import Task
 from ravenbrick.schedule.quantity import Time, exact
 from ravenbrick.schedule.response_time import ResponseTimeBound
-from ravenbrick.schedule.sensitivity import largest_wcet, scaled
+from ravenbrick.schedule.sensitivity import largest_wcet, scaled, with_period
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 from ravenbrick.timing.counted_facts import points_text
@@ -30,7 +31,7 @@ from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
 from ravenbrick.timing.kernel import kernel_facts, services
-from ravenbrick.timing.margins import largest_scaling, longest_execution
+from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
 from ravenbrick.timing.observation.job_path import paths_of_longest_jobs
 from ravenbrick.timing.observation.long_run import long_run
@@ -124,6 +125,15 @@ def test_margins_are_the_border_at_which_the_bounds_miss_a_deadline(analysis: An
     factor = largest_scaling(analysis).factor
     assert factor is not None and misses(lambda task: scaled(task, Fraction(factor))) == []
     assert misses(lambda task: scaled(task, Fraction(factor) + Fraction(1, 128)))
+
+    def each(period: Time) -> Change:
+        return lambda t: (
+            replace(with_period(t, period), phase=None) if t.name == "control_task" else t
+        )
+
+    period, step = smallest_period(analysis, "control_task"), exact(MASTER_CLOCK.hertz / 10_000)
+    assert period is not None and period < task_set.task("control_task").period
+    assert misses(each(period)) == [] and misses(each(period - step))
 
 
 def test_what_is_said_to_help_is_enough_and_no_more(analysis: Analysis) -> None:
