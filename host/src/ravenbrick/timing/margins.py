@@ -57,17 +57,21 @@ def largest_scaling(analysis: Analysis) -> ScalingLimit:
 def longest_execution(analysis: Analysis, name: str) -> tuple[Time | None, str]:
     """Longest execution of a job, suspensions included, and the task that limits it. What a job has
     more comes to each kind of its jobs; what it has less shortens the longest ones."""
-    own = analysis.task_set.task(name).wcet
+    longest = analysis.task_set.task(name).wcet
+    own = next(t.job.cycles for t in analysis.tasks if t.task.name == name)
 
     def change(factor: Fraction) -> Change:
         def longer(task: Task) -> Task:
-            more = task.wcet + (factor - 1) * own
-            return replace(task, wcet=more if factor > 1 else min(task.wcet, factor * own))
+            more = (factor - 1) * own
+            return replace(
+                task, wcet=task.wcet + more if more > 0 else min(task.wcet, longest + more)
+            )
 
         return _of(name, longer)
 
     found = _limit(analysis, change)
-    return None if found.factor is None else found.factor * own, found.limited_by
+    factor = found.factor
+    return None if factor is None else longest + (factor - 1) * own, found.limited_by
 
 
 def smallest_period(analysis: Analysis, name: str) -> Time | None:

@@ -352,7 +352,7 @@ def scheduled_bounds(
     sets = {}
     for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
-        others = _seen_by(timing, timings, tasks, bounds)
+        others = _seen_by(timing, timings, tasks, bounds, changed)
         met = [*(others or tasks), *more]
         met = [_paying(task, dispatch) if task.name != timing.task.name else task for task in met]
         seen = TaskSet((*map(changed, special or interrupts), *met))
@@ -459,6 +459,7 @@ def _seen_by(
     timings: Sequence[TaskTiming],
     tasks: Sequence[ScheduledTask],
     bounds: dict[str, ResponseTimeBound],
+    changed: Change,
 ) -> list[ScheduledTask] | None:
     """The tasks as a less urgent one sees those that suspend themselves; None without any.
 
@@ -471,7 +472,7 @@ def _seen_by(
         bound = bounds[task.name].bound
         more_urgent = other.task.priority > timing.task.priority
         if more_urgent and other.suspension_cycles and bound is not None and bound <= task.period:
-            own = task.wcet - other.suspension_cycles
+            own = changed(replace(task, wcet=other.job.cycles)).wcet
             found.append(replace(task, wcet=own, release_jitter=max(0, bound - own)))
             special = True
         else:
