@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -13,14 +14,16 @@ from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRI
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ImageFileError, ProjectFileError, RavenbrickError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
-from ravenbrick.schedule.model import TaskSet
-from ravenbrick.schedule.response_time import response_time_bounds
-from ravenbrick.schedule.sensitivity import largest_wcet
+from ravenbrick.schedule.model import Task
+from ravenbrick.schedule.quantity import Time, exact
+from ravenbrick.schedule.response_time import ResponseTimeBound
+from ravenbrick.schedule.sensitivity import largest_wcet, scaled, with_period
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 from ravenbrick.timing.counted_facts import points_text
@@ -28,6 +31,7 @@ from ravenbrick.timing.facts import Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
 from ravenbrick.timing.kernel import kernel_facts, services
+from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
 from ravenbrick.timing.observation.job_path import paths_of_longest_jobs
 from ravenbrick.timing.observation.long_run import long_run
@@ -36,6 +40,7 @@ from ravenbrick.timing.observation.worst_case_search import largest, search_wors
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, result_of
 from ravenbrick.timing.results.worst_path import worst_paths
+from ravenbrick.timing.scheduled_tasks import Change
 from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.recording import Recording
 
@@ -101,29 +106,59 @@ def test_the_vehicle_meets_its_deadlines_and_is_told_how_much_room_there_is(
     assert any("control_task may take" in line for line in advice(result))
 
 
+def test_margins_are_the_border_at_which_the_bounds_miss_a_deadline(analysis: Analysis) -> None:
+    """By the bounds as they are, which are closer than those without a common release."""
+
+    def misses(change: Change) -> list[str]:
+        bounds = analysis.changed_bounds(change)
+        return [name for name, bound in bounds.items() if not bound.meets_deadline]
+
+    def longer(cycles: Time) -> Change:
+        return lambda t: replace(t, wcet=t.wcet + cycles) if t.name == "control_task" else t
+
+    task_set, own = analysis.task_set, analysis.task_set.task("control_task").wcet
+    limit, limited_by = longest_execution(analysis, "control_task")
+    plain, _ = largest_wcet(task_set, "control_task", analysis.overheads)
+    assert limit is not None and plain is not None and own < plain < limit
+    assert misses(longer(limit - own)) == []
+    assert limited_by in misses(longer(limit - own + exact(Fraction(own, 128))))
+    factor = largest_scaling(analysis).factor
+    assert factor is not None and misses(lambda task: scaled(task, Fraction(factor))) == []
+    assert misses(lambda task: scaled(task, Fraction(factor) + Fraction(1, 128)))
+
+    def each(period: Time) -> Change:
+        return lambda t: (
+            replace(with_period(t, period), phase=None) if t.name == "control_task" else t
+        )
+
+    period, step = smallest_period(analysis, "control_task"), exact(MASTER_CLOCK.hertz / 10_000)
+    assert period is not None and period < task_set.task("control_task").period
+    assert misses(each(period)) == [] and misses(each(period - step))
+
+
 def test_what_is_said_to_help_is_enough_and_no_more(analysis: Analysis) -> None:
-    """With a deadline that half of its job would meet, the control job must be shorter by just
-    so much."""
-    own = next(t.job.cycles for t in analysis.tasks if t.task.name == "control_task")
-    bounds = response_time_bounds(analysis.task_set, analysis.overheads)
-    response = next(b.bound for b in bounds if b.task.name == "control_task")
+    """With a deadline that half of its job would meet, the control job must be shorter."""
+    own = analysis.task_set.task("control_task").wcet
+    response = analysis.bounds["control_task"].bound
     assert response is not None
-    short = response - own // 2
 
-    def meets(wcet: int) -> bool:
-        bounds = response_time_bounds(control(wcet), analysis.overheads)
-        return all(bound.meets_deadline for bound in bounds)
+    def tight(change: Change) -> dict[str, ResponseTimeBound]:
+        def changed(task: Task) -> Task:
+            task = change(task)
+            control = task.name == "control_task"
+            return replace(task, deadline=response - own // 2) if control else task
 
-    def control(wcet: int) -> TaskSet:
-        changed = [
-            replace(task, deadline=short, wcet=wcet) if task.name == "control_task" else task
-            for task in analysis.task_set
-        ]
-        return TaskSet(tuple(changed))
+        return dict(analysis.changed_bounds(changed))
 
-    limit, _ = largest_wcet(control(own), "control_task", analysis.overheads)
-    assert limit is not None and 0 < limit < own
-    assert not meets(own) and meets(int(limit)) and not meets(int(limit) + 1)
+    def meets(most: Time) -> bool:
+        def shorter(t: Task) -> Task:
+            return replace(t, wcet=min(t.wcet, most)) if t.name == "control_task" else t
+
+        return all(bound.meets_deadline for bound in tight(shorter).values())
+
+    limit, limited_by = longest_execution(replace(analysis, changed_bounds=tight), "control_task")
+    assert limited_by == "control_task" and limit is not None and 0 < limit < own
+    assert not meets(own) and meets(limit) and not meets(limit + exact(Fraction(own, 128)))
 
 
 def test_a_task_that_robot_toml_leaves_out_is_an_error(
@@ -151,6 +186,7 @@ def test_without_a_job_that_can_be_shortened_the_largest_term_is_named(analysis:
     result = result_of(analysis, {})
     tight = {"meets_deadline": False, "execution_max_cycles": 0}
     result["tasks"][1] |= tight
+    result["tasks"][1]["terms"]["interrupts_cycles"] = 100_000
     miss = {"name": "control_task", "kind": "task", "deadline_cycles": 192_220}
     result["misses"] = [miss | {"response_bound_cycles": 200_000}]
     lines = advice(result)

@@ -127,4 +127,6 @@ def test_no_margin_is_below_zero_where_the_closer_bounds_meet_all_deadlines(
     assert done.exit_code == 0, done.output
     answer = json.loads(done.output)
     assert answer["schedulable"] and answer["largest_scaling"] >= 1.0
+    for task in answer["tasks"]:
+        assert task["execution_max_cycles"] >= task["execution_bound_cycles"]
     assert not any("take -" in line for line in answer["advice"])

@@ -84,11 +84,11 @@ def test_interrupts_that_the_elaboration_requests_are_no_excess() -> None:
 def test_interrupts_that_come_too_densely_are_told() -> None:
     facts = run()[1]
     slow = tuple(
-        replace(load, window_us=60) if load.late_us and load.window_us == 31 else load
+        replace(load, window_us=60) if load.late_us and load.window_us == 40 else load
         for load in facts.interrupts
     )
     (found,) = wrong_counts(replace(facts, interrupts=slow))
-    assert "declared 1 each 60 us late by 31 us, seen late by" in found.excess
+    assert "declared 1 each 60 us late by 40 us, seen late by" in found.excess
 
 
 def test_a_job_of_no_kind_is_told() -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib.util
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
@@ -22,6 +23,7 @@ from verification.support.timing.programs import Subject, analysed, subject
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ProjectFileError
+from ravenbrick.schedule.sensitivity import scaled
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
 from ravenbrick.timing.observation.observed import exceeded, observe
@@ -73,6 +75,13 @@ def test_jobs_that_wait_inside_end_within_their_bounds(
     server = next(t for t in analysis.tasks if t.task.name == "server")
     assert server.suspension_cycles < noted["longest_response"] <= analysis.bounds["server"].bound
     assert seen["server"].jobs > 3_000 and exceeded(analysis, seen) == []
+
+
+def test_bounds_of_much_shorter_jobs_that_wait_inside_are_no_longer(analysis: Analysis) -> None:
+    """The search for margins goes there, below what the job waits."""
+    shorter = analysis.changed_bounds(lambda task: scaled(task, Fraction(1, 64)))
+    for name in ("control", "server", "display"):
+        assert 0 < (shorter[name].bound or 0) < (analysis.bounds[name].bound or 0)
 
 
 def test_own_times_leave_out_the_way_in_and_out_of_interrupts(

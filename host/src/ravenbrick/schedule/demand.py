@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from ravenbrick.errors import ExitCode, RavenbrickError
 from ravenbrick.schedule.blocking import Blocking, blocking_candidates
@@ -54,10 +56,26 @@ class Source:
         their execution without overheads."""
         if self.task.frames:
             return most_work(self.task, window + self.jitter, self.overhead)
-        whole: Time = ceiling(window + self.jitter, self.period)
-        for share, span, late in self.task.limits:
-            whole = min(whole, share * ceiling(window + self.jitter + late, span))
-        return whole, whole * self.execution
+        parts, execution, limits = self._in_parts
+        count = parts * ceiling(window + self.jitter, self.period)
+        for share, span, late in limits:
+            count = min(count, share * ceiling(window + late, span))
+        jobs = Fraction(count, parts) if count % parts else count // parts
+        return jobs, count * execution
+
+    @cached_property
+    def _in_parts(self) -> tuple[int, Time, list[tuple[int, Time, Time]]]:
+        """Into how many parts the limits divide a job, the execution of one, and the limits in
+        parts, with the jitter: whole numbers are fast."""
+        limits = [(Fraction(share), span, late) for share, span, late in self.task.limits]
+        parts = math.lcm(*(share.denominator for share, _, _ in limits))
+        whole = [(int(share * parts), span, self.jitter + late) for share, span, late in limits]
+        return parts, exact(Fraction(self.execution) / parts), whole
+
+    def demand(self, window: Time) -> Time:
+        """Most execution in a window with its overheads."""
+        jobs, execution = self.work(window)
+        return execution + jobs * self.overhead if self.overhead else execution
 
     def steps(self, limit: Time) -> Iterator[Iterator[Time]]:
         """Window lengths up to `limit` just after which the work rises, each from the longest."""
@@ -189,10 +207,7 @@ class Window:
     def interference(self, window: Time) -> Time:
         """Work of the interfering tasks and the clock in a window."""
         total = self.clock.time(window)
-        for source in self.sources:
-            jobs, execution = source.work(window)
-            total += execution + jobs * source.overhead
-        return total
+        return total + sum(source.demand(window) for source in self.sources)
 
     def completion(self, work: Time, start: Time) -> Time:
         """Smallest window in which blocking, interference and this work of the task are served.

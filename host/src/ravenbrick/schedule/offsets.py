@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from itertools import pairwise
 
 from ravenbrick.schedule.blocking import NO_BLOCKING, Blocking
@@ -25,6 +26,7 @@ from ravenbrick.schedule.response_time import (
     response_time_bounds,
     terms_of,
 )
+from ravenbrick.schedule.whole_times import common_denominator, multiplied
 
 __all__ = [
     "JobKind",
@@ -149,7 +151,7 @@ class _Candidate:
             following = fixed + self.clock_time(length)
             for source in self.window.sources:
                 _, count, execution = self.load(source, length)
-                following += execution + count * source.overhead
+                following += execution + (count * source.overhead if source.overhead else 0)
             if following <= length:
                 return length
             length = following
@@ -214,14 +216,19 @@ class _Beginning:
 
     def __init__(self, window: Window, tasks: Iterable[Task], known: Known) -> None:
         self._window, self._known = window, known
+        self._windows: dict[tuple[frozenset[str], frozenset[str]], Window] = {}
         self._tasks = {task.name: task for task in tasks}
         self._clock = window.clock.overheads.clock_resolution
+        phased = [source.jitter for source in window.sources if source.task.phase is not None]
+        self._earliest = self._lead(window) + max([window.jitter, *phased])
+
+    @staticmethod
+    def _lead(window: Window) -> Time:
+        """Time in which blocking and all without a phase are served."""
         without = tuple(source for source in window.sources if source.task.phase is None)
         own = window.own if window.task.phase is None else 0
         alone = replace(window, sources=without)
-        self._lead = alone.completion(own, 1) if without or own or window.blocking.time else 0
-        phased = [source.jitter for source in window.sources if source.task.phase is not None]
-        self._earliest = self._lead + max([window.jitter, *phased])
+        return alone.completion(own, 1) if without or own or window.blocking.time else 0
 
     def _over(self, name: str, begin: Time, lasts: Time = 0) -> bool:
         """Is each job of a less urgent task that runs before the start over by then, and for as
@@ -237,28 +244,34 @@ class _Beginning:
 
     def window(self, begin: Time) -> Window:
         """The load without what cannot be met at this start."""
-        window, known = self._window, self._known
         absent = frozenset(name for name in self._tasks if self._over(name, begin))
+        over = frozenset(
+            request.source
+            for request in self._known.requests
+            if all(self._over(name, begin, request.lasts) for name in request.tasks)
+        )
+        if (absent, over) not in self._windows:
+            self._windows[absent, over] = self._without(absent, over)
+        return self._windows[absent, over]
+
+    def _without(self, absent: frozenset[str], over: frozenset[str]) -> Window:
+        window, known = self._window, self._known
         blockings = [b for b in window.blockings if b.task not in absent]
         if known.blocking is not None:
             blockings = [Blocking(known.blocking(window.task, absent), "stated")]
-        over = {
-            request.source
-            for request in known.requests
-            if all(self._over(name, begin, request.lasts) for name in request.tasks)
-        }
         sources = tuple(source for source in window.sources if source.task.name not in over)
         return replace(window, sources=sources, blockings=tuple(blockings) or (NO_BLOCKING,))
 
     def with_kind(self, candidate: _Candidate, task: Task, kind: JobKind) -> _Candidate:
         """The load that starts with a job of this kind: what comes until the next one, and before
-        the start from the job before."""
+        the start from the job before. What is over is not met in this lead either."""
         most, found = dict(kind.most), []
+        lead = self._lead(candidate.window)
         for source in candidate.window.sources:
             if source.task.name == task.name:
                 source = replace(source, execution=kind.wcet)
             elif source.task.name in most:
-                share = most[source.task.name] + source.work(self._lead)[0]
+                share = most[source.task.name] + source.work(lead)[0]
                 limits = (*source.task.limits, (share, task.period + source.jitter, 0))
                 source = replace(source, task=replace(source.task, limits=limits))
             found.append(source)
@@ -308,19 +321,17 @@ def _worst_of_kinds(worst: Worst, beginning: _Beginning, known: Known) -> Worst:
     return worst
 
 
-def phased_response_time_bound(
-    task_set: TaskSet, task: Task, overheads: Overheads, known: Known
-) -> ResponseTimeBound:
-    """`phased_response_time_bounds` of one task, with what is known besides the phases."""
-    window, plain = (
-        window_of(task_set, task, overheads),
-        response_time_bound(task_set, task, overheads),
-    )
+def _worst_terms(
+    task_set: TaskSet, task: Task, overheads: Overheads, known: Known, longest: Time | None
+) -> Terms | None:
+    """The worst response time by its parts, over all starts of busy periods, which are no longer
+    than `longest`; None where phases do not help."""
+    window = window_of(task_set, task, overheads)
     involved = [task, *(source.task for source in window.sources)]
     phased = [each.period for each in involved if each.phase is not None]
     framed = any(each.frames for each in involved)
     if not phased or framed or window.utilization > 1:
-        return plain
+        return None
     repetition, lower = common_multiple(phased), list[Task]()
     for other in sorted(task_set.lower(task), key=lambda each: each.period):
         if other.phase is not None and not other.frames:
@@ -335,8 +346,8 @@ def phased_response_time_bound(
     beginning = _Beginning(window, lower, known)
     for begin in _begins(window, repetition):
         candidate = _Candidate(beginning.window(begin), begin, jitters)
-        if plain.busy_period is not None:
-            signature = _signature(candidate, plain.busy_period)
+        if longest is not None:
+            signature = _signature(candidate, longest)
             if signature in seen:
                 continue
             seen.add(signature)
@@ -346,9 +357,41 @@ def phased_response_time_bound(
             if worst is None or closer[0][0] > worst[0][0]:
                 worst = closer
     if worst is None:
+        return None
+    (_, job, length), candidate = worst
+    return candidate.terms(job, length)
+
+
+def _in_whole_times(
+    task_set: TaskSet, overheads: Overheads, known: Known
+) -> tuple[TaskSet, Overheads, Known, int]:
+    """All in a unit in which the times are whole numbers, and how many of it are one of before."""
+    responses = tuple(known.responses.values())
+    kinds = tuple(known.kinds.values())
+    unit = common_denominator([task_set, overheads, known.requests, kinds, responses])
+    names = zip(known.responses, multiplied(responses, unit), strict=True)
+    stated = known.blocking
+    known = Known(
+        dict(names),
+        multiplied(known.requests, unit),
+        None if stated is None else lambda task, absent: exact(stated(task, absent) * unit),
+        dict(zip(known.kinds, multiplied(kinds, unit), strict=True)),
+    )
+    return multiplied(task_set, unit), multiplied(overheads, unit), known, unit
+
+
+def phased_response_time_bound(
+    task_set: TaskSet, task: Task, overheads: Overheads, known: Known
+) -> ResponseTimeBound:
+    """`phased_response_time_bounds` of one task, with what is known besides the phases."""
+    plain = response_time_bound(task_set, task, overheads)
+    whole, costs, known, unit = _in_whole_times(task_set, overheads, known)
+    longest = None if plain.busy_period is None else exact(plain.busy_period * unit)
+    found = _worst_terms(whole, whole.task(task.name), costs, known, longest)
+    if found is None:
         return plain
-    (bound, job, length), candidate = worst
-    return ResponseTimeBound(task, bound, terms=candidate.terms(job, length))
+    terms = multiplied(found, Fraction(1, unit))
+    return ResponseTimeBound(task, terms.total, terms=terms)
 
 
 def synchronous_bound(

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -17,12 +17,21 @@ from ravenbrick.schedule.response_time import is_schedulable
 
 __all__ = [
     "ScalingLimit",
+    "largest_factor",
     "largest_scaling",
     "largest_section_scaling",
     "largest_wcet",
+    "least_period",
+    "scaled",
     "slack_percent",
     "smallest_period",
+    "with_period",
 ]
+
+FINENESS = 1024
+"""Parts of the present execution time in which slack is searched where no formula gives it."""
+MOST_TIMES = 1_000
+"""The search for slack ends at this many times the present execution time."""
 
 
 @dataclass(frozen=True)
@@ -239,16 +248,54 @@ def smallest_period(
     if not is_schedulable(task_set, overheads):
         return None
 
-    def feasible(count: int) -> bool:
-        period = count * step
-        deadline = period if task.deadline == task.period else task.deadline
-        changed = replace(task, period=exact(period), deadline=exact(deadline))
-        return is_schedulable(task_set.with_task(changed), overheads)
+    return least_period(
+        lambda period: is_schedulable(task_set.with_task(with_period(task, period)), overheads),
+        task.period,
+        step,
+    )
 
-    low, high = 0, int(task.period // step)
-    if not high or not feasible(high):
-        return task.period
+
+def with_period(task: Task, period: Time) -> Task:
+    """The task with another period, which a deadline equal to the period follows."""
+    deadline = period if task.deadline == task.period else task.deadline
+    return replace(task, period=exact(period), deadline=exact(deadline))
+
+
+def least_period(feasible: Callable[[Time], bool], period: Time, step: Time) -> Time:
+    """Smallest multiple of `step` that is feasible, by bisection; the present one if none below
+    it is."""
+    low, high = 0, int(period // step)
+    if not high or not feasible(high * step):
+        return period
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (low, middle) if feasible(middle) else (middle, high)
+        low, high = (low, middle) if feasible(middle * step) else (middle, high)
     return exact(high * step)
+
+
+def scaled(task: Task, factor: Fraction) -> Task:
+    """The task with its execution times and sections multiplied; its least time stays."""
+    sections = tuple(
+        replace(s, duration=s.duration * factor, start=s.start * factor) for s in task.sections
+    )
+    frames = tuple(replace(frame, wcet=exact(frame.wcet * factor)) for frame in task.frames)
+    high = None if task.wcet_high is None else exact(task.wcet_high * factor)
+    wcet = exact(task.wcet * factor)
+    least = min(task.bcet, wcet, *(frame.wcet for frame in frames))
+    return replace(
+        task, wcet=wcet, wcet_high=high, sections=sections, frames=frames, bcet=least
+    )  # fmt: skip
+
+
+def largest_factor(feasible: Callable[[Fraction], bool], fineness: int = FINENESS) -> Time | None:
+    """Largest factor that is feasible, a multiple of 1/`fineness`, by bisection, given that no
+    factor is feasible above one that is not. None when none is."""
+    low, high = 0, fineness
+    while feasible(Fraction(high, fineness)):
+        low, high = high, 2 * high
+        if high > MOST_TIMES * fineness:
+            return exact(Fraction(low, fineness))
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if feasible(Fraction(middle, fineness)) else (low, middle)
+    return exact(Fraction(low, fineness)) if low else None

@@ -52,6 +52,9 @@ from ravenbrick.timing.kernel import (
 )
 from ravenbrick.timing.scheduled_tasks import (
     WAITS,
+    Change,
+    Executions,
+    Scheduled,
     TaskTiming,
     periods_us,
     requests_of,
@@ -82,7 +85,7 @@ class ModeBounds:
 
 @dataclass(frozen=True)
 class Analysis:
-    """All bounds of an image, before any run."""
+    """All bounds of an image, before any run; `changed_bounds` are those with changed tasks."""
 
     tasks: tuple[TaskTiming, ...]
     interrupts: tuple[InterruptCost, ...]
@@ -91,6 +94,7 @@ class Analysis:
     task_set: TaskSet
     overheads: Overheads
     bounds: dict[str, ResponseTimeBound]
+    changed_bounds: Callable[[Change], Mapping[str, ResponseTimeBound]]
     modes: tuple[ModeBounds, ...] = ()
     events: tuple[EventCost, ...] = ()
     transfers: tuple[str, ...] = ()
@@ -274,39 +278,65 @@ def _kinds(
     return found
 
 
-Scheduled = tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]
 Kinds = list[tuple[KindOfJob, int]]
 
 
-def _scheduled(
-    of_jobs: Callable[..., Scheduled],
+def _executions(
     bounded: Callable[[Sequence[tuple[str, str]]], list[tuple[Task, Bound]]],
     kinds_of: Callable[[Sequence[tuple[str, str]]], Kinds],
     kernel: Services,
-    facts: Facts,
     jobs: Sequence[tuple[Task, Bound]],
     stated: Sequence[tuple[str, str]],
-) -> tuple[Scheduled, Kinds]:
-    """Jobs with their kinds and bounds: of two ways to count the ends of protected actions at which
-    the processor is given away, for each task the one with the closer bound.
+) -> list[Executions]:
+    """Bounds of jobs with the ends of protected actions at which the processor is given away, and,
+    if there are any, without them.
 
     There is at most one after each release of a more urgent task, so it is charged to that release
     or, wherever a job may execute it, to the job.
     """
-    kinds = kinds_of(stated)
-    timings, task_set, overheads, bounds = of_jobs(facts, jobs, kinds)
-    if not any(DISPATCH in job.reached for _, job in jobs):
-        return (timings, task_set, overheads, bounds), kinds
-    without = [*stated, no_cost(DISPATCH)]
-    shorter = [job.cycles for _, job in bounded(without)]
-    pairs = zip(jobs, shorter, strict=True)
-    jobs = [(task, replace(job, cycles=min(job.cycles, c))) for (task, job), c in pairs]
-    closer, _, _, other = of_jobs(facts, jobs, kinds_of(without), kernel.dispatch)
-    better = {t.task.name for t in closer if _is_less(other[t.task.name], bounds[t.task.name])}
-    causes = {t.task.name: t.blocking for t in closer if t.task.name in better}
-    timings = tuple(replace(t, blocking=causes.get(t.task.name, t.blocking)) for t in timings)
-    bounds = bounds | {name: other[name] for name in better}
-    return (timings, task_set, overheads, bounds), kinds
+    found = [Executions(jobs, kinds_of(stated))]
+    if any(DISPATCH in job.reached for _, job in jobs):
+        without = [*stated, no_cost(DISPATCH)]
+        pairs = zip(jobs, bounded(without), strict=True)
+        jobs = [(t, replace(job, cycles=min(job.cycles, s.cycles))) for (t, job), (_, s) in pairs]
+        found.append(Executions(jobs, kinds_of(without), kernel.dispatch))
+    return found
+
+
+def _scheduled(
+    of_executions: Callable[[Executions, Change | None], Scheduled],
+    executions: Sequence[Executions],
+    change: Change | None = None,
+) -> Scheduled:
+    """Bounds of the first executions, and for each task that of any other if it is closer. With a
+    change, they are no closer than is needed to tell whether all deadlines are met."""
+    others = (of_executions(each, change) for each in executions)
+    found = next(others)
+    for other in others:
+        if change is not None and all(bound.meets_deadline for bound in found.bounds.values()):
+            break
+        names = [timing.task.name for timing in found.timings]
+        better = {name for name in names if _is_less(other.bounds[name], found.bounds[name])}
+        causes = {t.task.name: t.blocking for t in other.timings if t.task.name in better}
+        timings = (replace(t, blocking=causes.get(t.task.name, t.blocking)) for t in found.timings)
+        closer = found.bounds | {name: other.bounds[name] for name in better}
+        found = replace(found, timings=tuple(timings), bounds=closer)
+    return found
+
+
+def _modes(
+    facts: Facts,
+    of_facts: Callable[[Facts, Executions, Change | None], Scheduled],
+    executions_of: Callable[[Sequence[tuple[str, str]]], Sequence[Executions]],
+) -> tuple[ModeBounds, ...]:
+    modes = []
+    for mode in facts.modes:
+        stated = [(f"{facts.name}, mode '{mode.name}'", mode.annotations)]
+        rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
+        found = _scheduled(partial(of_facts, rates), executions_of(stated))
+        in_mode = {t.task.name: t.job.cycles for t in found.timings}
+        modes.append(ModeBounds(mode, in_mode, found.bounds))
+    return tuple(modes)
 
 
 def _is_less(one: ResponseTimeBound, other: ResponseTimeBound) -> bool:
@@ -359,32 +389,30 @@ def analyse(
     facts = with_operations(facts, jobs, bounded)
     blocking = interrupt_blocking(image, costs, events, kernel, releasing)
     transfers = transfer_tasks(image, blocking, facts)
-    of_jobs = partial(scheduled_bounds, blocking, alarm, background, transfers)
-    scheduled = partial(_scheduled, of_jobs, bounded, partial(kinds_of, annotations), kernel)
-    modes = []
-    for mode in facts.modes:
-        stated = [(f"{facts.name}, mode '{mode.name}'", mode.annotations)]
-        rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
-        (timings, _, _, bounds), _ = scheduled(rates, bounded(stated), stated)
-        modes.append(ModeBounds(mode, {t.task.name: t.job.cycles for t in timings}, bounds))
-    (timings, task_set, overheads, bounds), kinds = scheduled(facts, jobs, [])
+    of_facts = partial(scheduled_bounds, blocking, alarm, background, transfers)
+    executions_of = partial(_executions, bounded, partial(kinds_of, annotations), kernel)
+    modes = _modes(facts, of_facts, lambda stated: executions_of(bounded(stated), stated))
+    executions = executions_of(jobs, [])
+    scheduled = partial(_scheduled, partial(of_facts, facts), executions)
+    found = scheduled()
     roots = [body for body, _, _ in questions] + [cost.handler.symbol for cost in costs]
     counted = _counted(image, roots, facts, annotations)
     return Analysis(
-        timings,
+        found.timings,
         costs,
         objects,
         kernel,
-        task_set,
-        overheads,
-        bounds,
-        tuple(modes),
+        found.task_set,
+        found.overheads,
+        found.bounds,
+        lambda change: scheduled(change).bounds,
+        modes,
         events,
         tuple(task.name for task in transfers),
         background,
         counted,
         requests_of(facts, costs, [*jobs, *background.all_threads]),
-        tuple(kinds),
+        tuple(executions[0].kinds),
     )
 
 

@@ -35,6 +35,9 @@ __all__ = [
     "STOLEN_CYCLES",
     "WAITS",
     "BlockingCause",
+    "Change",
+    "Executions",
+    "Scheduled",
     "TaskTiming",
     "blocking_cause",
     "deepest_stack",
@@ -45,6 +48,8 @@ __all__ = [
 ]
 
 PREEMPTION_BYTES = 68
+Change = Callable[[ScheduledTask], ScheduledTask]
+"""A task as it may become, for margins."""
 ENDLESS_PERIOD_US = 1_000_000
 ROUNDS = 3
 # By one transfer of the data controller, by timing profile (`pdc_steal_cycles`).
@@ -86,6 +91,27 @@ class TaskTiming:
         """Deepest stack, with what a preemption saves; not known of the environment task, which
         elaborates the program before."""
         return None if self.task.name == ENVIRONMENT else deepest_stack(self.job)
+
+
+@dataclass(frozen=True)
+class Executions:
+    """Bounds of the jobs and of their kinds. With `dispatch`, the cycles of a call that gives the
+    processor away at the end of a protected action, they are without such calls, and each release
+    of a more urgent task pays for one."""
+
+    jobs: Sequence[tuple[Task, Bound]]
+    kinds: Sequence[tuple[KindOfJob, int]] = ()
+    dispatch: int = 0
+
+
+@dataclass(frozen=True)
+class Scheduled:
+    """Tasks with their blocking, the task set, and bounds by the task's name."""
+
+    timings: tuple[TaskTiming, ...]
+    task_set: TaskSet
+    overheads: Overheads
+    bounds: dict[str, ResponseTimeBound]
 
 
 def deepest_stack(job: Bound) -> int | None:
@@ -289,14 +315,12 @@ def scheduled_bounds(
     background: Background,
     transfers: Sequence[ScheduledTask],
     facts: Facts,
-    jobs: Sequence[tuple[Task, Bound]],
-    kinds: Sequence[tuple[KindOfJob, int]] = (),
-    dispatch: int = 0,
-) -> tuple[tuple[TaskTiming, ...], TaskSet, Overheads, dict[str, ResponseTimeBound]]:
-    """The tasks with their blocking, the task set, its overheads, and bounds by the task's name;
-    `kinds` are kinds of jobs with the bounds of their execution. With `dispatch`, the cycles of a
-    call that gives the processor away at the end of a protected action, jobs and kinds are those
-    without such calls, and each release of a more urgent task pays for one."""
+    executions: Executions,
+    change: Change | None = None,
+) -> Scheduled:
+    """The tasks with their blocking and bounds. With a change of tasks, bounds are no closer than
+    is needed to tell whether all deadlines are met."""
+    jobs, dispatch, changed = executions.jobs, executions.dispatch, change or (lambda task: task)
     costs, kernel = blocking.handlers, blocking.kernel
     below = [*jobs, *background.all_threads]
 
@@ -321,27 +345,29 @@ def scheduled_bounds(
     interrupts += _expiries(blocking.events, alarm, longest_blocking(level))
     interrupts += _alarms_inside(timings, alarm, level)
     interrupts += transfers
-    tasks = _scheduled_tasks(timings, facts)
+    tasks = [changed(task) for task in _scheduled_tasks(timings, facts)]
     more = [*_second_releases(timings, tasks), *_never_waiting(background)]
-    task_set = TaskSet((*interrupts, *tasks, *more))
+    task_set = TaskSet((*map(changed, interrupts), *tasks, *more))
     bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
     sets = {}
     for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
-        others = _seen_by(timing, timings, tasks, bounds)
+        others = _seen_by(timing, timings, tasks, bounds, changed)
         met = [*(others or tasks), *more]
         met = [_paying(task, dispatch) if task.name != timing.task.name else task for task in met]
-        seen = TaskSet((*(special or interrupts), *met))
+        seen = TaskSet((*map(changed, special or interrupts), *met))
         sets[timing.task.name] = seen
         if special is not None or others is not None or dispatch:
             own = seen.task(timing.task.name)
             bounds[own.name] = response_time_bound(seen, own, overheads)
-    if facts.together and not more and not any(timing.suspension_count for timing in timings):
+    suspended = any(timing.suspension_count for timing in timings)
+    enough = change is not None and all(bound.meets_deadline for bound in bounds.values())
+    if facts.together and not more and not suspended and not enough:
         requests = requests_of(facts, costs, below)
-        known = Known({}, requests, kinds=_job_kinds(kinds, facts, dispatch))
+        known = Known({}, requests, kinds=_job_kinds(executions, facts, tasks, changed))
         timings, closer = with_common_release(timings, sets, overheads, bounds, known, cause)
         bounds |= closer
-    return timings, task_set, overheads, bounds
+    return Scheduled(timings, task_set, overheads, bounds)
 
 
 def _paying(task: ScheduledTask, dispatch: int) -> ScheduledTask:
@@ -373,7 +399,10 @@ def with_common_release(
 
     found: dict[str, ResponseTimeBound] = {}
     for _ in range(ROUNDS):
+        before = known.responses
         responses = {name: bound.bound for name, bound in (bounds | found).items()}
+        if responses == before:
+            break
         known = replace(known, responses=responses, blocking=blocking)
         for name, seen in sets.items():
             closer = phased_response_time_bound(seen, seen.task(name), overheads, known)
@@ -388,18 +417,20 @@ def with_common_release(
 
 
 def _job_kinds(
-    kinds: Sequence[tuple[KindOfJob, int]], facts: Facts, dispatch: int
+    executions: Executions, facts: Facts, tasks: Sequence[ScheduledTask], change: Change
 ) -> dict[str, tuple[JobKind, ...]]:
     """Kinds by task, as others meet them; interrupts as shares of the burst that stands for their
     source."""
+    by_name = {task.name: task for task in tasks}
     found: dict[str, tuple[JobKind, ...]] = {}
-    for kind, cycles in kinds:
+    for kind, cycles in executions.kinds:
         most = tuple(
             (source_name(source), exact(Fraction(at_most, facts.loads(source)[0].at_most)))
             for source, at_most in kind.most
             if facts.loads(source)
         )
-        found[kind.task] = (*found.get(kind.task, ()), JobKind(cycles + dispatch, most))
+        longest = change(replace(by_name[kind.task], wcet=cycles)).wcet + executions.dispatch
+        found[kind.task] = (*found.get(kind.task, ()), JobKind(longest, most))
     return found
 
 
@@ -428,6 +459,7 @@ def _seen_by(
     timings: Sequence[TaskTiming],
     tasks: Sequence[ScheduledTask],
     bounds: dict[str, ResponseTimeBound],
+    changed: Change,
 ) -> list[ScheduledTask] | None:
     """The tasks as a less urgent one sees those that suspend themselves; None without any.
 
@@ -440,7 +472,7 @@ def _seen_by(
         bound = bounds[task.name].bound
         more_urgent = other.task.priority > timing.task.priority
         if more_urgent and other.suspension_cycles and bound is not None and bound <= task.period:
-            own = other.job.cycles
+            own = changed(replace(task, wcet=other.job.cycles)).wcet
             found.append(replace(task, wcet=own, release_jitter=max(0, bound - own)))
             special = True
         else:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -13,7 +13,12 @@ from ravenbrick.schedule.model import NO_OVERHEADS, Overheads, Task, TaskSet
 from ravenbrick.schedule.offsets import phased_response_time_bounds
 from ravenbrick.schedule.quantity import Time, exact
 from ravenbrick.schedule.response_time import ResponseTimeBound
-from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet
+from ravenbrick.schedule.sensitivity import (
+    largest_factor,
+    largest_scaling,
+    largest_wcet,
+    scaled,
+)
 from ravenbrick.schedule.task_models.mixed_criticality import (
     Method,
     MixedCriticalityBound,
@@ -28,11 +33,6 @@ from ravenbrick.schedule.task_models.servers import (
 from ravenbrick.schedule.task_models.transactions import Chained, Transaction, chained
 
 __all__ = ["Solution", "System"]
-
-FINENESS = 1024
-"""Parts of the present execution time in which slack is searched where no formula gives it."""
-MOST_TIMES = 1_000
-"""The search for slack ends at this many times the present execution time."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class System:
 
         def changed(task: Task) -> Task:
             named = task.name not in server_names if names is None else task.name in names
-            return _scaled(task, factor) if named else task
+            return scaled(task, factor) if named else task
 
         servers = []
         tasks = {task.name: changed(task) for task in self.task_set}
@@ -116,7 +116,7 @@ class System:
 
         By bisection, since bounds never fall when execution times grow. None when none helps.
         """
-        return _bisected(lambda factor: self.scaled(factor, names).feasible)
+        return largest_factor(lambda factor: self.scaled(factor, names).feasible)
 
     @property
     def feasible(self) -> bool:
@@ -138,29 +138,3 @@ class System:
             return largest_wcet(self.task_set, task.name, self.overheads)
         factor = self.largest_factor({task.name})
         return (None if factor is None else exact(factor * task.wcet)), ""
-
-
-def _scaled(task: Task, factor: Fraction) -> Task:
-    """The task with its execution times and sections multiplied; its least time stays."""
-    sections = tuple(
-        replace(s, duration=s.duration * factor, start=s.start * factor) for s in task.sections
-    )
-    frames = tuple(replace(frame, wcet=exact(frame.wcet * factor)) for frame in task.frames)
-    high = None if task.wcet_high is None else exact(task.wcet_high * factor)
-    wcet = exact(task.wcet * factor)
-    least = min(task.bcet, wcet, *(frame.wcet for frame in frames))
-    return replace(
-        task, wcet=wcet, wcet_high=high, sections=sections, frames=frames, bcet=least
-    )  # fmt: skip
-
-
-def _bisected(feasible: Callable[[Fraction], bool]) -> Time | None:
-    low, high = 0, FINENESS
-    while feasible(Fraction(high, FINENESS)):
-        low, high = high, 2 * high
-        if high > MOST_TIMES * FINENESS:
-            return exact(Fraction(low, FINENESS))
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if feasible(Fraction(middle, FINENESS)) else (low, middle)
-    return exact(Fraction(low, FINENESS)) if low else None

@@ -11,6 +11,7 @@ import json
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,8 @@ WRONG_SUMS, STUCK = "fault.coprocessor_checksum", "fault.twi_stuck"
 # More wrong sums than the link tolerates, and longer than its quiet time.
 MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
 AIMED = 0.6
-# From the loss of the link, which ends what the bus is held in, to the reset and to the greeting.
-AFTER_LOSS_US = (0, 22_000)
+# From the loss of the link, which ends what the bus is held in, to the greeting and to the reset.
+AFTER_LOSS_US = (22_000, 0)
 # A transfer of the link's task runs for some 300 us from 1.9 ms before the next one is due.
 LINK_PERIOD_US = 2_000
 HELD_BEFORE_US, HELD_AFTER_US = (1_600, 1_950), 200
@@ -133,12 +134,14 @@ def _disturbed(
     return tuple(sorted(found, key=lambda timed: timed.at_cycles))
 
 
-def _aimed(sample: WorstSample, end: int, rng: random.Random) -> tuple[TimedInput, ...]:
-    """The inputs of a sample, and the bus held so that the link is set up during its longest job,
-    at its release or at a later one of the link's task."""
+def _aimed(
+    sample: WorstSample, after_us: int, end: int, rng: random.Random
+) -> tuple[TimedInput, ...]:
+    """The inputs of a sample, and the bus held so that the link is lost this long before its
+    longest job, or before a later release of the link's task in it."""
     period = MASTER_CLOCK.cycles_of_us(LINK_PERIOD_US)
     met = sample.release_cycles + period * rng.randrange(1 + sample.response_cycles // period)
-    lost = met - MASTER_CLOCK.cycles_of_us(rng.choice(AFTER_LOSS_US))
+    lost = met - MASTER_CLOCK.cycles_of_us(after_us)
     begin = lost - MASTER_CLOCK.cycles_of_us(rng.randrange(*HELD_BEFORE_US))
     back = lost + MASTER_CLOCK.cycles_of_us(rng.randrange(1, HELD_AFTER_US))
     held = (TimedInput(begin, STUCK, 1.0), TimedInput(back, STUCK, 0.0))
@@ -179,9 +182,11 @@ class _VariantRunner:
         inputs = _varied(base, self.end, self.switches, rng)
         return _taken(self._probe, _disturbed(inputs, self.end, rng) if disturbed else inputs)
 
-    def disturb(self, sample: WorstSample, rng: random.Random) -> tuple[TimedInput, ...]:
-        """Inputs of a sample with the link lost before its longest job."""
-        return _taken(self._probe, _aimed(sample, self.end, rng))
+    def disturb(
+        self, sample: WorstSample, after_us: int, rng: random.Random
+    ) -> tuple[TimedInput, ...]:
+        """Inputs of a sample with the link lost so long before its longest job."""
+        return _taken(self._probe, _aimed(sample, after_us, self.end, rng))
 
     def recording(self, inputs: Sequence[TimedInput]) -> Recording:
         """The whole run; the scenario's peer or monitor, if any, runs beside."""
@@ -223,10 +228,6 @@ def _keep(worst: dict[str, WorstSample], found: Longest, variant: int, inputs: A
             worst[name] = WorstSample(name, response, variant, inputs, release)
 
 
-def _name(sample: WorstSample) -> str:
-    return sample.task
-
-
 def _nearly_wrong(counts: Sequence[dict[str, Any]]) -> Longest:
     """What a search for wrong facts raises: most executions, and then how often they are too
     many."""
@@ -259,13 +260,20 @@ def search_worst_case(
     facts: dict[str, WorstSample] = {}
     unvaried: dict[str, int] = {}
     rounds = variants + 2 * len(robot.tasks)
+    targets = cycle(
+        (task.name, after_us)
+        for task in sorted(robot.tasks, key=lambda task: task.priority)
+        for after_us in AFTER_LOSS_US
+    )
     for variant in range(variants):
         disturbed = variant % 2 == 1
         best = [sample.inputs for sample in (worst if disturbed else undisturbed).values()]
         best += [sample.inputs for sample in facts.values()]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
         if disturbed and undisturbed and rng.random() < AIMED:
-            inputs = runner.disturb(rng.choice(sorted(undisturbed.values(), key=_name)), rng)
+            # Each task in turn, the least urgent first, meets a greeting and a reset.
+            name, after_us = next(one for one in targets if one[0] in undisturbed)
+            inputs = runner.disturb(undisturbed[name], after_us, rng)
         else:
             inputs = runner.vary(base, disturbed, rng) if variant else original
         responses, counts = runner.play(inputs)

@@ -5,16 +5,14 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 from typing import Any
 
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.schedule.demand import window_of
-from ravenbrick.schedule.quantity import exact
-from ravenbrick.schedule.sensitivity import largest_scaling, largest_wcet, smallest_period
 from ravenbrick.timing.analysis import Analysis, ModeBounds
 from ravenbrick.timing.background import endless_words
 from ravenbrick.timing.bounds import recursion_words
+from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.observed import Observed, ratio
 from ravenbrick.timing.scheduled_tasks import TaskTiming, deepest_stack
 from ravenbrick.trace.interrupts import source_name
@@ -76,9 +74,9 @@ def _task(
     name = timing.task.name
     found = analysis.bounds[name]
     bound = _up(found.bound)
-    limit, limited_by = largest_wcet(analysis.task_set, name, analysis.overheads)
-    fastest = smallest_period(
-        analysis.task_set, name, exact(MASTER_CLOCK.hertz / 10_000), analysis.overheads
+    (limit, limited_by), fastest = (
+        longest_execution(analysis, name),
+        smallest_period(analysis, name),
     )
     return {
         "name": name,
@@ -165,11 +163,8 @@ def result_of(
     `undisturbed` stands beside the bounds of modes, where it is not `observed`.
     """
     in_modes = observed if undisturbed is None else undisturbed
-    scaling = largest_scaling(analysis.task_set, analysis.overheads)
+    scaling = largest_scaling(analysis)
     factor = scaling.factor
-    if factor is not None and analysis.schedulable:
-        # A bound from below: those of a common release and of dispatches are closer.
-        factor = max(factor, Fraction(1))
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
         "timing": analysis.services.timing,
