@@ -258,6 +258,8 @@ class _Reader:
             )
         lengths = tuple(self._length(words, at) for at, w in enumerate(words) if w == "[")
         words = words[: words.index("[")] if "[" in words else words
+        if not words:
+            raise DesignError(f"{self._file}: a field of a structure has no name")
         name, pointer = words[-1], "*" in words
         type_name = "" if inner else self._type_name(words[:-1])
         structure.members.append(Member(name, type_name, inner, pointer, lengths, about))
