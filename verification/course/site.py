@@ -41,11 +41,10 @@ def in_browser() -> Counts:
         raise NoResultError("make docs: the site was not built")
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
-        command = ["npm", "run", "--silent", "site", "--", "--reporter=default"]
-        command += ["--reporter=json", f"--outputFile={report}"]
-        subprocess.run(command, cwd=ROOT / "web", stdout=sys.stderr, check=False)
+        options = ["--reporter=default", "--reporter=json", f"--outputFile={report}"]
+        subprocess.run([ROOT / "tools" / "page", "site", *options], stdout=sys.stderr, check=False)
         if not report.exists():
-            raise NoResultError("npm run site: no report")
+            raise NoResultError("tools/page site: no report")
         files = json.loads(report.read_text("utf-8"))["testResults"]
     tests = [test for file in files for test in file["assertionResults"]]
     failed = [test["fullName"] for test in tests if test["status"] == "failed"]
