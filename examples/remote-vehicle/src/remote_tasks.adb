@@ -33,7 +33,11 @@ package body Remote_Tasks is
          delay until Next_Release;
          Now := Remote_Driving.Latest;
          Clear_Screen_Noupdate;
-         Put_Noupdate (if Now.Driving then "driving" else "standing");
+         if Now.Driving then
+            Put_Noupdate ("driving");
+         else
+            Put_Noupdate ("standing");
+         end if;
          Set_Pos (0, 1);
          Put_Noupdate (case Now.Contact is
                           when Air.Nobody => "no joystick",

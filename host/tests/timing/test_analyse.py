@@ -182,6 +182,13 @@ def test_a_stack_that_may_overflow_is_said_first(analysis: Analysis) -> None:
     assert "of stack" not in second
 
 
+def test_a_stack_without_a_bound_is_said(analysis: Analysis) -> None:
+    result = result_of(analysis, {})
+    result["tasks"][1]["stack_bound_bytes"] = None
+    name = result["tasks"][1]["name"]
+    assert advice(result)[0].startswith(f"no bound was found for the stack of {name} (")
+
+
 def test_without_a_job_that_can_be_shortened_the_largest_term_is_named(analysis: Analysis) -> None:
     result = result_of(analysis, {})
     tight = {"meets_deadline": False, "execution_max_cycles": 0}

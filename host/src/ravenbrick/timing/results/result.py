@@ -247,12 +247,21 @@ def _largest_term(task: dict[str, Any]) -> str:
 
 
 def _stack_lines(result: dict[str, Any]) -> list[str]:
-    return [
-        f"{task['name']} may need {task['stack_bound_bytes']} bytes of stack and has "
-        f"{task['stack_bytes']}: enlarge its Storage_Size, or shorten its deepest calls"
-        for task in [*result["tasks"], *result["background"]]
-        if (task["stack_bound_bytes"] or 0) > task["stack_bytes"]
-    ]
+    lines = []
+    for task in [*result["tasks"], *result["background"]]:
+        name, bound, size = task["name"], task["stack_bound_bytes"], task["stack_bytes"]
+        if bound is None:
+            lines.append(
+                f"no bound was found for the stack of {name} ({size} bytes), because something on "
+                "it has a size that is known only when the program runs, such as a string chosen "
+                "by 'if'"
+            )
+        elif bound > size:
+            lines.append(
+                f"{name} may need {bound} bytes of stack and has {size}: enlarge its "
+                "Storage_Size, or shorten its deepest calls"
+            )
+    return lines
 
 
 def _miss(miss: dict[str, Any]) -> str:
