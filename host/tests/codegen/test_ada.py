@@ -15,6 +15,7 @@ from verification.support.codegen.c_build import ada_object, arm_image, run
 from verification.support.codegen.emulation import run_on_arm
 from verification.support.codegen.fixed_point_cases import CASES
 from verification.support.codegen.paper_pi import fixed_pi, paper_pi
+from verification.support.codegen.random_diagrams import fixed_form, random_diagram
 
 from ravenbrick.codegen import check_program, generate_ada, generate_c, random_vectors
 from ravenbrick.errors import DesignError
@@ -114,6 +115,14 @@ def test_the_fixed_point_ada_needs_no_library_and_no_wide_product(tmp_path: Path
         rows = [line.split() for line in run("arm-none-eabi-nm", "-S", target).splitlines()]
         sizes = {row[3]: int(row[1], 16) for row in rows if len(row) == 4}
         assert 60 < sizes["functional__step"] <= 160
+
+
+def test_a_constant_of_a_branch_that_is_never_taken_compiles(tmp_path: Path) -> None:
+    """The random diagram has a table whose input never leaves its middle."""
+    program = fixed_form(random_diagram(101, fixed=True))
+    assert program is not None
+    files = generate_ada(program).write(tmp_path)
+    ada_object(tmp_path, next(file.name for file in files if file.suffix == ".adb"), checks=False)
 
 
 def test_the_contract_names_what_is_proved() -> None:

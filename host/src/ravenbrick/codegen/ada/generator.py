@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ravenbrick import __version__
 from ravenbrick.codegen.ada.helpers import ada_helpers, needs_interfaces
@@ -24,7 +24,7 @@ from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
 from ravenbrick.model.fidelity import TOLERANCE, check_fidelity
 from ravenbrick.model.fixed_point import FixedPoint
-from ravenbrick.model.integer_ranges import integer_ranges, key
+from ravenbrick.model.integer_ranges import Key, integer_ranges, key
 from ravenbrick.model.number_format import Enumeration, FixedFormat, Interval
 
 __all__ = ["generate_ada"]
@@ -80,6 +80,30 @@ def _program(source: Diagram | ir.Program | FixedPoint) -> ir.Program:
     return source.lower() if isinstance(source, Diagram) else source
 
 
+def _ranges_in_ada(program: ir.Program) -> dict[Key, Interval]:
+    """The proved ranges, with the constants that an assignment names.
+
+    A constant in a branch that is never taken may lie outside of what was proved, and GNAT refuses
+    it there.
+    """
+    ranges = integer_ranges(program)
+    for statement in ir.statements(program.statements):
+        slot = key(statement.target)
+        for value in _constants(statement.expression):
+            if slot in ranges:
+                ranges[slot] = ranges[slot].hull(Interval(value, value))
+    return ranges
+
+
+def _constants(expression: ir.Expression) -> Iterator[int]:
+    match expression:
+        case ir.Literal(value=value):
+            yield int(value)
+        case ir.Select(chosen=chosen, otherwise=otherwise):
+            yield from _constants(chosen)
+            yield from _constants(otherwise)
+
+
 class _Package:
     def __init__(self, program: ir.Program, *, c_names: bool) -> None:
         if not program.outputs:
@@ -87,7 +111,7 @@ class _Package:
         self._program = program
         self._c_names = c_names
         self._fixed = ir.is_fixed_point(program)
-        self._ranges = integer_ranges(program) if self._fixed else {}
+        self._ranges = _ranges_in_ada(program) if self._fixed else {}
         self._name = ada_name(program.name)
         self._text = AdaText(program, self._checked_names())
         self._body = self._text.instructions(program.statements)[1:]
