@@ -50,6 +50,7 @@ def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
     if "counts" in answer:
         counts, judged = answer["counts"], answer["judged"]
         passed = counts["passed"] == judged
+        failures = counts["failures"] or [f"{judged - counts['passed']} of {judged}"]
         # Skipped tests lack data or a program: the last run, which had more of it, says more.
         if passed and last and suite.kind == "pytest" and last["passed"] > judged:
             reasons = "; ".join(str(e["reason"]) for e in counts["excluded"])
@@ -59,7 +60,7 @@ def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
             "date": today(),
             **{key: counts[key] for key in ("case_count", "passed", "excluded")},
             **{key: answer[key] for key in ("elapsed_s", "processor_s")},
-            "note": "" if passed else short(f"failed: {'; '.join(counts['failures'])}"),
+            "note": "" if passed else short(f"failed: {'; '.join(failures)}"),
         }
     empty: Row = {"case_count": 0, "passed": 0, "excluded": [], "elapsed_s": 0, "processor_s": 0}
     why = f"failed: {answer['error']}" if "error" in answer else f"not run: {answer['absent']}"

@@ -61,6 +61,11 @@ def wrong() -> Counts:
     return Counts(2, 1, failures=["second: 1 is not 2"])
 
 
+def silent() -> Counts:
+    """A suite with a case that fails, without a reason."""
+    return Counts(2, 1)
+
+
 def hang() -> Counts:
     """A suite without an end."""
     time.sleep(600)
@@ -85,10 +90,11 @@ def test_a_suite_that_fails_in_any_way_does_not_end_the_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Each has a row; the cause is shown, and the last lines of a process that died."""
-    functions = ("die", "refuse", "no_case", "wrong", "pass_two")
+    functions = ("die", "refuse", "no_case", "wrong", "silent", "pass_two")
     suites = [suite(name.replace("_", " "), name) for name in functions]
     found = ran(tmp_path, suites, monkeypatch)
-    assert set(found.failed) == {"die", "refuse", "no case", "wrong"}
+    assert set(found.failed) == {"die", "refuse", "no case", "wrong", "silent"}
+    assert found.failed["silent"] == "failed: 1 of 2"
     rows = {row["suite"]: row for row in json.loads((tmp_path / "results.json").read_text())}
     assert rows["pass two"]["passed"] == 2 and not rows["pass two"]["note"]
     assert "ended with 3 the reason" in rows["die"]["note"]
