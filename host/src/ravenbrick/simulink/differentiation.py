@@ -72,10 +72,10 @@ class Differentiation:
                 (rate,) = inner()
                 return 0.0 if rate == 0.0 else b.scaled(block.gain, b.element(rate))
             case Sum():
-                terms = [(sign, rate) for sign, rate in zip(block.signs, inner(), strict=True)
+                terms = [(sign, b.element(rate))
+                         for sign, rate in zip(block.signs, inner(), strict=True)
                          if rate != 0.0]  # fmt: skip
-                signs = "".join(sign for sign, _ in terms)
-                return b.sum(*(b.element(r) for _, r in terms), signs=signs) if terms else 0.0
+                return _total(b, terms)
             case Product():
                 return _of_product(b, node, block.operators, inner())
             case SmoothFunction() if block.function in _RULES:
@@ -106,6 +106,11 @@ def _of_product(b: Builder, node: Node, operators: str, rates: list[Wire | float
             continue
         others = [*node.inputs[:place], b.element(rate), *node.inputs[place + 1 :]]
         terms.append(("+", b.product(*others, operators=operators)))
+    return _total(b, terms)
+
+
+def _total(b: Builder, terms: list[tuple[str, Wire]]) -> Wire | float:
+    """The sum of terms with their signs; 0 of none."""
     signs = "".join(sign for sign, _ in terms)
     return b.sum(*(term for _, term in terms), signs=signs) if terms else 0.0
 
@@ -142,8 +147,7 @@ def _of_angle(
     if not terms:
         return 0.0
     square = b.sum(b.product(high, high), b.product(wide, wide))
-    total = b.sum(*(term for _, term in terms), signs="".join(sign for sign, _ in terms))
-    return b.product(total, square, operators="*/")
+    return b.product(b.element(_total(b, terms)), square, operators="*/")
 
 
 _RULES: dict[Callable[..., float], Rule] = {

@@ -9,13 +9,10 @@ ceilings are constants in the calls that set up protected objects.
 
 from __future__ import annotations
 
-import io
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
-
-from elftools.elf.elffile import ELFFile
 
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.clock import MASTER_CLOCK
@@ -171,12 +168,9 @@ def _behind_veneer(name: str) -> str:
 
 def _record(image: ElfImage, address: int) -> tuple[tuple[int, int], ...]:
     """Addresses and values of barrier and body; nothing when they are not known before the run."""
-    for segment in ELFFile(io.BytesIO(image.content)).iter_segments("PT_LOAD"):
-        offset = address - segment["p_vaddr"]
-        if address and 0 <= offset <= segment["p_filesz"] - RECORD.size:
-            values = RECORD.unpack_from(segment.data(), offset)
-            return tuple((address + 4 * n, v) for n, v in enumerate(values)) if all(values) else ()
-    return ()
+    content = image.bytes_at(address, RECORD.size) if address else b""
+    values = RECORD.unpack(content) if len(content) == RECORD.size else ()
+    return tuple((address + 4 * n, v) for n, v in enumerate(values)) if all(values) else ()
 
 
 def protected_objects(image: ElfImage, calls: Sequence[Call]) -> tuple[ProtectedObject, ...]:

@@ -125,9 +125,9 @@ def _outputs(b: Builder) -> list[np.ndarray]:
     """The outputs of a MATLAB Function block."""
     script, file = b.site.block.script, "its program"
     assert script is not None
-    program = Program(b, b.network.program)
 
     def make(fixed: bool) -> list[np.ndarray]:
+        program = Program(b, b.network.program)
         program.files[file] = program_of(script.text, file)
         main = next(iter(program.files[file].values()), None)
         if main is None:

@@ -112,6 +112,8 @@ class _Scope:
         self._program = program
         self._values = values
         self._known = known
+        # Without those that a workspace guesses.
+        self._given = frozenset(known)
         self._file = file
         self._fresh: set[str] = set()
         self._kept: dict[str, list[Node]] = {}
@@ -137,8 +139,7 @@ class _Scope:
             case Name(text=name):
                 return name not in self._known and self._function(name) is not None
             case Apply(name=name, arguments=arguments):
-                own = name not in dict.keys(dict(self._known))
-                return (own and self._function(name) is not None) or any(
+                return (name not in self._given and self._function(name) is not None) or any(
                     map(self._is_signal, arguments)
                 )
             case Prefix(operand=operand):

@@ -74,10 +74,8 @@ def _task(
     name = timing.task.name
     found = analysis.bounds[name]
     bound = _up(found.bound)
-    (limit, limited_by), fastest = (
-        longest_execution(analysis, name),
-        smallest_period(analysis, name),
-    )
+    limit, limited_by = longest_execution(analysis, name)
+    fastest = smallest_period(analysis, name)
     return {
         "name": name,
         "priority": timing.task.priority,
@@ -252,9 +250,9 @@ def _stack_lines(result: dict[str, Any]) -> list[str]:
         name, bound, size = task["name"], task["stack_bound_bytes"], task["stack_bytes"]
         if bound is None:
             lines.append(
-                f"no bound was found for the stack of {name} ({size} bytes), because something on "
-                "it has a size that is known only when the program runs, such as a string chosen "
-                "by 'if'"
+                f"no bound was found for the stack of {name} ({size} bytes); a frequent cause is a "
+                "string or array whose size is known only when the program runs, such as a string "
+                "chosen by an 'if' expression: choose by an 'if' statement instead"
             )
         elif bound > size:
             lines.append(
