@@ -5,8 +5,8 @@
 RAVENBRICK_ADA_LABB names a clone of xdawax/ADA_LABB with its history, which holds the binaries of
 `images.toml` and what they were compiled from. Both drive through the same phases, in which light,
 distance and buttons change, and give each motor the same duty. Single frames differ: GNAT's drivers
-send a frame a tenth as often, half-way through a change of two motors, too, and before the first
-frame from the co-processor they say "pressed" and "bright" (docs/guides/drivers.md).
+send a fifth of the frames, some half-way through a change of two motors, and before the first
+frame from the co-processor they say "pressed" (docs/guides/drivers.md).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ LEFT_OUT = {
     "GNAT topdog 472c1c": "drives on for 2.4 s when the way is free, ours 0.2 s: not explained; the"
     " program reads a command and writes its duration back in two protected actions",
 }
-# Both have noticed the new distance by then: GNAT's driver of the ultrasonic sensor takes longer.
+# In phases of 0.7 s three programs change at other instants, though to the same duties.
 PHASE_S = 2.0
 NEED_THUMB = ("GNAT schedule_program 24ad2c", "GNAT line_follower 6d5acb")
 
