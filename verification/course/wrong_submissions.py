@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each rubric against its solution and against wrong submissions (docs/lessons/wrong.toml).
 
-`python -m verification.course.wrong_submissions [FOLDER]` executes the lab sheets with their
-solutions, in FOLDER if it has not been done there, and grades the solution with each change.
+`python -m verification.course.wrong_submissions [SHEETS] [--in FOLDER]` executes the lab sheets
+with their solutions, where that has not been done in FOLDER, and grades each changed solution.
 """
 
 from __future__ import annotations
 
+import argparse
 import re
 import shutil
 import sys
@@ -86,10 +87,10 @@ def judge(sheet: Path, solved: Path) -> Iterator[tuple[str, bool]]:
             yield text, result["points"] < result["of"] and "defect" not in result
 
 
-def judge_all(folder: Path) -> list[tuple[str, bool]]:
-    """All sheets; those that are not solved in the folder are solved first."""
+def judge_all(folder: Path, numbers: list[str]) -> list[tuple[str, bool]]:
+    """The sheets of these numbers, or all; those not solved in the folder are solved first."""
     rows: list[tuple[str, bool]] = []
-    for sheet in find([]):
+    for sheet in find(numbers):
         solved = folder / sheet.stem
         if not solved.is_dir():
             solved.mkdir(parents=True)
@@ -101,21 +102,34 @@ def judge_all(folder: Path) -> list[tuple[str, bool]]:
     return rows
 
 
-def suite() -> Counts:
+def suite(numbers: list[str] | None = None) -> Counts:
     """Solutions with all points, and wrong submissions that lost some."""
+    with tempfile.TemporaryDirectory() as name:
+        return _counts(Path(name), numbers or [])
+
+
+def _counts(folder: Path, numbers: list[str]) -> Counts:
     try:
         find_isolation()
     except IsolationError as error:
         raise NotRunError(error.sentence) from None
-    with tempfile.TemporaryDirectory() as name:
-        rows = judge_all(Path(name))
+    rows = judge_all(folder, numbers)
     return Counts(
         len(rows), sum(good for _, good in rows), [], [text for text, good in rows if not good]
     )
 
 
+def _main() -> int:
+    parser = argparse.ArgumentParser(description="Grade solutions, and wrong submissions.")
+    parser.add_argument("sheets", nargs="*", help="numbers of the sheets: 01, 02, ...")
+    parser.add_argument("--in", dest="folder", type=Path, help="where sheets are or get solved")
+    options = parser.parse_args()
+    if options.folder:
+        counts = _counts(options.folder, options.sheets)
+    else:
+        counts = suite(options.sheets)
+    return 1 if counts.failures else 0
+
+
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        done = judge_all(Path(sys.argv[1]))
-        sys.exit(0 if all(good for _, good in done) else 1)
-    sys.exit(1 if suite().failures else 0)
+    sys.exit(_main())
