@@ -199,6 +199,23 @@ def _try_touch() -> str:
     return f"Try-Touch.rtm: {heard:.1f} s of sound when the sensor is pressed"
 
 
+def _try_color() -> str:
+    brick = images()["LEGO 1.29.2"].brick(sensors={"3": {"kind": "color"}})
+    brick.expect_text("My Files", within=10)
+    _start(brick, "Try-Color.rtm")
+    brick.expect_text("3 - Color sensor")
+    turned = []
+    for seen in ("green", "red"):
+        for part in ("red", "green", "blue"):
+            brick.set(f"color.3.{part}", 0.9 if part == seen else 0.05)
+        brick.run(1.0)
+        before = brick.encoder("B"), brick.encoder("C")
+        brick.run(1.0)
+        turned.append([brick.encoder("B") - before[0], brick.encoder("C") - before[1]])
+    assert min(turned[0]) > 300 and turned[1] == [0, 0], turned
+    return f"Try-Color.rtm: B and C turn {turned[0][0]} degrees in 1 s at green, none at red"
+
+
 for _name in NAMES:
     for _function, _run in {
         "LCD": shows_its_menu,
@@ -220,3 +237,4 @@ check("LEGO's Try-Motor.rtm", "LCD")(_try_program("Try-Motor.rtm", "A - Motor"))
 check("LEGO's Try-Sound.rtm", "LCD")(_try_program("Try-Sound.rtm", "2 - Sound sensor"))
 check("LEGO's Try-Light.rtm", "LCD")(_try_program("Try-Light.rtm", "3 - Light sensor"))
 check("LEGO's Try-Ultrasonic.rtm", "LCD")(_try_program("Try-Ultrasonic.rtm", "4 - Ultrasonic"))
+check("LEGO's Try-Color.rtm", "motor")(_try_color)
