@@ -226,6 +226,8 @@ def test_what_is_not_supported_is_listed_by_path(tmp_path: Path) -> None:
     [
         ({"readme.txt": "hello"}, "no Simulink model is inside"),
         ({"simulink/blockdiagram.xml": "<a><b></a>"}, "is not XML"),
+        ({"simulink/blockdiagram.xml": '<?xml version="1.0" encoding="uuf-8"?><a/>'}, "uuf-8"),
+        ({"simulink/blockdiagram.xml": '<?xml version="1.0" encoding="utf-7"?><a/>'}, "is not XML"),
         (
             {"simulink/blockdiagram.xml": '<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>'},
             "has a document type",

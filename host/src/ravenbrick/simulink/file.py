@@ -233,7 +233,7 @@ def _parse_xml(data: bytes, place: str) -> _Node:
     parser.EntityDeclHandler = refuse
     try:
         parser.Parse(data, True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, LookupError, ValueError) as error:  # the others: an encoding's
         raise DesignError(f"{place}: is not XML: {error}") from error
     return root
 
