@@ -170,6 +170,10 @@ def _for_another_processor(folder: Path) -> None:
             "functional.h: a field of a structure has no name",
         ),
         (
+            _replacing("  const char * volatile errorStatus;", "  int16_T level[;]"),
+            "functional.h: the length of 'level' must be a number",
+        ),
+        (
             _replacing("ExternalInputs_functional", "Levels"),
             "no structure of the model's inputs .* one inport and one outport",
         ),

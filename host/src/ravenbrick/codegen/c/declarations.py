@@ -265,7 +265,7 @@ class _Reader:
         structure.members.append(Member(name, type_name, inner, pointer, lengths, about))
 
     def _length(self, words: Sequence[str], at: int) -> int:
-        text = words[at + 1].rstrip("uUlL")
+        text = "".join(words[at + 1 : at + 2]).rstrip("uUlL")
         if not text.isdigit() or len(text) > _LENGTH_DIGITS:
             raise DesignError(
                 f"{self._file}: the length of '{words[at - 1]}' must be a number, not {text[:20]}"
