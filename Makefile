@@ -46,12 +46,12 @@ page: ## Build the page of `ravenbrick view` after a change (needs Node.js and r
 demo: setup ## Design, build and run the paper's vehicle; writes out/vehicle/report.html
 	@.venv/bin/ravenbrick demo examples/vehicle
 
+# One more than there are processors: tests also wait, for links and for clocks.
+TOGETHER = $(MAKE) --no-print-directory --jobs=$(shell expr $$(nproc) + 1) --keep-going --output-sync
+
 .PHONY: test
 test: develop ## Run all tests
-	@$(MAKE) --no-print-directory --jobs=2 --keep-going --output-sync test-rust style
-	@.venv/bin/ravenbrick build examples/vehicle
-	@$(MAKE) --no-print-directory --jobs=2 --keep-going --output-sync \
-		test-commands test-brick test-host test-page test-tools
+	@$(TOGETHER) test-rust style $(PYTHON_GROUPS) test-page
 
 .PHONY: style
 style: ## Check style, types, spelling, borders between the parts, and generated tables
@@ -69,19 +69,25 @@ test-rust: ## Tests of the virtual brick's crates
 	@$(CARGO) test $(CARGO_OPTIONS) --quiet --no-fail-fast --workspace --lib --bins --tests \
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
-# Groups of about the same length, which two processors share.
-PYTHON_GROUPS := test-commands test-brick test-host test-tools
-.PHONY: test-python $(PYTHON_GROUPS)
+# Groups of about the same length, the longest first.
+PYTHON_GROUPS := test-host test-control test-brick test-commands test-tools
+.PHONY: test-python built $(PYTHON_GROUPS)
 test-python: ## Tests of the host package, tools, run-time, drivers and examples
-	@.venv/bin/ravenbrick build examples/vehicle
-	@$(MAKE) --no-print-directory --jobs=2 --keep-going --output-sync $(PYTHON_GROUPS)
+	@$(TOGETHER) $(PYTHON_GROUPS)
 
-test-commands: TESTS := host/tests/cli
+CONTROL := $(addprefix host/tests/,codegen control model schedule)
+test-host: TESTS := host/tests virtual-brick/bindings/python/tests \
+	$(addprefix --ignore=,$(CONTROL) host/tests/cli)
+test-control: TESTS := $(CONTROL)
 test-brick: TESTS := runtime/tests drivers/tests examples verification
-test-host: TESTS := host/tests virtual-brick/bindings/python/tests --ignore=host/tests/cli
+test-commands: TESTS := host/tests/cli
 test-tools: TESTS := tools
-$(PYTHON_GROUPS):
+$(PYTHON_GROUPS): built
 	@env -u MAKEFLAGS $(PYTHON) -m pytest -q $(TESTS)
+
+# The image that several groups use, once.
+built:
+	@env -u MAKEFLAGS .venv/bin/ravenbrick build examples/vehicle
 
 .PHONY: test-page
 test-page: ## Tests of the page: units in Node.js, the shipped page in headless Chromium
