@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import control
 import numpy as np
 import pytest
-from scipy.linalg import solve_discrete_are
 from typer.testing import CliRunner, Result
+from verification.support.codegen.driven_controllers import CONTROLLERS, DrivenController
 from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK
 
 from ravenbrick.brick.run import VirtualTarget
@@ -18,23 +17,7 @@ from ravenbrick.cli.app import app
 from ravenbrick.codegen import control_task, generate_c
 from ravenbrick.errors import DesignError, ExitCode
 from ravenbrick.image.build import build_image
-from ravenbrick.model import (
-    Abs,
-    Diagram,
-    Gain,
-    Inport,
-    LookupTable,
-    MachineState,
-    Outport,
-    Product,
-    Saturation,
-    StateMachine,
-    Sum,
-    Transition,
-    diagram_text,
-    read_diagram,
-    state_space_block,
-)
+from ravenbrick.model import diagram_text, read_diagram
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.workspace import Workspace
@@ -103,49 +86,6 @@ value = 1
 """
 
 
-FIXED = """    ranges = {"wanted": 720.0, "angle": 720.0, "Speed": 2000.0}
-    options = FixedPointOptions(ranges, accumulator_bits=64)
-    code = generate_fixed_c(to_fixed_point(diagram, options))
-"""
-
-
-def mixed_rates() -> Diagram:
-    """A Kalman filter and a speed loop at 5 ms; a table and a state machine at 20 ms."""
-    fast, slow = 0.005, 0.02
-    a, c = np.array([[1.0, fast], [0.0, 1.0]]), np.array([[1.0, 0.0]])
-    noise, measured = np.diag([1e-2, 4e3]), np.array([[0.3]])
-    p = solve_discrete_are(a.T, c.T, noise, measured)
-    kalman = a @ p @ c.T @ np.linalg.inv(c @ p @ c.T + measured)
-    speed = control.ss(a - kalman @ c, kalman, [[0.0, 1.0]], [[0.0]], fast)
-    machine = StateMachine(
-        "Mode", sample_time=slow,
-        machine_states=(MachineState("resting", 0.0), MachineState("driving", 1.0)),
-        transitions=(Transition("resting", "driving", 0, ">=", 6.0),
-                     Transition("driving", "resting", 0, "<", 2.0, after=5)),
-    )  # fmt: skip
-    table = LookupTable("Shape", breakpoints=(-90.0, -10.0, 10.0, 90.0),
-                        table=(-400.0, -60.0, 60.0, 400.0), sample_time=slow)  # fmt: skip
-    diagram = Diagram("functional", fast)
-    for block in (
-        Inport("wanted"), Inport("angle"), Sum("Away", signs="+-", sample_time=slow), table,
-        Abs("Size", sample_time=slow), machine, Product("Allowed", sample_time=slow),
-        state_space_block("Speed", speed), Sum("Error", signs="+-"), Gain("Kp", gain=0.08),
-        Gain("Kf", gain=0.11), Sum("Both"), Saturation("Cut", limit=90.0), Outport("duty"),
-        Outport("estimate"),
-    ):  # fmt: skip
-        diagram.add(block)
-    blocks = {block.name: block for block in diagram.blocks}
-    for text in (
-        "wanted Away 0", "angle Away 1", "Away Shape 0", "Away Size 0", "Size Mode 0",
-        "Shape Allowed 0", "Mode Allowed 1", "angle Speed 0", "Allowed Error 0", "Speed Error 1",
-        "Error Kp 0", "Allowed Kf 0", "Kp Both 0", "Kf Both 1", "Both Cut 0", "Cut duty 0",
-        "Speed estimate 0",
-    ):  # fmt: skip
-        source, target, port = text.split()
-        diagram.connect(blocks[source], blocks[target], int(port))
-    return diagram
-
-
 def replace(file: Path, old: str, new: str) -> None:
     """Edit a file as a person would."""
     text = file.read_text()
@@ -192,29 +132,41 @@ def test_a_diagram_drives_a_robot_and_gets_a_port_without_any_ada(tmp_path: Path
     assert abs(before) < 1 and after > 90
 
 
-@NEEDS_TOOLCHAIN
-@NEEDS_VIRTUAL_BRICK
-@pytest.mark.parametrize("form", ["floating", "fixed"])
-def test_a_mixed_rate_controller_drives_in_floating_and_in_fixed_point(
-    form: str, tmp_path: Path
-) -> None:
-    """Kalman filter, table, state machine: the motor holds two angles, the estimate its speed."""
-    (tmp_path / "mixed.toml").write_text(diagram_text(mixed_rates()))
-    words = ["new", str(tmp_path / "robot"), "--from-diagram", str(tmp_path / "mixed.toml")]
-    words += ["--input", "angle=motor.B.angle", "--input", "wanted=200"]
-    done = CliRunner().invoke(app, [*words, "--output", "duty=motor.B.duty"])
+def project_of(one: DrivenController, form: str, folder: Path) -> Path:
+    """A project made of a controller as a person makes it: `new`, then a few edits."""
+    (folder / "diagram.toml").write_text(diagram_text(one.diagram()))
+    project = folder / "robot"
+    words = ["new", str(project), "--from-diagram", str(folder / "diagram.toml")]
+    for option, devices in (("--input", one.inputs), ("--output", one.outputs)):
+        words += [word for port, name in devices.items() for word in (option, f"{port}={name}")]
+    done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, done.output
-    project = tmp_path / "robot"
-    (project / "scenarios" / "start.toml").write_text(SCENARIO.replace("2_000", "2_500"))
+    (project / "scenarios" / "start.toml").write_text(one.scenario)
+    for old, new_text in one.robot.items():
+        replace(project / "robot.toml", old, new_text)
+    design = project / "design.py"
+    replace(design, "SPEED_WINDOW = 8", f"SPEED_WINDOW = {one.speed_window}")
     if form == "fixed":
-        design = project / "design.py"
         replace(design, "control_task, generate_c", "control_task, generate_fixed_c")
         replace(design, "import Diagram, load_diagram",
                 "import Diagram, FixedPointOptions, load_diagram, to_fixed_point")  # fmt: skip
-        replace(design, "    code = generate_c(diagram)\n", FIXED)
-    times, angles = run(project).signal("motor.B.angle")
-    held = np.degrees(np.interp([0.99, 2.49], times, angles))
-    assert held == pytest.approx([200.0, -90.0], abs=6.0)
+        options = f"FixedPointOptions({dict(one.ranges)!r}, accumulator_bits=64)"
+        replace(design, "generate_c(diagram)",
+                f"generate_fixed_c(to_fixed_point(diagram, {options}))")  # fmt: skip
+    return project
+
+
+@NEEDS_TOOLCHAIN
+@NEEDS_VIRTUAL_BRICK
+@pytest.mark.parametrize("form", ["floating", "fixed"])
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_a_controller_drives_its_robot_in_floating_and_in_fixed_point(
+    name: str, form: str, tmp_path: Path
+) -> None:
+    """What each must achieve stands in its scenario, deadlines among it."""
+    project = project_of(CONTROLLERS[name], form, tmp_path)
+    done = CliRunner().invoke(app, ["run", str(project), "start"])
+    assert done.exit_code == 0, done.output
     header = (project / "generated" / "functional.h").read_text()
     assert ("sfix16_En" in header) == (form == "fixed")
 

@@ -13,7 +13,7 @@ import pytest
 from verification.support.codegen.block_programs import all_models
 from verification.support.codegen.c_build import ada_object, arm_image, run
 from verification.support.codegen.emulation import run_on_arm
-from verification.support.codegen.fixed_point_cases import CASES
+from verification.support.codegen.fixed_point_cases import CASES, slow_limit
 from verification.support.codegen.paper_pi import fixed_pi, paper_pi
 from verification.support.codegen.random_diagrams import fixed_form, random_diagram
 
@@ -78,11 +78,12 @@ def test_all_blocks_in_ada_equal_their_simulation(tmp_path: Path) -> None:
         assert value(f"{name}_check_failures") == 0, name
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [*CASES, "slow_limit"])
 def test_fixed_point_controllers_in_ada_equal_their_simulation(name: str, tmp_path: Path) -> None:
-    """Both ways of rounding, with the proved ranges as checked types."""
-    program = CASES[name].program
-    value = run_checks({program.name: CASES[name]}, tmp_path)
+    """Both ways of rounding, with the proved ranges as checked types; a limit at a slower rate."""
+    fixed = slow_limit(32) if name == "slow_limit" else CASES[name]
+    program = fixed.program
+    value = run_checks({program.name: fixed}, tmp_path)
     assert value(f"{program.name}_check_steps") == STEPS
     assert value(f"{program.name}_check_failures") == 0
 

@@ -16,7 +16,7 @@ from ravenbrick.control import LoopSpecification, finish_design, pi_by_lambda, p
 from ravenbrick.control.analysis.frequency_plots import new_figure, plane_grid
 from ravenbrick.control.design.interactive import InteractiveDesign, TunableLoop
 from ravenbrick.errors import DesignError
-from ravenbrick.model import Diagram, Gain, Inport, Outport, SpeedLoop, Sum
+from ravenbrick.model import Diagram, Gain, Inport, Outport, Parameter, SpeedLoop, Sum
 
 LOOP = SpeedLoop(2.029, 0.037, 116.0)
 WANTED = LoopSpecification(settling_time=0.4, overshoot=0.005, sample_time=0.004, window=8,
@@ -98,3 +98,50 @@ def test_poles_of_a_damping_and_a_frequency_lie_on_lines_of_the_grid(
         fine = (ends[:-1, np.newaxis] + np.diff(ends)[:, np.newaxis] * steps).ravel()
         near.append(float(np.abs(fine - pole).min() / abs(pole)))
     assert sorted(near)[1] < 1e-3
+
+
+def servo() -> TunableLoop:
+    """An angle under a proportional loop around a proportional loop of the speed, at 10 ms."""
+    diagram = Diagram("servo", 0.01)
+    away, error = diagram.add(Sum("Away", signs="+-")), diagram.add(Sum("Error", signs="+-"))
+    outer = diagram.add(Gain("Outer", gain=Parameter("Kx", 6.0, "1/s", "of the angle")))
+    inner = diagram.add(Gain("Inner", gain=Parameter("Kv", 2.0, "V s/rad", "of the speed")))
+    diagram.connect_chain(diagram.add(Inport("wanted")), away, outer, error, inner)
+    diagram.connect(diagram.add(Inport("speed")), error, 1)
+    diagram.connect(diagram.add(Inport("angle")), away, 1)
+    diagram.connect_chain(inner, diagram.add(Outport("voltage")))
+    plant = control.ss([[0, 1], [0, -20]], [[0], [40]], np.eye(2), np.zeros((2, 1)))
+    return TunableLoop.around(plant, diagram, {"angle": 0, "speed": 1}, 2.0)
+
+
+def test_a_cascade_around_any_plant_is_dragged() -> None:
+    """Poles, step and margins as python-control closes both loops, one after the other."""
+    shown = InteractiveDesign(Figure(figsize=(12, 8)), servo())
+    shown.sliders["Kx"].set_val(9.0)
+    loop = shown.loop.sampled
+    motor = control.sample_system(control.ss([[0, 1], [0, -20]], [[0], [40]], np.eye(2),
+                                             np.zeros((2, 1))), 0.01, "zoh")  # fmt: skip
+    speed = control.ss(motor.A - 2.0 * motor.B @ [[0, 1]], 2.0 * motor.B, [[1, 0]], 0, 0.01)
+    closed = control.feedback(9.0 * speed, 1)
+    assert np.sort_complex(loop.poles()) == pytest.approx(np.sort_complex(closed.poles()))
+    times = np.arange(0, 2.0, 0.01)
+    response = control.step_response(closed, times).outputs
+    assert loop.step_response(2.0).output == pytest.approx(response, abs=1e-9)
+    assert shown.figures()["overshoot"] == pytest.approx(response.max() - 1, abs=1e-6)
+    cut = control.ss(motor.A, motor.B, [[18.0, 2.0]], 0, 0.01)
+    found = shown.figures()
+    assert found["phase_margin_deg"] == pytest.approx(control.margin(cut)[1], abs=0.01)
+    at_the_edge = control.feedback(found["gain_margin"] * cut, 1).poles()
+    assert np.abs(at_the_edge).max() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_loop_that_cannot_be_closed_is_refused() -> None:
+    """With what is expected."""
+    diagram = Diagram("one", 0.01)
+    gain = Gain("K", gain=Parameter("K", 1.0, "", ""))
+    diagram.connect_chain(diagram.add(Inport("wanted")), diagram.add(gain),
+                          diagram.add(Outport("u")))  # fmt: skip
+    with pytest.raises(DesignError, match="no input 'angle'; it has"):
+        TunableLoop.around(control.tf([1], [1, 1]), diagram, {"angle": 0})
+    with pytest.raises(DesignError, match="continuous system with one input"):
+        _ = TunableLoop.around(control.tf([1, 0], [1, 1]), diagram, {}).sampled

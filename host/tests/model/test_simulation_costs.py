@@ -11,12 +11,16 @@ from types import FrameType
 from ravenbrick.codegen import generate_c
 from ravenbrick.model import (
     Block,
+    CustomFunction,
+    DataType,
     Diagram,
     Execution,
     Gain,
     Inport,
+    Integrator,
     Outport,
     Saturation,
+    Simulation,
     Sum,
     UnitDelay,
 )
@@ -64,3 +68,23 @@ def test_effort_grows_with_the_number_of_blocks() -> None:
     small, large = chain(62), chain(250)
     for work in (lambda d: d.lower(), lambda d: generate_c(d, tolerance=None)):
         assert calls_of(lambda: work(large)) < 6 * calls_of(lambda: work(small))  # noqa: B023
+
+
+def test_what_only_a_scope_shows_is_computed_where_it_is_recorded() -> None:
+    """Neither for each derivative nor for the distance to the next limit."""
+    times, real = [], DataType.REAL64
+
+    def seen(value: float) -> float:
+        times.append(value)
+        return value
+
+    plant = Diagram("plant", 0.001)
+    total, state = plant.add(Sum("Total", real, signs="+-")), plant.add(Integrator("State"))
+    limit = plant.add(Saturation("Limit", real, limit=0.5))
+    shown = plant.add(CustomFunction("Seen", real, function=seen, c="return a;"))
+    plant.connect_chain(plant.add(Inport("u", real)), total, limit, state)
+    plant.connect(state, total, 1)
+    plant.connect_chain(state, shown, plant.add(Outport("y", real)))
+    found = Simulation(None, plant).run(4.0, {"u": 1.0})
+    assert len(found.events) == 1
+    assert len(times) <= len(found["plant/y"].values) + 8

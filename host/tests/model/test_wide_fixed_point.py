@@ -14,6 +14,7 @@ import pytest
 from scipy import linalg
 from verification.support.codegen.block_programs import FIXED, wide_program, write_checks
 from verification.support.codegen.c_build import host_library
+from verification.support.codegen.fixed_point_cases import slow_limit
 
 from ravenbrick.codegen import generate_ada, generate_c, generate_fixed_c
 from ravenbrick.control.rounding.ideal_error import PhysicalForms, ideal_bounds
@@ -197,3 +198,12 @@ def test_each_block_with_64_bit_sums_equals_its_simulation(name: str, library: c
     """Random steps; no bit of the output differs."""
     getattr(library, f"long_{name}_check")()
     assert ctypes.c_uint32.in_dll(library, f"long_{name}_check_failures").value == 0
+
+
+def test_a_limit_at_a_slower_rate_becomes_c(tmp_path: Path) -> None:
+    """The limited signal has 32 bits, and what is held of it another fraction."""
+    program = slow_limit(64).program
+    library = host_library(tmp_path, *write_checks({program.name: program}, tmp_path, 100))
+    library.slow_limit_check()
+    assert ctypes.c_uint32.in_dll(library, "slow_limit_check_steps").value == 100
+    assert ctypes.c_uint32.in_dll(library, "slow_limit_check_failures").value == 0

@@ -16,6 +16,7 @@ from ravenbrick.model import (
     IntegrationMethod,
     Outport,
     Rounding,
+    Saturation,
     Sum,
     UnitDelay,
     to_fixed_point,
@@ -51,6 +52,17 @@ def filters(rounding: Rounding) -> FixedPoint:
     diagram.connect(older, total, 2)
     diagram.connect(offset, total, 3)
     return to_fixed_point(diagram, FixedPointOptions({"In": 5.0}, rounding=rounding))
+
+
+def slow_limit(accumulator_bits: int) -> FixedPoint:
+    """A large gain and a limit at every second sample; what is held has another fraction."""
+    diagram = Diagram("slow_limit", 0.01)
+    large = Gain("Large", gain=9.0, sample_time=0.02)
+    limit = Saturation("Limit", limit=4.0, sample_time=0.02)
+    chain = (Inport("In"), large, limit, Gain("Small", gain=0.3), Outport("Out"))
+    diagram.connect_chain(*map(diagram.add, chain))
+    options = FixedPointOptions({"In": 1.0}, accumulator_bits=accumulator_bits)
+    return to_fixed_point(diagram, options)
 
 
 CASES = {

@@ -94,13 +94,16 @@ def _interactive(workspace: Workspace, port: int, reporter: Reporter) -> dict[st
     from ravenbrick.control.design.interactive import InteractiveDesign, TunableLoop
 
     script = workspace.project / DESIGN_SCRIPT
-    wanted = "the page shows speed loops, which 'design' returns as finish_design makes them"
+    wanted = "the page shows what 'design' returns: a Design of finish_design, or a TunableLoop"
     advice = f"{shown_path(script)} has no function 'design'; {wanted}"
     found = value_of_program(script, "design", advice)
-    if not isinstance(found, Design):
+    if isinstance(found, Design):
+        loop = TunableLoop.of(found.loop, found.specification, found.controller)
+    elif isinstance(found, TunableLoop):
+        loop = found
+    else:
         raise DesignError(f"{shown_path(script)}: 'design' returns no Design; {wanted}")
-    loop = TunableLoop.of(found.loop, found.specification, found.controller)
-    figure = page_figure(f"Design of {found.name}", (12, 8))
+    figure = page_figure(f"Design of {workspace.project.name}", (12, 8))
     source = f"{loop.program.name}.c"
     shown = InteractiveDesign(
         figure, loop, lambda program: generate_c(program, tolerance=None).files[source]

@@ -136,7 +136,10 @@ class Binary:
 
 @dataclass(frozen=True)
 class Clamp:
-    """`value` limited to [-limit, limit]; a NaN passes. Stands only at the top of a statement."""
+    """`value` limited to [-limit, limit]; a NaN passes.
+
+    Stands at the top of a statement, and in fixed point also where it gets another format.
+    """
 
     value: Expression
     limit: Expression
@@ -435,9 +438,17 @@ def expression_type(expression: Expression) -> NumberFormat:
             return expression_type(expression.value)
 
 
-def as_choices(table: Table) -> Expression:
-    """The same lines as a table, chosen by comparisons; the last goes on."""
-    form = expression_type(table)
+def as_choices(given: Table | Clamp) -> Expression:
+    """The same lines as a table, chosen by comparisons; the last goes on. Or the same limits."""
+    form = expression_type(given)
+    if isinstance(given, Clamp):
+        value, high = given.value, given.limit
+        low: Expression = Binary("-", Literal(0, form), high)
+        if isinstance(high, Literal):
+            low = Literal(-high.value, high.data_type)
+        below = Select(Comparison("<", value, low), low, value)
+        return Select(Comparison(">", value, high), high, below)
+    table = given
 
     def line(index: int) -> Expression:
         point, level = table.breakpoints[index], Literal(table.values[index], form)

@@ -10,21 +10,25 @@ from pathlib import Path
 import numpy as np
 
 from ravenbrick.errors import DesignError
+from ravenbrick.simulink.matlab.linear_systems import Systems
 from ravenbrick.simulink.matlab.statements import split
-from ravenbrick.simulink.numbers import Workspace, value_of
+from ravenbrick.simulink.numbers import Workspace
 
 __all__ = ["assignments", "read_workspace"]
 
 _LARGEST_BYTES = 4 << 20
-_ASSIGNMENT = re.compile(r"\s*([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)\s*=(?!=)\s*(.+)\Z", re.DOTALL)
+_NAME = r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*"
+_ASSIGNMENT = re.compile(rf"\s*(?:({_NAME})|\[([^\]]+)\])\s*=(?!=)\s*(.+)\Z", re.DOTALL)
+_TARGET = re.compile(rf"{_NAME}|~")
 _LOAD = re.compile(r"\s*load\s*\(?\s*'?([\w./-]+?)'?\s*\)?\s*\Z")
 
 
 def read_workspace(path: Path) -> Workspace:
     """The variables that a file of either kind gives.
 
-    Of an .m file assignments of numbers, vectors and matrices are taken, with arithmetic and
-    mathematical functions, from top to bottom, and .mat files that it loads from its own folder.
+    Of an .m file assignments of numbers, vectors and matrices are taken, with arithmetic,
+    mathematical functions, linear systems and their designs (`Systems`), from top to bottom, and
+    .mat files that it loads from its own folder.
     Everything else in it is left out; a variable that is missed is named when a block wants it.
     Raises `DesignError` for a file that is neither.
     """
@@ -48,6 +52,7 @@ def _read(path: Path, found: Workspace) -> None:
 
 def assignments(text: str, folder: Path, found: Workspace) -> None:
     """Add what a program in MATLAB's language assigns; `folder` holds .mat files that it loads."""
+    systems = Systems(found)
     for _, statement in split(text):
         load = _LOAD.match(statement)
         if load:
@@ -59,10 +64,12 @@ def assignments(text: str, folder: Path, found: Workspace) -> None:
         match = _ASSIGNMENT.match(statement)
         if match is None:
             continue
+        names = [match[1]] if match[1] else _TARGET.findall(match[2])
         try:
-            found[match[1]] = value_of(_without_object(match[2]), found)
+            systems.assign(names, _without_object(match[3]))
         except ValueError:
-            found.pop(match[1], None)
+            for name in names:
+                found.pop(name, None)
 
 
 def _without_object(text: str) -> str:

@@ -183,8 +183,10 @@ class AdaText:
                 return f"{helper} ({arrays}, {self.expression(value)})"
             case ir.Rescale():
                 return self._rescale(expression)
-            case ir.Clamp() | ir.Bounded():
-                raise DesignError("a limit inside an expression cannot become Ada")
+            case ir.Clamp():
+                return self.expression(ir.as_choices(expression), nested=nested)
+            case ir.Bounded():
+                raise DesignError("a bound inside an expression cannot become Ada")
         return f"({text})" if nested else text
 
     def _infix(self, operator: str, left: ir.Expression, right: ir.Expression) -> str:
@@ -225,7 +227,8 @@ class AdaText:
     def _rescale(self, expression: ir.Rescale) -> str:
         """The integer behind the value, divided: conversions of Ada may round either way."""
         inner = self.expression(expression.value)
-        if isinstance(expression.value, ir.Select):  # whose type the attribute does not tell
+        # The attribute does not tell the type of a choice.
+        if isinstance(expression.value, ir.Select | ir.Clamp):
             inner = f"{ada_type(self._word(expression.value))}'{inner}"
         value = f"Integer_32'Integer_Value ({inner})"
         own = ada_type(self._word(expression))

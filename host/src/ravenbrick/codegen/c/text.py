@@ -137,6 +137,9 @@ def _c_expression(program: ir.Program, expression: ir.Expression, *, nested: boo
             return f"({text})" if text.startswith("-") else text
         case ir.Cast(value=ir.Read(slot=slot), data_type=FixedFormat() as form):
             return f"({form.value}){c_variable(program, slot)}"
+        case ir.Cast(value=ir.Clamp(value=value, limit=limit), data_type=form):
+            wide = ir.Clamp(ir.Cast(value, form), ir.Cast(limit, form))
+            return _c_expression(program, wide, nested=nested)
         case ir.Cast(value=value, data_type=data_type):
             return f"({data_type.value})({_c_expression(program, value)})"
         case ir.Binary(
@@ -165,8 +168,10 @@ def _c_expression(program: ir.Program, expression: ir.Expression, *, nested: boo
             return f"{program.name}_{name}({inner}, {1 << bits})"
         case ir.Rescale(value=value, bits=bits):
             text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
-        case ir.Clamp() | ir.Bounded():
-            raise DesignError("a limit inside an expression cannot become C; give it its own block")
+        case ir.Clamp():
+            return _c_expression(program, ir.as_choices(expression), nested=nested)
+        case ir.Bounded():
+            raise DesignError("a bound inside an expression cannot become C; give it its own block")
     return f"({text})" if nested else text
 
 

@@ -14,15 +14,15 @@ import numpy as np
 
 from ravenbrick.control.analysis.frequency_plots import frequency_response, plane_grid, unwrapped
 from ravenbrick.control.analysis.metrics import Margins
+from ravenbrick.control.analysis.plant_loop import PlantLoop
 from ravenbrick.control.analysis.sampled import SampledLoop
 from ravenbrick.control.estimation.estimator import LoopSpecification
 from ravenbrick.errors import DesignError
-from ravenbrick.model import Diagram, SpeedLoop, linear_system
+from ravenbrick.model import Diagram, LinearSystem, SpeedLoop, linear_system
 from ravenbrick.model import program as ir
 
 __all__ = ["InteractiveDesign", "TunableLoop"]
 
-_DURATION = 1.0
 _POINTS = 240
 _REACH = 4.0
 _LEFT, _SLIDER_HEIGHT = 0.36, 0.045
@@ -31,27 +31,51 @@ _OWN, _BEFORE, _MARK, _FAINT = "#1f5fa8", "#9a6a00", "#b3372f", "#bbbbbb"
 
 @dataclass(frozen=True, eq=False)
 class TunableLoop:
-    """A speed loop whose controller keeps its gains open.
+    """A loop whose controller keeps its gains open.
 
-    `program` is the controller's step with the values that it has now.
+    `program` is the controller's step with the values that it has now, `closed` makes the loop of
+    a controller, and its step is shown for `duration` (s).
     """
 
-    loop: SpeedLoop
-    specification: LoopSpecification
     program: ir.Program
+    closed: Callable[[LinearSystem], SampledLoop | PlantLoop]
+    duration: float = 1.0
 
     @classmethod
     def of(
         cls, loop: SpeedLoop, specification: LoopSpecification, controller: Diagram
     ) -> TunableLoop:
-        """The loop with a diagram's own values; raises `DesignError` if none can be tuned."""
-        own = cls(loop, specification, controller.lower())
-        if not own.gains:
+        """A speed loop with a diagram's own values; raises `DesignError` if none can be tuned."""
+        window, delay = specification.window or 1, specification.delay
+        program = controller.lower()
+        return cls(program, lambda system: SampledLoop(loop, system, window, delay))._with_gains()
+
+    @classmethod
+    def around(
+        cls, plant: Any, controller: Diagram, measured: Mapping[str, int], duration: float = 1.0
+    ) -> TunableLoop:
+        """The loop of a diagram with a continuous plant, such as python-control's, of one input.
+
+        The diagram has one output. `measured` gives for its inputs the number of the plant's
+        output that they read; the one that is not named is the set-point, which the plant's first
+        output follows.
+        """
+        program = controller.lower()
+        names = [slot.name for slot in program.inputs]
+        for name in measured:
+            if name not in names:
+                raise DesignError(f"the controller has no input '{name}'; it has {names}")
+        ports = [measured.get(name) for name in names]
+        own = cls(program, lambda system: PlantLoop(plant, system, ports), duration)
+        return own._with_gains()
+
+    def _with_gains(self) -> TunableLoop:
+        if not self.gains:
             raise DesignError(
-                f"diagram '{controller.name}' has no gain to drag; give one of its blocks a "
+                f"diagram '{self.program.name}' has no gain to drag; give one of its blocks a "
                 "Parameter instead of a number"
             )
-        return own
+        return self
 
     def tuned(self, values: Mapping[str, float]) -> TunableLoop:
         """The same loop with other values of parameters, by name."""
@@ -76,10 +100,9 @@ class TunableLoop:
         return found
 
     @cached_property
-    def sampled(self) -> SampledLoop:
-        """The loop as it runs, with estimator and delay."""
-        own = self.specification
-        return SampledLoop(self.loop, linear_system(self.program), own.window or 1, own.delay)
+    def sampled(self) -> SampledLoop | PlantLoop:
+        """The loop as it runs, of a speed loop with estimator and delay."""
+        return self.closed(linear_system(self.program))
 
     @property
     def stable(self) -> bool:
@@ -166,7 +189,7 @@ class InteractiveDesign:
         axis.clear()
         axis.axhline(1.0, color=_FAINT, linewidth=1)
         for loop, colour in ((self._begun, _BEFORE), (self.loop, _OWN)):
-            response = loop.sampled.step_response(_DURATION, 1)
+            response = loop.sampled.step_response(self.loop.duration, 1)
             axis.plot(response.time, response.output, color=colour)
         axis.set_ylim(-0.1, 2.0)
         axis.set_title("unit step over s", fontsize=10)

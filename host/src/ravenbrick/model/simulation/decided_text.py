@@ -26,6 +26,7 @@ class _DecidedText(PythonText):
         super().__init__(kept, float)
         self._verb, self._decisions = verb, decisions
         self.blocks: list[str] = []
+        self.deciding: list[bool] = []
         self._block = ""
         for kind in ("test", "clamp", "whole", "table"):
             name = f"{verb}_{kind}"
@@ -35,11 +36,23 @@ class _DecidedText(PythonText):
     def instructions(self, instructions: Iterable[ir.Instruction]) -> None:
         """Lines that do the same; each choice belongs to the block of its statement."""
         for one in instructions:
-            self._block = one.block
+            self.begin(one)
             super().instructions((one,))
+
+    def begin(self, one: ir.Instruction) -> None:
+        """What follows belongs to a statement; `deciding` tells of each whether it has a choice."""
+        self._block = one.block
+        self.deciding.append(False)
+
+    def skip(self, one: ir.Statement) -> None:
+        """Only number its choices."""
+        lines = len(self._lines)
+        self.instructions((one,))
+        del self._lines[lines:]
 
     def _number(self) -> int:
         self.blocks.append(self._block)
+        self.deciding[-1] = True
         return len(self.blocks) - 1
 
     def comparison(self, left: str, operator: str, right: str) -> str:
@@ -131,6 +144,19 @@ class _Found:
         return self.hold_table(number, numbers, value)
 
 
+def _read_by(whole: Sequence[ir.Statement], wanted: Sequence[bool]) -> list[bool]:
+    """Which statements are wanted, or compute what wanted ones behind them read."""
+    read: set[tuple[ir.Kind, str]] = set()
+    found = []
+    for one, own in zip(reversed(whole), reversed(wanted), strict=True):
+        needed = own or (one.target.kind, one.target.name) in read
+        found.append(needed)
+        if needed:
+            nodes = ir.nodes(one.expression)
+            read |= {(n.slot.kind, n.slot.name) for n in nodes if isinstance(n, ir.Read)}
+    return found[::-1]
+
+
 class Decisions:
     """Statements and derivatives as functions of (memory, input values).
 
@@ -146,23 +172,34 @@ class Decisions:
     ) -> None:  # fmt: skip
         self._found = _Found()
 
-        def made(verb: str, names: bool) -> tuple[_DecidedText, Callable[..., tuple[Any, ...]]]:
+        def made(
+            verb: str, needed: Sequence[bool], results: Sequence[ir.Slot] | None
+        ) -> tuple[_DecidedText, Callable[..., tuple[Any, ...]]]:
             text = _DecidedText(kept, verb, self._found)
-            text.instructions(statements)
+            for one, wanted in zip(statements, needed, strict=False):
+                if wanted:
+                    text.instructions((one,))
+                else:
+                    text.skip(one)
             slopes = []
-            for one in derivatives:
-                text._block = one.block
-                slopes.append(text.expression(one.expression))
-            results = [text.name(slot) for slot in shown] if names else slopes
-            if names:
-                text.line(f"({''.join(f'{one}, ' for one in slopes)})")
-            return text, text.function(inputs, results, keeps=False)
+            for one, wanted in zip(derivatives, needed[len(statements) :], strict=True):
+                text.begin(one)
+                slope = text.expression(one.expression)
+                slopes += [slope] if wanted else []
+            if results is None:
+                return text, text.function(inputs, slopes, keeps=False)
+            text.line(f"({''.join(f'{one}, ' for one in slopes)})")
+            return text, text.function(inputs, [*map(text.name, results)], keeps=False)
 
-        text, self._find = made("find", True)
+        whole = [*statements, *derivatives]
+        every = [True] * len(whole)
+        text, self._find = made("find", every, shown)
         self._blocks = text.blocks
         self._found.held += [None] * len(self._blocks)
-        self._values, self._slopes = made("hold", True)[1], made("hold", False)[1]
-        self._measure = made("measure", True)[1]
+        self._values = made("hold", every, shown)[1]
+        moving = [place >= len(statements) for place in range(len(whole))]
+        self._slopes = made("hold", _read_by(whole, moving), None)[1]
+        self._measure = made("measure", _read_by(whole, text.deciding), ())[1]
 
     def find(self, memory: Memory, given: Sequence[float]) -> tuple[Any, ...]:
         """Decide anew."""

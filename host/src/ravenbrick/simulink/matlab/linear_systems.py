@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Linear systems and designs in programs of MATLAB's language, computed by python-control."""
+
+from __future__ import annotations
+
+import operator
+import re
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ravenbrick.model.lazy import control
+from ravenbrick.simulink.expressions import Apply, Infix, Name, Prefix, Tree, parse
+from ravenbrick.simulink.numbers import Workspace, evaluate
+
+__all__ = ["Systems"]
+
+Results = tuple[Any, ...]
+_METHODS = ("zoh", "foh", "tustin", "matched")
+_TEXT = re.compile(r"""["'](\w+)["']""")
+_BRACES = re.compile(r"(\.(?:[nN]um|[dD]en|Numerator|Denominator))\{[1:](?:,[1:])?\}")
+_MOST_STATES = 200
+_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+}  # fmt: skip
+
+
+def _is_system(value: Any) -> bool:
+    return not isinstance(value, np.ndarray | str)
+
+
+def _number(value: Any) -> float:
+    if _is_system(value) or np.size(value) != 1:
+        raise ValueError("a number is expected")
+    return float(np.ravel(value)[0])
+
+
+def _state_space(a: Any, *more: Any) -> Results:
+    if _is_system(a):
+        return (control.ss(a),)
+    b, c, d, *rate = more
+    if not np.any(d):  # MATLAB takes 0 and [] for any size
+        d = np.zeros((len(c), b.shape[1]))
+    return (control.ss(a, b, c, d, *map(_number, rate)),)
+
+
+def _transfer_function(first: Any, *more: Any) -> Results:
+    if isinstance(first, str):
+        return (control.tf(first, *map(_number, more)),)
+    if _is_system(first):
+        return (control.tf(first),)
+    denominator, *rate = more
+    return (control.tf(first.ravel(), denominator.ravel(), *map(_number, rate)),)
+
+
+def _sampled(first: Any, *more: Any) -> Results:
+    """A system and its sample time, or A, B and the sample time, with inputs held."""
+    if not _is_system(first):
+        entry, rate = more
+        order = len(first)
+        held = control.ss(first, entry, np.eye(order), np.zeros((order, entry.shape[1])))
+        held = control.sample_system(held, _number(rate), "zoh")
+        return held.A, held.B
+    rate, method = more if len(more) == 2 else (*more, "zoh")
+    if method not in _METHODS:
+        raise ValueError(f"no method '{method}' of c2d")
+    return (control.sample_system(first, _number(rate), method),)
+
+
+def _polynomials(system: Any) -> Results:
+    """Numerator and denominator as rows of one length, as MATLAB keeps them."""
+    found = control.tf(system)
+    if found.ninputs * found.noutputs != 1:
+        raise ValueError("several inputs or outputs have no single numerator")
+    rows = [np.ravel(one[0][0]) for one in (found.num, found.den)]
+    size = max(map(len, rows))
+    return tuple(np.pad(row, (size - len(row), 0))[np.newaxis] for row in rows)
+
+
+def _matrices(system: Any) -> Results:
+    found = control.ss(system)
+    return found.A, found.B, found.C, found.D
+
+
+def _regulator(*given: Any) -> Results:
+    discrete = _is_system(given[0]) and control.isdtime(given[0], strict=True)
+    solve = control.dlqr if discrete else control.lqr
+    return tuple(solve(*(one for one in given if np.size(one))))
+
+
+def _discrete_regulator(*given: Any) -> Results:
+    return tuple(control.dlqr(*(one for one in given if np.size(one))))
+
+
+def _placed(solve: str) -> Callable[..., Results]:
+    return lambda a, b, poles: (np.atleast_2d(getattr(control, solve)(a, b, np.ravel(poles))),)
+
+
+_FUNCTIONS: dict[str, Callable[..., Results]] = {
+    "ss": _state_space, "tf": _transfer_function, "c2d": _sampled,
+    "ssdata": _matrices, "tfdata": lambda system, *_: _polynomials(system),
+    "lqr": _regulator, "dlqr": _discrete_regulator,
+    "lqe": lambda *given: tuple(control.lqe(*given)),
+    "dlqe": lambda *given: tuple(control.dlqe(*given)),
+    "place": _placed("place"), "acker": _placed("place_acker"),
+    "feedback": lambda *given: (control.feedback(*given),),
+    "ctrb": lambda a, b: (control.ctrb(a, b),), "obsv": lambda a, c: (control.obsv(a, c),),
+}  # fmt: skip
+
+
+class Systems:
+    """The systems that a program has assigned so far, beside the numbers in `found`."""
+
+    def __init__(self, found: Workspace) -> None:
+        self._found = found
+        self._known: dict[str, Any] = {}
+
+    def assign(self, names: list[str], text: str) -> None:
+        """Give names the outputs of an expression; raises `ValueError` for what is not understood.
+
+        A name of `~` takes nothing, and none takes text or complex numbers. A system is known by
+        its fields: `G.A`, `G.num`, `G.Ts`.
+        """
+        values = self._value(text)
+        if len(values) < len(names):
+            raise ValueError(f"{len(names)} results of an expression that has {len(values)}")
+        for name, value in zip(names, values, strict=False):
+            self._known.pop(name, None)
+            if name == "~":
+                continue
+            if _is_system(value):
+                self._known[name] = value
+                self._found.pop(name, None)
+                self._found.update(_fields(name, value))
+            elif isinstance(value, np.ndarray) and not np.any(np.imag(value)):
+                self._found[name] = np.atleast_2d(np.real(value)).astype(float)
+            else:  # text, or complex poles
+                self._found.pop(name, None)
+
+    def _value(self, text: str) -> Results:
+        """All results of an expression."""
+        words: dict[str, str] = {}
+
+        def named(match: re.Match[str]) -> str:
+            words[f"text_{len(words)}"] = match[1]
+            return f"text_{len(words) - 1}"
+
+        tree = parse(_BRACES.sub(r"\1", _TEXT.sub(named, text)))
+        self._words = words
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                return self._results(tree)
+        except (
+            ArithmeticError, AttributeError, IndexError, NotImplementedError, TypeError,
+            np.linalg.LinAlgError,
+        ) as error:  # fmt: skip
+            raise ValueError(f"'{text}' is not understood: {error}") from error
+
+    def _results(self, tree: Tree) -> Results:
+        match tree:
+            case Name(text=name) if name in self._words:
+                return (self._words[name],)
+            case Name(text=name) if name in self._known:
+                return (self._known[name],)
+            case Apply(name=name, arguments=arguments) if (
+                name in _FUNCTIONS and name not in dict.keys(self._found)
+            ):
+                given = [self._results(one)[0] for one in arguments]
+                if any(len(one) > _MOST_STATES for one in given if isinstance(one, np.ndarray)):
+                    raise ValueError(f"a design with more than {_MOST_STATES} states")
+                return _FUNCTIONS[name](*given)
+            case Infix(operator=sign, left=left, right=right):
+                return (_combined(sign, self._results(left)[0], self._results(right)[0]),)
+            case Prefix(operator=sign, operand=operand):
+                value = self._results(operand)[0]
+                if _is_system(value):
+                    return (_combined("*", np.array([[-1.0 if sign == "-" else 1.0]]), value),)
+                return (evaluate(Prefix(sign, Name("one")), {"one": value}),)
+        return (evaluate(tree, self._found),)
+
+
+def _combined(sign: str, left: Any, right: Any) -> Any:
+    """Systems in series, in parallel or as a power; otherwise numbers."""
+    if not _is_system(left) and not _is_system(right):
+        return evaluate(Infix(sign, Name("left"), Name("right")), {"left": left, "right": right})
+    if sign == "^":
+        return left ** round(_number(right))
+    if sign not in _OPERATORS:
+        raise ValueError(f"'{sign}' of a system")
+    return _OPERATORS[sign](*(one if _is_system(one) else _number(one) for one in (left, right)))
+
+
+def _fields(name: str, system: Any) -> dict[str, np.ndarray]:
+    """What a program may read of a system."""
+    rate = float(system.dt) if control.isdtime(system, strict=True) else 0.0
+    found = {f"{name}.Ts": np.array([[rate]])}
+    if isinstance(system, control.TransferFunction):
+        rows = _polynomials(system)
+        for words, row in zip((("num", "Num", "Numerator"), ("den", "Den", "Denominator")), rows,
+                              strict=True):  # fmt: skip
+            found |= {f"{name}.{word}": row for word in words}
+        return found
+    for word, matrix in zip("ABCD", _matrices(system), strict=True):
+        found[f"{name}.{word}"] = found[f"{name}.{word.lower()}"] = matrix
+    return found
